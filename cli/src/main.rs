@@ -1,0 +1,2 @@
+//! Papilio on the command line.
+fn main() {}

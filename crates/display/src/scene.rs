@@ -1,0 +1,319 @@
+//! What is simulated: the display, its light, its viewer, all resolved to numbers.
+//!
+//! Every spectrum lies on `Scene::grid`. Values are taken as checked: whoever
+//! builds a scene (the `scenario` room, a library user) calls [`Scene::check`].
+
+use num_complex::Complex64;
+use papilio_spectra::{Grid, Spectrum};
+
+/// One computation, complete.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The wavelengths of everything below.
+    pub grid: Grid,
+    /// The panel, from the front of screen to the pixel.
+    pub display: Display,
+    /// The room.
+    pub lighting: Lighting,
+    /// Where the reader looks from.
+    pub viewer: Viewer,
+    /// How to compute, and how well.
+    pub solver: Solver,
+}
+
+/// The layers, top to bottom: front, surface or diffuser, glass, pixel.
+#[derive(Debug, Clone)]
+pub struct Display {
+    /// Front-of-screen components in air, outermost first.
+    pub front: Vec<FrontComponent>,
+    /// The diffuser between air and glass, its faces included; `None`: a bare panel.
+    pub diffuser: Option<Diffuser>,
+    /// The glass.
+    pub glass: Glass,
+    /// The pixel array under the glass.
+    pub pixel: Pixel,
+}
+
+/// A front-of-screen component, alike from both sides and at all angles.
+#[derive(Debug, Clone)]
+pub struct FrontComponent {
+    /// Share of the light that it mirrors, 0 to 1.
+    pub reflectance: Spectrum,
+    /// Share of the light that it absorbs, 0 to 1; the two together at most 1.
+    pub absorptance: Spectrum,
+}
+
+/// A diffuser given by its BTDF; it stands for everything between air and glass.
+#[derive(Debug, Clone)]
+pub struct Diffuser {
+    /// The angular shape of the scattered part.
+    pub lobe: Lobe,
+    /// T of the whole lobe (straight-through included), 0 to 1, per wavelength.
+    pub transmittance: Spectrum,
+    /// Share of the transmitted light that goes straight through, 0 to 1.
+    pub straight_through: f64,
+}
+
+/// The shape of a scattering lobe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lobe {
+    /// K-correlation lobe of this width b, in direction cosines.
+    KCorrelation {
+        /// b > 0.
+        width: f64,
+    },
+    /// The same radiance in every direction of the air hemisphere.
+    Lambertian,
+}
+
+/// The glass between surface and pixel.
+#[derive(Debug, Clone)]
+pub struct Glass {
+    /// Refractive index, at least 1.
+    pub index: Spectrum,
+    /// Its face towards the air where no diffuser's own faces stand.
+    pub surface: Surface,
+}
+
+/// The face between air and glass of a bare panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// A perfect antireflection face: |beta| <= 1 passes whole, |beta| > 1 is reflected whole.
+    Coated,
+    /// A bare face, unpolarised Fresnel.
+    Fresnel,
+}
+
+/// The pixel array: what each drive state reflects.
+#[derive(Debug, Clone)]
+pub enum Pixel {
+    /// Thin-film sub-pixels with a gap-dependent layer.
+    Film(FilmPixel),
+    /// States tabulated against angle and wavelength.
+    Table(TablePixel),
+    /// States that reflect alike at all angles.
+    Uniform(UniformPixel),
+}
+
+/// Interferometric sub-pixels that share one film stack.
+#[derive(Debug, Clone)]
+pub struct FilmPixel {
+    /// Layers from the glass down.
+    pub layers: Vec<FilmLayer>,
+    /// n + ik of the opaque, semi-infinite substrate.
+    pub substrate: Vec<Complex64>,
+    /// The sub-pixels, in the order of the scenario.
+    pub sub_pixels: Vec<SubPixel>,
+    /// Gap of a dark sub-pixel, nm; `None` where no state needs it.
+    pub dark_gap_nm: Option<f64>,
+    /// Active share of the panel, 0 to 1.
+    pub fill_factor: f64,
+    /// Reflectance of the inactive rest.
+    pub inactive_reflectance: Spectrum,
+    /// The drive states, in the order of the results.
+    pub states: Vec<FilmState>,
+}
+
+/// A layer of the film stack.
+#[derive(Debug, Clone)]
+pub struct FilmLayer {
+    /// n + ik per wavelength, k >= 0.
+    pub index: Vec<Complex64>,
+    /// Its thickness.
+    pub thickness: Thickness,
+}
+
+/// A layer's thickness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Thickness {
+    /// The same in every state, nm.
+    Fixed(f64),
+    /// The gap of the sub-pixel's state.
+    Gap,
+}
+
+/// One sub-pixel.
+#[derive(Debug, Clone)]
+pub struct SubPixel {
+    /// `red`, `green`, ...; free, except `dark`.
+    pub name: String,
+    /// Share of the active area; all sum to 1.
+    pub area: f64,
+    /// Gap at its own colour, nm.
+    pub gap_nm: f64,
+}
+
+/// A drive state: what each sub-pixel does, in the order of `sub_pixels`.
+#[derive(Debug, Clone)]
+pub struct FilmState {
+    /// `white`, `black`, ... or the user's own.
+    pub name: String,
+    /// One drive for each sub-pixel.
+    pub drives: Vec<Drive>,
+}
+
+/// How a sub-pixel is driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// This share (0 to 1) of its area at its own colour, the rest dark.
+    Share(f64),
+    /// The whole of it at this gap, nm.
+    Gap(f64),
+}
+
+/// Complete states from a table (areas and fill factor included).
+#[derive(Debug, Clone)]
+pub struct TablePixel {
+    /// The medium that the angles are in.
+    pub angles: TableAngles,
+    /// Angles from 0, ascending, in degrees.
+    pub theta_deg: Vec<f64>,
+    /// The states, in the order of the table.
+    pub states: Vec<TableState>,
+}
+
+/// The medium of a table's angles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableAngles {
+    /// In air, before Snell.
+    Air,
+    /// In the glass above the pixel.
+    Glass,
+}
+
+/// One state of a table.
+#[derive(Debug, Clone)]
+pub struct TableState {
+    /// Its name.
+    pub name: String,
+    /// A reflectance spectrum for each angle.
+    pub reflectance: Vec<Spectrum>,
+}
+
+/// Angle-independent states.
+#[derive(Debug, Clone)]
+pub struct UniformPixel {
+    /// How it reflects.
+    pub kind: UniformKind,
+    /// Name and reflectance of each state.
+    pub states: Vec<(String, Spectrum)>,
+}
+
+/// How a uniform pixel reflects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UniformKind {
+    /// Specularly.
+    Mirror,
+    /// With the same basic radiance in every direction of the glass.
+    Lambertian,
+}
+
+/// The room's light. `diffuse` and all shares sum to 1.
+#[derive(Debug, Clone)]
+pub struct Lighting {
+    /// Illuminance that the shares refer to, lx.
+    pub illuminance_lx: f64,
+    /// Share that comes alike from the whole hemisphere.
+    pub diffuse: f64,
+    /// Relative spectrum of the diffuse part.
+    pub diffuse_spectrum: Spectrum,
+    /// The directed sources.
+    pub directed: Vec<DirectedLight>,
+}
+
+/// A directed source.
+#[derive(Debug, Clone)]
+pub struct DirectedLight {
+    /// Inclination, degrees in air (or glass, see `AngleMedium`); negative: towards phi + 180.
+    pub theta_deg: f64,
+    /// Azimuth, degrees.
+    pub phi_deg: f64,
+    /// Share of the illuminance.
+    pub share: f64,
+    /// Relative spectrum.
+    pub spectrum: Spectrum,
+    /// Angular radius of a round source of even radiance; `None`: collimated.
+    pub radius_deg: Option<f64>,
+    /// True: the share is measured across the beam, and cos(theta) of it falls on the display.
+    pub normal_to_beam: bool,
+}
+
+/// The views: the product of all theta and phi, theta fastest.
+#[derive(Debug, Clone)]
+pub struct Viewer {
+    /// Inclinations, degrees.
+    pub theta_deg: Vec<f64>,
+    /// Azimuths, degrees.
+    pub phi_deg: Vec<f64>,
+    /// Full angle of the round field, degrees.
+    pub field_deg: f64,
+    /// Distance, mm (matters only where the display is not uniform).
+    pub distance_mm: f64,
+}
+
+/// How to compute.
+#[derive(Debug, Clone)]
+pub struct Solver {
+    /// Which solver.
+    pub method: Method,
+    /// When to stop.
+    pub stop: Stop,
+    /// Where the walk's numbers come from.
+    pub sampler: Sampler,
+    /// Exact, or as the dissertation.
+    pub approximation: Approximation,
+    /// The medium of the scene's angles.
+    pub angle_medium: AngleMedium,
+    /// Seed of the walk.
+    pub seed: u64,
+}
+
+/// The solvers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Unbiased Monte Carlo.
+    Walk,
+}
+
+/// When the walk stops.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stop {
+    /// At this relative standard error of Y, largest over states and views.
+    RelativeError {
+        /// For example 0.001.
+        target: f64,
+        /// Over every wavelength too, against the spectrum's maximum.
+        every_bin: bool,
+    },
+    /// After this many paths for each view.
+    Paths(u64),
+}
+
+/// Where the walk's numbers come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampler {
+    /// Independent random numbers.
+    Random,
+    /// Owen-scrambled Sobol points, a fresh scramble for each replicate.
+    Sobol,
+}
+
+/// How completely light is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Approximation {
+    /// All orders.
+    None,
+    /// Feng 2012, eq. 3-2, 3-3 and 3-5: front of screen to first order, one pass through the panel.
+    SinglePass,
+}
+
+/// The medium that angles of viewer and light are given in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AngleMedium {
+    /// Angles in air, Snell does the rest.
+    Air,
+    /// Angles in glass (bare panels with a constant index only).
+    Glass,
+    /// Angles in air; the pixel is looked up at the air angle as if it were the angle in glass.
+    Unrefracted,
+}

@@ -1,0 +1,1 @@
+//! Readers and writers: spectra, n-k tables, pixel tables, results.

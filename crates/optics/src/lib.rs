@@ -1,0 +1,1 @@
+//! Interfaces, coherent thin films and scattering lobes, in direction cosines.

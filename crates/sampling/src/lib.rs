@@ -1,0 +1,1 @@
+//! Random numbers, low-discrepancy points and warps, each with its density.

@@ -1,0 +1,1 @@
+//! The TOML scenario: describe and resolve, with errors that say where.

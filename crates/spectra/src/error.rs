@@ -1,0 +1,55 @@
+//! What can be wrong with spectral data.
+
+/// Why a grid, a table or a material could not be made or sampled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SpectraError {
+    /// The three numbers do not make a grid.
+    #[error(
+        "{start_nm} to {stop_nm} nm in steps of {step_nm} nm is not a grid (expected 0 < start < stop and a whole number of steps, at most {} points)",
+        crate::Grid::MAX_LEN
+    )]
+    Grid {
+        /// First wavelength asked for.
+        start_nm: f64,
+        /// Last wavelength asked for.
+        stop_nm: f64,
+        /// Step asked for.
+        step_nm: f64,
+    },
+    /// A table needs at least two points.
+    #[error("a table needs at least two points, this one has {points}")]
+    TooFewPoints {
+        /// How many there are.
+        points: usize,
+    },
+    /// NaN or infinity in a table.
+    #[error("point {} of the table is not a finite number", point + 1)]
+    NotFinite {
+        /// Zero-based position.
+        point: usize,
+    },
+    /// Wavelengths must ascend.
+    #[error("the wavelengths must ascend, point {} does not", point + 1)]
+    NotAscending {
+        /// Zero-based position.
+        point: usize,
+    },
+    /// A table or model is asked for a wavelength that it does not have.
+    #[error("{nm} nm is outside the data, which reach from {first} to {last} nm")]
+    OutsideTable {
+        /// The wavelength asked for.
+        nm: f64,
+        /// Where the data begin.
+        first: f64,
+        /// Where they end.
+        last: f64,
+    },
+    /// No material or illuminant of that name.
+    #[error("there is no {kind} named `{name}`")]
+    UnknownName {
+        /// "material" or "illuminant".
+        kind: &'static str,
+        /// What was asked for.
+        name: String,
+    },
+}

@@ -1,0 +1,129 @@
+//! A quantity at every wavelength of a grid, and tables to sample it from.
+
+use std::ops::Deref;
+
+use crate::{Grid, SpectraError};
+
+/// One value for each wavelength of a [`Grid`]; the unit is that of the quantity.
+///
+/// The grid itself is kept once, by whoever owns the computation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum(Vec<f64>);
+
+impl Spectrum {
+    /// The same value at every wavelength.
+    pub fn constant(grid: &Grid, value: f64) -> Self {
+        Self(vec![value; grid.len()])
+    }
+
+    /// `f` of each wavelength in nm.
+    pub fn from_fn(grid: &Grid, f: impl FnMut(f64) -> f64) -> Self {
+        Self(grid.wavelengths_nm().into_iter().map(f).collect())
+    }
+
+    /// Values in the order of the grid's wavelengths.
+    pub fn from_values(values: Vec<f64>) -> Self {
+        Self(values)
+    }
+
+    /// Element-wise `f` of this spectrum and another on the same grid.
+    pub fn zip_map(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        debug_assert_eq!(self.len(), other.len());
+        Self(self.iter().zip(other.iter()).map(|(&a, &b)| f(a, b)).collect())
+    }
+
+    /// Element-wise `f`.
+    pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {
+        Self(self.iter().map(|&a| f(a)).collect())
+    }
+
+    /// True if all wavelengths hold the same value.
+    pub fn is_constant(&self) -> bool {
+        self.windows(2).all(|pair| pair[0] == pair[1])
+    }
+
+    /// The largest value.
+    pub fn max(&self) -> f64 {
+        self.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The smallest value.
+    pub fn min(&self) -> f64 {
+        self.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Deref for Spectrum {
+    type Target = [f64];
+    fn deref(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+/// A quantity tabulated against wavelength, linear between its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tabulated {
+    wavelength_nm: Vec<f64>,
+    value: Vec<f64>,
+}
+
+impl Tabulated {
+    /// Points in strictly ascending order of wavelength (nm), all finite.
+    ///
+    /// # Errors
+    /// If the two lengths differ, there are fewer than two points, a number is
+    /// not finite, or the wavelengths do not ascend; the error names the point.
+    pub fn new(wavelength_nm: Vec<f64>, value: Vec<f64>) -> Result<Self, SpectraError> {
+        if wavelength_nm.len() != value.len() || wavelength_nm.len() < 2 {
+            return Err(SpectraError::TooFewPoints { points: wavelength_nm.len().min(value.len()) });
+        }
+        for i in 0..value.len() {
+            if !wavelength_nm[i].is_finite() || !value[i].is_finite() {
+                return Err(SpectraError::NotFinite { point: i });
+            }
+            if i > 0 && wavelength_nm[i] <= wavelength_nm[i - 1] {
+                return Err(SpectraError::NotAscending { point: i });
+            }
+        }
+        Ok(Self { wavelength_nm, value })
+    }
+
+    /// First and last wavelength of the table, nm.
+    pub fn range_nm(&self) -> (f64, f64) {
+        (self.wavelength_nm[0], self.wavelength_nm[self.wavelength_nm.len() - 1])
+    }
+
+    /// The tabulated values.
+    pub fn values(&self) -> &[f64] {
+        &self.value
+    }
+
+    /// The tabulated wavelengths, nm.
+    pub fn wavelengths_nm(&self) -> &[f64] {
+        &self.wavelength_nm
+    }
+
+    /// The value at `nm`, linear between neighbours.
+    ///
+    /// # Errors
+    /// Outside the table: it is never extrapolated.
+    pub fn at(&self, nm: f64) -> Result<f64, SpectraError> {
+        let (first, last) = self.range_nm();
+        if !(first..=last).contains(&nm) {
+            return Err(SpectraError::OutsideTable { nm, first, last });
+        }
+        let right = self.wavelength_nm.partition_point(|&w| w < nm).max(1);
+        let (x0, x1) = (self.wavelength_nm[right - 1], self.wavelength_nm[right]);
+        let t = (nm - x0) / (x1 - x0);
+        Ok(self.value[right - 1] * (1.0 - t) + self.value[right] * t)
+    }
+
+    /// The table sampled at every wavelength of `grid`.
+    ///
+    /// # Errors
+    /// If the table does not cover the grid.
+    pub fn on(&self, grid: &Grid) -> Result<Spectrum, SpectraError> {
+        let values: Result<Vec<f64>, _> = grid.wavelengths_nm().into_iter().map(|nm| self.at(nm)).collect();
+        values.map(Spectrum)
+    }
+}

@@ -1,0 +1,1 @@
+//! Light through the layered display: the stack and the Monte Carlo walk.

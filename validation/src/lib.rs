@@ -1,0 +1,1 @@
+//! The dissertation's tables and published numbers, against Papilio.
