@@ -1,3 +1,4 @@
 //! The reflective display: pixels, states, lighting, viewer, the run and its metrics.
 
+pub mod result;
 pub mod scene;

@@ -1,0 +1,221 @@
+//! The answer: what a meter would report, with its errors. Serialises to `result.json`.
+//!
+//! Arrays run over `wavelength_nm`. SI units and nm; X, Y, Z are relative
+//! (Y = 1 for a perfect white in the same light). A `None` is a number that is
+//! not defined here (a metric whose states are missing, a peak at an edge).
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Everything that a run reports, but for the scenario itself.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct RunResult {
+    /// How it was computed, and how well.
+    pub solver: SolverReport,
+    /// The wavelengths of every array, nm.
+    pub wavelength_nm: Vec<f64>,
+    /// The reference white.
+    pub illuminant: Illuminant,
+    /// One entry for each view, theta fastest.
+    pub views: Vec<View>,
+    /// Remarks that the reader should see.
+    pub warnings: Vec<String>,
+}
+
+/// How the numbers were computed.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct SolverReport {
+    /// `walk`.
+    pub method: String,
+    /// Paths traced, over all views.
+    pub paths: u64,
+    /// Independent replicates less one: the degrees of freedom of every standard error.
+    pub degrees_of_freedom: u64,
+    /// The largest SE(Y)/Y over states and views (and wavelengths, with `every_bin`).
+    pub relative_error_reached: f64,
+    /// True if the run was stopped before it reached its target.
+    pub interrupted: bool,
+}
+
+/// A perfect white under the scene's ambient light.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Illuminant {
+    /// Its spectral radiance, W/(m2 sr nm).
+    pub radiance_of_white: Vec<f64>,
+    /// CIE 1931 x.
+    pub x: f64,
+    /// CIE 1931 y.
+    pub y: f64,
+    /// CIE 1976 u'.
+    pub u_prime: f64,
+    /// CIE 1976 v'.
+    pub v_prime: f64,
+}
+
+/// What is seen from one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct View {
+    /// Inclination, degrees.
+    pub theta_deg: f64,
+    /// Azimuth, degrees.
+    pub phi_deg: f64,
+    /// The drive states, in the order of the scenario.
+    pub states: Named<State>,
+    /// Y of white over Y of black.
+    pub contrast_ratio: Option<f64>,
+    /// Area of the red, green and blue states in u'v', % of sRGB's.
+    pub gamut_percent_srgb: Option<f64>,
+    /// The same, % of EBU's.
+    pub gamut_percent_ebu: Option<f64>,
+    /// One sigma of the three above.
+    pub standard_error: ViewError,
+    /// Where a unit beam that enters from the view direction ends.
+    pub ledger: Named<Ledger>,
+}
+
+/// One sigma of a view's metrics.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ViewError {
+    /// Of `contrast_ratio`.
+    pub contrast_ratio: Option<f64>,
+    /// Of `gamut_percent_srgb`.
+    pub gamut_percent_srgb: Option<f64>,
+    /// Of `gamut_percent_ebu`.
+    pub gamut_percent_ebu: Option<f64>,
+}
+
+/// A drive state as seen from one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct State {
+    /// The values.
+    #[serde(flatten)]
+    pub value: StateValues,
+    /// One sigma of each of them, from independent replicates.
+    pub standard_error: StateValues,
+}
+
+/// The numbers of a state, or their standard errors.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as result.json spells them")]
+pub struct StateValues {
+    /// Spectral radiance, W/(m2 sr nm).
+    pub radiance: Vec<f64>,
+    /// Radiance over that of the perfect white.
+    pub reflectance_factor: Vec<f64>,
+    /// Relative tristimulus value.
+    pub X: f64,
+    /// Relative tristimulus value: the luminous reflectance factor.
+    pub Y: f64,
+    /// Relative tristimulus value.
+    pub Z: f64,
+    /// CIE 1931 chromaticity.
+    pub x: Option<f64>,
+    /// CIE 1931 chromaticity.
+    pub y: Option<f64>,
+    /// CIE 1976 u'.
+    pub u_prime: Option<f64>,
+    /// CIE 1976 v'.
+    pub v_prime: Option<f64>,
+    /// CIELAB lightness, against the illuminant's white.
+    pub L_star: f64,
+    /// CIELAB a*.
+    pub a_star: f64,
+    /// CIELAB b*.
+    pub b_star: f64,
+    /// Luminance, cd/m2.
+    pub luminance_cd_m2: f64,
+    /// Y over that of black.
+    pub contrast: Option<f64>,
+    /// Wavelength of the largest reflectance factor between 400 and 700 nm.
+    pub peak_nm: Option<f64>,
+    /// u'v' distance from the state `white`.
+    pub distance_from_white_uv: Option<f64>,
+    /// u'v' distance from D65 (Feng 2012's dR).
+    pub distance_from_d65_uv: Option<f64>,
+    /// The parts of Y by light; they sum to Y.
+    pub terms: Terms,
+    /// Luminance factor of each directed source's mirror image (null: nothing of it is seen from here).
+    pub specular: Vec<Option<f64>>,
+}
+
+/// The parts of Y by light (Feng 2012, eq. 3-1).
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Terms {
+    /// From the diffuse light, by way of the pixel.
+    pub diffuse: f64,
+    /// From each directed source, by way of the pixel.
+    pub directed: Vec<f64>,
+    /// From any light, mirrored before it met the pixel.
+    pub front_reflection: f64,
+}
+
+/// Luminous shares of a unit beam of the light's spectrum that enters from the view direction; they sum to 1.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Ledger {
+    /// Back out into the room.
+    pub returned: f64,
+    /// Absorbed, by layer.
+    pub absorbed: Absorbed,
+    /// What was not followed to its end.
+    pub unaccounted: f64,
+    /// One sigma of the above.
+    pub standard_error: LedgerError,
+}
+
+/// One sigma of a ledger's shares.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LedgerError {
+    /// Of `returned`.
+    pub returned: f64,
+    /// Of `absorbed`.
+    pub absorbed: Absorbed,
+    /// Of `unaccounted`.
+    pub unaccounted: f64,
+}
+
+/// Shares absorbed by layer.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Absorbed {
+    /// Front of screen.
+    pub front: f64,
+    /// Diffuser, what its lobe sends beyond the medium's disc included.
+    pub diffuser: f64,
+    /// Glass.
+    pub glass: f64,
+    /// The active pixel.
+    pub pixel: f64,
+    /// The inactive share of the panel.
+    pub inactive: f64,
+}
+
+/// Named items in a fixed order; serialises as a JSON object in that order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named<T>(pub Vec<(String, T)>);
+
+impl<T> Named<T> {
+    /// The item of that name.
+    pub fn get(&self, name: &str) -> Option<&T> {
+        self.0.iter().find(|(n, _)| n == name).map(|(_, item)| item)
+    }
+
+    /// Names and items, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &T)> {
+        self.0.iter().map(|(name, item)| (name.as_str(), item))
+    }
+}
+
+impl<T: Serialize> Serialize for Named<T> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, item)| (name, item)))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Named<T> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        format!("Named_{}", T::schema_name()).into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        <std::collections::BTreeMap<String, T>>::json_schema(generator)
+    }
+}
