@@ -44,6 +44,18 @@ pub enum SpectraError {
         /// Where they end.
         last: f64,
     },
+    /// A parameter that a model is not made for.
+    #[error("{quantity} must lie between {first} and {last}, not {value}")]
+    OutsideModel {
+        /// What it is, with its unit.
+        quantity: &'static str,
+        /// What was asked for.
+        value: f64,
+        /// Smallest value allowed.
+        first: f64,
+        /// Largest value allowed.
+        last: f64,
+    },
     /// No material or illuminant of that name.
     #[error("there is no {kind} named `{name}`")]
     UnknownName {

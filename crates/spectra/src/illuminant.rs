@@ -1,0 +1,250 @@
+//! Light by name, by colour temperature and by LED model.
+//!
+//! Every function gives a *relative* spectral power distribution, per nm; whoever
+//! lights a scene scales it to lux (`papilio_colour::Observer::scale_to_illuminance`).
+//!
+//! | light | parameters | valid | source |
+//! |---|---|---|---|
+//! | [`illuminant`] | a CIE name | 380 to 780 nm | the CIE tables at 1 nm, from the `colorimetry` crate |
+//! | [`daylight`] | CCT, 4000 to 25 000 K | 380 to 780 nm | CIE 15:2018, eq. 4.7 to 4.13, components S0, S1, S2 at 5 nm |
+//! | [`planck`] | temperature, 500 to 100 000 K | any wavelength | Planck's law, CODATA 2014 constants |
+//! | [`ohno_led`] | peak, width | any wavelength | Ohno, Opt. Eng. 44(11), 111302 (2005) |
+//!
+//! Tables are linear between their points and never extrapolated: a grid that
+//! leaves 380 to 780 nm is an error where a table is asked.
+//!
+//! The D series is named by its *nominal* temperature in the tables: D65 has
+//! 6504 K, because the second radiation constant was revised after it was
+//! defined. `daylight(6500.0, ..)` is therefore close to D65 but not D65.
+
+use colorimetry::illuminant::{CieIlluminant, Illuminant, Planck};
+
+use crate::{Grid, SpectraError, Spectrum, Tabulated};
+
+/// First wavelength of the CIE tables, nm.
+const TABLE_START_NM: u32 = 380;
+/// Temperatures that the D series is defined for, K.
+const DAYLIGHT_K: (f64, f64) = (4000.0, 25_000.0);
+/// Temperatures that make visible light, K.
+const PLANCK_K: (f64, f64) = (500.0, 100_000.0);
+
+/// The tables, under the names of CIE 15:2018.
+const TABLES: [(&str, CieIlluminant); 40] = [
+    ("D65", CieIlluminant::D65),
+    ("D50", CieIlluminant::D50),
+    ("A", CieIlluminant::A),
+    ("E", CieIlluminant::E),
+    ("LED-B1", CieIlluminant::LED_B1),
+    ("LED-B2", CieIlluminant::LED_B2),
+    ("LED-B3", CieIlluminant::LED_B3),
+    ("LED-B4", CieIlluminant::LED_B4),
+    ("LED-B5", CieIlluminant::LED_B5),
+    ("LED-BH1", CieIlluminant::LED_BH1),
+    ("LED-RGB1", CieIlluminant::LED_RGB1),
+    ("LED-V1", CieIlluminant::LED_V1),
+    ("LED-V2", CieIlluminant::LED_V2),
+    ("FL1", CieIlluminant::F1),
+    ("FL2", CieIlluminant::F2),
+    ("FL3", CieIlluminant::F3),
+    ("FL4", CieIlluminant::F4),
+    ("FL5", CieIlluminant::F5),
+    ("FL6", CieIlluminant::F6),
+    ("FL7", CieIlluminant::F7),
+    ("FL8", CieIlluminant::F8),
+    ("FL9", CieIlluminant::F9),
+    ("FL10", CieIlluminant::F10),
+    ("FL11", CieIlluminant::F11),
+    ("FL12", CieIlluminant::F12),
+    ("FL3.1", CieIlluminant::F3_1),
+    ("FL3.2", CieIlluminant::F3_2),
+    ("FL3.3", CieIlluminant::F3_3),
+    ("FL3.4", CieIlluminant::F3_4),
+    ("FL3.5", CieIlluminant::F3_5),
+    ("FL3.6", CieIlluminant::F3_6),
+    ("FL3.7", CieIlluminant::F3_7),
+    ("FL3.8", CieIlluminant::F3_8),
+    ("FL3.9", CieIlluminant::F3_9),
+    ("FL3.10", CieIlluminant::F3_10),
+    ("FL3.11", CieIlluminant::F3_11),
+    ("FL3.12", CieIlluminant::F3_12),
+    ("FL3.13", CieIlluminant::F3_13),
+    ("FL3.14", CieIlluminant::F3_14),
+    ("FL3.15", CieIlluminant::F3_15),
+];
+
+/// The names that [`illuminant`] knows, as the CIE writes them.
+pub fn illuminant_names() -> Vec<&'static str> {
+    TABLES.iter().map(|(name, _)| *name).collect()
+}
+
+/// The CIE illuminant of that name on `grid`, relative.
+///
+/// Upper and lower case are alike, and so are `-`, `_` and a space
+/// (`led_b5`, `LED-B5`); `F11` is `FL11`.
+///
+/// # Errors
+/// For a name that is not one of [`illuminant_names`], and for a grid that
+/// leaves 380 to 780 nm.
+pub fn illuminant(name: &str, grid: &Grid) -> Result<Spectrum, SpectraError> {
+    let wanted = simplified(name);
+    let table = TABLES.iter().find(|(known, _)| simplified(known) == wanted);
+    let Some((_, table)) = table else {
+        return Err(SpectraError::UnknownName { kind: "illuminant", name: name.to_owned() });
+    };
+    sampled(table.illuminant(), grid)
+}
+
+/// CIE daylight of a correlated colour temperature, on `grid`, relative.
+///
+/// # Errors
+/// For a temperature outside 4000 to 25 000 K, and for a grid that leaves 380 to 780 nm.
+pub fn daylight(cct_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError> {
+    let light = Illuminant::d_illuminant(cct_k)
+        .map_err(|_| outside("the colour temperature of daylight, K,", cct_k, DAYLIGHT_K))?;
+    sampled(&light, grid)
+}
+
+/// A black body of that temperature on `grid`, relative.
+///
+/// # Errors
+/// For a temperature outside 500 to 100 000 K.
+pub fn planck(temperature_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError> {
+    within("the temperature of a black body, K,", temperature_k, PLANCK_K)?;
+    let body = Planck::new(temperature_k);
+    Ok(Spectrum::from_fn(grid, |nm| 1e-9 * body.at_wavelength(nm * 1e-9)))
+}
+
+/// A single-colour LED on `grid`, 1 at its peak: `(g + 2 g^5)/3` with
+/// `g = exp(-((l - peak)/width)^2)`. Its full width at half maximum is .92 `width_nm`.
+///
+/// # Errors
+/// For a peak outside 100 to 10 000 nm or a width outside .1 to 1000 nm.
+pub fn ohno_led(grid: &Grid, peak_nm: f64, width_nm: f64) -> Result<Spectrum, SpectraError> {
+    within("the peak wavelength of an LED, nm,", peak_nm, (100.0, 10_000.0))?;
+    within("the width of an LED, nm,", width_nm, (0.1, 1000.0))?;
+    Ok(Spectrum::from_fn(grid, |nm| {
+        let g = (-((nm - peak_nm) / width_nm).powi(2)).exp();
+        (g + 2.0 * g.powi(5)) / 3.0
+    }))
+}
+
+/// A table of `colorimetry` (380 to 780 nm at 1 nm) on our grid.
+fn sampled(light: &Illuminant, grid: &Grid) -> Result<Spectrum, SpectraError> {
+    let values = light.as_ref().as_array();
+    let wavelengths = (TABLE_START_NM..).take(values.len()).map(f64::from).collect();
+    Tabulated::new(wavelengths, values.to_vec())?.on(grid)
+}
+
+/// What is left of a name when case, separators and the L of FL do not matter.
+fn simplified(name: &str) -> String {
+    let plain = name.trim().to_uppercase().replace(['-', '_', ' '], "");
+    match plain.strip_prefix('F') {
+        Some(rest) => format!("F{}", rest.trim_start_matches('L')),
+        None => plain,
+    }
+}
+
+fn within(quantity: &'static str, value: f64, range: (f64, f64)) -> Result<(), SpectraError> {
+    if (range.0..=range.1).contains(&value) { Ok(()) } else { Err(outside(quantity, value, range)) }
+}
+
+fn outside(quantity: &'static str, value: f64, (first, last): (f64, f64)) -> SpectraError {
+    SpectraError::OutsideModel { quantity, value, first, last }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn visible(step_nm: f64) -> Grid {
+        Grid::new(380.0, 780.0, step_nm).unwrap()
+    }
+
+    /// CIE 15:2018, table 5 (D65) and ISO 11664-2 (A), relative to 100 at 560 nm.
+    #[test]
+    fn tables_hold_the_published_values() {
+        let grid = visible(5.0);
+        let at = |s: &Spectrum, nm: f64| s[((nm - 380.0) / 5.0) as usize];
+        let d65 = illuminant("D65", &grid).unwrap();
+        for (nm, value) in [(400.0, 82.7549), (460.0, 117.812), (560.0, 100.0), (650.0, 80.0268)] {
+            assert!((100.0 * at(&d65, nm) / at(&d65, 560.0) - value).abs() < 1e-3, "D65 at {nm} nm");
+        }
+        let a = illuminant("a", &grid).unwrap();
+        for (nm, value) in [(400.0, 14.708), (500.0, 59.8611), (700.0, 198.261)] {
+            assert!((100.0 * at(&a, nm) / at(&a, 560.0) - value).abs() < 1e-3, "A at {nm} nm");
+        }
+        assert!(illuminant("E", &grid).unwrap().is_constant());
+    }
+
+    #[test]
+    fn every_name_is_found_however_it_is_spelt() {
+        let grid = visible(20.0);
+        for name in illuminant_names() {
+            let exact = illuminant(name, &grid).unwrap();
+            assert_eq!(illuminant(&name.to_lowercase().replace('-', "_"), &grid).unwrap(), exact, "{name}");
+            assert!(exact.iter().all(|v| v.is_finite() && *v >= 0.0), "{name}");
+        }
+        assert_eq!(illuminant("F11", &grid), illuminant("FL11", &grid));
+        assert_ne!(illuminant("FL3.1", &grid), illuminant("FL3", &grid));
+    }
+
+    #[test]
+    fn between_whole_nanometres_a_table_is_linear() {
+        let quarter = illuminant("FL11", &visible(0.25)).unwrap();
+        let whole = illuminant("FL11", &visible(1.0)).unwrap();
+        for i in 0..400 {
+            let expected = 0.75 * whole[i] + 0.25 * whole[i + 1];
+            assert!((quarter[4 * i + 1] - expected).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn daylight_at_6504_k_is_d65() {
+        let grid = visible(5.0);
+        let (ours, d65) = (daylight(6504.0, &grid).unwrap(), illuminant("D65", &grid).unwrap());
+        let i560 = 36;
+        for i in 0..grid.len() {
+            assert!((ours[i] / ours[i560] - d65[i] / d65[i560]).abs() < 5e-4, "{} nm", grid.wavelength_nm(i));
+        }
+    }
+
+    /// Illuminant A is a black body of 2856 K as the present constants have it, 2855.54 K.
+    #[test]
+    fn planck_gives_illuminant_a_and_wiens_peak() {
+        let grid = visible(10.0);
+        let (ours, a) = (planck(2855.54, &grid).unwrap(), illuminant("A", &grid).unwrap());
+        for i in 0..grid.len() {
+            assert!((ours[i] / ours[18] / (a[i] / a[18]) - 1.0).abs() < 1e-4);
+        }
+        let wide = Grid::new(400.0, 700.0, 0.1).unwrap();
+        let light = planck(5500.0, &wide).unwrap();
+        let peak = (0..wide.len()).max_by(|&i, &j| light[i].total_cmp(&light[j])).unwrap();
+        assert!((wide.wavelength_nm(peak) - 2_897_771.955 / 5500.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn an_ohno_led_peaks_at_one_and_is_092_wide() {
+        let grid = Grid::new(300.0, 1100.0, 0.1).unwrap();
+        let led = ohno_led(&grid, 525.0, 35.0).unwrap();
+        assert!((led.max() - 1.0).abs() < 1e-12);
+        let above = led.iter().filter(|v| **v >= 0.5).count() as f64 * 0.1;
+        assert!((above / 35.0 - 0.92).abs() < 0.01, "{above}");
+    }
+
+    #[test]
+    fn what_is_outside_is_refused() {
+        let (grid, wide) = (visible(5.0), Grid::new(380.0, 785.0, 5.0).unwrap());
+        assert!(matches!(illuminant("D65", &wide), Err(SpectraError::OutsideTable { .. })));
+        assert!(matches!(daylight(5000.0, &wide), Err(SpectraError::OutsideTable { .. })));
+        assert!(matches!(illuminant("D66", &grid), Err(SpectraError::UnknownName { .. })));
+        for name in ["", "F", "FL", "\u{df}", "LED"] {
+            assert!(illuminant(name, &grid).is_err(), "{name}");
+        }
+        for t in [3999.0, 25_001.0, f64::NAN] {
+            assert!(matches!(daylight(t, &grid), Err(SpectraError::OutsideModel { .. })));
+        }
+        assert!(planck(0.0, &grid).is_err());
+        assert!(ohno_led(&grid, 525.0, 0.0).is_err());
+        assert!(ohno_led(&grid, f64::INFINITY, 20.0).is_err());
+    }
+}
