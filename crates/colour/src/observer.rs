@@ -1,0 +1,208 @@
+//! The CIE 1931 2 degree observer on a wavelength grid.
+//!
+//! **What.** `X = sum S(l) xbar(l)` over whole nanometres `l`, and Y and Z
+//! likewise (CIE 15:2018, eq. 7.1, at 1 nm; Feng 2012, eq. 5-6 to 5-8), with S
+//! interpolated linearly between the grid's wavelengths. The interpolation is
+//! linear in S, so it is folded once into a weight for each grid wavelength and
+//! X, Y, Z are three dot products.
+//!
+//! **Range.** The whole nanometres of the grid from 380 to 780, where
+//! `colorimetry` tabulates the observer; a grid that reaches farther is cut
+//! there (ybar outside holds 6e-6 of its integral). A grid that reaches less far
+//! loses light: white and display alike, so relative values stay consistent
+//! with each other, but not with those of the full range.
+
+use colorimetry::observer::Observer::Cie1931;
+use papilio_spectra::{Grid, Spectrum};
+
+use crate::{ColourError, Xyz};
+
+/// Luminous efficacy of radiation at ybar = 1, lm/W.
+///
+/// SI brochure, 9th edition: 683 lm/W at 540 THz, which is 683.002 lm/W at the
+/// 555 nm peak of V(lambda) in standard air.
+pub const LUMENS_PER_WATT: f64 = 683.002;
+
+/// The CIE 1931 2 degree observer, prepared for one grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observer {
+    /// xbar, ybar, zbar times 1 nm, gathered at each grid wavelength.
+    weight: [Vec<f64>; 3],
+}
+
+impl Observer {
+    /// Gathers the weights for `grid`.
+    ///
+    /// # Errors
+    /// If the grid holds no whole nanometre from 380 to 780 nm.
+    pub fn new(grid: &Grid) -> Result<Self, ColourError> {
+        let mut weight = [(); 3].map(|()| vec![0.0; grid.len()]);
+        let mut any = false;
+        for (nm, matching) in matching_functions() {
+            // A thousandth of a picometre forgives rounding at the ends of the grid.
+            let position = (nm - grid.start_nm()) / grid.step_nm();
+            if nm < grid.start_nm() - 1e-6 || nm > grid.stop_nm() + 1e-6 {
+                continue;
+            }
+            any = true;
+            let left = (position.max(0.0) as usize).min(grid.len() - 2);
+            let share = (position - left as f64).clamp(0.0, 1.0);
+            for (weight, value) in weight.iter_mut().zip(matching.to_array()) {
+                weight[left] += (1.0 - share) * value;
+                weight[left + 1] += share * value;
+            }
+        }
+        if any {
+            Ok(Self { weight })
+        } else {
+            Err(ColourError::NothingVisible { start_nm: grid.start_nm(), stop_nm: grid.stop_nm() })
+        }
+    }
+
+    /// Tristimulus values of a spectrum on the observer's grid, in the
+    /// spectrum's unit times nm, without any scaling.
+    ///
+    /// Relative values are these over the Y of the white: `xyz * (1.0 / white.y)`.
+    pub fn xyz(&self, spectrum: &[f64]) -> Xyz {
+        debug_assert_eq!(spectrum.len(), self.weight[0].len());
+        let [x, y, z] = &self.weight;
+        Xyz { x: dot(x, spectrum), y: dot(y, spectrum), z: dot(z, spectrum) }
+    }
+
+    /// Luminance in cd/m2 of a spectral radiance in W/(m2 sr nm); likewise
+    /// illuminance in lx of a spectral irradiance in W/(m2 nm).
+    pub fn luminance(&self, spectrum: &[f64]) -> f64 {
+        LUMENS_PER_WATT * dot(&self.weight[1], spectrum)
+    }
+
+    /// A relative spectrum as a spectral irradiance, W/(m2 nm), of `lux`.
+    ///
+    /// # Errors
+    /// If the spectrum holds no visible light.
+    pub fn scale_to_illuminance(&self, spectrum: &Spectrum, lux: f64) -> Result<Spectrum, ColourError> {
+        let now = self.luminance(spectrum);
+        if now > 0.0 && now.is_finite() {
+            Ok(spectrum.map(|value| value * (lux / now)))
+        } else {
+            Err(ColourError::Dark { lux })
+        }
+    }
+
+    /// The weights of X, Y and Z, one for each grid wavelength, nm.
+    pub fn weights(&self) -> [&[f64]; 3] {
+        [&self.weight[0], &self.weight[1], &self.weight[2]]
+    }
+}
+
+/// The spectral locus: wavelength in nm and the colour of that light alone.
+///
+/// Whole nanometres from 380 to 699: beyond, the chromaticity no longer moves.
+pub fn spectral_locus() -> impl Iterator<Item = (f64, Xyz)> {
+    matching_functions().take_while(|(nm, _)| *nm < 700.0)
+}
+
+/// Wavelength in nm with xbar, ybar and zbar, as far as they are tabulated.
+fn matching_functions() -> impl Iterator<Item = (f64, Xyz)> {
+    (380_u16..=780).filter_map(|nm| {
+        let [x, y, z] = Cie1931.xyz_at_wavelength(usize::from(nm)).ok()?.to_array();
+        Some((f64::from(nm), Xyz { x, y, z }))
+    })
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_spectra::illuminant;
+    use proptest::prelude::*;
+
+    fn grid(start: f64, stop: f64, step: f64) -> Grid {
+        Grid::new(start, stop, step).unwrap()
+    }
+
+    /// CIE 15:2018: ybar sums to 106.857 nm, and so (nearly) do xbar and zbar.
+    #[test]
+    fn the_matching_functions_have_their_published_sums() {
+        for step in [0.5, 1.0, 5.0, 20.0] {
+            let grid = grid(380.0, 780.0, step);
+            let sum = Observer::new(&grid).unwrap().xyz(&Spectrum::constant(&grid, 1.0));
+            assert!((sum.y - 106.857).abs() < 1e-3, "{sum:?}");
+            assert!((sum.x / sum.y - 1.0).abs() < 1e-3 && (sum.z / sum.y - 1.0).abs() < 1e-3);
+        }
+    }
+
+    /// CIE 15:2018, table 11.1: x, y of the illuminants for the 2 degree observer
+    /// (360 to 830 nm; what 380 to 780 nm leave out is within the tolerance).
+    #[test]
+    fn illuminants_have_their_published_chromaticities() {
+        let grid = grid(380.0, 780.0, 1.0);
+        let observer = Observer::new(&grid).unwrap();
+        for (name, x, y) in [
+            ("D65", 0.31272, 0.32903),
+            ("D50", 0.34567, 0.35851),
+            ("A", 0.44758, 0.40745),
+            ("E", 0.33333, 0.33333),
+            ("FL11", 0.3805, 0.3769),
+        ] {
+            let xy = observer.xyz(&illuminant(name, &grid).unwrap()).chromaticity().unwrap();
+            assert!((xy.x - x).abs() < 5e-5 && (xy.y - y).abs() < 5e-5, "{name}: {xy:?}");
+        }
+    }
+
+    /// The weights are the plain recipe: interpolate to 1 nm, then sum.
+    #[test]
+    fn weights_equal_interpolating_first() {
+        let (coarse, fine) = (grid(381.3, 761.3, 7.6), grid(382.0, 761.0, 1.0));
+        let s = |nm: f64| 1.0 + (nm / 37.0).sin();
+        let table: Vec<f64> = coarse.wavelengths_nm().into_iter().map(s).collect();
+        let between = |nm: f64| {
+            let i = (((nm - 381.3) / 7.6) as usize).min(coarse.len() - 2);
+            let t = (nm - coarse.wavelength_nm(i)) / 7.6;
+            table[i] * (1.0 - t) + table[i + 1] * t
+        };
+        let interpolated = Spectrum::from_fn(&fine, between);
+        let ours = Observer::new(&coarse).unwrap().xyz(&table);
+        let plain = Observer::new(&fine).unwrap().xyz(&interpolated);
+        for (a, b) in ours.to_array().into_iter().zip(plain.to_array()) {
+            assert!((a - b).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn beyond_the_observer_nothing_counts() {
+        let (wide, visible) = (grid(300.0, 900.0, 5.0), grid(380.0, 780.0, 5.0));
+        let y = |g: &Grid| Observer::new(g).unwrap().xyz(&Spectrum::constant(g, 1.0)).y;
+        assert!((y(&wide) - y(&visible)).abs() < 1e-12);
+        let outside = Observer::new(&grid(300.0, 370.0, 5.0));
+        assert_eq!(outside, Err(ColourError::NothingVisible { start_nm: 300.0, stop_nm: 370.0 }));
+        assert!(Observer::new(&grid(500.2, 500.8, 0.2)).is_err());
+    }
+
+    #[test]
+    fn a_lux_is_a_lux() {
+        let grid = grid(380.0, 780.0, 5.0);
+        let observer = Observer::new(&grid).unwrap();
+        let light = observer.scale_to_illuminance(&illuminant("A", &grid).unwrap(), 500.0).unwrap();
+        assert!((observer.luminance(&light) - 500.0).abs() < 1e-9);
+        let dark = observer.scale_to_illuminance(&Spectrum::constant(&grid, 0.0), 500.0);
+        assert_eq!(dark, Err(ColourError::Dark { lux: 500.0 }));
+    }
+
+    proptest! {
+        /// Seeing is linear (Grassmann), and a perfect white has Y = 1 in any light.
+        #[test]
+        fn seeing_is_linear(a in prop::collection::vec(0.0..1.0, 81), b in prop::collection::vec(-0.1..1.0, 81), t in 0.0..9.0) {
+            let observer = Observer::new(&grid(380.0, 780.0, 5.0)).unwrap();
+            let mixed: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a + t * b).collect();
+            let sum = observer.xyz(&a) + observer.xyz(&b) * t;
+            for (left, right) in observer.xyz(&mixed).to_array().into_iter().zip(sum.to_array()) {
+                prop_assert!((left - right).abs() < 1e-10 * (1.0 + t));
+            }
+            let white = observer.xyz(&a);
+            prop_assert!(((white * (1.0 / white.y)).y - 1.0).abs() < 1e-14);
+        }
+    }
+}

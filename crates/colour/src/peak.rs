@@ -1,0 +1,69 @@
+//! Where a spectrum peaks.
+
+use papilio_spectra::Grid;
+
+/// Where a peak is looked for, nm.
+const SEARCHED_NM: (f64, f64) = (400.0, 700.0);
+
+/// Wavelength of the largest value between 400 and 700 nm, by the parabola
+/// through the largest sample and its two neighbours.
+///
+/// `None` where the largest sample stands at an edge of that interval (or of the
+/// grid): there the spectrum may go on rising. NaN is never the largest.
+pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
+    let searched = |i: &usize| {
+        let nm = grid.wavelength_nm(*i);
+        nm >= SEARCHED_NM.0 - 1e-6 && nm <= SEARCHED_NM.1 + 1e-6
+    };
+    let inside: Vec<usize> = (0..grid.len().min(values.len())).filter(searched).collect();
+    let (first, last) = (*inside.first()?, *inside.last()?);
+    let top = inside
+        .into_iter()
+        .filter(|&i| !values[i].is_nan())
+        .fold(first, |best, i| if values[i] > values[best] || values[best].is_nan() { i } else { best });
+    if top == first || top == last {
+        return None;
+    }
+    let (left, centre, right) = (values[top - 1], values[top], values[top + 1]);
+    let curvature = left - 2.0 * centre + right;
+    // A flat top (curvature 0) peaks at its first sample.
+    let shift = if curvature < 0.0 { 0.5 * (left - right) / curvature } else { 0.0 };
+    Some(grid.wavelength_nm(top) + shift * grid.step_nm())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_spectra::Spectrum;
+
+    fn grid() -> Grid {
+        Grid::new(380.0, 780.0, 5.0).unwrap()
+    }
+
+    #[test]
+    fn a_parabola_is_found_exactly() {
+        for peak in [406.0, 517.3, 523.0, 694.0] {
+            let values = Spectrum::from_fn(&grid(), |nm| 1.0 - ((nm - peak) / 300.0).powi(2));
+            assert!((peak_nm(&grid(), &values).unwrap() - peak).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_edge_is_no_peak() {
+        for peak in [390.0, 400.0, 702.0, 760.0] {
+            let values = Spectrum::from_fn(&grid(), |nm| -(nm - peak).powi(2));
+            assert_eq!(peak_nm(&grid(), &values), None, "{peak}");
+        }
+        assert_eq!(peak_nm(&grid(), &Spectrum::constant(&grid(), 0.5)), None);
+        let infrared = Grid::new(800.0, 900.0, 5.0).unwrap();
+        assert_eq!(peak_nm(&infrared, &Spectrum::constant(&infrared, 0.5)), None);
+    }
+
+    #[test]
+    fn noise_and_gaps_do_no_harm() {
+        assert_eq!(peak_nm(&grid(), &Spectrum::constant(&grid(), f64::NAN)), None);
+        let mut values = Spectrum::from_fn(&grid(), |nm| -(nm - 550.0).abs()).to_vec();
+        values[4] = f64::NAN;
+        assert!((peak_nm(&grid(), &values).unwrap() - 550.0).abs() < 1e-9);
+    }
+}

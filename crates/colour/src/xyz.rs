@@ -1,0 +1,120 @@
+//! Tristimulus values and the chromaticity diagrams.
+
+use std::ops::{Add, Mul, Sub};
+
+/// CIE 1931 tristimulus values; relative ones have Y = 1 for a perfect white.
+///
+/// Noise may make them slightly negative: nothing here minds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Xyz {
+    /// X.
+    pub x: f64,
+    /// Y, in proportion to luminance.
+    pub y: f64,
+    /// Z.
+    pub z: f64,
+}
+
+/// A point of the CIE 1931 chromaticity diagram.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Xy {
+    /// x = X/(X + Y + Z).
+    pub x: f64,
+    /// y = Y/(X + Y + Z).
+    pub y: f64,
+}
+
+/// A point of the CIE 1976 uniform chromaticity diagram.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UvPrime {
+    /// u'.
+    pub u: f64,
+    /// v'.
+    pub v: f64,
+}
+
+/// D65 as the reference of `distance_from_d65_uv` (CIE 15:2018: .1978, .4683;
+/// one digit more from x = .31272, y = .32903).
+pub const D65_UV: UvPrime = UvPrime { u: 0.19784, v: 0.46834 };
+
+/// D65, relative, 2 degree observer (CIE 15:2018, table 11.1: 95.04, 100, 108.88;
+/// the digits are those of ASTM E308 and of most software).
+pub const D65_WHITE: Xyz = Xyz { x: 0.95047, y: 1.0, z: 1.08883 };
+
+impl Xyz {
+    /// X, Y, Z.
+    pub fn to_array(self) -> [f64; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// x, y; `None` for no light.
+    pub fn chromaticity(self) -> Option<Xy> {
+        let sum = self.x + self.y + self.z;
+        (sum > 0.0).then(|| Xy { x: self.x / sum, y: self.y / sum })
+    }
+
+    /// u', v' (CIE 15:2018, eq. 8.24 and 8.25); `None` for no light.
+    pub fn uv_prime(self) -> Option<UvPrime> {
+        let sum = self.x + 15.0 * self.y + 3.0 * self.z;
+        (sum > 0.0).then(|| UvPrime { u: 4.0 * self.x / sum, v: 9.0 * self.y / sum })
+    }
+}
+
+impl Xy {
+    /// The same point in u'v'; `None` on the line -2x + 12y + 3 = 0, far from all colours.
+    pub fn uv_prime(self) -> Option<UvPrime> {
+        Xyz { x: self.x, y: self.y, z: 1.0 - self.x - self.y }.uv_prime()
+    }
+}
+
+impl UvPrime {
+    /// Straight distance in the diagram.
+    pub fn distance(self, other: Self) -> f64 {
+        (self.u - other.u).hypot(self.v - other.v)
+    }
+}
+
+impl Add for Xyz {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Sub for Xyz {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + other * -1.0
+    }
+}
+
+impl Mul<f64> for Xyz {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn d65_is_where_the_cie_puts_it() {
+        let (xy, uv) = (D65_WHITE.chromaticity().unwrap(), D65_WHITE.uv_prime().unwrap());
+        assert!((xy.x - 0.31272).abs() < 1e-5 && (xy.y - 0.32903).abs() < 1e-5);
+        assert!(uv.distance(D65_UV) < 1e-5, "{uv:?}");
+        assert!(xy.uv_prime().unwrap().distance(uv) < 1e-12);
+    }
+
+    #[test]
+    fn no_light_has_no_chromaticity_and_noise_does_no_harm() {
+        let dark = Xyz { x: 0.0, y: 0.0, z: 0.0 };
+        assert_eq!((dark.chromaticity(), dark.uv_prime()), (None, None));
+        let noisy = Xyz { x: -1e-6, y: 2e-6, z: 1e-6 };
+        assert!(noisy.chromaticity().unwrap().x < 0.0);
+        assert_eq!((noisy * -1.0).uv_prime(), None);
+        let lost = Xyz { x: f64::NAN, y: 1.0, z: 1.0 };
+        assert_eq!(lost.chromaticity(), None);
+    }
+}
