@@ -64,4 +64,44 @@ pub enum SpectraError {
         /// What was asked for.
         name: String,
     },
+    /// A refractive index that no passive medium has.
+    #[error("n = {n}, k = {k} is not a refractive index (expected n >= 0 and k >= 0, not both zero)")]
+    NoIndex {
+        /// Real part.
+        n: f64,
+        /// Imaginary part.
+        k: f64,
+    },
+    /// A dispersion formula is not one of the nine.
+    #[error("there is no dispersion formula {number} (expected 1 to 9)")]
+    FormulaNumber {
+        /// The number asked for.
+        number: u8,
+    },
+    /// A dispersion formula has too few or too many coefficients.
+    #[error("dispersion formula {number} takes {expected} coefficients, not {found}")]
+    FormulaCoefficients {
+        /// The formula's number.
+        number: u8,
+        /// How many it takes.
+        expected: &'static str,
+        /// How many there are.
+        found: usize,
+    },
+    /// A dispersion formula has a pole, or gives a negative square.
+    #[error("dispersion formula {number} gives no index at {nm} nm")]
+    FormulaUndefined {
+        /// The formula's number.
+        number: u8,
+        /// The wavelength asked for.
+        nm: f64,
+    },
+    /// The data hold nowhere: an empty range, or n and k known at different wavelengths.
+    #[error("no wavelength has both n and k: the shared range would be {first} to {last} nm")]
+    NoRange {
+        /// Where the shared range would begin.
+        first: f64,
+        /// Where it would end.
+        last: f64,
+    },
 }
