@@ -134,8 +134,8 @@ pub struct StateValues {
     pub distance_from_d65_uv: Option<f64>,
     /// The parts of Y by light; they sum to Y.
     pub terms: Terms,
-    /// Luminance factor of each directed source's mirror image (null: nothing of it is seen from here).
-    pub specular: Vec<Option<f64>>,
+    /// Luminance of each directed source's mirror image over that of the source, wherever it is seen.
+    pub specular: Vec<f64>,
 }
 
 /// The parts of Y by light (Feng 2012, eq. 3-1).

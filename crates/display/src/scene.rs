@@ -4,6 +4,8 @@
 //! builds a scene (the `scenario` room, a library user) calls [`Scene::check`].
 
 use num_complex::Complex64;
+pub use papilio_optics::lobe::Lobe;
+pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
 
 /// One computation, complete.
@@ -52,18 +54,6 @@ pub struct Diffuser {
     pub transmittance: Spectrum,
     /// Share of the transmitted light that goes straight through, 0 to 1.
     pub straight_through: f64,
-}
-
-/// The shape of a scattering lobe.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Lobe {
-    /// K-correlation lobe of this width b, in direction cosines.
-    KCorrelation {
-        /// b > 0.
-        width: f64,
-    },
-    /// The same radiance in every direction of the air hemisphere.
-    Lambertian,
 }
 
 /// The glass between surface and pixel.
@@ -287,15 +277,6 @@ pub enum Stop {
     },
     /// After this many paths for each view.
     Paths(u64),
-}
-
-/// Where the walk's numbers come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampler {
-    /// Independent random numbers.
-    Random,
-    /// Owen-scrambled Sobol points, a fresh scramble for each replicate.
-    Sobol,
 }
 
 /// How completely light is followed.

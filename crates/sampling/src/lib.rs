@@ -1,1 +1,24 @@
-//! Random numbers, low-discrepancy points and warps, each with its density.
+//! Uniform numbers for Monte Carlo, and the warps that turn them into directions.
+//!
+//! - [`Numbers`]: the source of one replicate: independent counter-based random
+//!   numbers, or Owen-scrambled Sobol points. A path asks for blocks of four numbers
+//!   by position, so its numbers depend on (seed, replicate, path, block) alone and
+//!   never on which thread ran it or what other paths did.
+//! - [`warp`]: maps from the unit square to discs and cones, each with its density.
+//!
+//! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are low-discrepancy
+//! points; a path that lives longer goes on with independent random numbers.
+//! Out of scope: stratified and best-candidate point sets.
+//!
+//! ```
+//! use papilio_sampling::{Numbers, Sampler};
+//!
+//! let numbers = Numbers::new(Sampler::Sobol, 0, 7);
+//! let mean = (0..4096).map(|path| numbers.block(path, 0)[0]).sum::<f64>() / 4096.0;
+//! assert!((mean - 0.5).abs() < 1e-4);
+//! ```
+
+mod numbers;
+pub mod warp;
+
+pub use numbers::{Numbers, PLANNED_BLOCKS, Sampler};

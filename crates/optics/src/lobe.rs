@@ -1,0 +1,209 @@
+//! Scattering lobes of diffusers, as densities over direction cosines.
+//!
+//! A lobe is the angular shape alone: `density(beta_i, beta_o)` integrates to one
+//! over the whole plane of `beta_o`. A diffuser's BTDF (1/sr, referred to air,
+//! without the cosine) is its transmittance times this density. All lobes here
+//! are reciprocal: `density(a, b) = density(b, a)`.
+//!
+//! # K-correlation
+//! `b / (2 pi (b^2 + |beta_o - beta_i|^2)^(3/2))`, the generalised Harvey-Shack
+//! lobe with exponent 3/2 (Harvey 1976; Stover, *Optical Scattering*, the ABC or
+//! k-correlation model). `width` b is in direction cosines: half of the light lies
+//! within `sqrt(3) b` of the unscattered ray. 0 < b; diffusers have .01 to .2. Two
+//! such lobes in a row make one of twice the width, which tests the whole
+//! transport chain. It knows nothing of the surface: what it sends beyond the
+//! disc of the medium does not leave.
+//!
+//! # Lambertian
+//! `1/pi` for any two directions of the air hemisphere (|beta| <= 1), zero else:
+//! the ideal diffuser whose BTDF, referred to air, is the constant T/pi.
+
+use std::f64::consts::PI;
+
+use papilio_sampling::warp;
+
+use crate::Beta;
+
+/// The shape of a scattering lobe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lobe {
+    /// K-correlation lobe.
+    KCorrelation {
+        /// b, in direction cosines, above 0.
+        width: f64,
+    },
+    /// The same radiance in every direction of the air hemisphere.
+    Lambertian,
+}
+
+impl Lobe {
+    /// Density per unit area of `beta_o`, for light that arrives with `beta_i`.
+    #[inline]
+    pub fn density(&self, beta_i: Beta, beta_o: Beta) -> f64 {
+        match *self {
+            Self::KCorrelation { width } => {
+                let s = width * width + (beta_o - beta_i).squared();
+                width / (2.0 * PI * s * s.sqrt())
+            }
+            Self::Lambertian => {
+                if beta_i.squared() <= 1.0 && beta_o.squared() <= 1.0 {
+                    1.0 / PI
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// A direction drawn with `density(beta_i, .)` from two uniform numbers in (0, 1).
+    ///
+    /// `None` where the lobe has nothing to give (Lambertian, `|beta_i| > 1`). The
+    /// direction may lie beyond the medium's disc; the caller knows which disc that is.
+    #[inline]
+    pub fn sample(&self, beta_i: Beta, u: [f64; 2]) -> Option<Beta> {
+        match *self {
+            Self::KCorrelation { width } => {
+                let radius = width * (1.0 / (u[0] * u[0]) - 1.0).sqrt();
+                let (x, y) = warp::polar(radius, u[1]);
+                Some(beta_i + Beta { x, y })
+            }
+            Self::Lambertian if beta_i.squared() > 1.0 => None,
+            Self::Lambertian => {
+                let (x, y) = warp::uniform_disc(1.0, u);
+                Some(Beta { x, y })
+            }
+        }
+    }
+
+    /// Share of the lobe within `radius` of the direction of normal incidence.
+    pub fn share_within(&self, radius: f64) -> f64 {
+        match *self {
+            Self::KCorrelation { width } => {
+                let hypotenuse = width.hypot(radius);
+                // 1 - b/sqrt(b^2 + r^2) without cancellation for wide lobes.
+                radius * radius / (hypotenuse * (hypotenuse + width))
+            }
+            Self::Lambertian => (radius * radius).min(1.0),
+        }
+    }
+
+    /// Share of the lobe that stays within the air hemisphere at normal incidence.
+    ///
+    /// `total_transmittance = T ((1 - s) share + s)`, s the straight-through share.
+    pub fn hemispherical_share(&self) -> f64 {
+        self.share_within(1.0)
+    }
+
+    /// Haze: share beyond 2.5 deg of all light transmitted into the air hemisphere
+    /// at normal incidence, the straight-through share included.
+    pub fn haze(&self, straight_through: f64) -> f64 {
+        let scattered = 1.0 - straight_through;
+        let hemisphere = self.share_within(1.0);
+        let beyond = hemisphere - self.share_within(HAZE_ANGLE_DEG.to_radians().sin());
+        scattered * beyond / (scattered * hemisphere + straight_through)
+    }
+}
+
+/// ASTM D1003: light deviated by more than this counts as haze, degrees.
+pub const HAZE_ANGLE_DEG: f64 = 2.5;
+
+/// The width b of the k-correlation lobe that has this [haze](Lobe::haze).
+///
+/// With a straight-through share the haze first rises and then falls with b (a very
+/// wide lobe sends most of its light beyond the hemisphere): the narrower of the two
+/// widths is meant. `None` if no width gives that haze.
+pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
+    let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
+    if !(haze > 0.0 && haze < 1.0 && (0.0..1.0).contains(&straight_through)) {
+        return None;
+    }
+    let mut low = (1e-9_f64).ln();
+    let mut high = log_width_of_most_haze(haze_of);
+    if haze < haze_of(low) || haze > haze_of(high) {
+        return None;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if haze_of(middle) < haze { low = middle } else { high = middle }
+    }
+    Some((0.5 * (low + high)).exp())
+}
+
+/// Golden-section search for the maximum of a function with one hump in ln(width).
+fn log_width_of_most_haze(haze_of: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut a, mut b) = ((1e-9_f64).ln(), (1e3_f64).ln());
+    for _ in 0..120 {
+        let (c, d) = (b - golden * (b - a), a + golden * (b - a));
+        if haze_of(c) > haze_of(d) { b = d } else { a = c }
+    }
+    0.5 * (a + b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Haze and width, truncated at the hemisphere: table recomputed from
+    /// 1 - F(sin 2.5 deg)/F(1), F(r) = 1 - b/sqrt(b^2 + r^2).
+    #[test]
+    fn haze_and_width_belong_together() {
+        for (haze, width) in
+            [(0.50, 0.02607), (0.65, 0.03869), (0.78, 0.05667), (0.81, 0.06295), (0.90, 0.09543)]
+        {
+            let found = width_from_haze(haze, 0.0).unwrap();
+            assert!((found - width).abs() < 6e-6, "haze {haze}: {found} against {width}");
+        }
+    }
+
+    #[test]
+    fn straight_through_light_is_not_haze() {
+        let width = width_from_haze(0.4, 0.3).unwrap();
+        assert!((Lobe::KCorrelation { width }.haze(0.3) - 0.4).abs() < 1e-12);
+        assert!(width < 0.2, "the narrower of the two widths: {width}");
+        assert_eq!(width_from_haze(0.8, 0.3), None, "30 % straight-through leaves at most 70 % haze");
+        assert_eq!(width_from_haze(0.9999, 0.0), None);
+        assert_eq!(width_from_haze(f64::NAN, 0.0), None);
+    }
+
+    /// TIS/T of a b = .1 lobe by truncation alone, 0 to 75 deg, by brute-force
+    /// integration over the unit disc.
+    #[test]
+    fn truncation_takes_more_of_oblique_light() {
+        let lobe = Lobe::KCorrelation { width: 0.1 };
+        let published =
+            [(0.0, 0.9005), (15.0, 0.8953), (30.0, 0.8768), (45.0, 0.8331), (60.0, 0.7291), (75.0, 0.5342)];
+        for (theta_deg, share) in published {
+            let beta_i = Beta::towards(theta_deg, 0.0, 1.0);
+            let (rings, spokes) = (1500, 720);
+            let mut sum = 0.0;
+            for ring in 0..rings {
+                let radius = (ring as f64 + 0.5) / rings as f64;
+                for spoke in 0..spokes {
+                    let (x, y) = warp::polar(radius, (spoke as f64 + 0.5) / spokes as f64);
+                    sum += lobe.density(beta_i, Beta { x, y }) * radius;
+                }
+            }
+            let share_found = sum * 2.0 * PI / (rings * spokes) as f64;
+            assert!((share_found - share).abs() < 6e-5, "{theta_deg} deg: {share_found} against {share}");
+        }
+    }
+
+    #[test]
+    fn share_within_a_radius_is_the_integral_of_the_density() {
+        for lobe in [Lobe::KCorrelation { width: 0.07 }, Lobe::Lambertian] {
+            for radius in [0.05, 0.4, 1.0] {
+                let rings = 20_000;
+                let integral: f64 = (0..rings)
+                    .map(|ring| {
+                        let r = radius * (ring as f64 + 0.5) / rings as f64;
+                        lobe.density(Beta::default(), Beta { x: r, y: 0.0 }) * 2.0 * PI * r
+                    })
+                    .sum::<f64>()
+                    * radius
+                    / rings as f64;
+                assert!((integral - lobe.share_within(radius)).abs() < 1e-6);
+            }
+        }
+    }
+}

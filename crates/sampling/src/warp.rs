@@ -1,0 +1,122 @@
+//! Maps from the unit square, each with its density.
+
+use std::f64::consts::TAU;
+
+/// The point at this radius and at azimuth `2 pi v`.
+#[inline]
+pub fn polar(radius: f64, v: f64) -> (f64, f64) {
+    let (sin, cos) = (TAU * v).sin_cos();
+    (radius * cos, radius * sin)
+}
+
+/// A point of the disc of this radius, density [`uniform_disc_density`].
+///
+/// With radius n this is a direction of the hemisphere with density cos(theta)/pi per
+/// steradian, in direction cosines of a medium of index n.
+#[inline]
+pub fn uniform_disc(radius: f64, u: [f64; 2]) -> (f64, f64) {
+    polar(radius * u[0].sqrt(), u[1])
+}
+
+/// Density of [`uniform_disc`], per unit area.
+#[inline]
+pub fn uniform_disc_density(radius: f64) -> f64 {
+    2.0 / (TAU * radius * radius)
+}
+
+/// A unit vector within `half_angle` (radians) of `axis`, uniform in solid angle,
+/// density [`uniform_cone_density`]. `axis` is a unit vector.
+pub fn uniform_cone(axis: [f64; 3], half_angle: f64, u: [f64; 2]) -> [f64; 3] {
+    // 1 - cos without cancellation: fields of a tenth of a degree are the rule.
+    let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2) * u[0];
+    let sin = (one_minus_cos * (2.0 - one_minus_cos)).sqrt();
+    let (x, y) = polar(sin, u[1]);
+    let z = 1.0 - one_minus_cos;
+    let (tangent, bitangent) = frame(axis);
+    std::array::from_fn(|i| x * tangent[i] + y * bitangent[i] + z * axis[i])
+}
+
+/// Density of [`uniform_cone`], per steradian.
+pub fn uniform_cone_density(half_angle: f64) -> f64 {
+    1.0 / (TAU * 2.0 * (0.5 * half_angle).sin().powi(2))
+}
+
+/// Two unit vectors that complete `axis` (Duff et al., JCGT 6:1, 2017).
+fn frame(axis: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let [x, y, z] = axis;
+    let sign = 1.0_f64.copysign(z);
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    ([1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Numbers, Sampler};
+
+    const POINTS: u64 = 40_000;
+
+    /// The 1e-4 quantile of chi-square with 255 degrees of freedom.
+    const CHI_SQUARE_255: f64 = 345.6;
+
+    /// Chi-square of samples, mapped back to the unit square by the cumulative
+    /// distribution that `to_square` claims, on 16 x 16 cells of equal probability.
+    fn chi_square(sample: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
+        let numbers = Numbers::new(Sampler::Random, 11, 0);
+        let mut cells = [0.0_f64; 256];
+        for path in 0..POINTS {
+            let u = numbers.block(path, 0);
+            let square = sample([u[0], u[1]]);
+            let cell = |v: f64| ((v * 16.0) as usize).min(15);
+            cells[cell(square[0]) * 16 + cell(square[1])] += 1.0;
+        }
+        let expected = POINTS as f64 / 256.0;
+        cells.iter().map(|n| (n - expected).powi(2) / expected).sum()
+    }
+
+    fn turn(x: f64, y: f64) -> f64 {
+        y.atan2(x).rem_euclid(TAU) / TAU
+    }
+
+    #[test]
+    fn disc_samples_follow_their_density() {
+        let radius: f64 = 1.5;
+        let share_within = |r: f64| uniform_disc_density(radius) * std::f64::consts::PI * r * r;
+        let statistic = chi_square(|u| {
+            let (x, y) = uniform_disc(radius, u);
+            [share_within(x.hypot(y)), turn(x, y)]
+        });
+        assert!(statistic < CHI_SQUARE_255, "{statistic}");
+    }
+
+    #[test]
+    fn a_wrong_density_is_caught() {
+        let statistic = chi_square(|u| {
+            let (x, y) = polar(u[0], u[1]);
+            [x * x + y * y, turn(x, y)]
+        });
+        assert!(statistic > CHI_SQUARE_255, "{statistic}");
+    }
+
+    #[test]
+    fn cone_samples_follow_their_density() {
+        for (axis, half_angle) in [
+            ([0.0, 0.0, 1.0], 0.4),
+            ([0.6, 0.0, 0.8], 0.01),
+            ([0.0, -0.8, -0.6], 1.2),
+            ([0.0, 0.0, -1.0], 0.3),
+        ] {
+            let (tangent, bitangent) = frame(axis);
+            let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(p, q)| p * q).sum::<f64>();
+            let statistic = chi_square(|u| {
+                let d = uniform_cone(axis, half_angle, u);
+                assert!((dot(d, d) - 1.0).abs() < 1e-12);
+                let (x, y) = (dot(d, tangent), dot(d, bitangent));
+                let one_minus_cos = (x * x + y * y) / (1.0 + dot(d, axis));
+                [uniform_cone_density(half_angle) * TAU * one_minus_cos, turn(x, y)]
+            });
+            assert!(statistic < CHI_SQUARE_255, "{axis:?} {half_angle}: {statistic}");
+        }
+    }
+}
