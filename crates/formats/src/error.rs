@@ -1,0 +1,193 @@
+//! What can be wrong with a data file, and where.
+
+use std::fmt;
+
+use papilio_spectra::SpectraError;
+
+use crate::place::{Place, Remark};
+
+/// A file that cannot be used: what is wrong, and where in it.
+///
+/// Prints as compilers do, with the line and a caret below it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FormatError {
+    /// The file, line and column.
+    pub place: Place,
+    /// What is wrong there.
+    pub problem: Problem,
+}
+
+/// What can be wrong with a data file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// The system does not hand the file over.
+    #[error("this file cannot be read: {reason}")]
+    Unreadable {
+        /// The system's words.
+        reason: String,
+    },
+    /// The file cannot be written.
+    #[error("this file cannot be written: {reason}")]
+    Unwritable {
+        /// The system's words.
+        reason: String,
+    },
+    /// Larger than any sensible table.
+    #[error("this file has {bytes} bytes")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+    },
+    /// The bytes are not UTF-8.
+    #[error("this is not a text file in UTF-8")]
+    NotUtf8,
+    /// No data rows.
+    #[error("there are no data rows")]
+    Empty,
+    /// A row with the wrong number of columns.
+    #[error("this row has {found} columns")]
+    Columns {
+        /// What a row should look like.
+        expected: &'static str,
+        /// How many there are.
+        found: usize,
+    },
+    /// The first row of a pixel table must name its columns.
+    #[error("this is not the header of a pixel table")]
+    Header,
+    /// A cell that is not a number.
+    #[error("`{found}` is not a number")]
+    NotANumber {
+        /// The cell.
+        found: String,
+    },
+    /// NaN or infinity, where only numbers make sense.
+    #[error("`{found}` is not a finite number")]
+    NotFinite {
+        /// The cell.
+        found: String,
+    },
+    /// A number outside its range.
+    #[error("{what} is {value}")]
+    OutOfRange {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range in words.
+        expected: &'static str,
+    },
+    /// Wavelengths that look like micrometres.
+    #[error("these wavelengths look like micrometres")]
+    Micrometres,
+    /// A wavelength that does not follow the one before.
+    #[error("wavelength {nm} nm does not follow {before} nm")]
+    NotAscending {
+        /// The wavelength.
+        nm: f64,
+        /// The one on the row before.
+        before: f64,
+    },
+    /// Two rows of a pixel table for the same point.
+    #[error("state `{state}` at {theta_deg} deg and {nm} nm is given twice")]
+    Duplicate {
+        /// The state.
+        state: String,
+        /// Angle, degrees.
+        theta_deg: f64,
+        /// Wavelength, nm.
+        nm: f64,
+    },
+    /// A point that a pixel table lacks.
+    #[error("state `{state}` has no row for {theta_deg} deg and {nm} nm")]
+    Hole {
+        /// The state.
+        state: String,
+        /// Angle, degrees.
+        theta_deg: f64,
+        /// Wavelength, nm.
+        nm: f64,
+    },
+    /// The angles of a pixel table begin above 0.
+    #[error("the angles begin at {theta_deg} deg")]
+    NoNormal {
+        /// The smallest angle, degrees.
+        theta_deg: f64,
+    },
+    /// Not YAML, or not in the layout of refractiveindex.info.
+    #[error("this is not a refractiveindex.info file: {message}")]
+    Yaml {
+        /// The parser's words.
+        message: String,
+    },
+    /// A `DATA` entry of a kind that is not known.
+    #[error("`{found}` is not a kind of optical data")]
+    UnknownData {
+        /// Its `type`.
+        found: String,
+    },
+    /// No entry gives the refractive index.
+    #[error("no `DATA` entry gives the refractive index n")]
+    NoIndex,
+    /// The table or formula makes no sense as optical data.
+    #[error(transparent)]
+    Spectra(#[from] SpectraError),
+}
+
+impl Problem {
+    /// What should stand there.
+    pub fn expected(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::TooLarge { .. } => "at most 64 MiB",
+            Self::Empty => "at least two rows of numbers",
+            Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
+            Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",
+            Self::NotANumber { .. } | Self::NotFinite { .. } => "expected a number",
+            Self::NotAscending { .. } => "expected a larger wavelength than on the row before",
+            Self::Hole { .. } => "expected every wavelength at every angle of every state",
+            Self::NoNormal { .. } => "expected 0 deg to be the first angle",
+            Self::UnknownData { .. } => {
+                "expected `tabulated nk`, `tabulated n`, `tabulated k` or `formula 1` to `formula 9`"
+            }
+            _ => return None,
+        })
+    }
+
+    /// What to do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Unreadable { .. } => "paths are relative to the folder of the scenario",
+            Self::NotUtf8 => "save it as plain text in UTF-8",
+            Self::Columns { .. } => "separate the columns with commas, semicolons, tabs or blanks",
+            Self::NotANumber { found } if found.contains(',') => "write decimals with a point",
+            Self::Micrometres => "give wavelengths in nm: multiply the first column by 1000",
+            Self::NotAscending { .. } => "sort the rows by wavelength and leave one row for each",
+            Self::NotFinite { .. } => "leave the row out, or give its value",
+            Self::OutOfRange { what: "reflectance", .. } => "reflectances are shares of 1, not percent",
+            _ => return None,
+        })
+    }
+}
+
+impl FormatError {
+    /// This error with a note of where the file was asked for.
+    pub fn show_with_note(&self, note: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let message = self.problem.to_string();
+        let remark = Remark {
+            level: "error",
+            message: &message,
+            expected: self.problem.expected(),
+            note,
+            hint: self.problem.hint(),
+        };
+        remark.show(&self.place, f)
+    }
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.show_with_note(None, f)
+    }
+}
+
+impl std::error::Error for FormatError {}

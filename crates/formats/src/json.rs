@@ -1,0 +1,81 @@
+//! JSON with its objects indented and its arrays of numbers on one line.
+
+use std::io::{self, Write};
+
+use serde::Serialize;
+use serde_json::ser::Formatter;
+
+/// Writes `value` as JSON, readable and deterministic: objects are indented,
+/// arrays of plain values stay on one line. What is not finite becomes null.
+///
+/// # Errors
+/// Those of `out`, and of values that JSON cannot hold.
+pub fn write_json(out: impl Write, value: &impl Serialize) -> io::Result<()> {
+    let mut serializer = serde_json::Serializer::with_formatter(out, Lines::default());
+    value.serialize(&mut serializer)?;
+    serializer.into_inner().write_all(b"\n")
+}
+
+#[derive(Default)]
+struct Lines {
+    depth: usize,
+    /// Whether the object at hand has a member.
+    filled: bool,
+}
+
+impl Lines {
+    fn new_line<W: ?Sized + Write>(&self, out: &mut W) -> io::Result<()> {
+        write!(out, "\n{:1$}", "", 2 * self.depth)
+    }
+}
+
+impl Formatter for Lines {
+    fn begin_array_value<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
+        if first { Ok(()) } else { out.write_all(b", ") }
+    }
+
+    fn begin_object<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
+        self.depth += 1;
+        self.filled = false;
+        out.write_all(b"{")
+    }
+
+    fn end_object<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
+        self.depth -= 1;
+        if self.filled {
+            self.new_line(out)?;
+        }
+        out.write_all(b"}")
+    }
+
+    fn begin_object_key<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
+        if !first {
+            out.write_all(b",")?;
+        }
+        self.new_line(out)
+    }
+
+    fn begin_object_value<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
+        out.write_all(b": ")
+    }
+
+    fn end_object_value<W: ?Sized + Write>(&mut self, _out: &mut W) -> io::Result<()> {
+        self.filled = true;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_stay_on_one_line_and_everything_reads_back() {
+        let value = serde_json::json!({"a": [1, 2.5, null], "b": {"c": [{"d": {}}, {"e": [1e-300]}]}, "f": []});
+        let mut text = Vec::new();
+        write_json(&mut text, &value).unwrap();
+        assert_eq!(serde_json::from_slice::<serde_json::Value>(&text).unwrap(), value);
+        let text = String::from_utf8(text).unwrap();
+        assert!(text.contains("\n  \"a\": [1, 2.5, null],\n  \"b\": {\n    \"c\": [{"), "{text}");
+    }
+}

@@ -1,0 +1,191 @@
+//! Pixel tables: reflectance against state, angle and wavelength, as `pixel.csv`.
+//!
+//! This is how any other pixel tool plugs in: complete states (areas and fill
+//! factor included), every angle at every wavelength, rows in any order.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+
+use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::rows::{Row, Table};
+
+/// The columns of `pixel.csv`.
+pub const PIXEL_COLUMNS: [&str; 4] = ["state", "theta_deg", "wavelength_nm", "reflectance"];
+
+/// Reflectances of complete states on a rectangle of angles and wavelengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelTable {
+    /// Angles, degrees, ascending from 0, at most 90.
+    pub theta_deg: Vec<f64>,
+    /// Wavelengths, nm, ascending.
+    pub wavelength_nm: Vec<f64>,
+    /// Each state with its reflectances (0 to 1): wavelengths within angles.
+    pub states: Vec<(String, Vec<f64>)>,
+}
+
+impl PixelTable {
+    /// The reflectance spectra of state `state` on `grid`, one for each angle; linear in wavelength.
+    ///
+    /// # Errors
+    /// If the table does not cover the grid, or is not of the shape it says.
+    pub fn spectra(&self, state: usize, grid: &Grid) -> Result<Vec<Spectrum>, SpectraError> {
+        let values = self.states.get(state).map_or(&[][..], |(_, values)| values);
+        let spectra = values.chunks(self.wavelength_nm.len().max(1));
+        spectra.map(|row| Tabulated::new(self.wavelength_nm.clone(), row.to_vec())?.on(grid)).collect()
+    }
+
+    /// Writes `state,theta_deg,wavelength_nm,reflectance`; the numbers read back as they are.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        let mut csv = csv::Writer::from_writer(out);
+        csv.write_record(PIXEL_COLUMNS)?;
+        for (state, values) in &self.states {
+            let points = self.theta_deg.iter().flat_map(|theta| self.wavelength_nm.iter().map(move |nm| (theta, nm)));
+            for ((theta, nm), value) in points.zip(values) {
+                csv.write_record([state, &theta.to_string(), &nm.to_string(), &value.to_string()])?;
+            }
+        }
+        csv.flush()
+    }
+}
+
+/// Reads a pixel table; its first row names the columns, as [`PIXEL_COLUMNS`].
+///
+/// # Errors
+/// With line and column: cells that are not numbers, reflectances outside 0 to
+/// 1, angles outside 0 to 90 deg, a point given twice or not at all (every
+/// state has the same angles and wavelengths), angles that do not begin at 0.
+pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
+    let table = Table::new(file)?;
+    let mut rows = table.rows();
+    let header = rows.next().ok_or_else(|| table.error(Problem::Empty))?;
+    if !header.cells.iter().map(|cell| cell.text).eq(PIXEL_COLUMNS) {
+        return Err(header.error(Problem::Header));
+    }
+    let mut points = Points::default();
+    for row in rows {
+        points.push(&row)?;
+    }
+    points.into_table(table)
+}
+
+/// The rows as they come.
+#[derive(Default)]
+struct Points {
+    names: Vec<String>,
+    by_name: HashMap<String, usize>,
+    points: Vec<Point>,
+    /// Line of each point, for errors about pairs of rows.
+    places: Vec<usize>,
+}
+
+#[derive(Clone, Copy)]
+struct Point {
+    state: usize,
+    theta_deg: f64,
+    nm: f64,
+    reflectance: f64,
+    /// Its row, counted from 0 below the header.
+    row: usize,
+}
+
+impl Points {
+    fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
+        row.expect_cells(4, "expected four: state, theta_deg, wavelength_nm, reflectance")?;
+        let name = row.cells[0].text;
+        let state = match self.by_name.get(name) {
+            Some(&state) => state,
+            None => {
+                self.by_name.insert(name.to_owned(), self.names.len());
+                self.names.push(name.to_owned());
+                self.names.len() - 1
+            }
+        };
+        let theta_deg = in_range(row, 1, "an angle", 0.0, 90.0, "expected 0 to 90 deg")?;
+        let nm = in_range(row, 2, "a wavelength", 30.0, 1e6, "expected a wavelength in nm")?;
+        let reflectance = in_range(row, 3, "reflectance", 0.0, 1.0, "expected 0 to 1")?;
+        self.points.push(Point { state, theta_deg, nm, reflectance, row: self.places.len() });
+        self.places.push(row.cells[0].start());
+        Ok(())
+    }
+
+    fn into_table(mut self, table: Table<'_>) -> Result<PixelTable, FormatError> {
+        self.points.sort_by(|a, b| {
+            let angles = a.theta_deg.total_cmp(&b.theta_deg).then(a.nm.total_cmp(&b.nm));
+            a.state.cmp(&b.state).then(angles).then(a.row.cmp(&b.row))
+        });
+        self.check_duplicates(table)?;
+        let theta_deg = axis(self.points.iter().map(|p| p.theta_deg));
+        let wavelength_nm = axis(self.points.iter().map(|p| p.nm));
+        self.check_holes(table, &theta_deg, &wavelength_nm)?;
+        match theta_deg.first() {
+            Some(&first) if first == 0.0 && wavelength_nm.len() > 1 => {}
+            Some(&first) if first > 0.0 => {
+                return Err(table.error(Problem::NoNormal { theta_deg: first }));
+            }
+            _ => return Err(table.error(Problem::Empty)),
+        }
+        let size = theta_deg.len() * wavelength_nm.len();
+        let values = self.points.chunks(size).map(|state| state.iter().map(|p| p.reflectance).collect());
+        let states = self.names.into_iter().zip(values).collect();
+        Ok(PixelTable { theta_deg, wavelength_nm, states })
+    }
+
+    fn check_duplicates(&self, table: Table<'_>) -> Result<(), FormatError> {
+        for pair in self.points.windows(2) {
+            let [a, b] = [pair[0], pair[1]];
+            if a.state == b.state && a.theta_deg == b.theta_deg && a.nm == b.nm {
+                let state = self.names[b.state].clone();
+                let problem = Problem::Duplicate { state, theta_deg: b.theta_deg, nm: b.nm };
+                return Err(table.error_at_line(self.places[b.row], problem));
+            }
+        }
+        Ok(())
+    }
+
+    /// The points are sorted and unlike: the first that differs from the rectangle is a hole.
+    fn check_holes(&self, table: Table<'_>, theta_deg: &[f64], wavelength_nm: &[f64]) -> Result<(), FormatError> {
+        let mut points = self.points.iter();
+        for (state, name) in self.names.iter().enumerate() {
+            for &theta in theta_deg {
+                for &nm in wavelength_nm {
+                    let found = points.next();
+                    if found.is_none_or(|p| (p.state, p.theta_deg, p.nm) != (state, theta, nm)) {
+                        let problem = Problem::Hole { state: name.clone(), theta_deg: theta, nm };
+                        return Err(table.error(problem));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn in_range(
+    row: &Row<'_>,
+    cell: usize,
+    what: &'static str,
+    least: f64,
+    most: f64,
+    expected: &'static str,
+) -> Result<f64, FormatError> {
+    // Adding 0 makes -0 a 0, which then equals and sorts alike.
+    let value = row.number(cell)? + 0.0;
+    if (least..=most).contains(&value) {
+        return Ok(value);
+    }
+    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected }))
+}
+
+/// The distinct values, ascending.
+fn axis(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
