@@ -71,7 +71,8 @@ mod tests {
 
     #[test]
     fn arrays_stay_on_one_line_and_everything_reads_back() {
-        let value = serde_json::json!({"a": [1, 2.5, null], "b": {"c": [{"d": {}}, {"e": [1e-300]}]}, "f": []});
+        let value =
+            serde_json::json!({"a": [1, 2.5, null], "b": {"c": [{"d": {}}, {"e": [1e-300]}]}, "f": []});
         let mut text = Vec::new();
         write_json(&mut text, &value).unwrap();
         assert_eq!(serde_json::from_slice::<serde_json::Value>(&text).unwrap(), value);

@@ -45,7 +45,8 @@ impl PixelTable {
         let mut csv = csv::Writer::from_writer(out);
         csv.write_record(PIXEL_COLUMNS)?;
         for (state, values) in &self.states {
-            let points = self.theta_deg.iter().flat_map(|theta| self.wavelength_nm.iter().map(move |nm| (theta, nm)));
+            let points =
+                self.theta_deg.iter().flat_map(|theta| self.wavelength_nm.iter().map(move |nm| (theta, nm)));
             for ((theta, nm), value) in points.zip(values) {
                 csv.write_record([state, &theta.to_string(), &nm.to_string(), &value.to_string()])?;
             }
@@ -149,7 +150,12 @@ impl Points {
     }
 
     /// The points are sorted and unlike: the first that differs from the rectangle is a hole.
-    fn check_holes(&self, table: Table<'_>, theta_deg: &[f64], wavelength_nm: &[f64]) -> Result<(), FormatError> {
+    fn check_holes(
+        &self,
+        table: Table<'_>,
+        theta_deg: &[f64],
+        wavelength_nm: &[f64],
+    ) -> Result<(), FormatError> {
         let mut points = self.points.iter();
         for (state, name) in self.names.iter().enumerate() {
             for &theta in theta_deg {

@@ -134,5 +134,10 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
     ];
     let directed = v.terms.directed.iter().enumerate().map(|(i, y)| (format!("Y_directed_{i}"), Some(*y)));
     let specular = v.specular.iter().enumerate().map(|(i, y)| (format!("specular_{i}"), Some(*y)));
-    fixed.into_iter().map(|(title, value)| (title.to_owned(), value)).chain(directed).chain(specular).collect()
+    fixed
+        .into_iter()
+        .map(|(title, value)| (title.to_owned(), value))
+        .chain(directed)
+        .chain(specular)
+        .collect()
 }

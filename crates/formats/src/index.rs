@@ -1,0 +1,72 @@
+//! Refractive indices: n-k tables in nm, and the files of refractiveindex.info.
+
+use papilio_spectra::{Dispersion, Tabulated};
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::refractiveindex;
+use crate::rows::{Row, Table};
+use crate::spectrum::{Columns, data_rows};
+
+/// Reads n + ik from a file, recognised by its content.
+///
+/// - A table: wavelength in nm, n, k; without a third column k = 0. One header
+///   row and `#` comments may stand there.
+/// - A refractiveindex.info page (YAML with a `DATA` list): tables and formulas 1
+///   to 9, wavelengths in um; non-linear entries (n2) are ignored.
+///
+/// # Errors
+/// With line and column: everything that makes no table, negative n or k, and
+/// formulas that cannot be.
+///
+/// ```
+/// # use papilio_formats::{DataFile, read_index};
+/// let file = DataFile { name: "n.csv".into(), bytes: b"nm,n,k\n400,2.0,0\n600,2.2,0.1\n".to_vec() };
+/// let index = read_index(&file)?.index(500.0).unwrap();
+/// assert!((index.re - 2.1).abs() < 1e-12 && (index.im - 0.05).abs() < 1e-12);
+/// # Ok::<(), papilio_formats::FormatError>(())
+/// ```
+pub fn read_index(file: &DataFile) -> Result<Dispersion, FormatError> {
+    let table = Table::new(file)?;
+    if refractiveindex::is_page(table.text) {
+        return refractiveindex::read(table);
+    }
+    let mut rows = data_rows(table).peekable();
+    let has_k = rows.peek().is_some_and(|row| row.cells.len() > 2);
+    let (n, k) = if has_k { n_and_k(table, rows)? } else { (n_alone(table, rows)?, None) };
+    Dispersion::tabulated(n, k).map_err(|e| table.error(e.into()))
+}
+
+fn n_and_k<'a>(
+    table: Table<'a>,
+    rows: impl Iterator<Item = Row<'a>>,
+) -> Result<(Tabulated, Option<Tabulated>), FormatError> {
+    let mut columns = Columns::default();
+    for row in rows {
+        row.expect_cells(3, "expected three: wavelength in nm, n, k")?;
+        columns.push(&row)?;
+        not_negative(&row, 1, "n")?;
+        not_negative(&row, 2, "k")?;
+    }
+    let [n, k] = columns.finish(table)?;
+    Ok((n, Some(k)))
+}
+
+fn n_alone<'a>(table: Table<'a>, rows: impl Iterator<Item = Row<'a>>) -> Result<Tabulated, FormatError> {
+    let mut columns = Columns::default();
+    for row in rows {
+        row.expect_cells(2, "expected as many as on the first row: wavelength in nm, n")?;
+        columns.push(&row)?;
+        not_negative(&row, 1, "n")?;
+    }
+    let [n] = columns.finish(table)?;
+    Ok(n)
+}
+
+fn not_negative(row: &Row<'_>, cell: usize, what: &'static str) -> Result<(), FormatError> {
+    let value = row.number(cell)?;
+    if value >= 0.0 {
+        return Ok(());
+    }
+    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected: "expected 0 or more" }))
+}

@@ -1,0 +1,195 @@
+//! What the readers take, and where they say that a file is wrong.
+
+use papilio_formats::{
+    DataFile, FormatError, PixelTable, Problem, read_index, read_pixel_table, read_spectrum,
+};
+use papilio_spectra::{Grid, material};
+
+fn file(text: &str) -> DataFile {
+    DataFile { name: "data.csv".to_owned(), bytes: text.as_bytes().to_vec() }
+}
+
+fn place<T: std::fmt::Debug>(result: Result<T, FormatError>) -> (Option<(usize, usize)>, Problem) {
+    let error = result.unwrap_err();
+    (error.place.line_column(), error.problem)
+}
+
+#[test]
+fn spectra_come_in_many_dresses() {
+    for text in [
+        "400,1\n500,3\n",
+        "# c\nnm;R\r\n400;1\r\n500;3\r\n",
+        "\u{feff}nm R\n400 1\n500 3",
+        "400\t1\n\n500\t3",
+    ] {
+        assert_eq!(read_spectrum(&file(text)).unwrap().at(450.0).unwrap(), 2.0, "{text:?}");
+    }
+}
+
+#[test]
+fn wrong_spectra_say_where() {
+    let bad = |text: &str| place(read_spectrum(&file(text)));
+    assert_eq!(bad("nm,R\n400,1\n500,NaN\n"), (Some((3, 5)), Problem::NotFinite { found: "NaN".to_owned() }));
+    assert_eq!(bad("400,1\n500,x\n"), (Some((2, 5)), Problem::NotANumber { found: "x".to_owned() }));
+    assert_eq!(bad("400,1\n400,2\n"), (Some((2, 1)), Problem::NotAscending { nm: 400.0, before: 400.0 }));
+    assert!(matches!(bad("400,1\n500,1,2\n"), (Some((2, 1)), Problem::Columns { found: 3, .. })));
+    assert_eq!(bad("0.4,1\n0.5,2\n"), (None, Problem::Micrometres));
+    assert_eq!(bad(""), (None, Problem::Empty));
+    assert_eq!(bad("nm,R\n400,1\n"), (None, Problem::Empty));
+    assert!(matches!(bad("-400,1\n500,1\n"), (Some((1, 1)), Problem::OutOfRange { .. })));
+}
+
+#[test]
+fn an_error_shows_the_line_and_what_to_do() {
+    let error = read_spectrum(&file("400,1\n500,1e999\n")).unwrap_err();
+    let expected = "error: `1e999` is not a finite number\n --> data.csv:2:5\n  |\n2 | 500,1e999\n  |     ^^^^^ \
+                    expected a number\n  = help: leave the row out, or give its value";
+    assert_eq!(error.to_string(), expected);
+}
+
+#[test]
+fn indices_with_and_without_k() {
+    let index = read_index(&file("nm,n,k\n400,2,0.2\n600,3,0.4\n")).unwrap().index(500.0).unwrap();
+    assert!((index.re - 2.5).abs() < 1e-12 && (index.im - 0.3).abs() < 1e-12);
+    assert_eq!(read_index(&file("400,2\n600,3\n")).unwrap().index(600.0).unwrap().im, 0.0);
+    assert!(matches!(
+        place(read_index(&file("400,2,1\n600,3,-1\n"))),
+        (Some((2, 7)), Problem::OutOfRange { .. })
+    ));
+    assert!(matches!(place(read_index(&file("400,2,1\n600,3\n"))), (Some((2, 1)), Problem::Columns { .. })));
+}
+
+const SELLMEIER: &str = "# CC0
+REFERENCES: |
+    Malitson 1965
+DATA:
+  - type: formula 1
+    wavelength_range: 0.21 6.7
+    coefficients: 0 0.6961663 0.0684043 0.4079426 0.1162414 0.8974794 9.896161
+  - type: tabulated k
+    data: |
+        0.3 0.0
+        0.9 0.06
+  - type: formula n2
+    coefficients: 1
+";
+
+/// The page's formula is the named SiO2 (n_d 1.458464, Malitson 1965); k comes from the second entry.
+#[test]
+fn a_refractiveindex_info_page() {
+    let page = read_index(&file(SELLMEIER)).unwrap();
+    assert_eq!(page.range_nm(), (300.0, 900.0));
+    let index = page.index(587.5618).unwrap();
+    assert!((index.re - 1.458464).abs() < 1e-6);
+    assert!((index.im - 0.06 * 287.5618 / 600.0).abs() < 1e-12);
+    assert_eq!(index.re, material("SiO2").unwrap().index(587.5618).unwrap().re);
+}
+
+#[test]
+fn pages_with_tables_and_lone_numbers() {
+    let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 2\n      0.5 2 3\n";
+    let index = read_index(&file(page)).unwrap().index(450.0).unwrap();
+    assert!((index.re - 1.5).abs() < 1e-12 && (index.im - 2.5).abs() < 1e-12);
+    let constant = "DATA:\n - type: \"formula 5\"\n   range: 0.3 0.9\n   coefficients: 1.5\n";
+    assert_eq!(read_index(&file(constant)).unwrap().index(500.0).unwrap().re, 1.5);
+}
+
+#[test]
+fn wrong_pages_say_where() {
+    let bad = |text: String| place(read_index(&file(&text)));
+    let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 nan"));
+    assert_eq!(wrong, (Some((11, 9)), Problem::NotFinite { found: "nan".to_owned() }));
+    let wrong = bad(SELLMEIER.replace("formula 1\n", "formula 12\n"));
+    assert_eq!(wrong, (Some((5, 11)), Problem::UnknownData { found: "formula 12".to_owned() }));
+    let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 0.06 3"));
+    assert!(matches!(wrong, (Some((11, 9)), Problem::Columns { found: 3, .. })));
+    assert!(matches!(bad(SELLMEIER.replace("    wavelength_range: 0.21 6.7\n", "")).1, Problem::Yaml { .. }));
+    assert!(matches!(bad("DATA:\n  - [\n".to_owned()).1, Problem::Yaml { .. }));
+    assert_eq!(bad("DATA: []\n".to_owned()).1, Problem::NoIndex);
+}
+
+const PIXEL: &str = "state,theta_deg,wavelength_nm,reflectance
+white,30,400,0.3
+white,0,400,0.1
+white,0,500,0.2
+white,30,500,0.4
+\"dim, grey\",0,400,0
+\"dim, grey\",0,500,0.5
+\"dim, grey\",30,400,1
+\"dim, grey\",30,500,1
+";
+
+#[test]
+fn a_pixel_table_in_any_order_reads_back_as_written() {
+    let table = read_pixel_table(&file(PIXEL)).unwrap();
+    assert_eq!(
+        (table.theta_deg.as_slice(), table.wavelength_nm.as_slice()),
+        (&[0.0, 30.0][..], &[400.0, 500.0][..])
+    );
+    assert_eq!(table.states[0], ("white".to_owned(), vec![0.1, 0.2, 0.3, 0.4]));
+    assert_eq!(table.states[1].0, "dim, grey");
+    let grid = Grid::new(400.0, 500.0, 50.0).unwrap();
+    let spectra = table.spectra(0, &grid).unwrap();
+    assert!((spectra[1][1] - 0.35).abs() < 1e-12);
+    let mut text = Vec::new();
+    table.write(&mut text).unwrap();
+    assert_eq!(read_pixel_table(&DataFile { name: "again".to_owned(), bytes: text }).unwrap(), table);
+}
+
+#[test]
+fn numbers_of_a_pixel_table_keep_every_bit() {
+    let values: Vec<f64> = (0..12).map(|i| f64::from(i).sqrt() / 7.3).collect();
+    let table = PixelTable {
+        theta_deg: vec![0.0, 0.1 + 0.2, 90.0],
+        wavelength_nm: vec![380.0, 1e3 / 2.3, 500.0, 780.0],
+        states: vec![("a".to_owned(), values)],
+    };
+    let mut text = Vec::new();
+    table.write(&mut text).unwrap();
+    assert_eq!(read_pixel_table(&DataFile { name: "t".to_owned(), bytes: text }).unwrap(), table);
+}
+
+#[test]
+fn wrong_pixel_tables_say_where() {
+    let bad = |from: &str, to: &str| place(read_pixel_table(&file(&PIXEL.replace(from, to))));
+    assert_eq!(bad("reflectance", "R"), (Some((1, 1)), Problem::Header));
+    assert_eq!(
+        bad("0,500,0.2", "0,500,nan"),
+        (Some((4, 13)), Problem::NotFinite { found: "nan".to_owned() })
+    );
+    let range = bad("0,500,0.2", "0,500,20");
+    assert!(matches!(range, (Some((4, 13)), Problem::OutOfRange { what: "reflectance", value: 20.0, .. })));
+    let hole = Problem::Hole { state: "white".to_owned(), theta_deg: 0.0, nm: 500.0 };
+    assert_eq!(bad("white,0,500,0.2\n", ""), (None, hole));
+    let twice = Problem::Duplicate { state: "white".to_owned(), theta_deg: 0.0, nm: 400.0 };
+    assert_eq!(bad("white,0,500,0.2", "white,0,400,0.1"), (Some((4, 1)), twice));
+    let (_, normal) = bad(",0,", ",5,");
+    assert_eq!(normal, Problem::NoNormal { theta_deg: 5.0 });
+    assert!(matches!(bad("30,400,0.3", "91,400,0.3"), (Some((2, 7)), Problem::OutOfRange { .. })));
+    assert_eq!(place(read_pixel_table(&file(""))).1, Problem::Empty);
+    assert_eq!(
+        place(read_pixel_table(&file("state,theta_deg,wavelength_nm,reflectance\n"))).1,
+        Problem::Empty
+    );
+}
+
+/// Every reader survives every single-byte change of a good file, and never grows memory.
+#[test]
+fn no_bytes_make_a_reader_panic() {
+    for good in [SELLMEIER, PIXEL, "nm,n,k\n400,2,0.2\n600,3,0.4\n"] {
+        for at in 0..good.len() {
+            for byte in [0, b'\n', b'"', b',', b'-', b'9', b':', b'e', 0xFF] {
+                let mut bytes = good.as_bytes().to_vec();
+                bytes[at] = byte;
+                let file = DataFile { name: "x".to_owned(), bytes };
+                for shown in [
+                    read_index(&file).err().map(|e| e.to_string()),
+                    read_spectrum(&file).err().map(|e| e.to_string()),
+                    read_pixel_table(&file).err().map(|e| e.to_string()),
+                ] {
+                    assert!(shown.is_none_or(|text| text.len() < 2000));
+                }
+            }
+        }
+    }
+}
