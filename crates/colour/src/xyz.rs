@@ -65,12 +65,28 @@ impl Xy {
     pub fn uv_prime(self) -> Option<UvPrime> {
         Xyz { x: self.x, y: self.y, z: 1.0 - self.x - self.y }.uv_prime()
     }
+
+    /// The colour of this chromaticity with luminance `y`; `None` unless y of the chromaticity is positive.
+    pub fn with_luminance(self, y: f64) -> Option<Xyz> {
+        let Self { x: x_c, y: y_c } = self;
+        (y_c > 0.0).then(|| Xyz { x: y * x_c / y_c, y, z: y * (1.0 - x_c - y_c) / y_c })
+    }
 }
 
 impl UvPrime {
     /// Straight distance in the diagram.
     pub fn distance(self, other: Self) -> f64 {
         (self.u - other.u).hypot(self.v - other.v)
+    }
+
+    /// The colour of this chromaticity with luminance `y`; `None` unless v' is positive.
+    pub fn with_luminance(self, y: f64) -> Option<Xyz> {
+        let Self { u, v } = self;
+        (v > 0.0).then(|| Xyz {
+            x: y * 9.0 * u / (4.0 * v),
+            y,
+            z: y * (12.0 - 3.0 * u - 20.0 * v) / (4.0 * v),
+        })
     }
 }
 
@@ -105,6 +121,17 @@ mod tests {
         assert!((xy.x - 0.31272).abs() < 1e-5 && (xy.y - 0.32903).abs() < 1e-5);
         assert!(uv.distance(D65_UV) < 1e-5, "{uv:?}");
         assert!(xy.uv_prime().unwrap().distance(uv) < 1e-12);
+    }
+
+    #[test]
+    fn chromaticity_and_luminance_are_the_colour() {
+        let colour = Xyz { x: 0.0701, y: 0.043, z: 0.0276 };
+        let by_xy = colour.chromaticity().unwrap().with_luminance(colour.y).unwrap();
+        let by_uv = colour.uv_prime().unwrap().with_luminance(colour.y).unwrap();
+        for back in [by_xy, by_uv] {
+            assert!((back - colour).to_array().iter().all(|d| d.abs() < 1e-15), "{back:?}");
+        }
+        assert_eq!(UvPrime { u: 0.2, v: 0.0 }.with_luminance(1.0), None);
     }
 
     #[test]
