@@ -1,0 +1,3 @@
+//! Benchmarks of the film kernel.
+
+fn main() {}

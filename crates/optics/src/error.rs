@@ -1,0 +1,56 @@
+//! What can be wrong with a film, or with a question about one.
+
+/// Why a film could not be made or evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum OpticsError {
+    /// A refractive index that no passive medium has.
+    #[error("n = {n}, k = {k} is not a refractive index (expected n >= 0 and k >= 0, not both zero)")]
+    Index {
+        /// Real part.
+        n: f64,
+        /// Imaginary part.
+        k: f64,
+    },
+    /// The medium that the light comes from must be transparent.
+    #[error("the incidence medium has n = {n} (expected a finite n > 0)")]
+    Incidence {
+        /// Its index.
+        n: f64,
+    },
+    /// A thickness is negative or not finite.
+    #[error("a layer of {nm} nm (expected 0 or more)")]
+    Thickness {
+        /// The thickness asked for.
+        nm: f64,
+    },
+    /// A wavelength is not positive.
+    #[error("a wavelength of {nm} nm (expected a finite number above 0)")]
+    Wavelength {
+        /// The wavelength asked for.
+        nm: f64,
+    },
+    /// A direction that does not exist in the incidence medium.
+    #[error("beta = {beta} (expected 0 <= beta < {limit})")]
+    Beta {
+        /// The beta asked for.
+        beta: f64,
+        /// The index of the incidence medium, or infinity.
+        limit: f64,
+    },
+    /// Several layers follow the gap.
+    #[error("{found} layers have the gap's thickness (expected one at most)")]
+    Gaps {
+        /// How many there are.
+        found: usize,
+    },
+    /// Two arrays do not fit each other.
+    #[error("{what}: {found} values (expected {expected})")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// How long it should be.
+        expected: usize,
+        /// How long it is.
+        found: usize,
+    },
+}

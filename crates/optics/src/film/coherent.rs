@@ -1,0 +1,201 @@
+//! The plain road: one wavelength, one direction, everything there is to know.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+
+use super::{checked_incidence, checked_index, checked_thickness, checked_wavelength};
+use crate::OpticsError;
+
+/// The two states of linear polarisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polarisation {
+    /// Electric field across the plane of incidence.
+    S,
+    /// Electric field in the plane of incidence.
+    P,
+}
+
+/// One layer at one wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layer {
+    /// n + ik, k >= 0.
+    pub index: Complex64,
+    /// Thickness, nm.
+    pub thickness_nm: f64,
+}
+
+/// A stack at one wavelength.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Film {
+    /// Index of the transparent medium that the light comes from.
+    pub incidence: f64,
+    /// Layers in the order that the light meets them.
+    pub layers: Vec<Layer>,
+    /// n + ik of the semi-infinite medium behind.
+    pub substrate: Complex64,
+}
+
+/// Tangential fields in one plane, relative to the incident wave's U.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Field {
+    /// E for s, H for p.
+    pub u: Complex64,
+    /// Its partner: eta U for a wave that travels down, -eta U for one that travels up.
+    pub v: Complex64,
+}
+
+impl Field {
+    /// Power that flows down through this plane, in units where the incident wave carries `eta0`.
+    pub fn flux(self) -> f64 {
+        (self.u.conj() * self.v).re
+    }
+}
+
+/// What a film does to light of one wavelength, direction and polarisation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coherent {
+    /// Amplitude of the reflected wave: of E for s, of H for p, so that
+    /// r_s = -r_p at normal incidence (the sign of most textbooks).
+    pub r: Complex64,
+    /// Amplitude of the electric field transmitted into the substrate, over the incident one.
+    pub t: Complex64,
+    /// Share of the power that is reflected, |r|^2.
+    pub reflectance: f64,
+    /// Share of the power that enters the substrate; 0 where that is evanescent.
+    pub transmittance: f64,
+    /// Share of the power that each layer absorbs.
+    pub absorptance: Vec<f64>,
+    /// Fields at the top of each layer and, last, of the substrate.
+    pub fields: Vec<Field>,
+}
+
+/// Reflection, transmission and absorption of `film` at one wavelength, beta and polarisation.
+///
+/// ```
+/// use papilio_optics::film::{coherent, Film, Layer, Polarisation};
+/// // A quarter wave of sqrt(1.5) on n = 1.5 is a perfect antireflection coating.
+/// let n = 1.5_f64.sqrt();
+/// let layer = Layer { index: n.into(), thickness_nm: 550.0 / (4.0 * n) };
+/// let film = Film { incidence: 1.0, layers: vec![layer], substrate: 1.5.into() };
+/// let green = coherent(&film, 550.0, 0.0, Polarisation::S)?;
+/// assert!(green.reflectance < 1e-30);
+/// assert!((green.transmittance - 1.0).abs() < 1e-15);
+/// # Ok::<(), papilio_optics::OpticsError>(())
+/// ```
+///
+/// # Errors
+/// Indices with n or k below 0 (or both 0), a negative thickness, a wavelength
+/// that is not positive, or beta outside 0 <= beta < n of the incidence medium.
+pub fn coherent(
+    film: &Film,
+    wavelength_nm: f64,
+    beta: f64,
+    polarisation: Polarisation,
+) -> Result<Coherent, OpticsError> {
+    let n0 = checked_incidence(film.incidence)?;
+    let k0 = 2.0 * PI / checked_wavelength(wavelength_nm)?;
+    if !(0.0..n0).contains(&beta) {
+        return Err(OpticsError::Beta { beta, limit: n0 });
+    }
+    let substrate = Medium::new(film.substrate, beta, polarisation)?;
+    let incidence = Medium::new(n0.into(), beta, polarisation)?;
+    let eta0 = incidence.admittance().re;
+
+    // Upwards from the substrate; each step is divided by its growth, which is kept.
+    let mut fields = vec![Field { u: Complex64::ONE, v: substrate.admittance() }];
+    let mut shrinks = Vec::with_capacity(film.layers.len());
+    for layer in film.layers.iter().rev() {
+        let medium = Medium::new(layer.index, beta, polarisation)?;
+        let depth = k0 * checked_thickness(layer.thickness_nm)?;
+        let (field, shrink) = medium.through(depth, fields[fields.len() - 1]);
+        fields.push(field);
+        shrinks.push(shrink);
+    }
+    fields.reverse();
+    shrinks.reverse();
+
+    let top = fields[0];
+    let incident = (top.u + top.v / eta0) / 2.0;
+    let r = (top.u - top.v / eta0) / (2.0 * incident);
+    // Downwards again: the incident wave becomes 1, and the growths are undone.
+    let mut scale = incident.inv();
+    for (j, field) in fields.iter_mut().enumerate() {
+        if j > 0 {
+            scale *= shrinks[j - 1];
+        }
+        *field = Field { u: field.u * scale, v: field.v * scale };
+    }
+
+    let flux = |j: usize| fields[j].flux() / eta0;
+    let last = film.layers.len();
+    let electric = match polarisation {
+        Polarisation::S => Complex64::ONE,
+        Polarisation::P => n0 / film.substrate,
+    };
+    Ok(Coherent {
+        r,
+        t: fields[last].u * electric,
+        reflectance: r.norm_sqr(),
+        transmittance: flux(last),
+        absorptance: (0..last).map(|j| flux(j) - flux(j + 1)).collect(),
+        fields,
+    })
+}
+
+/// A medium for waves of one beta and polarisation.
+struct Medium {
+    /// sqrt(n^2 - beta^2), Im >= 0.
+    q: Complex64,
+    /// 1 for s, n^2 for p.
+    g: Complex64,
+}
+
+impl Medium {
+    fn new(index: Complex64, beta: f64, polarisation: Polarisation) -> Result<Self, OpticsError> {
+        let index = checked_index(index)?;
+        // (n - beta)(n + beta) keeps its digits where beta is close to n. The
+        // imaginary part is +0 or more, where the principal root is the decaying one.
+        let q2 = Complex64::new(
+            (index.re - beta) * (index.re + beta) - index.im * index.im,
+            2.0 * index.re * index.im,
+        );
+        let g = match polarisation {
+            Polarisation::S => Complex64::ONE,
+            Polarisation::P => index * index,
+        };
+        Ok(Self { q: root(q2), g })
+    }
+
+    fn admittance(&self) -> Complex64 {
+        self.q / self.g
+    }
+
+    /// The fields above a layer of k0 d = `depth` from those below it, both
+    /// divided so that they stay of order 1, and what they were multiplied by.
+    fn through(&self, depth: f64, below: Field) -> (Field, f64) {
+        let delta = self.q * depth;
+        let (sin, cos) = delta.re.sin_cos();
+        // cosh and sinh of Im delta, times exp(-Im delta).
+        let sinh = -0.5 * (-2.0 * delta.im).exp_m1();
+        let cosh = 1.0 - sinh;
+        let c = Complex64::new(cos * cosh, -sin * sinh);
+        let s = Complex64::new(sin * cosh, cos * sinh);
+        let s_over_q = if self.q == Complex64::ZERO { depth.into() } else { s / self.q };
+
+        let u = c * below.u - Complex64::I * self.g * s_over_q * below.v;
+        let v = c * below.v - Complex64::I * self.q / self.g * s * below.u;
+        let norm = u.norm().max(v.norm());
+        (Field { u: u / norm, v: v / norm }, (-delta.im).exp() / norm)
+    }
+}
+
+/// The root with both parts >= 0 of a number with Im >= 0, accurate in both parts.
+fn root(z: Complex64) -> Complex64 {
+    let large = ((z.norm() + z.re.abs()) / 2.0).sqrt();
+    if large == 0.0 {
+        return Complex64::ZERO;
+    }
+    let small = z.im / (2.0 * large);
+    if z.re >= 0.0 { Complex64::new(large, small) } else { Complex64::new(small, large) }
+}
