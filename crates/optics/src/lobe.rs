@@ -156,6 +156,49 @@ mod tests {
         }
     }
 
+    /// Chi-square of samples against a claimed distribution of the radius, on 16 x 16 cells
+    /// of equal probability around the unscattered direction.
+    fn chi_square(lobe: Lobe, beta_i: Beta, share_within: impl Fn(f64) -> f64) -> f64 {
+        let numbers = papilio_sampling::Numbers::new(papilio_sampling::Sampler::Random, 17, 0);
+        let (samples, mut cells) = (40_000, [0.0_f64; 256]);
+        for path in 0..samples {
+            let u = numbers.block(path, 0);
+            let beta_o = lobe.sample(beta_i, [u[0], u[1]]).unwrap();
+            let from = if lobe == Lobe::Lambertian { beta_o } else { beta_o - beta_i };
+            let turn = from.y.atan2(from.x).rem_euclid(2.0 * PI) / (2.0 * PI);
+            let cell = |v: f64| ((v * 16.0) as usize).min(15);
+            cells[cell(share_within(from.length())) * 16 + cell(turn)] += 1.0;
+        }
+        let expected = samples as f64 / 256.0;
+        cells.iter().map(|n| (n - expected).powi(2) / expected).sum()
+    }
+
+    /// The 1e-4 quantile of chi-square with 255 degrees of freedom.
+    const CHI_SQUARE_255: f64 = 345.6;
+
+    /// `share_within` is the integral of the density (tested below), so this ties
+    /// samples to densities.
+    #[test]
+    fn samples_follow_the_density() {
+        for lobe in
+            [Lobe::KCorrelation { width: 0.0567 }, Lobe::KCorrelation { width: 0.9 }, Lobe::Lambertian]
+        {
+            for theta_deg in [0.0, 30.0] {
+                let statistic =
+                    chi_square(lobe, Beta::towards(theta_deg, 50.0, 1.0), |radius| lobe.share_within(radius));
+                assert!(statistic < CHI_SQUARE_255, "{lobe:?} {theta_deg}: {statistic}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_density_that_is_slightly_too_wide_is_caught() {
+        let wider = Lobe::KCorrelation { width: 0.0567 * 1.05 };
+        let lobe = Lobe::KCorrelation { width: 0.0567 };
+        let statistic = chi_square(lobe, Beta::default(), |radius| wider.share_within(radius));
+        assert!(statistic > CHI_SQUARE_255, "{statistic}");
+    }
+
     #[test]
     fn straight_through_light_is_not_haze() {
         let width = width_from_haze(0.4, 0.3).unwrap();

@@ -1,6 +1,6 @@
 //! A quantity at every wavelength of a grid, and tables to sample it from.
 
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
 use crate::{Grid, SpectraError};
 
@@ -57,6 +57,18 @@ impl Deref for Spectrum {
     type Target = [f64];
     fn deref(&self) -> &[f64] {
         &self.0
+    }
+}
+
+impl DerefMut for Spectrum {
+    fn deref_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
+}
+
+impl From<Vec<f64>> for Spectrum {
+    fn from(values: Vec<f64>) -> Self {
+        Self(values)
     }
 }
 

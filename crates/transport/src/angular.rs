@@ -1,0 +1,237 @@
+//! Reflectance spectra tabulated against direction, for specular pixels.
+//!
+//! Interpolation is linear in the tabulated values, so a sum of weighted look-ups
+//! equals one product of the table with the summed weights: the walk drops weights
+//! on nodes and touches spectra once at the end.
+//!
+//! The values are those of a few *basis* reflectances (one for each gap of a film
+//! pixel); a drive state is a mixture of them plus a part that all states share.
+
+use crate::Medium;
+
+/// Where the nodes of a table lie.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Nodes {
+    /// One value for all directions.
+    Constant,
+    /// Evenly spaced in cos(theta) of the medium from 0 to 1, at least 6 of them.
+    /// A film's reflectance is analytic in that cosine; six-point Lagrange interpolation.
+    Cosines(usize),
+    /// At these angles in the medium, radians, ascending from 0; linear between them,
+    /// the last value held beyond the last angle.
+    AnglesInMedium(Vec<f64>),
+    /// At these angles in air, likewise.
+    AnglesInAir(Vec<f64>),
+}
+
+impl Nodes {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Constant => 1,
+            Self::Cosines(nodes) => *nodes,
+            Self::AnglesInMedium(angles) | Self::AnglesInAir(angles) => angles.len(),
+        }
+    }
+
+    /// The weights that a look-up at `|beta|^2` in a medium of this index gives to the nodes.
+    #[inline]
+    pub(crate) fn stencil(&self, beta_squared: f64, index: f64) -> Stencil {
+        match self {
+            Self::Constant => Stencil::ONLY_NODE,
+            Self::Cosines(nodes) => {
+                let cosine = (1.0 - beta_squared / (index * index)).max(0.0).sqrt();
+                Stencil::lagrange(cosine * (nodes - 1) as f64, *nodes)
+            }
+            Self::AnglesInMedium(angles) => {
+                Stencil::linear((beta_squared.sqrt() / index).min(1.0).asin(), angles)
+            }
+            Self::AnglesInAir(angles) => Stencil::linear(beta_squared.sqrt().min(1.0).asin(), angles),
+        }
+    }
+}
+
+/// Interpolation weights for consecutive nodes from `first` on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stencil {
+    pub(crate) first: usize,
+    pub(crate) weights: [f64; Stencil::LEN],
+}
+
+impl Stencil {
+    pub(crate) const LEN: usize = 6;
+
+    /// The look-up of a table with one node.
+    pub(crate) const ONLY_NODE: Self = Self { first: 0, weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+
+    /// Six-point Lagrange interpolation at position `x` among nodes 0, 1, ... `nodes - 1`.
+    #[inline]
+    fn lagrange(x: f64, nodes: usize) -> Self {
+        let first = (x as usize).saturating_sub(2).min(nodes - Self::LEN);
+        let t: [f64; 6] = std::array::from_fn(|k| x - (first + k) as f64);
+        let left = [1.0, t[0], t[0] * t[1], t[0] * t[1] * t[2]];
+        let right = [t[5] * t[4] * t[3], t[5] * t[4], t[5], 1.0];
+        let weights = [
+            t[1] * t[2] * right[0] * (-1.0 / 120.0),
+            t[0] * t[2] * right[0] * (1.0 / 24.0),
+            left[2] * right[0] * (-1.0 / 12.0),
+            left[3] * right[1] * (1.0 / 12.0),
+            left[3] * t[3] * right[2] * (-1.0 / 24.0),
+            left[3] * t[3] * t[4] * (1.0 / 120.0),
+        ];
+        Self { first, weights }
+    }
+
+    /// Linear interpolation of `x` among ascending `nodes`.
+    fn linear(x: f64, nodes: &[f64]) -> Self {
+        let mut weights = [0.0; Self::LEN];
+        if nodes.len() < 2 {
+            weights[0] = 1.0;
+            return Self { first: 0, weights };
+        }
+        let right = nodes.partition_point(|&node| node < x).clamp(1, nodes.len() - 1);
+        let t = ((x - nodes[right - 1]) / (nodes[right] - nodes[right - 1])).clamp(0.0, 1.0);
+        weights[0] = 1.0 - t;
+        weights[1] = t;
+        Self { first: right - 1, weights }
+    }
+}
+
+/// Reflectance by node, basis and wavelength, and the mixtures of the basis that the states are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AngularTable {
+    /// Where the nodes lie.
+    pub nodes: Nodes,
+    /// Basis reflectances, shape [node][basis][wavelength].
+    pub basis: Vec<f64>,
+    /// The share of each basis in each state, shape [state][basis].
+    pub mixture: Vec<f64>,
+    /// What every state reflects besides, shape [wavelength].
+    pub common: Vec<f64>,
+}
+
+impl AngularTable {
+    /// The number of basis reflectances.
+    pub fn basis_count(&self) -> usize {
+        self.basis.len() / (self.nodes.count() * self.common.len())
+    }
+
+    /// The number of states.
+    pub fn state_count(&self) -> usize {
+        self.mixture.len() / self.basis_count()
+    }
+
+    /// The reflectance of every state at `|beta|^2`: `out` has shape [state][wavelength].
+    pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
+        let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
+        let mut basis = vec![0.0; width];
+        if let Some(index) = medium.constant_index() {
+            self.add_nodes(&self.nodes.stencil(beta_squared, index), 1.0, &mut basis);
+        } else {
+            for bin in 0..bins {
+                let stencil = self.nodes.stencil(beta_squared, medium.index()[bin]);
+                for at in (bin..width).step_by(bins) {
+                    basis[at] = (stencil.first..self.nodes.count())
+                        .zip(stencil.weights)
+                        .map(|(node, weight)| weight * self.basis[node * width + at])
+                        .sum();
+                }
+            }
+        }
+        self.mix(&basis, 1.0, out);
+    }
+
+    /// The sum of look-ups whose weights were dropped on the nodes; `out` as in [`Self::reflectance`].
+    pub(crate) fn weighted_sum(&self, node_weights: &[f64], out: &mut [f64]) {
+        let width = self.basis_count() * self.common.len();
+        let mut basis = vec![0.0; width];
+        for (node, &weight) in node_weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            add_scaled(&mut basis, &self.basis[node * width..][..width], weight);
+        }
+        self.mix(&basis, node_weights.iter().sum(), out);
+    }
+
+    fn add_nodes(&self, stencil: &Stencil, scale: f64, basis: &mut [f64]) {
+        let width = basis.len();
+        for (node, weight) in (stencil.first..self.nodes.count()).zip(stencil.weights) {
+            add_scaled(basis, &self.basis[node * width..][..width], weight * scale);
+        }
+    }
+
+    fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
+        let (bins, count) = (self.common.len(), self.basis_count());
+        for (state, row) in out.chunks_exact_mut(bins).enumerate() {
+            for (value, common) in row.iter_mut().zip(&self.common) {
+                *value = common * common_weight;
+            }
+            for (b, &share) in self.mixture[state * count..][..count].iter().enumerate() {
+                if share != 0.0 {
+                    add_scaled(row, &basis[b * bins..][..bins], share);
+                }
+            }
+        }
+    }
+}
+
+#[inline]
+fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
+    for (s, v) in sum.iter_mut().zip(values) {
+        *s += v * scale;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_points_reproduce_a_quintic() {
+        let quintic = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(5);
+        let nodes = Nodes::Cosines(9);
+        for step in 0..=100 {
+            let theta = f64::from(step) * std::f64::consts::FRAC_PI_2 / 100.0;
+            let index = 1.5;
+            let stencil = nodes.stencil((index * theta.sin()).powi(2), index);
+            let found: f64 = stencil
+                .weights
+                .iter()
+                .enumerate()
+                .map(|(k, weight)| weight * quintic((stencil.first + k) as f64 / 8.0))
+                .sum();
+            assert!((found - quintic(theta.cos())).abs() < 1e-12, "{step}");
+        }
+    }
+
+    #[test]
+    fn angles_interpolate_linearly_and_hold_the_last_value() {
+        let nodes = Nodes::AnglesInAir(vec![0.0, 0.2, 0.6]);
+        let stencil = nodes.stencil(0.3_f64.sin().powi(2), 1.5);
+        assert_eq!(stencil.first, 1);
+        assert!((stencil.weights[1] - 0.25).abs() < 1e-12);
+        let beyond = nodes.stencil(1.0, 1.5);
+        assert_eq!((beyond.first, beyond.weights[0], beyond.weights[1]), (1, 0.0, 1.0));
+    }
+
+    #[test]
+    fn summed_weights_give_the_sum_of_look_ups() {
+        let nodes = Nodes::Cosines(8);
+        let basis: Vec<f64> = (0..8 * 2 * 3).map(|i| f64::from(i * i % 17) / 17.0).collect();
+        let table =
+            AngularTable { nodes, basis, mixture: vec![1.0, 0.0, 0.25, 0.5], common: vec![0.1, 0.2, 0.3] };
+        let medium = Medium::new(vec![1.5; 3].into());
+        let mut weights = vec![0.0; 8];
+        let (mut sum, mut one, mut together) = (vec![0.0; 6], vec![0.0; 6], vec![0.0; 6]);
+        for (beta_squared, weight) in [(0.0, 1.0), (0.3, 0.5), (2.2, 2.0)] {
+            table.reflectance(beta_squared, &medium, &mut one);
+            add_scaled(&mut sum, &one, weight);
+            let stencil = table.nodes.stencil(beta_squared, 1.5);
+            for (k, w) in stencil.weights.iter().enumerate() {
+                weights[stencil.first + k] += w * weight;
+            }
+        }
+        table.weighted_sum(&weights, &mut together);
+        for (a, b) in sum.iter().zip(&together) {
+            assert!((a - b).abs() < 1e-12);
+        }
+    }
+}

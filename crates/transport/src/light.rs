@@ -1,0 +1,119 @@
+//! Where light comes from and where it is looked at, as directions alone: what a
+//! source's spectrum or illuminance is, transport need not know.
+
+use std::f64::consts::PI;
+
+use papilio_optics::Beta;
+use papilio_sampling::warp;
+
+/// A light source far away, in air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Source {
+    /// The same radiance from the whole hemisphere.
+    Diffuse,
+    /// A collimated beam whose light propagates with these direction cosines.
+    Beam(Beta),
+    /// A round source of even radiance.
+    Disc(Cone),
+}
+
+impl Source {
+    /// `pi L / E` of what a mirror shows of the source where light propagates with `beta`;
+    /// nothing of a beam, which has no radiance.
+    #[inline]
+    pub(crate) fn image_strength(&self, beta: Beta) -> f64 {
+        match self {
+            Self::Diffuse => 1.0,
+            Self::Beam(_) => 0.0,
+            Self::Disc(cone) if cone.sends(beta) => PI / cone.projected_solid_angle(),
+            Self::Disc(_) => 0.0,
+        }
+    }
+}
+
+/// A round patch of directions, seen from the display.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    axis: [f64; 3],
+    half_angle: f64,
+    index: f64,
+}
+
+impl Cone {
+    /// Around (theta, phi), degrees in a medium of this index, with this half-angle in degrees.
+    pub fn new(theta_deg: f64, phi_deg: f64, half_angle_deg: f64, index: f64) -> Self {
+        let (sin, cos) = theta_deg.to_radians().sin_cos();
+        let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
+        Self { axis: [sin * cos_phi, sin * sin_phi, cos], half_angle: half_angle_deg.to_radians(), index }
+    }
+
+    /// A direction of the cone, uniform in solid angle: the direction cosines of light that leaves towards it.
+    #[inline]
+    pub fn sample_towards(&self, u: [f64; 2]) -> Beta {
+        let direction =
+            if self.half_angle > 0.0 { warp::uniform_cone(self.axis, self.half_angle, u) } else { self.axis };
+        Beta { x: self.index * direction[0], y: self.index * direction[1] }
+    }
+
+    /// The direction cosines of its axis, of light that leaves towards it.
+    pub fn axis_towards(&self) -> Beta {
+        Beta { x: self.index * self.axis[0], y: self.index * self.axis[1] }
+    }
+
+    /// True if light that propagates with `beta` comes from within the cone.
+    #[inline]
+    pub(crate) fn sends(&self, beta: Beta) -> bool {
+        let cosine = (1.0 - beta.squared() / (self.index * self.index)).max(0.0).sqrt();
+        let along = -(beta.x * self.axis[0] + beta.y * self.axis[1]) / self.index + cosine * self.axis[2];
+        along >= self.half_angle.cos()
+    }
+
+    /// Density of [`Self::sample_towards`] over direction cosines at `beta`.
+    #[inline]
+    pub(crate) fn density(&self, beta: Beta) -> f64 {
+        let n_squared = self.index * self.index;
+        let cosine = (1.0 - beta.squared() / n_squared).max(1e-300).sqrt();
+        warp::uniform_cone_density(self.half_angle) / (n_squared * cosine)
+    }
+
+    /// Its area in direction cosines (in air: the projected solid angle), for a cone above the horizon.
+    pub fn projected_solid_angle(&self) -> f64 {
+        PI * self.half_angle.sin().powi(2) * self.axis[2] * self.index * self.index
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_sampling::{Numbers, Sampler};
+
+    /// Two roads to the projected solid angle: the closed form, and the mean of
+    /// 1/density over samples.
+    #[test]
+    fn area_of_a_source_in_direction_cosines() {
+        for (theta_deg, radius_deg) in [(0.0, 0.27), (40.0, 5.0), (-70.0, 12.0)] {
+            let cone = Cone::new(theta_deg, 30.0, radius_deg, 1.0);
+            let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+            let samples = 4096;
+            let mean: f64 = (0..samples)
+                .map(|path| {
+                    let u = numbers.block(path, 0);
+                    let beta = -cone.sample_towards([u[0], u[1]]);
+                    assert!(cone.sends(beta) || cone.half_angle < 1e-8);
+                    1.0 / cone.density(beta)
+                })
+                .sum::<f64>()
+                / samples as f64;
+            let relative = mean / cone.projected_solid_angle() - 1.0;
+            assert!(relative.abs() < 1e-3, "{theta_deg} {radius_deg}: {relative}");
+        }
+    }
+
+    #[test]
+    fn a_cone_sends_only_its_own_light() {
+        let cone = Cone::new(-20.0, 0.0, 2.0, 1.0);
+        assert!(cone.sends(Beta::from_source(-21.9, 0.0, 1.0)));
+        assert!(!cone.sends(Beta::from_source(-22.1, 0.0, 1.0)));
+        assert!(!cone.sends(Beta::from_source(20.0, 0.0, 1.0)));
+    }
+}

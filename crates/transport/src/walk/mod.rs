@@ -1,0 +1,220 @@
+//! *walk*: unbiased Monte Carlo through the stack, backwards from the viewer.
+//!
+//! # Estimator
+//! A path starts with the direction cosines of light that reaches the viewer and
+//! follows it back: through the front, into the medium, to the base, out again, and
+//! on for as many passes as Russian roulette grants. Every sampled event is drawn
+//! from its own kernel, so the path's weight holds spectra alone. One path carries all
+//! wavelengths and all states, so that contrast and gamut come from correlated
+//! numbers.
+//!
+//! What is estimated for each source is `rho`, the *reflectance factor under that
+//! source alone*: `pi L / E`, by state and wavelength, L the radiance to the viewer and
+//! E the source's illuminance in the display plane. Diffuse light is met by sampled
+//! directions leaving the display. Beams are met by connections at every scattering
+//! event. Round sources are met by both, weighted by the balance heuristic (Veach &
+//! Guibas 1995), so that nothing counts twice. A narrow lobe between the reader's
+//! direction and the source's is sampled from both ends, again by the balance heuristic.
+//!
+//! Specular images of beams have no radiance; they add nothing here (see
+//! [`specular_image`]).
+//!
+//! # Speed
+//! Scattering does not depend on wavelength. On its first pass a path only drops
+//! its weight on the nodes of the base's [`AngularTable`](crate::AngularTable);
+//! spectra are formed once at the end. Later passes carry them along.
+//!
+//! # Ledger
+//! The same path is also the fate of a unit beam that enters from the view direction
+//! (all kernels are reciprocal). Where light goes is booked by layer; `unaccounted`
+//! is what roulette dropped less what it added, zero on average.
+
+mod bare;
+mod diffused;
+mod specular;
+mod tally;
+
+use papilio_optics::Beta;
+use papilio_sampling::Numbers;
+
+use crate::{Cone, Source, Stack, Top};
+use bare::Bare;
+use diffused::Diffused;
+pub use specular::specular_image;
+pub use tally::{Estimate, Ledger, Rho};
+
+/// Numbers of one path: blocks 0 to 3 serve the field of view and the first pass.
+struct PathNumbers<'a> {
+    numbers: &'a Numbers,
+    path: u64,
+}
+
+impl PathNumbers<'_> {
+    /// Two numbers for the point in the viewer's field.
+    #[inline]
+    fn field(&self) -> [f64; 2] {
+        let u = self.numbers.block(self.path, 0);
+        [u[0], u[1]]
+    }
+
+    /// Four numbers for event `kind` (0 to 2) of this pass.
+    #[inline]
+    fn event(&self, pass: u32, kind: u32) -> [f64; 4] {
+        self.numbers.block(self.path, 1 + 3 * pass + kind)
+    }
+}
+
+/// A walk prepared for one stack, one view and its sources.
+#[derive(Debug)]
+pub struct Walk<'a> {
+    kind: Kind<'a>,
+}
+
+#[derive(Debug)]
+enum Kind<'a> {
+    Bare(Bare<'a>),
+    Diffused(Diffused<'a>),
+}
+
+impl<'a> Walk<'a> {
+    /// `view` is the cone of directions (in air) that the viewer's field covers.
+    pub fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
+        let kind = match &stack.top {
+            Top::Diffuser(diffuser) => Kind::Diffused(Diffused::new(stack, diffuser, view, sources)),
+            Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(stack, view, sources)),
+        };
+        Self { kind }
+    }
+
+    /// An empty replicate, to be filled by [`Self::trace`].
+    pub fn replicate(&self) -> Replicate {
+        let tally = match &self.kind {
+            Kind::Bare(bare) => TallyKind::Bare(bare.tally()),
+            Kind::Diffused(diffused) => TallyKind::Diffused(diffused.tally()),
+        };
+        Replicate { paths: 0, tally }
+    }
+
+    /// Traces `count` further paths of a replicate. The result depends on the
+    /// numbers and the total of paths alone, not on how they are split over calls.
+    pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
+        for path in replicate.paths..replicate.paths + count {
+            let numbers = PathNumbers { numbers, path };
+            match (&self.kind, &mut replicate.tally) {
+                (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.path(&numbers, tally),
+                (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.path(&numbers, tally),
+                // A replicate of another walk: its numbers would mean nothing here.
+                _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
+            }
+        }
+        replicate.paths += count;
+    }
+
+    /// The means over a replicate's paths; it must have traced at least one.
+    pub fn estimate(&self, replicate: &Replicate) -> Estimate {
+        let scale = 1.0 / replicate.paths as f64;
+        match (&self.kind, &replicate.tally) {
+            (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.estimate(tally, scale),
+            (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.estimate(tally, scale),
+            _ => Estimate::default(),
+        }
+    }
+}
+
+/// The running sums of one replicate.
+#[derive(Debug, Clone)]
+pub struct Replicate {
+    paths: u64,
+    tally: TallyKind,
+}
+
+impl Replicate {
+    /// Paths traced so far.
+    pub fn paths(&self) -> u64 {
+        self.paths
+    }
+}
+
+#[derive(Debug, Clone)]
+enum TallyKind {
+    Bare(bare::Tally),
+    Diffused(diffused::Tally),
+}
+
+/// A point of a source to connect to, and its density over direction cosines
+/// (infinite for a beam).
+#[derive(Debug, Clone, Copy)]
+struct Target {
+    beta: Beta,
+    density: f64,
+    /// `pi` times the source's radiance over its illuminance; for a beam `pi`, the
+    /// weight of its delta function.
+    strength: f64,
+}
+
+impl Target {
+    #[inline]
+    fn sample(source: &Source, u: [f64; 2]) -> Option<Self> {
+        match source {
+            Source::Diffuse => None,
+            Source::Beam(beta) => {
+                Some(Self { beta: *beta, density: f64::INFINITY, strength: std::f64::consts::PI })
+            }
+            Source::Disc(cone) => Some(Self::on_disc(cone, -cone.sample_towards(u))),
+        }
+    }
+
+    /// The point of a disc that light propagating with `beta` comes from.
+    #[inline]
+    fn on_disc(cone: &Cone, beta: Beta) -> Self {
+        let strength = std::f64::consts::PI / cone.projected_solid_angle();
+        Self { beta, density: cone.density(beta), strength }
+    }
+
+    /// What one sample adds to `rho` where a direction reaches this point by any of
+    /// three techniques: `scatter` is the density with which the last scattering event
+    /// sends light here, `back` that of sampling the direction before it backwards from
+    /// here, relative to the density `forward` with which the path sampled it
+    /// (infinite: no choice).
+    ///
+    /// Balance heuristic: integrand `forward * scatter * L` over the sum of the three
+    /// products of densities. The same value serves whichever technique drew the sample.
+    #[inline]
+    fn weight(&self, scatter: f64, back: f64, forward: f64) -> f64 {
+        let ratio = back / forward;
+        if self.density.is_infinite() {
+            self.strength * scatter / (1.0 + ratio)
+        } else {
+            self.strength * scatter / (self.density * (1.0 + ratio) + scatter)
+        }
+    }
+}
+
+/// Multiplies each row of `rows` (shape [state][wavelength]) by `factor`.
+#[inline]
+fn scale_rows(rows: &mut [f64], factor: &[f64]) {
+    for row in rows.chunks_exact_mut(factor.len()) {
+        for (value, f) in row.iter_mut().zip(factor) {
+            *value *= f;
+        }
+    }
+}
+
+/// `sum += scale * values`.
+#[inline]
+fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
+    for (s, v) in sum.iter_mut().zip(values) {
+        *s += v * scale;
+    }
+}
+
+/// `sum[state][wavelength] += scale * values[state][wavelength] * factor[wavelength]`.
+#[inline]
+fn add_rows_times(sum: &mut [f64], values: &[f64], factor: &[f64], scale: f64) {
+    let bins = factor.len();
+    for (sum_row, row) in sum.chunks_exact_mut(bins).zip(values.chunks_exact(bins)) {
+        for ((s, v), f) in sum_row.iter_mut().zip(row).zip(factor) {
+            *s += scale * v * f;
+        }
+    }
+}

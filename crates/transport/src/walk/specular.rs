@@ -1,0 +1,58 @@
+//! Light that is never scattered: its mirror images and its round trips, in closed form.
+
+use papilio_optics::Beta;
+use papilio_optics::interface::fresnel_reflectance;
+
+use crate::front::Flat;
+use crate::stack::{Diffuser, Reflector};
+use crate::{Stack, Top};
+
+/// The specular reflectance of the whole display for a beam with these direction
+/// cosines, `|beta| <= 1`: the luminance of its mirror image over its own, by state and
+/// wavelength (shape [state][wavelength]).
+pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
+    let base = &stack.base;
+    let mut r = vec![0.0; base.states() * base.bins()];
+    match &base.reflector {
+        Reflector::Specular(_) => base.reflectance(beta.squared(), &stack.medium, &mut r),
+        Reflector::Lambertian(_) => {}
+    }
+    for (k, value) in r.iter_mut().enumerate() {
+        let bin = k % base.bins();
+        let (flat, below) = match &stack.top {
+            Top::Diffuser(d) => {
+                (stack.front.at(bin), (d.straight_through * d.transmittance[bin]).powi(2) * *value)
+            }
+            Top::Coated | Top::Fresnel(_) => (flat_top(stack, beta.squared(), bin), *value),
+        };
+        *value = flat.above + flat.t * flat.t * below / (1.0 - flat.below * below);
+    }
+    r
+}
+
+/// All orders of `front from below, straight down, base, straight up`, as a factor on
+/// a beam that arrives at the diffuser; `r` is the base's reflectance of the beam.
+pub(super) fn round_trips(stack: &Stack, diffuser: &Diffuser, r: &[f64]) -> Vec<f64> {
+    let bins = diffuser.transmittance.len();
+    let one = |(k, r): (usize, &f64)| {
+        let bin = k % bins;
+        let there_and_back = (diffuser.straight_through * diffuser.transmittance[bin]).powi(2) * r;
+        1.0 / (1.0 - there_and_back * stack.front.reflectance_below[bin])
+    };
+    r.iter().enumerate().map(one).collect()
+}
+
+/// Front and face of a bare panel as one flat part, at one angle and wavelength.
+#[inline]
+pub(super) fn flat_top(stack: &Stack, beta_squared: f64, bin: usize) -> Flat {
+    let face = match &stack.top {
+        Top::Fresnel(index) if beta_squared <= 1.0 => {
+            let r = fresnel_reflectance(1.0, index[bin], beta_squared.sqrt());
+            Flat { t: 1.0 - r, above: r, below: r }
+        }
+        _ if beta_squared <= 1.0 => Flat { t: 1.0, above: 0.0, below: 0.0 },
+        _ => Flat { t: 0.0, above: 1.0, below: 1.0 },
+    };
+    let both = stack.front.at(bin).over(face);
+    if stack.single_pass { Flat { below: 0.0, ..both } } else { both }
+}

@@ -1,0 +1,117 @@
+//! Small stacks, and statistics over many seeds.
+
+use papilio_sampling::{Numbers, Sampler};
+use papilio_spectra::Spectrum;
+use papilio_transport::walk::{Estimate, Walk};
+use papilio_transport::{AngularTable, Base, Cone, Front, Medium, Nodes, Reflector, Source, Stack, Top};
+
+pub(crate) const REPLICATES: u64 = 32;
+
+/// One wavelength, one state.
+pub(crate) fn one(value: f64) -> Spectrum {
+    vec![value].into()
+}
+
+pub(crate) fn mirror(reflectance: f64) -> Base {
+    let table = AngularTable {
+        nodes: Nodes::Constant,
+        basis: vec![reflectance],
+        mixture: vec![1.0],
+        common: vec![0.0],
+    };
+    Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) }
+}
+
+pub(crate) fn lambertian(reflectance: f64) -> Base {
+    Base { reflector: Reflector::Lambertian(vec![reflectance]), inactive_absorptance: one(0.0) }
+}
+
+/// A panel in glass of index 1.5 without front.
+pub(crate) fn panel(top: Top, base: Base) -> Stack {
+    Stack { front: Front::none(1), top, medium: Medium::new(one(1.5)), base, single_pass: false }
+}
+
+/// Front of screen from components (R, A).
+pub(crate) fn front(components: &[(f64, f64)], first_order: bool) -> Front {
+    let components = components.iter().map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a)));
+    if first_order { Front::first_order(1, components) } else { Front::exact(1, components) }
+}
+
+pub(crate) fn view(theta_deg: f64) -> Cone {
+    Cone::new(theta_deg, 0.0, 0.0, 1.0)
+}
+
+/// The estimates of 32 replicates.
+pub(crate) fn replicates(
+    stack: &Stack,
+    view: Cone,
+    sources: &[Source],
+    seed: u64,
+    paths: u64,
+    sampler: Sampler,
+) -> Vec<Estimate> {
+    let walk = Walk::new(stack, view, sources);
+    (0..REPLICATES)
+        .map(|stream| {
+            let mut replicate = walk.replicate();
+            walk.trace(&mut replicate, &Numbers::new(sampler, seed, stream), paths);
+            walk.estimate(&replicate)
+        })
+        .collect()
+}
+
+/// Mean and standard error of a quantity over replicates.
+pub(crate) fn mean_and_error(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values: Vec<f64> = values.collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// Total reflectance factor of the first wavelength and state under source `i`.
+pub(crate) fn rho(estimate: &Estimate, i: usize) -> f64 {
+    estimate.rho[i].base[0] + estimate.rho[i].front[0]
+}
+
+/// z-scores of a quantity against the truth over many seeds must be those of a Student
+/// variable with 31 degrees of freedom: their mean zero, their mean square 31/29. Both are
+/// tested at 4.5 sigma (7e-6 two-sided; Sidak over 40 cases: 3e-4), and the error must be
+/// small enough for the test to mean something.
+pub(crate) fn assert_unbiased(
+    what: &str,
+    truth: f64,
+    most_relative_error: f64,
+    run: impl Fn(u64) -> (f64, f64),
+) {
+    let seeds = 48;
+    let mut z_scores = Vec::new();
+    for seed in 0..seeds {
+        let (mean, error) = run(seed);
+        if error <= 1e-12 * truth.abs().max(1e-12) {
+            assert!(
+                (mean - truth).abs() <= 1e-11 * truth.abs().max(1e-3),
+                "{what}: {mean} against {truth}, no spread"
+            );
+            continue;
+        }
+        assert!(error < most_relative_error * truth.abs(), "{what}: error {error} of {mean}");
+        z_scores.push((mean - truth) / error);
+    }
+    let n = z_scores.len() as f64;
+    if n == 0.0 {
+        return;
+    }
+    let mean = z_scores.iter().sum::<f64>() / n;
+    let mean_square = z_scores.iter().map(|z| z * z).sum::<f64>() / n;
+    let student = 31.0 / 29.0_f64;
+    // Variance of z^2 for Student's t with 31 degrees of freedom is 2.55.
+    assert!(
+        mean.abs() * n.sqrt() < 4.5 * student.sqrt(),
+        "{what}: mean z {mean} over {n} seeds, truth {truth}"
+    );
+    assert!(
+        (mean_square - student).abs() < 4.5 * (2.55 / n).sqrt(),
+        "{what}: mean square of z {mean_square}"
+    );
+}
