@@ -1,0 +1,88 @@
+//! `[lighting]`: diffuse and directed light.
+
+use super::numbers::{AngularRadius, Azimuth, Inclination, Kelvin, Lux, Share, Wavelength, Weight};
+use crate::read::{At, choice, forms, table};
+
+table! {
+    /// The room's light; `diffuse` and all shares sum to 1.
+    Lighting later ["environment", "front_light"] {
+        /// "indoor", "sunny" or "overcast": fills lighting and viewer; keys that are given override it. Default: none.
+        preset: Option<Preset>,
+        /// Illuminance that the shares refer to, in the display plane, lx. Default 500.
+        illuminance_lx: Lux = Lux(500.0),
+        /// Relative spectrum of all light that has none of its own. Default "D65".
+        spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
+        /// Share that comes alike from the whole hemisphere, 0 to 1. Default 1, or 0 where directed light is given.
+        diffuse: Option<Share>,
+        /// Directed sources. Default: none.
+        directed: Vec<At<Directed>> = Vec::new(),
+    }
+}
+
+choice! {
+    /// Ready-made light and viewer.
+    Preset {
+        /// Half diffuse, half at -20 deg; viewer at 8 deg; 500 lx.
+        Indoor = "indoor",
+        /// 20 % diffuse, 80 % at -35 deg; viewer at 20 deg; 100 000 lx.
+        Sunny = "sunny",
+        /// Diffuse; viewer at 8 deg; 10 000 lx.
+        Overcast = "overcast",
+    }
+}
+
+table! {
+    /// A directed source.
+    Directed {
+        /// Inclination, degrees, between -90 and 90; negative: towards phi + 180.
+        theta_deg: Inclination,
+        /// Azimuth, degrees, -360 to 360. Default 0.
+        phi_deg: Azimuth = Azimuth(0.0),
+        /// Share of `illuminance_lx`, 0 to 1.
+        share: Share,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// Angular radius of a round source of even radiance, degrees. Default: none, collimated.
+        radius_deg: Option<AngularRadius>,
+        /// True: the share is measured across the beam; cos(theta) of it falls on the display. Default false.
+        normal_to_beam: bool = false,
+    }
+}
+
+forms! {
+    /// A relative spectrum of light: the name of a CIE illuminant, a two-column file, a model, or a list of models that add up.
+    LightSpectrum, "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such" {
+        /// A name first, else a file, relative to the scenario.
+        Text(String) if Value::Text(_),
+        /// One model.
+        One(LightModel) if Value::Table(_),
+        /// Several, each with its weight.
+        Sum(Vec<At<LightModel>>) if Value::Array(_),
+    }
+}
+
+table! {
+    /// A model of light: an LED (Ohno 2005), CIE daylight, or a black body. LEDs are 1 at
+    /// their peak, the others 1 at 560 nm, before the weight.
+    LightModel {
+        /// Peak wavelength of an LED, nm.
+        led_nm: Option<Wavelength>,
+        /// Width of the LED, nm: 1/.92 of its full width at half maximum.
+        width_nm: Option<Wavelength>,
+        /// Correlated colour temperature of CIE daylight, K, 4000 to 25000.
+        daylight_K: Option<Kelvin>,
+        /// Temperature of a black body, K, 500 to 100000.
+        planck_K: Option<Kelvin>,
+        /// Weight in a list. Default 1.
+        weight: Weight = Weight(1.0),
+    }
+}
+
+impl Lighting {
+    /// Fills in `diffuse`, and forgets the preset, which has done its work.
+    pub(super) fn complete(&mut self) {
+        self.preset.value = None;
+        let alone = if self.directed.is_empty() { 1.0 } else { 0.0 };
+        self.diffuse.value.get_or_insert(Share(alone));
+    }
+}

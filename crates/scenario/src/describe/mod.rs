@@ -1,0 +1,50 @@
+//! What a scenario file may say: every key with its type, range and default.
+//!
+//! These tables are the whole grammar. They know nothing of files, materials or
+//! grids; that is the business of `resolve`.
+
+pub(crate) mod display;
+pub(crate) mod lighting;
+pub(crate) mod numbers;
+pub(crate) mod pixel;
+pub(crate) mod solver;
+pub(crate) mod viewer;
+
+use crate::read::{At, table};
+use numbers::Wavelength;
+
+table! {
+    /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
+    File later ["sweep", "optimize", "tolerance", "measure", "study"] {
+        /// A title for tables and figures. Default: none.
+        title: Option<String>,
+        /// The wavelengths of the computation.
+        spectrum: Spectrum,
+        /// The panel, from the front of screen to the pixel.
+        display: display::Display,
+        /// The room's light. Default: 500 lx of diffuse D65.
+        lighting: lighting::Lighting,
+        /// Where the reader looks from. Default: along the normal.
+        viewer: viewer::Viewer,
+        /// How to compute, and how well.
+        solver: solver::Solver,
+    }
+}
+
+table! {
+    /// The wavelength grid: evenly spaced, both ends included.
+    Spectrum {
+        /// First and last wavelength, nm. Default [380, 780].
+        range_nm: Vec<At<Wavelength>> = vec![At::at_large(Wavelength(380.0)), At::at_large(Wavelength(780.0))],
+        /// Distance of neighbours, nm; a whole number of steps must fit. Default 5.
+        step_nm: Wavelength = Wavelength(5.0),
+    }
+}
+
+impl File {
+    /// Fills in the defaults that depend on other keys.
+    pub(crate) fn complete(&mut self) {
+        self.lighting.value.complete();
+        self.solver.value.complete();
+    }
+}

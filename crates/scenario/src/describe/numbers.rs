@@ -1,0 +1,135 @@
+//! The quantities of a scenario, each with its range.
+//!
+//! Upper limits keep the arithmetic finite; they lie far beyond any display.
+
+use crate::error::Errors;
+use crate::read::{Read, number};
+use crate::tree::{Node, Value};
+
+number!(
+    /// A share of a whole.
+    Share, "a number from 0 to 1", |v| (0.0..=1.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1 }
+);
+number!(
+    /// A share that is neither nothing nor all.
+    InnerShare, "a number between 0 and 1", |v| v > 0.0 && v < 1.0,
+    { "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 }
+);
+number!(
+    /// A share above 0.
+    PositiveShare, "a number above 0, at most 1", |v| v > 0.0 && v <= 1.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
+);
+number!(
+    /// A width in direction cosines.
+    Width, "a number above 0, at most 100 (direction cosines)", |v| v > 0.0 && v <= 100.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 100 }
+);
+number!(
+    /// A length of films, nm.
+    Nanometres, "a number from 0 to 1e6 (nm)", |v| (0.0..=1e6).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1e6 }
+);
+number!(
+    /// A wavelength or a difference of wavelengths, nm.
+    Wavelength, "a number above 0, at most 1e6 (nm)", |v| v > 0.0 && v <= 1e6,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+);
+number!(
+    /// A refractive index.
+    Index, "a number above 0, at most 100 (refractive index)", |v| v > 0.0 && v <= 100.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 100 }
+);
+number!(
+    /// An extinction coefficient.
+    Extinction, "a number from 0 to 100 (extinction coefficient k)", |v| (0.0..=100.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 100 }
+);
+number!(
+    /// An inclination from the display's normal, degrees.
+    Inclination, "a number between -90 and 90 (degrees)", |v| v.abs() < 90.0,
+    { "type": "number", "exclusiveMinimum": -90, "exclusiveMaximum": 90 }
+);
+number!(
+    /// An azimuth, degrees.
+    Azimuth, "a number from -360 to 360 (degrees)", |v| v.abs() <= 360.0,
+    { "type": "number", "minimum": -360, "maximum": 360 }
+);
+number!(
+    /// The full angle of a field of view, degrees.
+    FieldAngle, "a number from 0 to 180 (degrees)", |v| (0.0..=180.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 180 }
+);
+number!(
+    /// The angular radius of a source, degrees.
+    AngularRadius, "a number above 0, at most 90 (degrees)", |v| v > 0.0 && v <= 90.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+);
+number!(
+    /// A distance, mm.
+    Millimetres, "a number above 0, at most 1e9 (mm)", |v| v > 0.0 && v <= 1e9,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e9 }
+);
+number!(
+    /// An illuminance, lx.
+    Lux, "a number above 0, at most 1e9 (lx)", |v| v > 0.0 && v <= 1e9,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e9 }
+);
+number!(
+    /// A temperature, K.
+    Kelvin, "a number from 500 to 100000 (K)", |v| (500.0..=1e5).contains(&v),
+    { "type": "number", "minimum": 500, "maximum": 1e5 }
+);
+number!(
+    /// A weight in a mixture.
+    Weight, "a number above 0, at most 1e6", |v| v > 0.0 && v <= 1e6,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+);
+number!(
+    /// A relative standard error.
+    RelativeError, "a number from 1e-6 to 1", |v| (1e-6..=1.0).contains(&v),
+    { "type": "number", "minimum": 1e-6, "maximum": 1 }
+);
+
+/// A count from `LEAST` to `MOST`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub(crate) struct Count<const LEAST: u64, const MOST: u64>(pub(crate) u64);
+
+/// How many paths a run may trace for each view.
+pub(crate) type Paths = Count<1, 1_000_000_000_000>;
+
+/// Seed of the random numbers: what a TOML integer holds.
+pub(crate) type Seed = Count<0, { i64::MAX as u64 }>;
+
+impl<const LEAST: u64, const MOST: u64> Read for Count<LEAST, MOST> {
+    fn in_words() -> String {
+        format!("a whole number from {LEAST} to {MOST}")
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        match node.value {
+            Value::Integer(value) if u64::try_from(value).is_ok_and(|v| (LEAST..=MOST).contains(&v)) => {
+                u64::try_from(value).ok().map(Self)
+            }
+            Value::Float(value)
+                if value.fract() == 0.0 && (LEAST as f64..=MOST.min(1 << 53) as f64).contains(&value) =>
+            {
+                Some(Self(value as u64))
+            }
+            _ => node.wrong_type(Self::in_words(), errors),
+        }
+    }
+}
+
+impl<const LEAST: u64, const MOST: u64> schemars::JsonSchema for Count<LEAST, MOST> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Count".into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "integer", "minimum": LEAST, "maximum": MOST })
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+}

@@ -1,0 +1,186 @@
+//! `[display.pixel]`: film, table or uniform.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+
+use super::display::{MaterialSpec, ShareSpectrum};
+use super::numbers::{Nanometres, PositiveShare, Share};
+use crate::error::Errors;
+use crate::read::{At, Named, Read, choice, forms, table};
+use crate::tree::Node;
+
+/// The pixel array; its keys depend on `model`.
+#[derive(Debug, Clone, serde::Serialize)]
+#[serde(untagged)]
+pub(crate) enum Pixel {
+    /// `model = "film"`.
+    Film(FilmPixel),
+    /// `model = "table"`.
+    Table(TablePixel),
+    /// `model = "uniform"`.
+    Uniform(UniformPixel),
+}
+
+choice! {
+    /// Kinds of pixels.
+    PixelModel {
+        /// Thin-film sub-pixels with a gap.
+        Film = "film",
+        /// States from an angle x wavelength table.
+        Table = "table",
+        /// States that reflect alike at all angles.
+        Uniform = "uniform",
+    } later ["measured"]
+}
+
+impl Read for Pixel {
+    fn in_words() -> String {
+        "a table with model = \"film\", \"table\" or \"uniform\"".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        if !matches!(node.value, crate::tree::Value::Table(_)) {
+            return node.wrong_type(Self::in_words(), errors);
+        }
+        match node.field::<PixelModel>("model", None, errors)?.value {
+            PixelModel::Film => FilmPixel::read(node, errors).map(Self::Film),
+            PixelModel::Table => TablePixel::read(node, errors).map(Self::Table),
+            PixelModel::Uniform => UniformPixel::read(node, errors).map(Self::Uniform),
+        }
+    }
+}
+
+impl JsonSchema for Pixel {
+    fn schema_name() -> Cow<'static, str> {
+        "Pixel".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let [film, table, uniform] = [
+            generator.subschema_for::<FilmPixel>(),
+            generator.subschema_for::<TablePixel>(),
+            generator.subschema_for::<UniformPixel>(),
+        ];
+        let is = |model: &str| serde_json::json!({ "properties": { "model": { "const": model } } });
+        schemars::json_schema!({ "oneOf": [
+            { "allOf": [is("film"), film] },
+            { "allOf": [is("table"), table] },
+            { "allOf": [is("uniform"), uniform] },
+        ] })
+    }
+}
+
+table! {
+    /// Thin-film sub-pixels that share one stack with a gap-dependent layer.
+    FilmPixel {
+        /// "film".
+        model: PixelModel,
+        /// Layers from the glass down; exactly one has `thickness_nm = "gap"`.
+        film: Vec<At<FilmLayer>>,
+        /// The opaque, semi-infinite substrate: a material.
+        substrate: MaterialSpec,
+        /// Share of the active area for each sub-pixel, 0 to 1; sum 1 within .001. Names are free, except `dark`.
+        area: Named<Share>,
+        /// Gap of each sub-pixel at its own colour, nm, and of `dark`.
+        gap_nm: Named<Nanometres>,
+        /// Active share of the panel, above 0, at most 1. Default 1.
+        fill_factor: PositiveShare = PositiveShare(1.0),
+        /// Reflectance of the inactive rest: 0 to 1, or a spectrum file. Default 0.
+        inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
+        /// Drive states of your own; one with the name of a default state replaces it.
+        states: Named<Named<DriveSpec>> = Named(Vec::new()),
+        /// White, black, red, green, blue, cyan, magenta and yellow, where those three sub-pixels exist. Default true.
+        default_states: bool = true,
+    }
+}
+
+table! {
+    /// A layer of the film stack.
+    FilmLayer {
+        /// A refractive index, `{ n, k }`, the name of a material, or a file.
+        material: MaterialSpec,
+        /// Thickness in nm, 0 to 1e6, or "gap".
+        thickness_nm: LayerThickness,
+    }
+}
+
+forms! {
+    /// A thickness in nm, or "gap".
+    LayerThickness, "a number from 0 to 1e6 (nm), or \"gap\"" {
+        /// The same in every state.
+        Fixed(Nanometres) if Value::Integer(_) | Value::Float(_),
+        /// The state's gap.
+        Gap(Gap) if Value::Text(_),
+    }
+}
+
+choice! {
+    /// The word that marks the gap layer.
+    Gap {
+        /// The layer whose thickness is the state's gap.
+        Gap = "gap",
+    }
+}
+
+forms! {
+    /// How a sub-pixel is driven: the share of its area at its own colour, or an analogue gap.
+    DriveSpec, "a number from 0 to 1, or { gap_nm = ... }" {
+        /// Share of its area at its own colour, 0 to 1, the rest dark.
+        Share(Share) if Value::Integer(_) | Value::Float(_),
+        /// The whole of it at this gap.
+        Gap(DriveGap) if Value::Table(_),
+    }
+}
+
+table! {
+    /// An analogue gap.
+    DriveGap {
+        /// The gap, nm.
+        gap_nm: Nanometres,
+    }
+}
+
+table! {
+    /// Complete states (areas and fill factor included) from a table.
+    TablePixel {
+        /// "table".
+        model: PixelModel,
+        /// CSV with the columns state, theta_deg, wavelength_nm, reflectance.
+        file: String,
+        /// The medium of its angles.
+        angles: TableMedium,
+    }
+}
+
+choice! {
+    /// The medium of a pixel table's angles.
+    TableMedium {
+        /// In air, before Snell.
+        Air = "air",
+        /// In the glass above the pixel.
+        Glass = "glass",
+    }
+}
+
+table! {
+    /// States that reflect alike at all angles.
+    UniformPixel {
+        /// "uniform".
+        model: PixelModel,
+        /// How it reflects.
+        kind: ReflectionKind,
+        /// Reflectance of each state: 0 to 1, or a spectrum file.
+        reflectance: Named<ShareSpectrum>,
+    }
+}
+
+choice! {
+    /// How a uniform pixel reflects.
+    ReflectionKind {
+        /// Specularly.
+        Mirror = "mirror",
+        /// Diffusely: the same radiance in every direction of the glass.
+        Lambertian = "lambertian",
+    }
+}

@@ -1,0 +1,85 @@
+//! `[solver]`: how to compute, and how well.
+
+use super::numbers::{Count, Paths, RelativeError, Seed};
+use crate::read::{At, choice, table};
+
+table! {
+    /// How to compute, and how well.
+    Solver {
+        /// "walk": unbiased Monte Carlo. Default "walk".
+        method: Method = Method::Walk,
+        /// Stop at this relative standard error of Y, largest over states and views, 1e-6 to 1. Default 0.001.
+        relative_error: Option<RelativeError>,
+        /// Stop after this many paths for each view instead.
+        paths: Option<Paths>,
+        /// Apply `relative_error` to every wavelength too, against the spectrum's maximum. Default false.
+        every_bin: bool = false,
+        /// Where the walk's numbers come from. Default "sobol".
+        sampler: Sampler = Sampler::Sobol,
+        /// How directions are drawn. Default "kernel".
+        scattering: Scattering = Scattering::Kernel,
+        /// "none": all orders of reflection. "single-pass": Feng 2012, eq. 3-2, 3-3 and 3-5. Default "none".
+        approximation: Approximation = Approximation::None,
+        /// The medium of the angles of viewer, lights and pixel.csv. Default "air".
+        angle_medium: AngleMedium = AngleMedium::Air,
+        /// Seed of the random numbers, 0 or more. Default 0.
+        seed: Seed = Count(0),
+    }
+}
+
+impl Solver {
+    /// The default accuracy, where neither it nor a number of paths is given.
+    pub(super) fn complete(&mut self) {
+        if self.paths.is_none() {
+            self.relative_error.value.get_or_insert(RelativeError(0.001));
+        }
+    }
+}
+
+choice! {
+    /// The solvers.
+    Method {
+        /// Unbiased Monte Carlo path tracing.
+        Walk = "walk",
+    } later ["adding"]
+}
+
+choice! {
+    /// Where the walk's numbers come from.
+    Sampler {
+        /// Owen-scrambled Sobol points.
+        Sobol = "sobol",
+        /// Independent random numbers.
+        Random = "random",
+    } later ["stratified", "best-candidate"]
+}
+
+choice! {
+    /// How directions are drawn.
+    Scattering {
+        /// From the lobe itself.
+        Kernel = "kernel",
+    } later ["uniform", "cosine", "ward", "guided"]
+}
+
+choice! {
+    /// How completely light is followed.
+    Approximation {
+        /// All orders.
+        None = "none",
+        /// One pass through the panel, the front of screen to first order.
+        SinglePass = "single-pass",
+    }
+}
+
+choice! {
+    /// The medium of a scenario's angles.
+    AngleMedium {
+        /// In air; Snell's law does the rest.
+        Air = "air",
+        /// In glass, for a bare panel.
+        Glass = "glass",
+        /// In air, the pixel looked up at the air angle as if it were the angle in glass.
+        Unrefracted = "unrefracted",
+    }
+}

@@ -1,0 +1,60 @@
+//! `[viewer]`: where the reader looks from.
+
+use super::numbers::{Azimuth, FieldAngle, Inclination, Millimetres};
+use crate::read::{At, forms, number, table};
+
+table! {
+    /// The views are the product of all theta and phi, theta fastest.
+    Viewer {
+        /// Inclination, degrees, between -90 and 90: a number, a list, or { from, to, step }. Default 0.
+        theta_deg: Inclinations = Inclinations::One(Inclination(0.0)),
+        /// Azimuth, degrees, -360 to 360: a number, a list, or { from, to, step }. Default 0.
+        phi_deg: Azimuths = Azimuths::One(Azimuth(0.0)),
+        /// Full angle of the round field, degrees; the field must not dip below the horizon. Default 0.1.
+        field_deg: FieldAngle = FieldAngle(0.1),
+        /// Distance, mm; matters only where the display is not uniform. Default 500.
+        distance_mm: Millimetres = Millimetres(500.0),
+    }
+}
+
+forms! {
+    /// Inclinations in degrees: a number, a list, or { from, to, step }.
+    Inclinations, "a number between -90 and 90 (degrees), a list, or { from, to, step }" {
+        /// One view.
+        One(Inclination) if Value::Integer(_) | Value::Float(_),
+        /// Several.
+        List(Vec<At<Inclination>>) if Value::Array(_),
+        /// Evenly spaced.
+        Range(AngleRange) if Value::Table(_),
+    }
+}
+
+forms! {
+    /// Azimuths in degrees: a number, a list, or { from, to, step }.
+    Azimuths, "a number from -360 to 360 (degrees), a list, or { from, to, step }" {
+        /// One view.
+        One(Azimuth) if Value::Integer(_) | Value::Float(_),
+        /// Several.
+        List(Vec<At<Azimuth>>) if Value::Array(_),
+        /// Evenly spaced.
+        Range(AngleRange) if Value::Table(_),
+    }
+}
+
+table! {
+    /// Evenly spaced angles, both ends included where the steps reach them.
+    AngleRange {
+        /// First angle, degrees.
+        from: Azimuth,
+        /// Last angle, degrees.
+        to: Azimuth,
+        /// Step, degrees, above 0.
+        step: AngleStep,
+    }
+}
+
+number!(
+    /// A step of angles, degrees.
+    AngleStep, "a number above 0, at most 360 (degrees)", |v| v > 0.0 && v <= 360.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 360 }
+);

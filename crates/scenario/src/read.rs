@@ -1,0 +1,460 @@
+//! From a tree to typed tables: every mistake of a table is reported, not the first alone.
+//!
+//! [`table!`], [`choice!`] and [`number!`] declare what a scenario may hold, once:
+//! the struct, its reading, its defaults and its JSON Schema come from the same lines.
+
+use std::borrow::Cow;
+use std::ops::Deref;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Serialize, Serializer};
+
+use crate::error::{Errors, Problem};
+use crate::source::Origin;
+use crate::tree::{Entry, Node, Value};
+
+/// A value and where it was given; a default stands where its table does.
+#[derive(Debug, Clone)]
+pub(crate) struct At<T> {
+    pub(crate) value: T,
+    pub(crate) origin: Origin,
+}
+
+/// What can be read from a tree.
+pub(crate) trait Read: Sized + JsonSchema {
+    /// The kind of value, in words: "a number from 0 to 1".
+    fn in_words() -> String;
+
+    /// The value, or at least one error.
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self>;
+
+    /// What a missing key means, if it may be missing.
+    fn absent() -> Option<Self> {
+        None
+    }
+
+    /// True if this is what a missing key means.
+    fn is_absent(&self) -> bool {
+        false
+    }
+}
+
+impl<T> Deref for At<T> {
+    type Target = T;
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T> At<T> {
+    /// A value that stands nowhere in particular: a default.
+    pub(crate) fn at_large(value: T) -> Self {
+        Self { value, origin: Origin::FILE }
+    }
+}
+
+impl<T: Read> At<T> {
+    pub(crate) fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        T::read(node, errors).map(|value| Self { value, origin: node.origin })
+    }
+
+    /// For serde: leave out what is absent.
+    pub(crate) fn is_absent(&self) -> bool {
+        self.value.is_absent()
+    }
+}
+
+impl<T: Serialize> Serialize for At<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.value.serialize(serializer)
+    }
+}
+
+impl Node {
+    /// Reports that something else should stand here.
+    pub(crate) fn wrong_type<T>(&self, expected: impl Into<String>, errors: &mut Errors) -> Option<T> {
+        errors.push(self.origin, Problem::WrongType { expected: expected.into(), found: self.kind() });
+        None
+    }
+
+    /// The number that stands here, which may be NaN or infinite.
+    pub(crate) fn number(&self) -> Option<f64> {
+        match self.value {
+            // Integers beyond 2^53 lose digits here; none that large makes sense as a quantity.
+            Value::Integer(value) => Some(value as f64),
+            Value::Float(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// The entries of a table, all of whose keys are `known`.
+    pub(crate) fn known_entries(
+        &self,
+        known: &[&'static str],
+        later: &[&'static str],
+        errors: &mut Errors,
+    ) -> Option<()> {
+        let Value::Table(entries) = &self.value else {
+            return self.wrong_type("a table", errors);
+        };
+        for Entry { key, key_origin, .. } in entries {
+            let problem = if later.contains(&key.as_str()) {
+                Problem::NotInThisVersion { what: key.clone(), choices: Vec::new() }
+            } else if !known.contains(&key.as_str()) {
+                Problem::UnknownKey { key: key.clone(), known: known.to_vec() }
+            } else {
+                continue;
+            };
+            errors.push(*key_origin, problem);
+        }
+        Some(())
+    }
+
+    /// The value under `key`, or its default, or what its absence means.
+    pub(crate) fn field<T: Read>(&self, key: &str, default: Option<T>, errors: &mut Errors) -> Option<At<T>> {
+        if let Some(node) = self.get(key) {
+            return At::read(node, errors);
+        }
+        let value = default.or_else(T::absent);
+        if value.is_none() {
+            let problem = Problem::MissingKey { key: key.to_owned(), expected: T::in_words() };
+            errors.push(self.origin, problem);
+        }
+        value.map(|value| At { value, origin: self.origin })
+    }
+}
+
+impl<T: Read> Read for Option<T> {
+    fn in_words() -> String {
+        T::in_words()
+    }
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        T::read(node, errors).map(Some)
+    }
+    fn absent() -> Option<Self> {
+        Some(None)
+    }
+    fn is_absent(&self) -> bool {
+        self.is_none()
+    }
+}
+
+impl Read for String {
+    fn in_words() -> String {
+        "a string".to_owned()
+    }
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        match &node.value {
+            Value::Text(text) => Some(text.clone()),
+            _ => node.wrong_type(Self::in_words(), errors),
+        }
+    }
+}
+
+impl Read for bool {
+    fn in_words() -> String {
+        "true or false".to_owned()
+    }
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        match node.value {
+            Value::Bool(value) => Some(value),
+            _ => node.wrong_type(Self::in_words(), errors),
+        }
+    }
+}
+
+impl<T: Read> Read for Vec<At<T>> {
+    fn in_words() -> String {
+        format!("a list, each item {}", T::in_words())
+    }
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let Value::Array(items) = &node.value else {
+            return node.wrong_type(Self::in_words(), errors);
+        };
+        // Read them all before giving up, so that every wrong item is reported.
+        let items: Vec<Option<At<T>>> = items.iter().map(|item| At::read(item, errors)).collect();
+        items.into_iter().collect()
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for At<T> {
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+}
+
+/// Items under names of the user's own, in the order of the text.
+#[derive(Debug, Clone)]
+pub(crate) struct Named<T>(pub(crate) Vec<Item<T>>);
+
+/// A named item.
+#[derive(Debug, Clone)]
+pub(crate) struct Item<T> {
+    pub(crate) name: String,
+    pub(crate) name_origin: Origin,
+    pub(crate) value: At<T>,
+}
+
+impl<T> Named<T> {
+    pub(crate) fn get(&self, name: &str) -> Option<&At<T>> {
+        self.0.iter().find(|item| item.name == name).map(|item| &item.value)
+    }
+
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.0.iter().map(|item| item.name.clone()).collect()
+    }
+}
+
+impl<T: Read> Read for Named<T> {
+    fn in_words() -> String {
+        format!("a table of names, each with {}", T::in_words())
+    }
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let Value::Table(entries) = &node.value else {
+            return node.wrong_type(Self::in_words(), errors);
+        };
+        let item = |entry: &Entry| {
+            if !is_name(&entry.key) {
+                errors.push(entry.key_origin, Problem::BadName);
+                return None;
+            }
+            let value = At::read(&entry.node, errors)?;
+            Some(Item { name: entry.key.clone(), name_origin: entry.key_origin, value })
+        };
+        let items: Vec<Option<Item<T>>> = entries.iter().map(item).collect();
+        items.into_iter().collect::<Option<_>>().map(Self)
+    }
+}
+
+/// True if a state or sub-pixel may be called so.
+pub(crate) fn is_name(text: &str) -> bool {
+    (1..=64).contains(&text.chars().count()) && !text.chars().any(char::is_control)
+}
+
+impl<T: Serialize> Serialize for Named<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|item| (&item.name, &item.value)))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Named<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("Named_{}", T::schema_name()).into()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let items = generator.subschema_for::<T>();
+        schemars::json_schema!({ "type": "object", "additionalProperties": items })
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+}
+
+/// Declares a table: its keys, each with its type, meaning and (after `=`) default;
+/// keys that a later version will have are named as such when they are met.
+macro_rules! table {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident $(later [$($later:literal),* $(,)?])? {
+            $( $(#[doc = $field_doc:literal])* $field:ident : $ty:ty $(= $default:expr)? ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, serde::Serialize)]
+        #[allow(non_snake_case, reason = "the unit K keeps its letter")]
+        pub(crate) struct $name {
+            $(
+                $(#[doc = $field_doc])*
+                #[serde(skip_serializing_if = "At::is_absent")]
+                pub(crate) $field: At<$ty>,
+            )*
+        }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                concat!("a table with the keys", $(" ", stringify!($field)),*).to_owned()
+            }
+
+            #[allow(non_snake_case, reason = "as in the struct")]
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                node.known_entries(&[$(stringify!($field)),*], &[$($($later),*)?], errors)?;
+                $( let $field = node.field::<$ty>(stringify!($field), $crate::read::table!(@default $($default)?), errors); )*
+                Some(Self { $($field: $field?),* })
+            }
+
+            /// A table may be missing if all its keys may.
+            fn absent() -> Option<Self> {
+                let mut errors = $crate::error::Errors::default();
+                let table = Self::read(&$crate::tree::Node::empty_table(), &mut errors);
+                table.filter(|_| errors.is_empty())
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let mut keys = $crate::schema::Keys::default();
+                $( keys.add::<$ty>(
+                    stringify!($field),
+                    concat!($($field_doc, "\n"),*),
+                    $crate::read::table!(@default $($default)?),
+                    generator,
+                ); )*
+                keys.into_table(concat!($($doc, "\n"),*))
+            }
+        }
+    };
+    (@default) => { None };
+    (@default $default:expr) => { Some($default) };
+}
+pub(crate) use table;
+
+/// Declares a closed set of words, and those that a later version will have.
+macro_rules! choice {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident { $( $(#[doc = $word_doc:literal])* $variant:ident = $word:literal ),* $(,)? }
+        $(later [$($later:literal),* $(,)?])?
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+        pub(crate) enum $name { $( $(#[doc = $word_doc])* #[serde(rename = $word)] $variant, )* }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                [$(concat!("\"", $word, "\"")),*].join(" or ")
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                let $crate::tree::Value::Text(word) = &node.value else {
+                    return node.wrong_type(Self::in_words(), errors);
+                };
+                match word.as_str() {
+                    $($word => Some(Self::$variant),)*
+                    _ => {
+                        let later: &[&str] = &[$($($later),*)?];
+                        $crate::read::unknown_word(node, word, &[$($word),*], later, errors)
+                    }
+                }
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!({ "enum": [$($word),*] })
+            }
+            fn inline_schema() -> bool {
+                true
+            }
+        }
+    };
+}
+pub(crate) use choice;
+
+/// Reports a word that is none of the choices.
+pub(crate) fn unknown_word<T>(
+    node: &Node,
+    word: &str,
+    choices: &[&str],
+    later: &[&str],
+    errors: &mut Errors,
+) -> Option<T> {
+    let (found, choices) = (word.to_owned(), choices.iter().map(|&choice| choice.to_owned()).collect());
+    let problem = if later.contains(&word) {
+        Problem::NotInThisVersion { what: found, choices }
+    } else {
+        Problem::UnknownChoice { found, choices }
+    };
+    errors.push(node.origin, problem);
+    None
+}
+
+/// Declares a number with its range, in words and as a test.
+macro_rules! number {
+    ($(#[doc = $doc:literal])* $name:ident, $words:literal, $accepts:expr, $schema:tt) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+        pub(crate) struct $name(pub(crate) f64);
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                $words.to_owned()
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                let Some(value) = node.number() else {
+                    return node.wrong_type($words, errors);
+                };
+                let accepts: fn(f64) -> bool = $accepts;
+                if value.is_finite() && accepts(value) {
+                    return Some(Self(value));
+                }
+                errors.push(node.origin, $crate::error::Problem::OutOfRange { value, expected: $words });
+                None
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!($schema)
+            }
+            fn inline_schema() -> bool {
+                true
+            }
+        }
+    };
+}
+pub(crate) use number;
+
+/// Declares a value that may take several forms: the first that fits the kind of value is read.
+macro_rules! forms {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident, $words:literal { $( $(#[doc = $form_doc:literal])* $variant:ident($ty:ty) if $pattern:pat ),* $(,)? }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, serde::Serialize)]
+        #[serde(untagged)]
+        pub(crate) enum $name { $( $(#[doc = $form_doc])* $variant($ty), )* }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                $words.to_owned()
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                use $crate::tree::Value;
+                match &node.value {
+                    $( $pattern => <$ty as $crate::read::Read>::read(node, errors).map(Self::$variant), )*
+                    _ => node.wrong_type($words, errors),
+                }
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let forms = [$(generator.subschema_for::<$ty>()),*];
+                schemars::json_schema!({ "anyOf": forms, "description": concat!($($doc, "\n"),*).trim() })
+            }
+        }
+    };
+}
+pub(crate) use forms;

@@ -1,0 +1,163 @@
+//! Film pixels: layers, sub-pixels and drive states.
+
+use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, Thickness};
+
+use super::Resolver;
+use crate::describe::pixel as describe;
+use crate::describe::pixel::DriveSpec;
+use crate::error::Problem;
+use crate::read::{Item, Named};
+
+/// The default states: which of red, green and blue are at their colour.
+const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
+    ("white", [1.0, 1.0, 1.0]),
+    ("black", [0.0, 0.0, 0.0]),
+    ("red", [1.0, 0.0, 0.0]),
+    ("green", [0.0, 1.0, 0.0]),
+    ("blue", [0.0, 0.0, 1.0]),
+    ("cyan", [0.0, 1.0, 1.0]),
+    ("magenta", [1.0, 0.0, 1.0]),
+    ("yellow", [1.0, 1.0, 0.0]),
+];
+
+/// The name that `gap_nm` has beside those of the sub-pixels.
+const DARK: &str = "dark";
+
+impl Resolver<'_> {
+    pub(super) fn film(&mut self, pixel: &describe::FilmPixel) -> Option<FilmPixel> {
+        let layers = self.layers(pixel);
+        let substrate = self.material(&pixel.substrate);
+        let inactive_reflectance = self.share(&pixel.inactive_reflectance);
+        let sub_pixels = self.sub_pixels(pixel)?;
+        let states = self.states(pixel, &sub_pixels);
+        Some(FilmPixel {
+            layers: layers?,
+            substrate: substrate?,
+            sub_pixels,
+            dark_gap_nm: pixel.gap_nm.get(DARK).map(|gap| gap.0),
+            fill_factor: pixel.fill_factor.0,
+            inactive_reflectance: inactive_reflectance?,
+            states: states?,
+        })
+    }
+
+    fn layers(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<FilmLayer>> {
+        let mut gaps = 0;
+        let mut layers = Vec::with_capacity(pixel.film.len());
+        for layer in pixel.film.iter() {
+            let thickness = match layer.thickness_nm.value {
+                describe::LayerThickness::Fixed(nm) => Thickness::Fixed(nm.0),
+                describe::LayerThickness::Gap(_) => {
+                    gaps += 1;
+                    Thickness::Gap
+                }
+            };
+            layers.push(self.material(&layer.material).map(|index| FilmLayer { index, thickness }));
+        }
+        if gaps != 1 {
+            self.err(&pixel.film, Problem::GapLayers { found: gaps });
+        }
+        layers.into_iter().collect()
+    }
+
+    /// Sub-pixels, each with an area and a gap; `None` where the two tables do not match.
+    fn sub_pixels(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<SubPixel>> {
+        let (area, gap_nm) = (&pixel.area.value, &pixel.gap_nm.value);
+        let mut sub_pixels = Vec::with_capacity(area.0.len());
+        for Item { name, name_origin, value } in &area.0 {
+            match gap_nm.get(name) {
+                _ if name == DARK => self.errors.push(*name_origin, Problem::DarkIsNoSubPixel),
+                Some(gap) => sub_pixels.push(SubPixel { name: name.clone(), area: value.0, gap_nm: gap.0 }),
+                None => {
+                    let known = gap_nm.names();
+                    self.errors
+                        .push(*name_origin, Problem::NoSubPixel { name: name.clone(), of: "gap_nm", known });
+                }
+            }
+        }
+        for Item { name, name_origin, .. } in gap_nm.0.iter().filter(|item| item.name != DARK) {
+            if area.get(name).is_none() {
+                let known = area.names();
+                self.errors.push(*name_origin, Problem::NoSubPixel { name: name.clone(), of: "area", known });
+            }
+        }
+        let sum: f64 = area.0.iter().map(|item| item.value.0).sum();
+        if (sum - 1.0).abs() > 1e-3 {
+            self.err(&pixel.area, Problem::Sum { what: "the areas", sum, expected: "1 within .001" });
+        } else if (sum - 1.0).abs() > 1e-9 {
+            self.warnings
+                .push(format!("the areas of the sub-pixels sum to {sum}, and are taken as they are"));
+        }
+        (sub_pixels.len() == area.0.len()).then_some(sub_pixels)
+    }
+
+    fn states(&mut self, pixel: &describe::FilmPixel, sub_pixels: &[SubPixel]) -> Option<Vec<FilmState>> {
+        let mut states = if pixel.default_states.value { default_states(sub_pixels) } else { Vec::new() };
+        for item in &pixel.states.0 {
+            let state = FilmState { name: item.name.clone(), drives: self.drives(&item.value, sub_pixels)? };
+            match states.iter_mut().find(|known| known.name == item.name) {
+                Some(known) => *known = state,
+                None => states.push(state),
+            }
+        }
+        if states.is_empty() {
+            self.err(&pixel.states, Problem::NoStates);
+        }
+        if pixel.gap_nm.get(DARK).is_none() {
+            self.check_no_dark(pixel, &states, sub_pixels);
+        }
+        Some(states)
+    }
+
+    /// What each sub-pixel does in a state of the user's; those not named are dark.
+    fn drives(&mut self, state: &Named<DriveSpec>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
+        let mut drives = vec![Drive::Share(0.0); sub_pixels.len()];
+        for item in &state.0 {
+            let drive = match &item.value.value {
+                DriveSpec::Share(share) => Drive::Share(share.0),
+                DriveSpec::Gap(gap) => Drive::Gap(gap.gap_nm.0),
+            };
+            match sub_pixels.iter().position(|sub_pixel| sub_pixel.name == item.name) {
+                Some(i) => drives[i] = drive,
+                None if item.name == DARK => {
+                    self.errors.push(item.name_origin, Problem::DarkIsNoSubPixel);
+                    return None;
+                }
+                None => {
+                    let known = sub_pixels.iter().map(|sub_pixel| sub_pixel.name.clone()).collect();
+                    let problem = Problem::NoSubPixel { name: item.name.clone(), of: "area", known };
+                    self.errors.push(item.name_origin, problem);
+                    return None;
+                }
+            }
+        }
+        Some(drives)
+    }
+
+    fn check_no_dark(&mut self, pixel: &describe::FilmPixel, states: &[FilmState], sub_pixels: &[SubPixel]) {
+        for state in states {
+            let dark =
+                state.drives.iter().position(|drive| matches!(drive, Drive::Share(share) if *share < 1.0));
+            if let Some(i) = dark {
+                let (state, sub_pixel) = (state.name.clone(), sub_pixels[i].name.clone());
+                return self.err(&pixel.gap_nm, Problem::NoDarkGap { state, sub_pixel });
+            }
+        }
+    }
+}
+
+/// The eight named states, if there are sub-pixels red, green and blue; any others stay dark.
+fn default_states(sub_pixels: &[SubPixel]) -> Vec<FilmState> {
+    let position = |name| sub_pixels.iter().position(|sub_pixel| sub_pixel.name == name);
+    let (Some(red), Some(green), Some(blue)) = (position("red"), position("green"), position("blue")) else {
+        return Vec::new();
+    };
+    let state = |(name, shares): (&str, [f64; 3])| {
+        let mut drives = vec![Drive::Share(0.0); sub_pixels.len()];
+        for (i, share) in [red, green, blue].into_iter().zip(shares) {
+            drives[i] = Drive::Share(share);
+        }
+        FilmState { name: name.to_owned(), drives }
+    };
+    DEFAULT_STATES.map(state).to_vec()
+}

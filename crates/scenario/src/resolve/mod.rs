@@ -1,0 +1,135 @@
+//! From words to numbers: materials, files and lights on the wavelength grid, everything checked.
+
+mod data;
+mod film;
+mod lighting;
+mod panel;
+mod pixel;
+mod viewer;
+
+pub(crate) use data::hex;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use papilio_display::scene::{self, Scene};
+use papilio_spectra::Grid;
+
+use crate::describe::File;
+use crate::describe::solver::{self, Solver};
+use crate::error::{Errors, Problem, ScenarioErrors};
+use crate::read::At;
+use crate::source::Sources;
+
+/// Wavelengths that the standard observer sees, nm.
+const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
+/// The luminous part of it: 99.9 % of V(lambda) lies inside, nm.
+const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
+
+/// A scene and what was found on the way to it.
+pub(crate) struct Found {
+    pub(crate) scene: Scene,
+    pub(crate) warnings: Vec<String>,
+    /// SHA-256 of each file that was read, by its name.
+    pub(crate) inputs: BTreeMap<String, String>,
+}
+
+/// The state of the work: the grid, and what has been found so far.
+struct Resolver<'a> {
+    grid: Grid,
+    folder: &'a Path,
+    errors: Errors,
+    warnings: Vec<String>,
+    inputs: BTreeMap<String, String>,
+}
+
+/// Resolves a described scenario whose files lie relative to `folder`.
+pub(crate) fn resolve(file: &File, folder: &Path, sources: &Sources) -> Result<Found, ScenarioErrors> {
+    let mut errors = Errors::default();
+    let grid = grid(file, &mut errors);
+    let grid = errors.finish(grid, sources)?;
+    let (errors, warnings, inputs) = (Errors::default(), Vec::new(), BTreeMap::new());
+    let mut resolver = Resolver { grid, folder, errors, warnings, inputs };
+    let scene = resolver.scene(file);
+    let scene = resolver.errors.finish(scene, sources)?;
+    Ok(Found { scene, warnings: resolver.warnings, inputs: resolver.inputs })
+}
+
+fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
+    let range = &file.spectrum.range_nm;
+    let [first, last] = range.as_slice() else {
+        let expected = "a list of two wavelengths, first and last".to_owned();
+        errors.push(range.origin, Problem::WrongType { expected, found: "a list of another length" });
+        return None;
+    };
+    match Grid::new(first.0, last.0, file.spectrum.step_nm.0) {
+        Ok(grid) if grid.stop_nm() > VISIBLE_NM.0 && grid.start_nm() < VISIBLE_NM.1 => Some(grid),
+        Ok(grid) => {
+            errors.push(range.origin, Problem::Invisible { range_nm: (grid.start_nm(), grid.stop_nm()) });
+            None
+        }
+        Err(error) => {
+            errors.push(file.spectrum.origin, error.into());
+            None
+        }
+    }
+}
+
+impl Resolver<'_> {
+    fn scene(&mut self, file: &File) -> Option<Scene> {
+        if self.grid.start_nm() > LUMINOUS_NM.0 || self.grid.stop_nm() < LUMINOUS_NM.1 {
+            let (start, stop) = (self.grid.start_nm(), self.grid.stop_nm());
+            self.warnings
+                .push(format!("colours are taken over {start} to {stop} nm only, not the visible range"));
+        }
+        // Each part reports its own errors; all are looked at before giving up.
+        let solver = solver(&file.solver, &mut self.errors);
+        let display = self.display(file);
+        let lighting = self.lighting(&file.lighting, &file.solver);
+        let viewer = self.viewer(&file.viewer);
+        let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
+        let scene = Scene { grid: self.grid, display, lighting, viewer, solver };
+        self.check_angles(file, &scene);
+        self.check_reach(file, &scene);
+        Some(scene)
+    }
+
+    fn err<T>(&mut self, at: &At<T>, problem: Problem) {
+        self.errors.push(at.origin, problem);
+    }
+}
+
+fn solver(solver: &Solver, errors: &mut Errors) -> Option<scene::Solver> {
+    let stop = match (solver.relative_error.value, solver.paths.value) {
+        (Some(_), Some(_)) => {
+            let problem = Problem::ExactlyOne { keys: "`relative_error` and `paths`", given: 2 };
+            errors.push(solver.paths.origin, problem);
+            return None;
+        }
+        (None, Some(paths)) => scene::Stop::Paths(paths.0),
+        (target, None) => scene::Stop::RelativeError {
+            target: target.map_or(0.001, |target| target.0),
+            every_bin: solver.every_bin.value,
+        },
+    };
+    let solver::Method::Walk = solver.method.value;
+    let solver::Scattering::Kernel = solver.scattering.value;
+    Some(scene::Solver {
+        method: scene::Method::Walk,
+        stop,
+        sampler: match solver.sampler.value {
+            solver::Sampler::Sobol => scene::Sampler::Sobol,
+            solver::Sampler::Random => scene::Sampler::Random,
+        },
+        approximation: match solver.approximation.value {
+            solver::Approximation::None => scene::Approximation::None,
+            solver::Approximation::SinglePass => scene::Approximation::SinglePass,
+        },
+        angle_medium: match solver.angle_medium.value {
+            solver::AngleMedium::Air => scene::AngleMedium::Air,
+            solver::AngleMedium::Glass => scene::AngleMedium::Glass,
+            solver::AngleMedium::Unrefracted => scene::AngleMedium::Unrefracted,
+        },
+        seed: solver.seed.0,
+    })
+}

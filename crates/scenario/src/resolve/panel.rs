@@ -1,0 +1,174 @@
+//! The panel: front of screen, diffuser, glass; and whether the angles make sense for it.
+
+use papilio_display::scene::{self, AngleMedium, Diffuser, Display, FrontComponent, Glass, Lobe, Scene};
+use papilio_optics::lobe::width_from_haze;
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use crate::describe::File;
+use crate::describe::display::{self as describe, DiffuserModel};
+use crate::error::Problem;
+use crate::read::At;
+
+/// ASTM D1003 measures haze up to here.
+const HAZE_SCOPE: f64 = 0.30;
+
+impl Resolver<'_> {
+    pub(super) fn display(&mut self, file: &File) -> Option<Display> {
+        let display = &file.display;
+        let front: Vec<_> = display.front.iter().map(|component| self.front(component)).collect();
+        let diffuser = match &display.diffuser.value {
+            Some(diffuser) => self.diffuser(diffuser).map(Some),
+            None => Some(None),
+        };
+        let glass = self.glass(display);
+        let pixel = self.pixel(&display.pixel);
+        let front = front.into_iter().collect::<Option<Vec<_>>>();
+        Some(Display { front: front?, diffuser: diffuser?, glass: glass?, pixel: pixel? })
+    }
+
+    fn front(&mut self, component: &At<describe::FrontComponent>) -> Option<FrontComponent> {
+        let reflectance = self.share(&component.reflectance);
+        let absorptance = self.share(&component.absorptance);
+        let (reflectance, absorptance) = (reflectance?, absorptance?);
+        let sum = reflectance.zip_map(&absorptance, |r, a| r + a).max();
+        // A tolerance for sums such as .7 + .3 of decimal files.
+        if sum > 1.0 + 1e-12 {
+            let what = "reflectance and absorptance";
+            self.err(component, Problem::Sum { what, sum, expected: "at most 1" });
+            return None;
+        }
+        Some(FrontComponent { reflectance, absorptance })
+    }
+
+    fn diffuser(&mut self, diffuser: &describe::Diffuser) -> Option<Diffuser> {
+        let lobe = self.lobe(diffuser);
+        let transmittance = self.diffuser_transmittance(diffuser, lobe);
+        Some(Diffuser {
+            lobe: lobe?,
+            transmittance: transmittance?,
+            straight_through: diffuser.straight_through.0,
+        })
+    }
+
+    fn lobe(&mut self, diffuser: &describe::Diffuser) -> Option<Lobe> {
+        let given = usize::from(diffuser.haze.is_some()) + usize::from(diffuser.width.is_some());
+        let (haze, width) = (diffuser.haze.value, diffuser.width.value);
+        if diffuser.model.value == DiffuserModel::Lambertian {
+            if given == 0 {
+                return Some(Lobe::Lambertian);
+            }
+            let (key, at) = if haze.is_some() {
+                ("haze", diffuser.haze.origin)
+            } else {
+                ("width", diffuser.width.origin)
+            };
+            self.errors.push(at, Problem::NotWith { key, beside: "model = \"lambertian\"" });
+            return None;
+        }
+        match (haze, width) {
+            (Some(haze), None) => self.lobe_from_haze(haze.0, diffuser),
+            (None, Some(width)) => Some(Lobe::KCorrelation { width: width.0 }),
+            _ => {
+                self.err(&diffuser.width, Problem::ExactlyOne { keys: "`haze` and `width`", given });
+                None
+            }
+        }
+    }
+
+    fn lobe_from_haze(&mut self, haze: f64, diffuser: &describe::Diffuser) -> Option<Lobe> {
+        let straight_through = diffuser.straight_through.0;
+        let Some(width) = width_from_haze(haze, straight_through) else {
+            self.err(&diffuser.haze, Problem::NoWidth { haze, straight_through });
+            return None;
+        };
+        if haze > HAZE_SCOPE {
+            self.warnings.push(format!(
+                "haze {haze}: ASTM D1003 ends at 30 %, above it ASTM E2387 applies; here haze is the share beyond \
+                 2.5 deg, and means a lobe of width {width:.5}"
+            ));
+        }
+        Some(Lobe::KCorrelation { width })
+    }
+
+    /// T of the whole lobe, from itself or from the datasheet's total transmittance.
+    fn diffuser_transmittance(
+        &mut self,
+        diffuser: &describe::Diffuser,
+        lobe: Option<Lobe>,
+    ) -> Option<Spectrum> {
+        let (whole, total) = (&diffuser.transmittance, &diffuser.total_transmittance);
+        let (spec, share) = match (&whole.value, &total.value) {
+            (Some(spec), None) => (At { value: spec.clone(), origin: whole.origin }, 1.0),
+            (None, Some(spec)) => {
+                let straight = diffuser.straight_through.0;
+                let spec = At { value: spec.clone(), origin: total.origin };
+                (spec, (1.0 - straight) * lobe?.hemispherical_share() + straight)
+            }
+            (whole_given, _) => {
+                let given = if whole_given.is_some() { 2 } else { 0 };
+                let keys = "`transmittance` and `total_transmittance`";
+                self.err(whole, Problem::ExactlyOne { keys, given });
+                return None;
+            }
+        };
+        let transmittance = self.share(&spec)?.map(|t| t / share);
+        let lobe = transmittance.max();
+        if lobe > 1.0 + 1e-12 {
+            self.err(&spec, Problem::LobeAboveOne { lobe, limit: share });
+            return None;
+        }
+        Some(transmittance.map(|t| t.min(1.0)))
+    }
+
+    fn glass(&mut self, display: &describe::Display) -> Option<Glass> {
+        let glass = &display.glass;
+        if display.diffuser.is_some() && glass.surface.value == Some(describe::Surface::Fresnel) {
+            self.err(&glass.surface, Problem::SurfaceUnderDiffuser);
+        }
+        let index = self.material(&glass.index)?;
+        let lossless = |n: f64, k: f64| (1.0..=10.0).contains(&n) && k <= 1e-6;
+        if let Some(i) = index.iter().position(|index| !lossless(index.re, index.im)) {
+            let nm = self.grid.wavelength_nm(i);
+            self.err(&glass.index, Problem::NoGlass { n: index[i].re, k: index[i].im, nm });
+            return None;
+        }
+        Some(Glass {
+            index: Spectrum::from_values(index.iter().map(|index| index.re).collect()),
+            surface: match glass.surface.value {
+                None | Some(describe::Surface::Coated) => scene::Surface::Coated,
+                Some(describe::Surface::Fresnel) => scene::Surface::Fresnel,
+            },
+        })
+    }
+
+    /// Angles in glass: for a bare panel of one index, and only for light that gets out.
+    pub(super) fn check_angles(&mut self, file: &File, scene: &Scene) {
+        if scene.solver.angle_medium != AngleMedium::Glass {
+            return;
+        }
+        let needs = if scene.display.diffuser.is_some() {
+            "a panel without diffuser"
+        } else if !scene.display.glass.index.is_constant() {
+            "a glass of the same index at all wavelengths"
+        } else if scene.display.glass.surface != scene::Surface::Coated {
+            "surface = \"coated\""
+        } else {
+            return self.check_trapped(file, scene);
+        };
+        self.err(&file.solver.angle_medium, Problem::AnglesInGlass(needs));
+    }
+
+    fn check_trapped(&mut self, file: &File, scene: &Scene) {
+        let limit_deg = (1.0 / scene.display.glass.index[0]).asin().to_degrees();
+        if let Some(&theta_deg) = scene.viewer.theta_deg.iter().find(|theta| theta.abs() > limit_deg) {
+            self.err(&file.viewer.theta_deg, Problem::Trapped { theta_deg, limit_deg });
+        }
+        for source in file.lighting.directed.iter() {
+            let theta_deg = source.theta_deg.0;
+            if theta_deg.abs() > limit_deg {
+                self.err(&source.theta_deg, Problem::Trapped { theta_deg, limit_deg });
+            }
+        }
+    }
+}

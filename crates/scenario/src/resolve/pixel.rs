@@ -1,0 +1,95 @@
+//! The pixel: uniform states, tables, and how far a table must reach.
+
+use papilio_display::scene::{
+    self, AngleMedium, Lobe, Pixel, Scene, TableAngles, TablePixel, TableState, UniformKind, UniformPixel,
+};
+use papilio_formats::read_pixel_table;
+
+use super::Resolver;
+use crate::describe::File;
+use crate::describe::pixel as describe;
+use crate::error::Problem;
+use crate::read::{At, is_name};
+
+impl Resolver<'_> {
+    pub(super) fn pixel(&mut self, pixel: &At<describe::Pixel>) -> Option<Pixel> {
+        match &pixel.value {
+            describe::Pixel::Film(film) => self.film(film).map(Pixel::Film),
+            describe::Pixel::Table(table) => self.table_pixel(table).map(Pixel::Table),
+            describe::Pixel::Uniform(uniform) => self.uniform(uniform).map(Pixel::Uniform),
+        }
+    }
+
+    fn uniform(&mut self, pixel: &describe::UniformPixel) -> Option<UniformPixel> {
+        if pixel.reflectance.0.is_empty() {
+            self.err(&pixel.reflectance, Problem::NoStates);
+        }
+        let states = pixel.reflectance.0.iter();
+        let states: Vec<_> = states.map(|item| Some((item.name.clone(), self.share(&item.value)?))).collect();
+        Some(UniformPixel {
+            kind: match pixel.kind.value {
+                describe::ReflectionKind::Mirror => UniformKind::Mirror,
+                describe::ReflectionKind::Lambertian => UniformKind::Lambertian,
+            },
+            states: states.into_iter().collect::<Option<_>>()?,
+        })
+    }
+
+    fn table_pixel(&mut self, pixel: &describe::TablePixel) -> Option<TablePixel> {
+        let file = self.open(&pixel.file, pixel.file.origin)?;
+        let table = match read_pixel_table(&file) {
+            Ok(table) => table,
+            Err(error) => {
+                self.errors.push_data(pixel.file.origin, error);
+                return None;
+            }
+        };
+        let mut states = Vec::with_capacity(table.states.len());
+        for (i, (name, _)) in table.states.iter().enumerate() {
+            if !is_name(name) {
+                self.err(&pixel.file, Problem::BadName);
+            }
+            let spectra = table.spectra(i, &self.grid);
+            let reflectance = self.sampled(&pixel.file, pixel.file.origin, spectra)?;
+            states.push(TableState { name: name.clone(), reflectance });
+        }
+        let angles = match pixel.angles.value {
+            describe::TableMedium::Air => TableAngles::Air,
+            describe::TableMedium::Glass => TableAngles::Glass,
+        };
+        Some(TablePixel { angles, theta_deg: table.theta_deg, states })
+    }
+
+    /// A pixel table must reach as far as the light in the stack does.
+    ///
+    /// All light of a bare panel, and of one under a Lambertian diffuser, has
+    /// |beta| <= 1: 90 deg in air. A k-correlation lobe fills the glass. Where
+    /// the air angle is looked up unrefracted, it too runs to 90 deg "in glass".
+    pub(super) fn check_reach(&mut self, file: &File, scene: &Scene) {
+        let (Pixel::Table(table), describe::Pixel::Table(described)) =
+            (&scene.display.pixel, &file.display.pixel.value)
+        else {
+            return;
+        };
+        let lobe = scene.display.diffuser.as_ref().map(|diffuser| diffuser.lobe);
+        let fills_glass = matches!(lobe, Some(Lobe::KCorrelation { .. }))
+            || scene.solver.angle_medium == AngleMedium::Unrefracted;
+        let (medium, needed_deg) = match table.angles {
+            TableAngles::Air if fills_glass => {
+                return self.err(&described.angles, Problem::TableInAir);
+            }
+            TableAngles::Air => ("air", 90.0),
+            TableAngles::Glass if fills_glass => ("glass", 90.0),
+            TableAngles::Glass => ("glass", critical_deg(&scene.display.glass)),
+        };
+        let last_deg = table.theta_deg.last().copied().unwrap_or_default();
+        if last_deg < needed_deg {
+            self.err(&described.file, Problem::TableTooShort { last_deg, medium, needed_deg });
+        }
+    }
+}
+
+/// The largest angle in glass of light with |beta| <= 1, over the wavelengths, degrees.
+fn critical_deg(glass: &scene::Glass) -> f64 {
+    (1.0 / glass.index.min()).asin().to_degrees()
+}

@@ -1,0 +1,109 @@
+//! A scenario from its text to a scene.
+
+use std::path::{Path, PathBuf};
+
+use papilio_display::scene::Scene;
+use papilio_formats::DataFile;
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+
+use crate::describe::File;
+use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::read::Read;
+use crate::resolve::{self, Found};
+use crate::source::Sources;
+use crate::tree::Node;
+use crate::{preset, set};
+
+/// A described scenario: well-formed, every key and type in order, not yet looked up.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    file: File,
+    folder: PathBuf,
+    sources: Sources,
+}
+
+/// A scenario that can be computed.
+#[derive(Debug, Clone)]
+pub struct Resolved {
+    /// The numbers.
+    pub scene: Scene,
+    /// The scenario's title.
+    pub title: Option<String>,
+    /// Remarks that the reader should see.
+    pub warnings: Vec<String>,
+    /// The scenario with every default filled in, its keys sorted, and under
+    /// `inputs` the SHA-256 of each file that it names.
+    pub canonical: Value,
+    /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
+    pub hash: String,
+}
+
+impl Scenario {
+    /// Reads a scenario file; `overrides` are texts `PATH=VALUE`, as of `--set`.
+    ///
+    /// # Errors
+    /// Everything that is wrong with its bytes, its TOML, its keys and their
+    /// types and ranges, each with its place.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
+        let name = path.display().to_string();
+        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
+        let text = file.text().map_err(ScenarioError::from)?;
+        Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+    }
+
+    /// A scenario from a text; errors call it `name`, and its files lie relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_text(
+        text: &str,
+        name: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, ScenarioErrors> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let sources = Sources::new(name, text, overrides);
+        let mut errors = Errors::default();
+        let mut root = Node::parse_document(text, &mut errors);
+        errors.check(&sources)?;
+        // The preset comes first, so that other keys can change what it gives.
+        set::apply(&mut root, &sources, true, &mut errors);
+        preset::expand(&mut root, &mut errors);
+        set::apply(&mut root, &sources, false, &mut errors);
+        errors.check(&sources)?;
+        let file = File::read(&root, &mut errors);
+        let mut file = errors.finish(file, &sources)?;
+        file.complete();
+        Ok(Self { file, folder: folder.to_owned(), sources })
+    }
+
+    /// Looks up materials, lights and files, puts everything on the wavelength grid and checks it.
+    ///
+    /// # Errors
+    /// Everything that does not fit together, each with its place; mistakes in
+    /// data files with the file's line and column.
+    pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
+        let Found { scene, warnings, inputs } = resolve::resolve(&self.file, &self.folder, &self.sources)?;
+        let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
+        if let Value::Object(keys) = &mut canonical {
+            keys.insert("inputs".to_owned(), json!(inputs));
+        }
+        let canonical = sorted(canonical);
+        let hash = resolve::hex(&Sha256::digest(canonical.to_string()));
+        Ok(Resolved { scene, title: self.file.title.value.clone(), warnings, canonical, hash })
+    }
+}
+
+/// The same value with the keys of its objects sorted, whatever the map keeps.
+fn sorted(value: Value) -> Value {
+    match value {
+        Value::Object(keys) => {
+            let mut keys: Vec<_> = keys.into_iter().map(|(key, value)| (key, sorted(value))).collect();
+            keys.sort_by(|a, b| a.0.cmp(&b.0));
+            Value::Object(Map::from_iter(keys))
+        }
+        Value::Array(items) => Value::Array(items.into_iter().map(sorted).collect()),
+        other => other,
+    }
+}

@@ -1,0 +1,99 @@
+//! `--set PATH=VALUE`: changes to a scenario from the command line.
+//!
+//! The path is dotted; arrays are indexed from 0, and the index one beyond the
+//! last appends. VALUE is TOML, or else a string. What is not there is made;
+//! whether the schema has such a key is found out when the scenario is read.
+
+use crate::error::{Errors, Problem};
+use crate::source::{Origin, Sources};
+use crate::tree::{Entry, Node, Value};
+
+/// A path longer than this leads nowhere.
+const MOST_SEGMENTS: usize = 16;
+
+/// Where presets are named; they are set before any other key.
+pub(crate) const PRESET_PATH: &str = "lighting.preset";
+
+/// Applies each `--set` in turn: those of the preset alone, or all others.
+pub(crate) fn apply(root: &mut Node, sources: &Sources, presets: bool, errors: &mut Errors) {
+    for source in 1..=sources.overrides() {
+        let text = sources.text(source);
+        let Some((path, _)) = text.split_once('=') else {
+            if !presets {
+                errors.push(Origin { source, start: 0, end: text.len().max(1) }, Problem::SetWithoutValue);
+            }
+            continue;
+        };
+        if (path.trim() == PRESET_PATH) == presets {
+            let value = Node::parse_value(text, path.len() + 1, source);
+            if let Err((origin, problem)) = put(root, &segments(path, source), value) {
+                errors.push(origin, problem);
+            }
+        }
+    }
+}
+
+/// The keys of a path, each with its place.
+fn segments(path: &str, source: usize) -> Vec<(&str, Origin)> {
+    let mut start = 0;
+    let mut segments = Vec::new();
+    for part in path.split('.') {
+        let trimmed = part.trim();
+        let lead = part.len() - part.trim_start().len();
+        let end = start + lead + trimmed.len().max(1);
+        segments.push((trimmed, Origin { source, start: start + lead, end }));
+        start += part.len() + 1;
+    }
+    segments
+}
+
+fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Origin, Problem)> {
+    if let Some((_, origin)) = path.iter().find(|(key, _)| key.is_empty()) {
+        return Err((*origin, Problem::SetPath { why: "this key is empty".to_owned() }));
+    }
+    if let Some((_, origin)) = path.get(MOST_SEGMENTS) {
+        return Err((*origin, Problem::SetPath { why: "this path is too long".to_owned() }));
+    }
+    let mut node = root;
+    for (i, (key, origin)) in path.iter().enumerate() {
+        let next_is_index = path.get(i + 1).is_some_and(|(key, _)| key.parse::<usize>().is_ok());
+        node = child(node, key, *origin, next_is_index)?;
+    }
+    *node = value;
+    Ok(())
+}
+
+/// The node under `key`, made if it may be.
+fn child<'a>(
+    node: &'a mut Node,
+    key: &str,
+    origin: Origin,
+    next_is_index: bool,
+) -> Result<&'a mut Node, (Origin, Problem)> {
+    let kind = node.kind();
+    let value = if next_is_index { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
+    let new = Node { origin, value };
+    match &mut node.value {
+        Value::Table(entries) => {
+            let at = entries.iter().position(|entry| entry.key == key).unwrap_or(entries.len());
+            if at == entries.len() {
+                entries.push(Entry { key: key.to_owned(), key_origin: origin, node: new });
+            }
+            Ok(&mut entries[at].node)
+        }
+        Value::Array(items) => {
+            let why = match key.parse::<usize>() {
+                Ok(i) if i < items.len() => return Ok(&mut items[i]),
+                Ok(i) if i == items.len() => {
+                    items.push(new);
+                    return Ok(&mut items[i]);
+                }
+                Ok(_) if items.is_empty() => "this array is empty, its first index is 0".to_owned(),
+                Ok(_) => format!("this array has the indices 0 to {}", items.len() - 1),
+                Err(_) => "this is an array: an index is needed here".to_owned(),
+            };
+            Err((origin, Problem::SetPath { why }))
+        }
+        _ => Err((origin, Problem::SetPath { why: format!("what stands here is {kind}, it has no keys") })),
+    }
+}

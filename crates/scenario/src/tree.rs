@@ -1,0 +1,161 @@
+//! A TOML document whose every key and value knows where it stands.
+
+use toml::de::{DeTable, DeValue};
+use toml::{Spanned, de::DeString};
+
+use crate::error::{Errors, Problem};
+use crate::source::Origin;
+
+/// A value and its place.
+#[derive(Debug, Clone)]
+pub(crate) struct Node {
+    pub(crate) origin: Origin,
+    pub(crate) value: Value,
+}
+
+/// A TOML value.
+#[derive(Debug, Clone)]
+pub(crate) enum Value {
+    Bool(bool),
+    Integer(i64),
+    Float(f64),
+    Text(String),
+    DateTime,
+    Array(Vec<Node>),
+    /// In the order of the text.
+    Table(Vec<Entry>),
+}
+
+/// A key of a table and what it holds.
+#[derive(Debug, Clone)]
+pub(crate) struct Entry {
+    pub(crate) key: String,
+    pub(crate) key_origin: Origin,
+    pub(crate) node: Node,
+}
+
+/// No more syntax errors than this are worth reading at once.
+const MOST_SYNTAX_ERRORS: usize = 10;
+
+impl Node {
+    /// Parses a whole document; syntax errors go to `errors`.
+    pub(crate) fn parse_document(text: &str, errors: &mut Errors) -> Self {
+        let (table, found) = DeTable::parse_recoverable(text);
+        for error in found.iter().take(MOST_SYNTAX_ERRORS) {
+            let span = error.span().unwrap_or(0..text.len());
+            let origin = Origin { source: 0, start: span.start, end: span.end.max(span.start + 1) };
+            errors.push(origin, Problem::Syntax { message: error.message().to_owned() });
+        }
+        let value = Value::from_table(table.get_ref(), 0, 0);
+        Self { origin: Origin::FILE, value }
+    }
+
+    /// A table without keys.
+    pub(crate) fn empty_table() -> Self {
+        Self { origin: Origin::FILE, value: Value::Table(Vec::new()) }
+    }
+
+    /// Parses `text[at..]` of a source as one value; a text that is none is a string.
+    pub(crate) fn parse_value(text: &str, at: usize, source: usize) -> Self {
+        let rest = text.get(at..).unwrap_or_default();
+        let value = match DeValue::parse(rest) {
+            Ok(value) => Value::from_value(value.get_ref(), source, at),
+            Err(_) => Value::Text(rest.to_owned()),
+        };
+        Self { origin: Origin { source, start: at, end: text.len() }, value }
+    }
+
+    /// The same values, all at one place.
+    pub(crate) fn moved_to(mut self, origin: Origin) -> Self {
+        self.origin = origin;
+        match &mut self.value {
+            Value::Array(items) => {
+                *items = std::mem::take(items).into_iter().map(|item| item.moved_to(origin)).collect();
+            }
+            Value::Table(entries) => {
+                for entry in entries {
+                    entry.key_origin = origin;
+                    let empty = Self { origin, value: Value::DateTime };
+                    entry.node = std::mem::replace(&mut entry.node, empty).moved_to(origin);
+                }
+            }
+            _ => {}
+        }
+        self
+    }
+
+    /// What is under `key`, if this is a table that has it.
+    pub(crate) fn get(&self, key: &str) -> Option<&Self> {
+        match &self.value {
+            Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
+            _ => None,
+        }
+    }
+
+    /// Takes every key of `other` that is missing here, all the way down; arrays count as one value.
+    pub(crate) fn fill_from(&mut self, other: Self) {
+        let (Value::Table(mine), Value::Table(theirs)) = (&mut self.value, other.value) else { return };
+        for entry in theirs {
+            match mine.iter_mut().find(|own| own.key == entry.key) {
+                Some(own) => own.node.fill_from(entry.node),
+                None => mine.push(entry),
+            }
+        }
+    }
+
+    /// What kind of value it is, in words.
+    pub(crate) fn kind(&self) -> &'static str {
+        match &self.value {
+            Value::Bool(_) => "true or false",
+            Value::Integer(_) | Value::Float(_) => "a number",
+            Value::Text(_) => "a string",
+            Value::DateTime => "a date",
+            Value::Array(_) => "an array",
+            Value::Table(_) => "a table",
+        }
+    }
+}
+
+impl Value {
+    fn from_table(table: &DeTable<'_>, source: usize, offset: usize) -> Self {
+        let mut entries: Vec<Entry> =
+            table.iter().map(|(key, value)| Entry::new(key, value, source, offset)).collect();
+        entries.sort_by_key(|entry| entry.key_origin);
+        Self::Table(entries)
+    }
+
+    fn from_value(value: &DeValue<'_>, source: usize, offset: usize) -> Self {
+        match value {
+            DeValue::String(text) => Self::Text(text.to_string()),
+            DeValue::Integer(digits) => match i64::from_str_radix(digits.as_str(), digits.radix()) {
+                Ok(value) => Self::Integer(value),
+                Err(_) => Self::Float(digits.as_str().parse().unwrap_or(f64::INFINITY)),
+            },
+            DeValue::Float(digits) => Self::Float(digits.as_str().parse().unwrap_or(f64::NAN)),
+            DeValue::Boolean(value) => Self::Bool(*value),
+            DeValue::Datetime(_) => Self::DateTime,
+            DeValue::Array(items) => {
+                let node = |item: &Spanned<DeValue<'_>>| Node {
+                    origin: origin(item.span(), source, offset),
+                    value: Self::from_value(item.get_ref(), source, offset),
+                };
+                Self::Array(items.iter().map(node).collect())
+            }
+            DeValue::Table(table) => Self::from_table(table, source, offset),
+        }
+    }
+}
+
+impl Entry {
+    fn new(key: &Spanned<DeString<'_>>, value: &Spanned<DeValue<'_>>, source: usize, offset: usize) -> Self {
+        let node = Node {
+            origin: origin(value.span(), source, offset),
+            value: Value::from_value(value.get_ref(), source, offset),
+        };
+        Self { key: key.get_ref().to_string(), key_origin: origin(key.span(), source, offset), node }
+    }
+}
+
+fn origin(span: std::ops::Range<usize>, source: usize, offset: usize) -> Origin {
+    Origin { source, start: span.start + offset, end: span.end + offset }
+}

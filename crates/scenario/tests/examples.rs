@@ -1,0 +1,69 @@
+//! The shipped scenarios: all of them resolve, and the flagship says what the contract's example says.
+
+use std::path::{Path, PathBuf};
+
+use papilio_display::scene::{Drive, Lobe, Method, Pixel, Stop, Thickness};
+use papilio_scenario::Scenario;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
+}
+
+fn shipped() -> Vec<PathBuf> {
+    let files = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
+    files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect()
+}
+
+#[test]
+fn every_shipped_scenario_resolves() {
+    let files = shipped();
+    assert!(files.len() >= 9);
+    for path in files {
+        let scenario = Scenario::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        let resolved = scenario.resolve().unwrap_or_else(|e| panic!("{e}"));
+        assert!(resolved.title.is_some());
+        assert!(
+            std::fs::read_to_string(&path).unwrap().starts_with("# "),
+            "{} explains itself",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn the_flagship_is_the_reference_display() {
+    let resolved = Scenario::load(&folder().join("indoor.toml"), &[]).unwrap().resolve().unwrap();
+    let scene = &resolved.scene;
+    assert_eq!((scene.grid.len(), scene.grid.stop_nm()), (81, 780.0));
+    assert_eq!(scene.display.front.len(), 1);
+    let diffuser = scene.display.diffuser.as_ref().unwrap();
+    let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };
+    // PHYSICS: haze .78 <-> b .05667; T from the total transmittance .90 by the truncation of that lobe.
+    assert!((width - 0.05667).abs() < 5e-6);
+    let share = 1.0 - width / width.hypot(1.0);
+    assert!((diffuser.transmittance[40] - 0.9 / share).abs() < 1e-12);
+    let Pixel::Film(film) = &scene.display.pixel else { panic!("not a film") };
+    assert_eq!(film.layers[4].thickness, Thickness::Gap);
+    assert_eq!(film.dark_gap_nm, Some(20.0));
+    let states: Vec<_> = film.states.iter().map(|state| state.name.as_str()).collect();
+    assert_eq!(states, ["white", "black", "red", "green", "blue", "cyan", "magenta", "yellow"]);
+    assert_eq!(film.states[7].drives, [Drive::Share(1.0), Drive::Share(1.0), Drive::Share(0.0)]);
+    assert_eq!(film.sub_pixels.iter().map(|sub_pixel| sub_pixel.area).sum::<f64>(), 1.0);
+    assert_eq!((scene.lighting.diffuse, scene.lighting.directed[0].theta_deg), (0.5, -20.0));
+    assert_eq!(scene.viewer.theta_deg, [8.0]);
+    assert_eq!(scene.solver.method, Method::Walk);
+    assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, every_bin: false });
+}
+
+/// The canonical form is itself a scenario, and resolves to the same hash.
+#[test]
+fn the_canonical_form_reads_back() {
+    for path in shipped() {
+        let resolved = Scenario::load(&path, &[]).unwrap().resolve().unwrap();
+        let mut canonical = resolved.canonical.clone();
+        canonical.as_object_mut().unwrap().remove("inputs");
+        let text = toml::to_string(&canonical).unwrap();
+        let again = Scenario::from_text(&text, "canonical", &folder(), &[]).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(again.resolve().unwrap().hash, resolved.hash, "{}", path.display());
+    }
+}
