@@ -1,1 +1,38 @@
-//! Figures of the results, as SVG.
+//! Figures of the results, as SVG text.
+//!
+//! | figure | shows |
+//! |---|---|
+//! | [`overview`] | a view at a glance: patches, spectra, u'v' diagram |
+//! | [`spectra`] | reflectance factor of every state against wavelength |
+//! | [`chromaticity`] | states and gamut in the u'v' diagram |
+//! | [`patches`] | the states as the reader would see them |
+//! | [`against_angle`] | a metric against the viewing angle |
+//! | [`pixel_scan`] | pixel reflectance at several angles |
+//!
+//! Errors are one standard error, drawn where they are wider than a line.
+//! Whatever the data (NaN, missing states, odd names), the text is well-formed
+//! XML: what cannot be drawn is left out.
+//!
+//! The SVG is written by a small module of our own: the u'v' diagram, names at the
+//! ends of curves and composed pages are most of the work, and plotting crates offer none
+//! of them. Text names generic fonts only, and nothing is measured with a font.
+//!
+//! **Out of scope.** Files and names of files, PNG.
+
+mod angle;
+mod chromaticity;
+mod overview;
+mod panel;
+mod patches;
+mod pixel_scan;
+mod place;
+mod spectra;
+mod style;
+mod svg;
+
+pub use angle::{AngleMetric, against_angle};
+pub use chromaticity::chromaticity;
+pub use overview::overview;
+pub use patches::patches;
+pub use pixel_scan::{PixelScan, pixel_scan};
+pub use spectra::spectra;

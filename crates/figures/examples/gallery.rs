@@ -1,0 +1,43 @@
+//! Writes every figure of a made-up run into a folder, to be looked at:
+//! `cargo run -p papilio-figures --example gallery -- DIR`.
+
+use std::path::PathBuf;
+
+use papilio_figures::{
+    AngleMetric, PixelScan, against_angle, chromaticity, overview, patches, pixel_scan, spectra,
+};
+
+#[path = "../tests/made_up/mod.rs"]
+#[allow(clippy::unwrap_used, reason = "made-up data are known to be complete")]
+mod made_up;
+
+fn main() -> std::io::Result<()> {
+    let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
+    std::fs::create_dir_all(&dir)?;
+    let write = |name: &str, svg: String| std::fs::write(dir.join(format!("{name}.svg")), svg);
+    for (suffix, error) in [("", 0.001), ("_noisy", 0.08)] {
+        let run = made_up::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);
+        for view in run.views.iter().take(1) {
+            write(&format!("spectra{suffix}"), spectra(&run, view))?;
+            write(&format!("chromaticity{suffix}"), chromaticity(&run, view))?;
+            write(&format!("patches{suffix}"), patches(&run, view))?;
+            write(&format!("overview{suffix}"), overview(&run, view))?;
+        }
+        for metric in AngleMetric::ALL {
+            write(&format!("{}{suffix}", metric.name()), against_angle(&run, metric))?;
+        }
+    }
+    write("pixel_scan", scan())
+}
+
+/// A scan of three states from 0 to 90 degrees.
+fn scan() -> String {
+    let theta_deg: Vec<f64> = (0..=90).map(f64::from).collect();
+    let run = made_up::result(&theta_deg, 0.0);
+    let states = ["red", "green", "blue"].map(str::to_owned);
+    let spectra =
+        states.iter().flat_map(|name| run.views.iter().filter_map(move |view| view.states.get(name)));
+    let reflectance: Vec<f64> = spectra.flat_map(|state| state.value.reflectance_factor.clone()).collect();
+    let (theta_deg, wavelength_nm) = (&theta_deg, &run.wavelength_nm);
+    pixel_scan(&PixelScan { states: &states, theta_deg, wavelength_nm, reflectance: &reflectance })
+}

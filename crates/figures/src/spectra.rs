@@ -1,0 +1,38 @@
+//! Reflectance factor of every state against wavelength.
+
+use papilio_display::result::{RunResult, View};
+
+use crate::panel::{Axis, EndLabel, Panel, end_labels};
+use crate::style::state_stroke;
+use crate::svg::{Point, Svg};
+
+/// Reflectance factors of all states of a view, with a band of one standard
+/// error where it is wider than a line.
+pub fn spectra(result: &RunResult, view: &View) -> String {
+    let mut svg = Svg::new(760.0, 440.0);
+    draw(&mut svg, result, view, (70.0, 24.0), (540.0, 350.0));
+    svg.finish()
+}
+
+/// The same in a rectangle of a page; labels need 150 px to its right.
+pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, size: Point) {
+    let nm = &result.wavelength_nm;
+    let all = view.states.iter().flat_map(|(_, state)| state.value.reflectance_factor.iter().copied());
+    let x = Axis::between(nm, 8, "Wavelength (nm)");
+    let panel = Panel { origin, size, x, y: Axis::covering(all.chain([0.0]), 6, "Reflectance factor") };
+    panel.draw(svg);
+    let (mut labels, mut banded) = (vec![], false);
+    for (i, (name, state)) in view.states.iter().enumerate() {
+        let (stroke, values) = (state_stroke(name, i), &state.value.reflectance_factor);
+        banded |= panel.error_band(svg, nm, values, &state.standard_error.reflectance_factor, &stroke);
+        let points = panel.points(nm, values);
+        svg.polyline(&points, &stroke);
+        if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
+            labels.push(EndLabel { end, text: name.to_owned(), stroke });
+        }
+    }
+    if banded {
+        panel.note(svg, "bands: \u{b1} one standard error");
+    }
+    end_labels(svg, &panel, labels);
+}

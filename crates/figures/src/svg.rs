@@ -1,0 +1,261 @@
+//! A page of SVG: the few marks that the figures need.
+//!
+//! Coordinates are in px from the top left. Marks with a coordinate that is not
+//! finite are left out, lines are broken there, and text is escaped: whatever
+//! the data, the page is well-formed. Only generic fonts are named.
+
+use std::fmt::Write as _;
+
+/// A point of the page, px.
+pub(crate) type Point = (f64, f64);
+
+/// How a line is drawn.
+#[derive(Debug, Clone)]
+pub(crate) struct Stroke {
+    /// Any SVG colour.
+    pub(crate) colour: String,
+    /// px.
+    pub(crate) width: f64,
+    /// An SVG dash pattern; empty: solid.
+    pub(crate) dash: &'static str,
+}
+
+/// Which end of a text its point is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// How a text is set.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Text<'a> {
+    /// px.
+    pub(crate) size: f64,
+    /// Any SVG colour.
+    pub(crate) colour: &'a str,
+    /// Where the point lies.
+    pub(crate) anchor: Anchor,
+    /// Semi-bold, for names.
+    pub(crate) strong: bool,
+    /// Read upwards.
+    pub(crate) upright: bool,
+    /// With a white outline, to be read on top of lines.
+    pub(crate) halo: bool,
+}
+
+/// A page in the making.
+#[derive(Debug)]
+pub(crate) struct Svg {
+    width: f64,
+    height: f64,
+    body: String,
+    clips: usize,
+}
+
+impl Stroke {
+    /// A solid line.
+    pub(crate) fn solid(colour: &str, width: f64) -> Self {
+        Self { colour: colour.to_owned(), width, dash: "" }
+    }
+
+    /// The same line with a dash pattern.
+    pub(crate) fn dashed(self, dash: &'static str) -> Self {
+        Self { dash, ..self }
+    }
+
+    fn attributes(&self) -> String {
+        let dash = if self.dash.is_empty() {
+            String::new()
+        } else {
+            format!(r#" stroke-dasharray="{}""#, self.dash)
+        };
+        format!(r#"fill="none" stroke="{}" stroke-width="{}"{dash}"#, self.colour, number(self.width))
+    }
+}
+
+impl<'a> Text<'a> {
+    /// Plain text that starts at its point.
+    pub(crate) fn new(size: f64, colour: &'a str) -> Self {
+        Self { size, colour, anchor: Anchor::Start, strong: false, upright: false, halo: false }
+    }
+
+    pub(crate) fn anchor(self, anchor: Anchor) -> Self {
+        Self { anchor, ..self }
+    }
+
+    pub(crate) fn strong(self) -> Self {
+        Self { strong: true, ..self }
+    }
+
+    pub(crate) fn upright(self) -> Self {
+        Self { upright: true, ..self }
+    }
+
+    pub(crate) fn halo(self) -> Self {
+        Self { halo: true, ..self }
+    }
+}
+
+impl Svg {
+    /// An empty white page.
+    pub(crate) fn new(width: f64, height: f64) -> Self {
+        Self { width, height, body: String::new(), clips: 0 }
+    }
+
+    /// The finished document.
+    pub(crate) fn finish(self) -> String {
+        let (w, h) = (number(self.width), number(self.height));
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+             font-family=\"Helvetica, Arial, sans-serif\" stroke-linejoin=\"round\">\n\
+             <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+            self.body
+        )
+    }
+
+    /// A straight line.
+    pub(crate) fn line(&mut self, from: Point, to: Point, stroke: &Stroke) {
+        self.polyline(&[from, to], stroke);
+    }
+
+    /// A line through points, broken where one is not finite.
+    pub(crate) fn polyline(&mut self, points: &[Point], stroke: &Stroke) {
+        for run in points.split(|p| !finite(*p)).filter(|run| run.len() > 1) {
+            self.element(&format!(r#"<polyline points="{}" {}/>"#, joined(run), stroke.attributes()));
+        }
+    }
+
+    /// A filled area; points that are not finite are left out.
+    pub(crate) fn polygon(&mut self, points: &[Point], fill: &str, opacity: f64) {
+        let points: Vec<Point> = points.iter().copied().filter(|p| finite(*p)).collect();
+        if points.len() > 2 {
+            let (points, opacity) = (joined(&points), number(opacity));
+            self.element(&format!(r#"<polygon points="{points}" fill="{fill}" fill-opacity="{opacity}"/>"#));
+        }
+    }
+
+    /// A closed outline.
+    pub(crate) fn outline(&mut self, points: &[Point], stroke: &Stroke) {
+        if points.iter().all(|p| finite(*p)) {
+            self.element(&format!(r#"<polygon points="{}" {}/>"#, joined(points), stroke.attributes()));
+        }
+    }
+
+    /// A filled rectangle with rounded corners and a thin border (empty colour: none).
+    pub(crate) fn rect(&mut self, (x, y): Point, (w, h): Point, radius: f64, fill: &str, border: &str) {
+        if [x, y, w, h].iter().all(|v| v.is_finite()) {
+            let border = if border.is_empty() { String::new() } else { format!(r#" stroke="{border}""#) };
+            self.element(&format!(
+                r#"<rect x="{}" y="{}" width="{}" height="{}" rx="{}" fill="{fill}"{border}/>"#,
+                number(x),
+                number(y),
+                number(w.max(0.0)),
+                number(h.max(0.0)),
+                number(radius)
+            ));
+        }
+    }
+
+    /// A filled disc with a border.
+    pub(crate) fn circle(&mut self, (x, y): Point, radius: f64, fill: &str, border: &Stroke) {
+        if finite((x, y)) {
+            self.element(&format!(
+                r#"<circle cx="{}" cy="{}" r="{}" fill="{fill}" stroke="{}" stroke-width="{}"/>"#,
+                number(x),
+                number(y),
+                number(radius),
+                border.colour,
+                number(border.width)
+            ));
+        }
+    }
+
+    /// One line of text, its baseline at the point.
+    pub(crate) fn text(&mut self, (x, y): Point, content: &str, style: Text<'_>) {
+        if !finite((x, y)) {
+            return;
+        }
+        let anchor = match style.anchor {
+            Anchor::Start => "",
+            Anchor::Middle => r#" text-anchor="middle""#,
+            Anchor::End => r#" text-anchor="end""#,
+        };
+        let weight = if style.strong { r#" font-weight="600""# } else { "" };
+        let halo = if style.halo {
+            r##" stroke="#ffffff" stroke-opacity="0.85" stroke-width="3" paint-order="stroke""##
+        } else {
+            ""
+        };
+        let (x, y) = (number(x), number(y));
+        let turn = if style.upright { format!(r#" transform="rotate(-90 {x} {y})""#) } else { String::new() };
+        self.element(&format!(
+            r#"<text x="{x}" y="{y}" font-size="{}" fill="{}"{anchor}{weight}{halo}{turn}>{}</text>"#,
+            number(style.size),
+            style.colour,
+            escaped(content)
+        ));
+    }
+
+    /// What `draw` draws, kept within the polygon and blurred by `blur` px.
+    pub(crate) fn clipped(&mut self, outline: &[Point], blur: f64, draw: impl FnOnce(&mut Self)) {
+        self.clips += 1;
+        let (id, points, blur) = (self.clips, joined(outline), number(blur));
+        self.element(&format!(
+            r#"<defs><clipPath id="clip{id}"><polygon points="{points}"/></clipPath><filter id="blur{id}"><feGaussianBlur stdDeviation="{blur}"/></filter></defs>"#
+        ));
+        self.element(&format!(r##"<g clip-path="url(#clip{id})"><g filter="url(#blur{id})">"##));
+        draw(self);
+        self.element("</g></g>");
+    }
+
+    fn element(&mut self, element: &str) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.body, "{element}");
+    }
+}
+
+/// Roughly how wide a text is set, px: no font is at hand to measure it.
+pub(crate) fn text_width(content: &str, size: f64) -> f64 {
+    0.56 * size * content.chars().count() as f64
+}
+
+/// `#rrggbb`.
+pub(crate) fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+fn finite((x, y): Point) -> bool {
+    x.is_finite() && y.is_finite()
+}
+
+fn joined(points: &[Point]) -> String {
+    let points: Vec<String> = points.iter().map(|(x, y)| format!("{},{}", number(*x), number(*y))).collect();
+    points.join(" ")
+}
+
+/// A coordinate to a hundredth of a px, without idle zeros.
+fn number(value: f64) -> String {
+    // Renderers lose their way far outside the page.
+    let text = format!("{:.2}", value.clamp(-1e5, 1e5));
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// Text as XML wants it; characters that XML 1.0 forbids become a question mark.
+fn escaped(content: &str) -> String {
+    let mut safe = String::with_capacity(content.len());
+    for c in content.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\t' | '\n' | '\r' => safe.push(' '),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => safe.push('?'),
+            c => safe.push(c),
+        }
+    }
+    safe
+}

@@ -1,0 +1,126 @@
+//! A made-up run: Gaussian reflectances under D65, seen from several angles.
+
+use papilio_colour::{D65_UV, GamutReference, Observer, gamut_percent, peak_nm};
+use papilio_display::result::*;
+use papilio_spectra::{Grid, Spectrum, illuminant};
+
+/// One sub-pixel: peak height, centre and width in nm.
+const SUB_PIXELS: [(&str, f64, f64, f64); 3] =
+    [("red", 0.23, 660.0, 75.0), ("green", 0.25, 535.0, 48.0), ("blue", 0.15, 445.0, 34.0)];
+const STATES: [(&str, [bool; 3]); 8] = [
+    ("white", [true, true, true]),
+    ("black", [false, false, false]),
+    ("red", [true, false, false]),
+    ("green", [false, true, false]),
+    ("blue", [false, false, true]),
+    ("cyan", [false, true, true]),
+    ("magenta", [true, false, true]),
+    ("yellow", [true, true, false]),
+];
+
+/// Views at these inclinations, with standard errors of this share of the values.
+pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
+    let grid = Grid::new(380.0, 780.0, 5.0).unwrap();
+    let observer = Observer::new(&grid).unwrap();
+    let light = observer.scale_to_illuminance(&illuminant("D65", &grid).unwrap(), 500.0).unwrap();
+    let white = light.map(|e| e / std::f64::consts::PI);
+    let xyz = observer.xyz(&white);
+    let (xy, uv) = (xyz.chromaticity().unwrap(), xyz.uv_prime().unwrap());
+    let view = |theta: &f64| view(&grid, &observer, &white, *theta, relative_error);
+    RunResult {
+        solver: SolverReport {
+            method: "walk".to_owned(),
+            paths: 65_536,
+            degrees_of_freedom: 15,
+            relative_error_reached: relative_error,
+            interrupted: false,
+        },
+        wavelength_nm: grid.wavelengths_nm(),
+        views: thetas.iter().map(view).collect(),
+        illuminant: Illuminant {
+            radiance_of_white: white.to_vec(),
+            x: xy.x,
+            y: xy.y,
+            u_prime: uv.u,
+            v_prime: uv.v,
+        },
+        warnings: vec![],
+    }
+}
+
+fn view(grid: &Grid, observer: &Observer, white: &Spectrum, theta_deg: f64, error: f64) -> View {
+    // Interference colours move to the blue with the angle.
+    let blue_shift = theta_deg.to_radians().cos().powf(0.5);
+    let reflectance = |on: [bool; 3]| {
+        Spectrum::from_fn(grid, |nm| {
+            let peaks = SUB_PIXELS.iter().zip(on).filter(|(_, on)| *on);
+            let bell = |(_, height, centre, width): &(&str, f64, f64, f64)| {
+                height * (-((nm - centre * blue_shift) / width).powi(2)).exp()
+            };
+            0.006 + 0.03 * (-((nm - 395.0) / 40.0).powi(2)).exp() + peaks.map(|(p, _)| bell(p)).sum::<f64>()
+        })
+    };
+    let state = |(name, on): &(&str, [bool; 3])| {
+        (name.to_string(), state(grid, observer, white, &reflectance(*on), error))
+    };
+    let states = Named(STATES.iter().map(state).collect());
+    let y = |name: &str| states.get(name).unwrap().value.Y;
+    let uv = ["red", "green", "blue"].map(|name| {
+        let value = &states.get(name).unwrap().value;
+        papilio_colour::UvPrime { u: value.u_prime.unwrap(), v: value.v_prime.unwrap() }
+    });
+    let (srgb, ebu) = (gamut_percent(uv, GamutReference::Srgb), gamut_percent(uv, GamutReference::Ebu));
+    View {
+        theta_deg,
+        phi_deg: 0.0,
+        contrast_ratio: Some(y("white") / y("black")),
+        gamut_percent_srgb: Some(srgb),
+        gamut_percent_ebu: Some(ebu),
+        standard_error: ViewError {
+            contrast_ratio: Some(2.0 * error * y("white") / y("black")),
+            gamut_percent_srgb: Some(2.0 * error * srgb),
+            gamut_percent_ebu: Some(2.0 * error * ebu),
+        },
+        ledger: Named(vec![]),
+        states,
+    }
+}
+
+fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spectrum, error: f64) -> State {
+    let radiance = reflectance.zip_map(white, |r, w| r * w);
+    let reference = observer.xyz(white);
+    let xyz = observer.xyz(&radiance) * (1.0 / reference.y);
+    let lab = xyz.lab(reference * (1.0 / reference.y)).unwrap();
+    let (xy, uv) = (xyz.chromaticity().unwrap(), xyz.uv_prime().unwrap());
+    let value = StateValues {
+        radiance: radiance.to_vec(),
+        reflectance_factor: reflectance.to_vec(),
+        X: xyz.x,
+        Y: xyz.y,
+        Z: xyz.z,
+        x: Some(xy.x),
+        y: Some(xy.y),
+        u_prime: Some(uv.u),
+        v_prime: Some(uv.v),
+        L_star: Some(lab.l),
+        a_star: Some(lab.a),
+        b_star: Some(lab.b),
+        luminance_cd_m2: observer.luminance(&radiance),
+        contrast: None,
+        peak_nm: peak_nm(grid, reflectance),
+        distance_from_white_uv: None,
+        distance_from_d65_uv: Some(uv.distance(D65_UV)),
+        terms: Terms { diffuse: xyz.y, directed: vec![], front_reflection: 0.0 },
+        specular: vec![],
+    };
+    let scaled = |share: f64| StateValues {
+        reflectance_factor: value.reflectance_factor.iter().map(|v| share * v).collect(),
+        radiance: value.radiance.iter().map(|v| share * v).collect(),
+        Y: share * value.Y,
+        u_prime: value.u_prime.map(|u| 0.3 * share * u),
+        v_prime: value.v_prime.map(|v| 0.3 * share * v),
+        peak_nm: value.peak_nm.map(|_| 40.0 * share),
+        ..value.clone()
+    };
+    State { standard_error: scaled(error), value }
+}
