@@ -1,6 +1,8 @@
 //! Surfaces and colour differences as colour-science 0.4.7 computes them
 //! (`validation/colour/colour_oracle.py` makes the tables).
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
+
 use papilio_colour::{Lab, Observer};
 use papilio_spectra::{Grid, Spectrum, illuminant};
 

@@ -4,6 +4,8 @@
 //! corners of the box that rounding leaves around X, Y, Z, and the printed one must lie
 //! within what they span, give or take half of its own last digit.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
+
 use papilio_colour::{D65_UV, D65_WHITE, GamutReference, LUMENS_PER_WATT, UvPrime, Xyz, gamut_percent};
 use papilio_validation::table_5_1::{Column, GAMUT_PERCENT, TABLE_5_1, half_digit};
 

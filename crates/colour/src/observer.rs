@@ -152,6 +152,19 @@ mod tests {
         }
     }
 
+    /// A 5 nm grid is fine enough for every light that has a name.
+    #[test]
+    fn coarse_grids_keep_the_colour_of_every_illuminant() {
+        let uv = |name: &str, step: f64| {
+            let grid = grid(380.0, 780.0, step);
+            Observer::new(&grid).unwrap().xyz(&illuminant(name, &grid).unwrap()).uv_prime().unwrap()
+        };
+        for name in papilio_spectra::illuminant_names() {
+            let shift = uv(name, 5.0).distance(uv(name, 1.0));
+            assert!(shift < 2e-4, "{name}: {shift}");
+        }
+    }
+
     /// The weights are the plain recipe: interpolate to 1 nm, then sum.
     #[test]
     fn weights_equal_interpolating_first() {

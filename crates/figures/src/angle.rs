@@ -52,6 +52,7 @@ impl AngleMetric {
 type Measured = (Option<f64>, Option<f64>);
 
 /// One curve: angles, values and standard errors; NaN where something is not defined.
+#[derive(Debug)]
 struct Series {
     name: String,
     stroke: Stroke,
@@ -73,7 +74,8 @@ pub fn against_angle(result: &RunResult, metric: AngleMetric) -> String {
 }
 
 fn draw(svg: &mut Svg, series: &[Series], metric: AngleMetric, thetas: impl Iterator<Item = f64>) {
-    let extent = series.iter().flat_map(|s| &s.points).flat_map(|[_, value, error]| {
+    let defined = series.iter().flat_map(|s| &s.points).filter(|[_, value, _]| value.is_finite());
+    let extent = defined.flat_map(|[_, value, error]| {
         let error = if error.is_finite() { *error } else { 0.0 };
         // An error bar alone is no reason to show negative values.
         [(value - error).max(value.min(0.0)), value + error]

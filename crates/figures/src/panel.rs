@@ -1,7 +1,7 @@
 //! Axes and the panel between them.
 
 use crate::style::{FAINT, INK, SOFT};
-use crate::svg::{Anchor, Point, Stroke, Svg, Text};
+use crate::svg::{Anchor, Point, Stroke, Svg, Text, shortened};
 
 /// Size of tick labels and titles, px.
 pub(crate) const SMALL: f64 = 12.0;
@@ -152,7 +152,8 @@ impl Panel {
         let mut any = false;
         let bar = Stroke::solid(&stroke.colour, 1.2);
         for ((&x, &y), &error) in x.iter().zip(y).zip(error) {
-            let (low, high) = (self.at(x, y - error), self.at(x, y + error));
+            let inside = |(x, y): Point| (x, y.clamp(self.origin.1, self.bottom()));
+            let (low, high) = (inside(self.at(x, y - error)), inside(self.at(x, y + error)));
             if low.1 - high.1 > 2.0 {
                 any = true;
                 svg.line(low, high, &bar);
@@ -202,6 +203,7 @@ pub(crate) struct EndLabel {
 /// Names the curves to the right of a panel, spread so that none covers another.
 pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>) {
     const SPACING: f64 = 17.0;
+    const ROOM: f64 = 106.0;
     labels.retain(|label| label.end.1.is_finite());
     labels.sort_by(|a, b| a.end.1.total_cmp(&b.end.1));
     let wanted: Vec<f64> = labels.iter().map(|label| label.end.1).collect();
@@ -210,7 +212,7 @@ pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>
         let to = panel.right() + 16.0;
         svg.line((label.end.0 + 3.0, label.end.1), (to, height), &Stroke::solid(SOFT, 0.8));
         svg.line((to, height), (to + 22.0, height), &label.stroke);
-        svg.text((to + 27.0, height + 4.0), &label.text, Text::new(SMALL, INK));
+        svg.text((to + 27.0, height + 4.0), &shortened(&label.text, ROOM, SMALL), Text::new(SMALL, INK));
     }
 }
 

@@ -4,7 +4,7 @@ use papilio_display::result::{RunResult, State, View};
 
 use crate::panel::SMALL;
 use crate::style::{INK, SOFT, fixed, painted, with_error};
-use crate::svg::{Anchor, Point, Svg, Text};
+use crate::svg::{Anchor, Point, Svg, Text, shortened};
 
 /// Patches in a row, at most.
 const IN_A_ROW: usize = 8;
@@ -38,7 +38,7 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
 
 fn caption(svg: &mut Svg, name: &str, state: &State, (x, y): Point, side: f64) {
     let centred = |size, colour| Text::new(size, colour).anchor(Anchor::Middle);
-    svg.text((x, y + 17.0), &shortened(name, side), centred(SMALL, INK).strong());
+    svg.text((x, y + 17.0), &shortened(name, side, SMALL), centred(SMALL, INK).strong());
     let luminous = with_error(100.0 * state.value.Y, Some(100.0 * state.standard_error.Y), 1);
     svg.text((x, y + 32.0), &format!("Y {luminous} %"), centred(11.0, INK));
     svg.text(
@@ -46,14 +46,4 @@ fn caption(svg: &mut Svg, name: &str, state: &State, (x, y): Point, side: f64) {
         &format!("L* {}", fixed(state.value.L_star.unwrap_or(f64::NAN), 1)),
         centred(11.0, INK),
     );
-}
-
-/// A name cut to what fits a width of `px`.
-fn shortened(name: &str, px: f64) -> String {
-    let room = (px / (0.56 * SMALL)) as usize;
-    if name.chars().count() <= room {
-        return name.to_owned();
-    }
-    let cut: String = name.chars().take(room.saturating_sub(1)).collect();
-    format!("{cut}\u{2026}")
 }

@@ -146,14 +146,14 @@ impl Svg {
     /// A filled rectangle with rounded corners and a thin border (empty colour: none).
     pub(crate) fn rect(&mut self, (x, y): Point, (w, h): Point, radius: f64, fill: &str, border: &str) {
         if [x, y, w, h].iter().all(|v| v.is_finite()) {
+            let round = if radius > 0.0 { format!(r#" rx="{}""#, number(radius)) } else { String::new() };
             let border = if border.is_empty() { String::new() } else { format!(r#" stroke="{border}""#) };
             self.element(&format!(
-                r#"<rect x="{}" y="{}" width="{}" height="{}" rx="{}" fill="{fill}"{border}/>"#,
+                r#"<rect x="{}" y="{}" width="{}" height="{}"{round} fill="{fill}"{border}/>"#,
                 number(x),
                 number(y),
                 number(w.max(0.0)),
                 number(h.max(0.0)),
-                number(radius)
             ));
         }
     }
@@ -219,6 +219,16 @@ impl Svg {
 /// Roughly how wide a text is set, px: no font is at hand to measure it.
 pub(crate) fn text_width(content: &str, size: f64) -> f64 {
     0.56 * size * content.chars().count() as f64
+}
+
+/// A text cut to about `room` px.
+pub(crate) fn shortened(content: &str, room: f64, size: f64) -> String {
+    if text_width(content, size) <= room {
+        return content.to_owned();
+    }
+    let kept = (room / text_width("m", size)) as usize;
+    let cut: String = content.chars().take(kept.saturating_sub(1)).collect();
+    format!("{}\u{2026}", cut.trim_end())
 }
 
 /// `#rrggbb`.

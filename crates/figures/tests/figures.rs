@@ -1,5 +1,7 @@
 //! Whatever the data, a figure is a well-formed page that says what it shows.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
+
 use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_figures::{
     AngleMetric, PixelScan, against_angle, chromaticity, overview, patches, pixel_scan, spectra,

@@ -6,7 +6,7 @@ use papilio_spectra::{Grid, Spectrum, illuminant};
 
 /// One sub-pixel: peak height, centre and width in nm.
 const SUB_PIXELS: [(&str, f64, f64, f64); 3] =
-    [("red", 0.23, 660.0, 75.0), ("green", 0.25, 535.0, 48.0), ("blue", 0.15, 445.0, 34.0)];
+    [("red", 0.17, 655.0, 85.0), ("green", 0.19, 535.0, 62.0), ("blue", 0.11, 440.0, 45.0)];
 const STATES: [(&str, [bool; 3]); 8] = [
     ("white", [true, true, true]),
     ("black", [false, false, false]),
@@ -57,7 +57,7 @@ fn view(grid: &Grid, observer: &Observer, white: &Spectrum, theta_deg: f64, erro
             let bell = |(_, height, centre, width): &(&str, f64, f64, f64)| {
                 height * (-((nm - centre * blue_shift) / width).powi(2)).exp()
             };
-            0.006 + 0.03 * (-((nm - 395.0) / 40.0).powi(2)).exp() + peaks.map(|(p, _)| bell(p)).sum::<f64>()
+            0.009 + 0.02 * (-((nm - 395.0) / 40.0).powi(2)).exp() + peaks.map(|(p, _)| bell(p)).sum::<f64>()
         })
     };
     let state = |(name, on): &(&str, [bool; 3])| {
