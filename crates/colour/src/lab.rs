@@ -2,7 +2,7 @@
 //!
 //! **What.** CIE 15:2018, eq. 8.3 to 8.11, with the linear toe below
 //! (24/116)^3 = .008856 of the white (it also takes small negative values), and
-//! CIEDE2000 (CIE 15:2018, section 8.3.1). Both from the `colorimetry` crate.
+//! CIEDE2000 (ISO/CIE 11664-6). Both from the `colorimetry` crate.
 //! **Range.** Surface colours in a light of moderate colour. Displays far below
 //! their white (black states) sit on the toe, where a* and b* follow noise.
 

@@ -1,7 +1,7 @@
 //! The CIE 1931 2 degree observer on a wavelength grid.
 //!
 //! **What.** `X = sum S(l) xbar(l)` over whole nanometres `l`, and Y and Z
-//! likewise (CIE 15:2018, eq. 7.1, at 1 nm; Feng 2012, eq. 5-6 to 5-8), with S
+//! likewise (CIE 15:2018, at 1 nm; Feng 2012, eq. 5-6 to 5-8), with S
 //! interpolated linearly between the grid's wavelengths. The interpolation is
 //! linear in S, so it is folded once into a weight for each grid wavelength and
 //! X, Y, Z are three dot products.
@@ -19,8 +19,8 @@ use crate::{ColourError, Xyz};
 
 /// Luminous efficacy of radiation at ybar = 1, lm/W.
 ///
-/// SI brochure, 9th edition: 683 lm/W at 540 THz, which is 683.002 lm/W at the
-/// 555 nm peak of V(lambda) in standard air.
+/// The SI fixes 683 lm/W at 540 THz, a little beside the 555 nm peak of ybar in
+/// standard air, where it becomes 683.002 lm/W (CIE 18:2019).
 pub const LUMENS_PER_WATT: f64 = 683.002;
 
 /// The CIE 1931 2 degree observer, prepared for one grid.
@@ -134,7 +134,7 @@ mod tests {
         }
     }
 
-    /// CIE 15:2018, table 11.1: x, y of the illuminants for the 2 degree observer
+    /// CIE 15:2018: x, y of the illuminants for the 2 degree observer
     /// (360 to 830 nm; what 380 to 780 nm leave out is within the tolerance).
     #[test]
     fn illuminants_have_their_published_chromaticities() {

@@ -37,8 +37,8 @@ pub struct UvPrime {
 /// one digit more from x = .31272, y = .32903).
 pub const D65_UV: UvPrime = UvPrime { u: 0.19784, v: 0.46834 };
 
-/// D65, relative, 2 degree observer (CIE 15:2018, table 11.1: 95.04, 100, 108.88;
-/// the digits are those of ASTM E308 and of most software).
+/// D65, relative, 2 degree observer (CIE 15:2018: 95.04, 100, 108.88; the digits
+/// here are those of ASTM E308 and of most software).
 pub const D65_WHITE: Xyz = Xyz { x: 0.95047, y: 1.0, z: 1.08883 };
 
 impl Xyz {
@@ -53,7 +53,7 @@ impl Xyz {
         (sum > 0.0).then(|| Xy { x: self.x / sum, y: self.y / sum })
     }
 
-    /// u', v' (CIE 15:2018, eq. 8.24 and 8.25); `None` for no light.
+    /// u', v' of the CIE 1976 diagram; `None` for no light.
     pub fn uv_prime(self) -> Option<UvPrime> {
         let sum = self.x + 15.0 * self.y + 3.0 * self.z;
         (sum > 0.0).then(|| UvPrime { u: 4.0 * self.x / sum, v: 9.0 * self.y / sum })

@@ -6,7 +6,7 @@
 //! | light | parameters | valid | source |
 //! |---|---|---|---|
 //! | [`illuminant`] | a CIE name | 380 to 780 nm | the CIE tables at 1 nm, from the `colorimetry` crate |
-//! | [`daylight`] | CCT, 4000 to 25 000 K | 380 to 780 nm | CIE 15:2018, eq. 4.7 to 4.13, components S0, S1, S2 at 5 nm |
+//! | [`daylight`] | CCT, 4000 to 25 000 K | 380 to 780 nm | CIE 15:2018, the D series; components S0, S1, S2 at 5 nm, linear between |
 //! | [`planck`] | temperature, 500 to 100 000 K | any wavelength | Planck's law, CODATA 2014 constants |
 //! | [`ohno_led`] | peak, width | any wavelength | Ohno, Opt. Eng. 44(11), 111302 (2005) |
 //!
@@ -133,7 +133,7 @@ mod tests {
         Grid::new(380.0, 780.0, step_nm).unwrap()
     }
 
-    /// CIE 15:2018, table 5 (D65) and ISO 11664-2 (A), relative to 100 at 560 nm.
+    /// ISO 11664-2 (CIE standard illuminants D65 and A), relative to 100 at 560 nm.
     #[test]
     fn tables_hold_the_published_values() {
         let grid = visible(5.0);
