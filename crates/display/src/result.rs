@@ -100,7 +100,7 @@ pub struct State {
 pub struct StateValues {
     /// Spectral radiance, W/(m2 sr nm).
     pub radiance: Vec<f64>,
-    /// Radiance over that of the perfect white.
+    /// Radiance over that of the perfect white; where the light is dark, by the sources' shares of illuminance.
     pub reflectance_factor: Vec<f64>,
     /// Relative tristimulus value.
     pub X: f64,
@@ -116,12 +116,12 @@ pub struct StateValues {
     pub u_prime: Option<f64>,
     /// CIE 1976 v'.
     pub v_prime: Option<f64>,
-    /// CIELAB lightness, against the illuminant's white.
-    pub L_star: f64,
+    /// CIELAB lightness, against the illuminant's white (null in a light without X, Y or Z).
+    pub L_star: Option<f64>,
     /// CIELAB a*.
-    pub a_star: f64,
+    pub a_star: Option<f64>,
     /// CIELAB b*.
-    pub b_star: f64,
+    pub b_star: Option<f64>,
     /// Luminance, cd/m2.
     pub luminance_cd_m2: f64,
     /// Y over that of black.

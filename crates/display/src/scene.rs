@@ -4,6 +4,7 @@
 //! builds a scene (the `scenario` room, a library user) calls [`Scene::check`].
 
 use num_complex::Complex64;
+pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
@@ -102,24 +103,6 @@ pub struct FilmPixel {
     pub inactive_reflectance: Spectrum,
     /// The drive states, in the order of the results.
     pub states: Vec<FilmState>,
-}
-
-/// A layer of the film stack.
-#[derive(Debug, Clone)]
-pub struct FilmLayer {
-    /// n + ik per wavelength, k >= 0.
-    pub index: Vec<Complex64>,
-    /// Its thickness.
-    pub thickness: Thickness,
-}
-
-/// A layer's thickness.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Thickness {
-    /// The same in every state, nm.
-    Fixed(f64),
-    /// The gap of the sub-pixel's state.
-    Gap,
 }
 
 /// One sub-pixel.

@@ -1,0 +1,45 @@
+//! Why a scene cannot be computed.
+
+use papilio_colour::ColourError;
+use papilio_optics::OpticsError;
+
+/// Why a scene cannot be computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DisplayError {
+    /// A film that cannot be.
+    #[error(transparent)]
+    Film(#[from] OpticsError),
+    /// A light that cannot be scaled or seen.
+    #[error(transparent)]
+    Colour(#[from] ColourError),
+    /// A state needs a dark sub-pixel, but the pixel has no dark gap.
+    #[error("state `{state}` needs a dark sub-pixel, but there is no `dark` gap")]
+    NoDarkGap {
+        /// The state.
+        state: String,
+    },
+    /// A direction that no reader in air can see, or no light in air can come from.
+    #[error(
+        "a {what} at {theta_deg} deg in a medium of index {index} is not above the display's horizon in air"
+    )]
+    BelowHorizon {
+        /// "view" or "light".
+        what: &'static str,
+        /// Its inclination.
+        theta_deg: f64,
+        /// The medium of the angle.
+        index: f64,
+    },
+    /// Angles in glass need one index.
+    #[error("angles in glass need a glass whose index does not depend on wavelength")]
+    DispersiveGlassAngles,
+    /// The worker threads could not be started.
+    #[error("{threads} worker threads could not be started")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+    },
+    /// The run was stopped before there was anything to report.
+    #[error("stopped before the first estimate")]
+    Interrupted,
+}

@@ -1,0 +1,150 @@
+//! From a scene to what transport needs: the stack, the sources and the views.
+
+use papilio_colour::Observer;
+use papilio_optics::Beta;
+use papilio_spectra::Spectrum;
+use papilio_transport::{Cone, Diffuser, Front, Medium, Source, Stack, Top};
+
+use crate::scene::{AngleMedium, Approximation, Display, Scene, Surface};
+use crate::{DisplayError, pixel};
+
+/// A scene, ready for light.
+pub(crate) struct Prepared {
+    pub(crate) stack: Stack,
+    /// The diffuse light first, then the directed ones in the scene's order.
+    pub(crate) lights: Vec<Light>,
+    pub(crate) sources: Vec<Source>,
+    pub(crate) views: Vec<ViewPoint>,
+    pub(crate) observer: Observer,
+    pub(crate) states: Vec<String>,
+}
+
+/// A source's light in the display plane.
+pub(crate) struct Light {
+    /// Spectral irradiance, W/(m2 nm).
+    pub(crate) irradiance: Spectrum,
+    /// Illuminance, lx.
+    pub(crate) illuminance_lx: f64,
+}
+
+/// One view.
+pub(crate) struct ViewPoint {
+    pub(crate) theta_deg: f64,
+    pub(crate) phi_deg: f64,
+    pub(crate) field: Cone,
+}
+
+impl Prepared {
+    pub(crate) fn new(scene: &Scene) -> Result<Self, DisplayError> {
+        let observer = Observer::new(&scene.grid)?;
+        let angle_index = angle_index(scene)?;
+        Ok(Self {
+            stack: stack(scene)?,
+            lights: lights(scene, &observer)?,
+            sources: sources(scene, angle_index)?,
+            views: views(scene, angle_index)?,
+            observer,
+            states: pixel::state_names(&scene.display.pixel),
+        })
+    }
+}
+
+/// The index of the medium that the scene's angles are in.
+pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
+    let index = &scene.display.glass.index;
+    match scene.solver.angle_medium {
+        AngleMedium::Air | AngleMedium::Unrefracted => Ok(1.0),
+        AngleMedium::Glass if index.is_constant() => Ok(index[0]),
+        AngleMedium::Glass => Err(DisplayError::DispersiveGlassAngles),
+    }
+}
+
+fn stack(scene: &Scene) -> Result<Stack, DisplayError> {
+    let display = &scene.display;
+    let single_pass = scene.solver.approximation == Approximation::SinglePass;
+    let components = display.front.iter().map(|c| (&*c.reflectance, &*c.absorptance));
+    let bins = scene.grid.len();
+    let front =
+        if single_pass { Front::first_order(bins, components) } else { Front::exact(bins, components) };
+    let (medium, base) = (medium(scene), pixel::base(scene)?);
+    Ok(Stack { front, top: top(display), medium, base, single_pass })
+}
+
+/// The medium above the pixel; without refraction, the glass is as wide as the air.
+pub(crate) fn medium(scene: &Scene) -> Medium {
+    let index = &scene.display.glass.index;
+    let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
+    Medium::new(if unrefracted { index.map(|_| 1.0) } else { index.clone() })
+}
+
+fn top(display: &Display) -> Top {
+    match (&display.diffuser, display.glass.surface) {
+        (Some(diffuser), _) => Top::Diffuser(Diffuser {
+            lobe: diffuser.lobe,
+            transmittance: diffuser.transmittance.clone(),
+            straight_through: diffuser.straight_through,
+        }),
+        (None, Surface::Coated) => Top::Coated,
+        (None, Surface::Fresnel) => Top::Fresnel(display.glass.index.clone()),
+    }
+}
+
+fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError> {
+    let lighting = &scene.lighting;
+    let light = |share: f64, spectrum: &Spectrum| -> Result<Light, DisplayError> {
+        let illuminance_lx = share * lighting.illuminance_lx;
+        let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
+        Ok(Light { irradiance, illuminance_lx })
+    };
+    let mut lights = vec![light(lighting.diffuse, &lighting.diffuse_spectrum)?];
+    for directed in &lighting.directed {
+        let cosine = if directed.normal_to_beam { directed.theta_deg.to_radians().cos() } else { 1.0 };
+        lights.push(light(directed.share * cosine, &directed.spectrum)?);
+    }
+    Ok(lights)
+}
+
+fn sources(scene: &Scene, index: f64) -> Result<Vec<Source>, DisplayError> {
+    let mut sources = vec![Source::Diffuse];
+    for light in &scene.lighting.directed {
+        let radius_deg = light.radius_deg.unwrap_or(0.0);
+        check_above_horizon("light", light.theta_deg, radius_deg, index)?;
+        sources.push(match light.radius_deg {
+            None => Source::Beam(Beta::from_source(light.theta_deg, light.phi_deg, index)),
+            Some(radius) => Source::Disc(Cone::new(light.theta_deg, light.phi_deg, radius, index)),
+        });
+    }
+    Ok(sources)
+}
+
+fn views(scene: &Scene, index: f64) -> Result<Vec<ViewPoint>, DisplayError> {
+    let viewer = &scene.viewer;
+    let mut views = Vec::new();
+    for &phi_deg in &viewer.phi_deg {
+        for &theta_deg in &viewer.theta_deg {
+            let half_field = 0.5 * viewer.field_deg;
+            check_above_horizon("view", theta_deg, half_field, index)?;
+            views.push(ViewPoint {
+                theta_deg,
+                phi_deg,
+                field: Cone::new(theta_deg, phi_deg, half_field, index),
+            });
+        }
+    }
+    Ok(views)
+}
+
+/// All of a cone must lie above the horizon of the air.
+fn check_above_horizon(
+    what: &'static str,
+    theta_deg: f64,
+    half_deg: f64,
+    index: f64,
+) -> Result<(), DisplayError> {
+    let edge_deg = theta_deg.abs() + half_deg;
+    if edge_deg < 90.0 && index * edge_deg.to_radians().sin() < 1.0 {
+        Ok(())
+    } else {
+        Err(DisplayError::BelowHorizon { what, theta_deg, index })
+    }
+}

@@ -1,0 +1,115 @@
+//! What one replicate of a view saw, linear in light, and its mean and spread over replicates.
+
+use std::ops::Range;
+
+/// One replicate of a view, or a mean of several. [`Layout`] says what stands where.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Sample(pub(crate) Vec<f64>);
+
+impl Sample {
+    /// The mean of all samples, without the one at `left_out`.
+    pub(crate) fn mean(samples: &[Self], left_out: Option<usize>) -> Self {
+        let mut mean = vec![0.0; samples[0].0.len()];
+        let kept = samples.iter().enumerate().filter(|(k, _)| Some(*k) != left_out);
+        for (_, sample) in kept {
+            mean.iter_mut().zip(&sample.0).for_each(|(m, value)| *m += value);
+        }
+        let count = samples.len() - usize::from(left_out.is_some());
+        mean.iter_mut().for_each(|m| *m /= count as f64);
+        Self(mean)
+    }
+
+    /// One sigma of the mean of each entry.
+    pub(crate) fn standard_errors(samples: &[Self]) -> Vec<f64> {
+        (0..samples[0].0.len()).map(|k| spread(samples.iter().map(|s| s.0[k])).1).collect()
+    }
+}
+
+/// Mean of independent values, and its standard error.
+pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let count = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, (variance / count).sqrt())
+}
+
+/// Error over mean; nothing for nothing, infinite if only the error is there.
+pub(crate) fn relative((mean, error): (f64, f64)) -> f64 {
+    if error == 0.0 { 0.0 } else { error / mean.abs() }
+}
+
+/// Where a [`Sample`] keeps what.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Layout {
+    pub(crate) states: usize,
+    pub(crate) bins: usize,
+    pub(crate) lights: usize,
+}
+
+impl Layout {
+    /// Shares in a ledger: returned, front, diffuser, pixel, inactive, unaccounted.
+    pub(crate) const LEDGER: usize = 6;
+
+    fn per_state(&self) -> usize {
+        2 * self.bins + self.lights + 1 + Self::LEDGER
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.states * self.per_state()
+    }
+
+    /// Spectral radiance of a state.
+    pub(crate) fn radiance(&self, state: usize) -> Range<usize> {
+        let start = state * self.per_state();
+        start..start + self.bins
+    }
+
+    /// Reflectance factor by the lights' shares of illuminance.
+    pub(crate) fn factor(&self, state: usize) -> Range<usize> {
+        let start = self.radiance(state).end;
+        start..start + self.bins
+    }
+
+    /// The parts of Y by light, by way of the pixel.
+    pub(crate) fn terms(&self, state: usize) -> Range<usize> {
+        let start = self.factor(state).end;
+        start..start + self.lights
+    }
+
+    /// The part of Y that never met the pixel.
+    pub(crate) fn front_term(&self, state: usize) -> usize {
+        self.terms(state).end
+    }
+
+    /// The ledger's luminous shares.
+    pub(crate) fn ledger(&self, state: usize) -> Range<usize> {
+        let start = self.front_term(state) + 1;
+        start..start + Self::LEDGER
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_layout_has_no_overlaps_and_no_holes() {
+        let layout = Layout { states: 3, bins: 5, lights: 2 };
+        let mut used = vec![0; layout.len()];
+        for state in 0..3 {
+            let ranges =
+                [layout.radiance(state), layout.factor(state), layout.terms(state), layout.ledger(state)];
+            ranges.into_iter().flatten().chain([layout.front_term(state)]).for_each(|k| used[k] += 1);
+        }
+        assert!(used.iter().all(|count| *count == 1));
+    }
+
+    #[test]
+    fn spread_of_one_to_five() {
+        let (mean, error) = spread([1.0, 2.0, 3.0, 4.0, 5.0].into_iter());
+        assert_eq!(mean, 3.0);
+        assert!((error - 0.5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(relative((0.0, 0.0)), 0.0);
+        assert_eq!(relative((0.0, 1.0)), f64::INFINITY);
+    }
+}
