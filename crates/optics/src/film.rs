@@ -25,8 +25,8 @@
 //! **Validity.** Flat, homogeneous, isotropic layers, local bulk indices. A layer
 //! of metal of a few nm is rarely bulk.
 //!
-//! **Signs.** Fields vary as exp(-i omega t), n + ik with k >= 0; r_p has the sign
-//! that makes r_s = r_p at normal incidence of H... see [`Coherent::r`].
+//! **Signs.** Fields vary as exp(-i omega t), so that absorbers have k > 0. The
+//! amplitude r_p is that of H: at normal incidence r_p = -r_s.
 //!
 //! **Two roads.** [`coherent`] is the plain one: one wavelength, one beta, all
 //! quantities. [`GapFilm`] is the fast one: reflectance of many wavelengths,

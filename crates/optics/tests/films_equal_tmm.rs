@@ -1,6 +1,8 @@
 //! Films equal PyPI `tmm` 0.2.0 (S. J. Byrnes, arXiv:1603.02720): the committed table
 //! of `validation/films/tmm_oracle.py`, on both roads.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
 use num_complex::Complex64;
 use papilio_optics::film::{
     Coherent, Film, GapFilm, Layer, Polarisation, SimdLevel, SpectralLayer, Thickness, coherent,

@@ -55,8 +55,8 @@ impl Field {
 /// What a film does to light of one wavelength, direction and polarisation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coherent {
-    /// Amplitude of the reflected wave: of E for s, of H for p, so that
-    /// r_s = -r_p at normal incidence (the sign of most textbooks).
+    /// Amplitude of the reflected wave over the incident one: of E for s, of H for p.
+    /// So r_p = -r_s at normal incidence.
     pub r: Complex64,
     /// Amplitude of the electric field transmitted into the substrate, over the incident one.
     pub t: Complex64,
@@ -120,14 +120,16 @@ pub fn coherent(
     let r = (top.u - top.v / eta0) / (2.0 * incident);
     // Downwards again: the incident wave becomes 1, and the growths are undone.
     let mut scale = incident.inv();
+    let mut powers = Vec::with_capacity(fields.len());
     for (j, field) in fields.iter_mut().enumerate() {
         if j > 0 {
             scale *= shrinks[j - 1];
         }
+        // Before scaling: an evanescent substrate then carries exactly nothing.
+        powers.push(field.flux() * scale.norm_sqr() / eta0);
         *field = Field { u: field.u * scale, v: field.v * scale };
     }
 
-    let flux = |j: usize| fields[j].flux() / eta0;
     let last = film.layers.len();
     let electric = match polarisation {
         Polarisation::S => Complex64::ONE,
@@ -137,8 +139,8 @@ pub fn coherent(
         r,
         t: fields[last].u * electric,
         reflectance: r.norm_sqr(),
-        transmittance: flux(last),
-        absorptance: (0..last).map(|j| flux(j) - flux(j + 1)).collect(),
+        transmittance: powers[last],
+        absorptance: powers.windows(2).map(|pair| pair[0] - pair[1]).collect(),
         fields,
     })
 }

@@ -65,9 +65,8 @@ pub(super) fn hyperbolic<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let x = x.min(x.splat(20.0)) * x.splat(0.25);
     let x2 = x * x;
     let (c, s) = (x2.polynomial(&EVEN), x * x2.polynomial(&ODD));
-    let double = |c: Lanes<S>, s: Lanes<S>| (c.mul_add(c, s * s), (c + c) * s);
-    let (c, s) = double(c, s);
-    double(c, s)
+    let (c, s) = (c.mul_add(c, s * s), (c + c) * s);
+    (c.mul_add(c, s * s), (c + c) * s)
 }
 
 #[cfg(test)]

@@ -38,6 +38,8 @@ pub(super) struct Media {
 /// A medium over wavelength.
 #[derive(Debug, Clone)]
 struct Medium {
+    /// n + ik.
+    index: Parts,
     /// n^2.
     eps: Parts,
     /// 1/n^2.
@@ -88,6 +90,7 @@ impl Medium {
         let eps: Vec<Complex64> = index.iter().map(|n| n * n).collect();
         let slowest = |limit: f64, n: &Complex64| if n.im == 0.0 { limit.min(n.re) } else { 0.0 };
         Self {
+            index: Parts::new(index.iter().copied()),
             inverse_eps: Parts::new(eps.iter().map(Complex64::inv)),
             travels_below: index.iter().fold(f64::INFINITY, slowest),
             eps: Parts::new(eps.into_iter()),
@@ -150,14 +153,28 @@ struct Direction<'a, S: Simd> {
 }
 
 impl<S: Simd> Direction<'_, S> {
+    /// Whether waves travel in a medium at every wavelength: q is then real.
+    #[inline(always)]
+    fn travels(&self, medium: &Medium) -> bool {
+        self.beta < medium.travels_below
+    }
+
     /// q and 1/q in a medium.
     #[inline(always)]
     fn q(&self, medium: &Medium) -> (Complex<S>, Complex<S>) {
-        let eps = medium.eps.load(self.simd, self.at);
+        let n = medium.index.load(self.simd, self.at);
+        let beta = self.k0.splat(self.beta);
         let tiny = self.k0.splat(TINY);
-        let re = eps.re - self.k0.splat(self.beta * self.beta);
-        let re = (re.abs() + eps.im - tiny).if_positive(re, tiny);
-        let q = Complex::new(re, eps.im).sqrt();
+        // As a product, n^2 - beta^2 keeps its digits where beta is close to n.
+        let re = (n.re - beta) * (n.re + beta);
+        if self.travels(medium) {
+            let q = re.max(tiny).sqrt();
+            return (Complex::real(q), Complex::real(q.recip()));
+        }
+        let re = n.im.neg_mul_add(n.im, re);
+        let im = (n.re + n.re) * n.im;
+        let re = (re.abs() + im - tiny).if_positive(re, tiny);
+        let q = Complex::new(re, im).sqrt();
         (q, q.recip())
     }
 
@@ -171,9 +188,12 @@ impl<S: Simd> Direction<'_, S> {
 
     /// cos(delta) and sin(delta) of a layer, times a common real factor.
     #[inline(always)]
-    fn phase(&self, q: Complex<S>, thickness_nm: f64) -> (Complex<S>, Complex<S>) {
+    fn phase(&self, travels: bool, q: Complex<S>, thickness_nm: f64) -> (Complex<S>, Complex<S>) {
         let delta = q.scale(self.k0 * self.k0.splat(thickness_nm));
         let (c, s) = circular(delta.re);
+        if travels {
+            return (Complex::real(c), Complex::real(s));
+        }
         let (cosh, sinh) = hyperbolic(delta.im);
         (Complex::new(c * cosh, -(s * sinh)), Complex::new(s * cosh, c * sinh))
     }
@@ -182,22 +202,23 @@ impl<S: Simd> Direction<'_, S> {
     #[inline(always)]
     fn transfers(&self, (medium, thickness_nm): &(Medium, f64)) -> [Transfer<S>; 2] {
         let q = self.q(medium);
-        let (c, sin) = self.phase(q.0, *thickness_nm);
-        let s = sin.minus_i();
-        self.admittances(medium, q).map(|[g_q, q_g]| Transfer { c, u: s * g_q, v: s * q_g })
+        let (c, sin) = self.phase(self.travels(medium), q.0, *thickness_nm);
+        let sin = sin.minus_i();
+        let [s, p] = self.admittances(medium, q);
+        [Transfer { c, u: sin * s[0], v: sin * s[1] }, Transfer { c, u: sin * p[0], v: sin * p[1] }]
     }
 
     /// The incidence medium's amplitudes, seen from the top of the gap, for s and for p.
     #[inline(always)]
-    fn above(&self) -> [Forms<S>; 2] {
+    fn above(&self) -> [Pair<Form<S>>; 2] {
         let n0 = load(self.simd, &self.media.incidence, self.at);
         let q0 = self.q0_squared().max(self.k0.splat(TINY)).sqrt();
-        let mut forms = [q0, q0.div(n0 * n0)].map(Forms::new);
+        let (mut s, mut p) = (Pair::new(q0), Pair::new(q0.div(n0 * n0)));
         for layer in &self.media.above {
             let transfers = self.transfers(layer);
-            forms = [forms[0].through(transfers[0]), forms[1].through(transfers[1])];
+            (s, p) = (s.through(transfers[0]), p.through(transfers[1]));
         }
-        forms
+        [s, p]
     }
 
     /// (U, V) of light that comes to rest in the substrate, at the bottom of the gap, for s and for p.
@@ -205,13 +226,13 @@ impl<S: Simd> Direction<'_, S> {
     fn below(&self) -> [Field<S>; 2] {
         let substrate = &self.media.substrate;
         let one = Complex::real(self.k0.splat(1.0));
-        let mut fields =
-            self.admittances(substrate, self.q(substrate)).map(|[_, q_g]| Field { u: one, v: q_g });
+        let eta = self.admittances(substrate, self.q(substrate));
+        let (mut s, mut p) = (Field { u: one, v: eta[0][1] }, Field { u: one, v: eta[1][1] });
         for layer in self.media.below.iter().rev() {
             let transfers = self.transfers(layer);
-            fields = [fields[0].through(transfers[0]), fields[1].through(transfers[1])];
+            (s, p) = (s.through(transfers[0]), p.through(transfers[1]));
         }
-        fields
+        [s, p]
     }
 
     /// n0^2 - beta^2; the light exists where it is positive.
@@ -225,37 +246,42 @@ impl<S: Simd> Direction<'_, S> {
     /// The mean reflectance of s and p for each gap.
     #[inline(always)]
     fn sweep<'o>(&self, gaps: impl Iterator<Item = (f64, &'o mut [f64])>) {
-        let (above, below) = (self.above(), self.below());
-        let exists = self.q0_squared();
-        let zero = self.k0.splat(0.0);
-        let store = |mean: Lanes<S>, out: &mut [f64]| exists.if_positive(mean, zero).store(out);
-
+        let ([above_s, above_p], [below_s, below_p]) = (self.above(), self.below());
+        let cos = [above_s.on(below_s), above_p.on(below_p)];
         let Some(gap) = &self.media.gap else {
-            let p = [0, 1].map(|i| above[i].map(|form| form.on(below[i])).norms());
-            gaps.for_each(|(_, out)| store(mean(p), out));
+            let reflectance = mean(cos[0].norms(), cos[1].norms());
+            for (_, out) in gaps {
+                self.store(reflectance, out);
+            }
             return;
         };
         let q = self.q(gap);
-        let admittances = self.admittances(gap, q);
-        let p = [0, 1].map(|i| above[i].map(|form| form.on(below[i])));
-        let q_forms = [0, 1].map(|i| above[i].map(|form| form.crossed(admittances[i]).on(below[i])));
-        let travels = self.beta < gap.travels_below;
-        for (nm, out) in gaps {
-            let norms = if travels {
+        let [s, p] = self.admittances(gap, q);
+        let sin = [above_s.crossed(s).on(below_s), above_p.crossed(p).on(below_p)];
+        if self.travels(gap) {
+            for (nm, out) in gaps {
                 let (c, s) = circular(q.0.re * (self.k0 * self.k0.splat(nm)));
-                [0, 1].map(|i| p[i].zip(q_forms[i], |p, q| p.scale(c) + q.scale(s)).norms())
-            } else {
-                let (c, s) = self.phase(q.0, nm);
-                [0, 1].map(|i| p[i].zip(q_forms[i], |p, q| p.mul_add(c, q * s)).norms())
-            };
-            store(mean(norms), out);
+                let forms = [cos[0].scale_add(c, sin[0], s), cos[1].scale_add(c, sin[1], s)];
+                self.store(mean(forms[0].norms(), forms[1].norms()), out);
+            }
+        } else {
+            for (nm, out) in gaps {
+                let (c, s) = self.phase(false, q.0, nm);
+                let forms = [cos[0].mul_add(c, sin[0], s), cos[1].mul_add(c, sin[1], s)];
+                self.store(mean(forms[0].norms(), forms[1].norms()), out);
+            }
         }
+    }
+
+    #[inline(always)]
+    fn store(&self, reflectance: Lanes<S>, out: &mut [f64]) {
+        self.q0_squared().if_positive(reflectance, self.k0.splat(0.0)).store(out);
     }
 }
 
 /// Half of both quotients' sum, by one division.
 #[inline(always)]
-fn mean<S: Simd>([s, p]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
+fn mean<S: Simd>(s: [Lanes<S>; 2], p: [Lanes<S>; 2]) -> Lanes<S> {
     let numerator = s[0].mul_add(p[1], p[0] * s[1]);
     (numerator * numerator.splat(0.5)).div(s[1] * p[1])
 }
@@ -290,28 +316,16 @@ impl<S: Simd> Form<S> {
     }
 }
 
-/// The amplitudes of the reflected and of the incident wave, in one polarisation.
-type Forms<S> = Pair<Form<S>>;
-
+/// The reflected and the incident wave, in one polarisation.
 #[derive(Clone, Copy)]
 struct Pair<T> {
     reflected: T,
     incident: T,
 }
 
-impl<T: Copy> Pair<T> {
-    #[inline(always)]
-    fn map<U>(self, f: impl Fn(T) -> U) -> Pair<U> {
-        Pair { reflected: f(self.reflected), incident: f(self.incident) }
-    }
-
-    #[inline(always)]
-    fn zip<U>(self, other: Self, f: impl Fn(T, T) -> U) -> Pair<U> {
-        Pair { reflected: f(self.reflected, other.reflected), incident: f(self.incident, other.incident) }
-    }
-}
-
-impl<S: Simd> Forms<S> {
+// Spelt out rather than mapped: a closure may end up in a function of its own,
+// compiled without the instruction set.
+impl<S: Simd> Pair<Form<S>> {
     #[inline(always)]
     fn new(eta0: Lanes<S>) -> Self {
         let x = Complex::real(eta0);
@@ -321,14 +335,41 @@ impl<S: Simd> Forms<S> {
 
     #[inline(always)]
     fn through(self, m: Transfer<S>) -> Self {
-        let forms = self.map(|form| form.through(m));
-        let size = forms.incident.x.size() + forms.incident.y.size();
-        let factor = size.recip();
-        forms.map(|form| form.scale(factor))
+        let (reflected, incident) = (self.reflected.through(m), self.incident.through(m));
+        let factor = (incident.x.size() + incident.y.size()).recip();
+        Self { reflected: reflected.scale(factor), incident: incident.scale(factor) }
+    }
+
+    #[inline(always)]
+    fn crossed(self, admittances: [Complex<S>; 2]) -> Self {
+        Self { reflected: self.reflected.crossed(admittances), incident: self.incident.crossed(admittances) }
+    }
+
+    #[inline(always)]
+    fn on(self, field: Field<S>) -> Pair<Complex<S>> {
+        Pair { reflected: self.reflected.on(field), incident: self.incident.on(field) }
     }
 }
 
 impl<S: Simd> Pair<Complex<S>> {
+    /// self c + other s, for real c and s.
+    #[inline(always)]
+    fn scale_add(self, c: Lanes<S>, other: Self, s: Lanes<S>) -> Self {
+        Self {
+            reflected: self.reflected.scale_add(c, other.reflected.scale(s)),
+            incident: self.incident.scale_add(c, other.incident.scale(s)),
+        }
+    }
+
+    /// self c + other s.
+    #[inline(always)]
+    fn mul_add(self, c: Complex<S>, other: Self, s: Complex<S>) -> Self {
+        Self {
+            reflected: self.reflected.mul_add(c, other.reflected * s),
+            incident: self.incident.mul_add(c, other.incident * s),
+        }
+    }
+
     #[inline(always)]
     fn norms(self) -> [Lanes<S>; 2] {
         [self.reflected.norm_sqr(), self.incident.norm_sqr()]

@@ -213,6 +213,12 @@ impl<S: Simd> Complex<S> {
         Self { re: self.re * factor, im: self.im * factor }
     }
 
+    /// self * factor + b.
+    #[inline(always)]
+    pub(super) fn scale_add(self, factor: Lanes<S>, b: Self) -> Self {
+        Self { re: self.re.mul_add(factor, b.re), im: self.im.mul_add(factor, b.im) }
+    }
+
     /// self * a + b.
     #[inline(always)]
     pub(super) fn mul_add(self, a: Self, b: Self) -> Self {
