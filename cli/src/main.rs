@@ -1,2 +1,67 @@
-//! Papilio on the command line.
-fn main() {}
+//! Papilio on the command line: a thin face over `scenario`, `display`, `formats` and `figures`.
+//!
+//! Exit codes: 0 done; 2 the user's input is wrong; 1 an internal fault; 130 interrupted,
+//! what is done is saved. Results go to standard output, all else to standard error.
+
+mod arguments;
+mod output;
+mod pixel;
+mod report;
+mod run;
+
+use std::process::ExitCode;
+
+use anstream::eprintln;
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+
+/// Why a command did not end well.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    /// The user's input is wrong.
+    #[error(transparent)]
+    Scenario(#[from] papilio_scenario::ScenarioErrors),
+    /// The user's input is wrong, beyond what the scenario can know.
+    #[error("error: {0}")]
+    Input(String),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] papilio_formats::FormatError),
+    /// The scene could not be computed.
+    #[error("error: {0}")]
+    Display(#[from] papilio_display::DisplayError),
+    /// Standard output went away, or the like.
+    #[error("error: {0}")]
+    Io(#[from] std::io::Error),
+    /// Ctrl-C; what is done is saved.
+    #[error("interrupted: {0}")]
+    Interrupted(&'static str),
+}
+
+impl Failure {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scenario(_) | Self::Input(_) | Self::Write(_) | Self::Display(_) => 2,
+            Self::Io(_) => 1,
+            Self::Interrupted(_) => 130,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Pixel(arguments) => pixel::pixel(&arguments),
+        Command::Schema { result } => output::schema(result),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // A reader that has seen enough (`papilio run ... | head`) is no fault.
+        Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("{failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}

@@ -26,14 +26,12 @@ const NODE_COUNTS: [usize; 6] = [33, 65, 129, 257, 513, 1025];
 /// The reflectance of every state against angle, in the scene's angle medium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelScan {
-    /// State names.
-    pub states: Vec<String>,
     /// Angles, degrees.
     pub theta_deg: Vec<f64>,
     /// Wavelengths, nm.
     pub wavelength_nm: Vec<f64>,
-    /// Reflectance, shape [state][angle][wavelength].
-    pub reflectance: Vec<Vec<Vec<f64>>>,
+    /// Name and reflectance of each state, shape [angle][wavelength].
+    pub states: Vec<(String, Vec<f64>)>,
 }
 
 /// The names of a pixel's states, in order.
@@ -55,10 +53,12 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
     let index = &scene.display.glass.index;
     let in_air = scene.solver.angle_medium == AngleMedium::Air;
     let sines: Vec<f64> = theta_deg.iter().map(|theta| theta.to_radians().sin()).collect();
-    let (states, bins) = (state_names(pixel), scene.grid.len());
-    let mut reflectance = vec![Vec::new(); states.len()];
+    let bins = scene.grid.len();
+    let mut states: Vec<(String, Vec<f64>)> =
+        state_names(pixel).into_iter().map(|name| (name, Vec::new())).collect();
+    let count = states.len();
     let mut keep = |at_angle: &[f64]| {
-        reflectance.iter_mut().zip(at_angle.chunks_exact(bins)).for_each(|(all, row)| all.push(row.to_vec()));
+        states.iter_mut().zip(at_angle.chunks_exact(bins)).for_each(|((_, all), row)| all.extend(row));
     };
     if let Pixel::Film(film) = pixel {
         let mixture = Mixture::new(film)?;
@@ -66,7 +66,7 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
         let basis = film_basis(film, &scene.grid, index, &mixture.gaps_nm, &sines, beta)?;
         for one in basis.chunks_exact(mixture.gaps_nm.len() * bins) {
             let table = mixture.table(Nodes::Constant, one.to_vec(), film);
-            let mut out = vec![0.0; states.len() * bins];
+            let mut out = vec![0.0; count * bins];
             table.reflectance(0.0, &Medium::new(index.clone()), &mut out);
             keep(&out);
         }
@@ -75,13 +75,13 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
         let medium = prepare::medium(scene);
         let scale = prepare::angle_index(scene)?;
         for sine in sines {
-            let mut out = vec![0.0; states.len() * bins];
+            let mut out = vec![0.0; count * bins];
             base.reflectance((scale * sine).powi(2), &medium, &mut out);
             keep(&out);
         }
     }
     let wavelength_nm = scene.grid.wavelengths_nm();
-    Ok(PixelScan { states, theta_deg: theta_deg.to_vec(), wavelength_nm, reflectance })
+    Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
 }
 
 /// The pixel as the base of a stack.

@@ -1,4 +1,36 @@
-//! Readers and writers: spectra, n-k tables, pixel tables, results.
+//! Readers and writers: what comes in from files, and what goes out to them.
+//!
+//! | in | from |
+//! |---|---|
+//! | [`read_spectrum`] | two columns: wavelength in nm, value |
+//! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
+//! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//!
+//! | out | to |
+//! |---|---|
+//! | [`ResultFile`] with [`write_json`] | `result.json` |
+//! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
+//! | [`PixelTable::write`] | `pixel.csv` |
+//!
+//! A file is read whole, at most [`LARGEST_FILE`] bytes, as a [`DataFile`]; a
+//! [`FormatError`] names the file, line and column and prints as compilers do. A
+//! file is written whole or not at all by [`write_file`]. Numbers are written so
+//! that they read back as they were, bit for bit.
+//!
+//! **Out of scope**: BSDF files, light maps, binary results. Readers check what a
+//! file says, not what it is for: whether a reflectance covers a grid or exceeds 1
+//! is the caller's question (pixel tables excepted).
+//!
+//! ```
+//! use papilio_formats::{DataFile, read_index};
+//! let page = b"DATA:\n- type: formula 1\n  wavelength_range: 0.21 6.7\n  \
+//!     coefficients: 0 0.6961663 0.0684043 0.4079426 0.1162414 0.8974794 9.896161\n";
+//! let silica = read_index(&DataFile { name: "SiO2.yml".into(), bytes: page.to_vec() })?;
+//! // Malitson 1965: n_d = 1.458464.
+//! assert!((silica.index(587.5618).unwrap().re - 1.458464).abs() < 1e-6);
+//! # Ok::<(), papilio_formats::FormatError>(())
+//! ```
+
 mod error;
 mod file;
 mod index;

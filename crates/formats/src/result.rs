@@ -3,10 +3,16 @@
 use std::io::{self, Write};
 
 use papilio_display::result::{RunResult, State, StateValues, View};
+use schemars::JsonSchema;
 use serde::Serialize;
 
+/// The JSON Schema of `result.json`.
+pub fn result_schema() -> serde_json::Value {
+    schemars::schema_for!(ResultFile<'_>).to_value()
+}
+
 /// The whole of `result.json`: what was asked, and the answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ResultFile<'a> {
     /// Version of the program.
     pub papilio: &'a str,
@@ -121,9 +127,9 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
         ("y", v.y),
         ("u_prime", v.u_prime),
         ("v_prime", v.v_prime),
-        ("L_star", Some(v.L_star)),
-        ("a_star", Some(v.a_star)),
-        ("b_star", Some(v.b_star)),
+        ("L_star", v.L_star),
+        ("a_star", v.a_star),
+        ("b_star", v.b_star),
         ("luminance_cd_m2", Some(v.luminance_cd_m2)),
         ("contrast", v.contrast),
         ("peak_nm", v.peak_nm),

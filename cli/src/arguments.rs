@@ -1,0 +1,82 @@
+//! The commands and their options.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Papilio simulates what a reader sees of a reflective display: the room's light, the
+/// front of screen, the diffuser, the glass and the pixel, described in one scenario file.
+#[derive(Debug, Parser)]
+#[command(name = "papilio", version, about, max_term_width = 100, arg_required_else_help = true)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Compute a scenario: colours, gamut, contrast, reflectance, with errors and figures
+    #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
+    Run(Run),
+    /// Scan a scenario's pixel alone from 0 to 90 deg into pixel.csv and a figure
+    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --out out/pixel")]
+    Pixel(Pixel),
+    /// Print the JSON Schema of a scenario
+    Schema {
+        /// That of result.json instead
+        #[arg(long)]
+        result: bool,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Run {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Print the result as JSON on standard output, and write files only where --out says so
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Which solver
+    #[arg(long, value_enum)]
+    pub(crate) solver: Option<Solver>,
+    /// Seed of the walk, as solver.seed
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
+    /// Worker threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Pixel {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ScenarioArguments {
+    /// The scenario (TOML)
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Folder for the results [default: out/<name of FILE>]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Set a key of the scenario, e.g. display.pixel.film.1.thickness_nm=12; may be repeated
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+impl ScenarioArguments {
+    /// Where results go when the user does not say.
+    pub(crate) fn default_out(&self) -> PathBuf {
+        PathBuf::from("out").join(self.file.file_stem().unwrap_or_default())
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Solver {
+    /// Unbiased Monte Carlo
+    Walk,
+    /// Deterministic; not in this version
+    Adding,
+}

@@ -1,0 +1,77 @@
+//! Files and JSON.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use papilio_display::result::{RunResult, View};
+use papilio_figures::AngleMetric;
+use papilio_formats::{ResultFile, write_file, write_json, write_spectra, write_states};
+
+use crate::Failure;
+
+/// More views than this: figures of the first view only, and of metrics against angle.
+const VIEWS_WITH_FIGURES: usize = 6;
+
+/// Prints the JSON Schema of a scenario or of `result.json`.
+pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
+    let schema = if of_result { papilio_formats::result_schema() } else { papilio_scenario::schema() };
+    let mut out = std::io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, &schema).map_err(std::io::Error::from)?;
+    Ok(writeln!(out)?)
+}
+
+/// Makes the folder for results.
+pub(crate) fn folder(path: &Path) -> Result<(), Failure> {
+    let why = |error| Failure::Input(format!("cannot make the folder {}: {error}", path.display()));
+    std::fs::create_dir_all(path).map_err(why)
+}
+
+/// Writes everything that `papilio run` writes, and returns the names.
+pub(crate) fn write_run(folder: &Path, file: &ResultFile<'_>) -> Result<Vec<String>, Failure> {
+    let mut names = Vec::new();
+    let mut write = |name: &str, with: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
+        names.push(name.to_owned());
+        write_file(&folder.join(name), with)
+    };
+    write("result.json", &|out| write_json(out, file))?;
+    write("states.csv", &|out| write_states(out, file.result))?;
+    write("spectra.csv", &|out| write_spectra(out, file.result))?;
+    for (name, svg) in figures(file.result) {
+        write(&name, &|out| out.write_all(svg.as_bytes()))?;
+    }
+    Ok(names)
+}
+
+/// File names and SVG texts.
+fn figures(result: &RunResult) -> Vec<(String, String)> {
+    let mut figures = Vec::new();
+    let with_figures = if result.views.len() > VIEWS_WITH_FIGURES { 1 } else { result.views.len() };
+    for view in &result.views[..with_figures] {
+        let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
+        figures.push((format!("overview{at}.svg"), papilio_figures::overview(result, view)));
+        figures.push((format!("spectra{at}.svg"), papilio_figures::spectra(result, view)));
+        figures.push((format!("chromaticity{at}.svg"), papilio_figures::chromaticity(result, view)));
+        figures.push((format!("patches{at}.svg"), papilio_figures::patches(result, view)));
+    }
+    if several_angles(result) {
+        for metric in AngleMetric::ALL {
+            let name = format!("{}_against_angle.svg", metric.name());
+            figures.push((name, papilio_figures::against_angle(result, metric)));
+        }
+    }
+    figures
+}
+
+fn several_angles(result: &RunResult) -> bool {
+    result.views.iter().any(|view| view.theta_deg != result.views[0].theta_deg)
+}
+
+fn suffix(view: &View) -> String {
+    format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+}
+
+/// Says on standard error what was written.
+pub(crate) fn announce(folder: &Path, names: &[String]) {
+    let shown: PathBuf = folder.into();
+    anstream::eprintln!("wrote {}: {}", shown.display(), names.join(", "));
+}
