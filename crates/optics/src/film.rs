@@ -36,10 +36,12 @@
 //! A. Macleod, "Thin-Film Optical Filters", 4th ed., chapter 2.
 
 mod coherent;
+mod forms;
 mod gap;
 mod harmonic;
 mod kernel;
 mod lanes;
+mod media;
 
 pub use coherent::{Coherent, Field, Film, Layer, Polarisation, coherent};
 pub use gap::{GapFilm, SpectralLayer, Thickness};

@@ -92,7 +92,7 @@ proptest! {
 
     #[test]
     fn transmittance_is_the_same_from_both_sides(
-        layers in prop::collection::vec(layer(2000.0), 0..5),
+        layers in prop::collection::vec(layer(500.0), 0..5),
         (n0, n1) in ((1.0..2.0_f64), (1.0..2.0_f64)),
         share in 0.0..0.999_f64,
         polarisation in polarisation(),
@@ -106,7 +106,7 @@ proptest! {
 
     #[test]
     fn splitting_a_layer_changes_nothing(
-        layers in prop::collection::vec(layer(2000.0), 1..5),
+        layers in prop::collection::vec(layer(500.0), 1..5),
         substrate in medium(),
         n0 in 1.0..2.0_f64,
         share in 0.0..0.999_f64,

@@ -237,6 +237,22 @@ mod tests {
         }
     }
 
+    /// The same paper's models as tabulated by refractiveindex.info (5 digits, CC0).
+    #[test]
+    fn metals_equal_their_published_tables() {
+        let table = [
+            ("Au", 556.72, (0.47290, 2.4364)),
+            ("Ag", 555.18, (0.13465, 3.2132)),
+            ("Ti", 550.47, (1.7913, 3.0026)),
+            ("Ni", 553.14, (1.8214, 3.2759)),
+            ("W", 551.23, (3.4586, 2.7601)),
+            ("W:BB", 555.18, (3.5170, 2.7637)),
+        ];
+        for (name, nm, (n, k)) in table {
+            assert_index(name, nm, Complex64::new(n, k), 1.5e-4);
+        }
+    }
+
     #[test]
     fn dielectrics_have_their_published_indices() {
         assert_index("SiO2", 587.5618, 1.458464.into(), 1e-6);

@@ -2,7 +2,8 @@
 
 use num_complex::Complex64;
 
-use super::kernel::{Media, Sweep};
+use super::kernel::Sweep;
+use super::media::Media;
 use super::{SimdLevel, checked_incidence, checked_index, checked_thickness, checked_wavelength};
 use crate::OpticsError;
 

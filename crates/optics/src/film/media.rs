@@ -1,0 +1,103 @@
+//! The indices and thicknesses of a film, ready for the kernel.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use pulp::Simd;
+
+use super::lanes::{Complex, Lanes};
+use super::{SpectralLayer, Thickness};
+
+/// The indices and thicknesses of a film, as structures of arrays over wavelength.
+#[derive(Debug, Clone)]
+pub(super) struct Media {
+    /// 2 pi/lambda, 1/nm.
+    pub(super) k0: Vec<f64>,
+    pub(super) incidence: Vec<f64>,
+    pub(super) above: Vec<(Medium, f64)>,
+    pub(super) gap: Option<Medium>,
+    pub(super) below: Vec<(Medium, f64)>,
+    pub(super) substrate: Medium,
+}
+
+/// A medium over wavelength.
+#[derive(Debug, Clone)]
+pub(super) struct Medium {
+    /// n + ik.
+    pub(super) index: Parts,
+    /// n^2.
+    pub(super) eps: Parts,
+    /// 1/n^2.
+    pub(super) inverse_eps: Parts,
+    /// Up to this beta waves travel at every wavelength; 0 if any is absorbed.
+    pub(super) travels_below: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Parts {
+    re: Vec<f64>,
+    im: Vec<f64>,
+}
+
+impl Media {
+    pub(super) fn new(
+        wavelengths_nm: &[f64],
+        incidence: &[f64],
+        layers: &[SpectralLayer],
+        substrate: &[Complex64],
+    ) -> Self {
+        let mut media = Self {
+            k0: wavelengths_nm.iter().map(|nm| 2.0 * PI / nm).collect(),
+            incidence: incidence.to_vec(),
+            above: Vec::new(),
+            gap: None,
+            below: Vec::new(),
+            substrate: Medium::new(substrate),
+        };
+        for layer in layers {
+            let medium = Medium::new(&layer.index);
+            match layer.thickness {
+                Thickness::Gap => media.gap = Some(medium),
+                Thickness::Fixed(nm) if media.gap.is_none() => media.above.push((medium, nm)),
+                Thickness::Fixed(nm) => media.below.push((medium, nm)),
+            }
+        }
+        media
+    }
+
+    pub(super) fn wavelengths(&self) -> usize {
+        self.k0.len()
+    }
+}
+
+impl Medium {
+    fn new(index: &[Complex64]) -> Self {
+        let eps: Vec<Complex64> = index.iter().map(|n| n * n).collect();
+        let slowest = |limit: f64, n: &Complex64| if n.im == 0.0 { limit.min(n.re) } else { 0.0 };
+        Self {
+            index: Parts::new(index.iter().copied()),
+            inverse_eps: Parts::new(eps.iter().map(Complex64::inv)),
+            travels_below: index.iter().fold(f64::INFINITY, slowest),
+            eps: Parts::new(eps.into_iter()),
+        }
+    }
+}
+
+impl Parts {
+    fn new(values: impl Iterator<Item = Complex64>) -> Self {
+        let (re, im) = values.map(|z| (z.re, z.im)).unzip();
+        Self { re, im }
+    }
+
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S, at: usize) -> Complex<S> {
+        Complex::new(load(simd, &self.re, at), load(simd, &self.im, at))
+    }
+}
+
+/// The registerful of `values` that begins at `at`. Lanes beyond the end hold zeros,
+/// which give nonsense there, and are not stored.
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, values: &[f64], at: usize) -> Lanes<S> {
+    Lanes::load(simd, &values[at..values.len().min(at + S::F64_LANES)])
+}
