@@ -33,10 +33,12 @@ pub enum Problem {
         reason: String,
     },
     /// Larger than any sensible table.
-    #[error("this file has {bytes} bytes")]
+    #[error("this file has {bytes} bytes, more than {limit}")]
     TooLarge {
         /// Its size.
         bytes: u64,
+        /// The largest size that is read.
+        limit: u64,
     },
     /// The bytes are not UTF-8.
     #[error("this is not a text file in UTF-8")]
@@ -138,7 +140,6 @@ impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<&'static str> {
         Some(match self {
-            Self::TooLarge { .. } => "at most 64 MiB",
             Self::Empty => "at least two rows of numbers",
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
             Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",

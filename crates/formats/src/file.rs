@@ -35,7 +35,7 @@ impl DataFile {
         let mut bytes = Vec::new();
         file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
         if bytes.len() as u64 > LARGEST_FILE {
-            return Err(error(Problem::TooLarge { bytes: kind.len() }));
+            return Err(error(Problem::TooLarge { bytes: kind.len(), limit: LARGEST_FILE }));
         }
         Ok(Self { name: name.to_owned(), bytes })
     }

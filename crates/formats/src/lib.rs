@@ -8,7 +8,7 @@
 //!
 //! | out | to |
 //! |---|---|
-//! | [`ResultFile`] with [`write_json`] | `result.json` |
+//! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
 //! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
 //!
@@ -48,5 +48,5 @@ pub use index::read_index;
 pub use json::write_json;
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, read_pixel_table};
 pub use place::{Place, Remark, Spot};
-pub use result::{ResultFile, write_spectra, write_states};
+pub use result::{ResultFile, result_schema, write_spectra, write_states};
 pub use spectrum::read_spectrum;

@@ -114,7 +114,8 @@ impl Spot {
         let indent = self.column - 1 - hidden;
         let carets = "^".repeat(self.width.min(LONGEST_LINE_SHOWN.saturating_sub(indent)).max(1));
         write!(f, "\n{:margin$} |\n{:margin$} | {shown}", "", self.line)?;
-        write!(f, "\n{:margin$} | {:indent$}{carets} {}", "", "", label.unwrap_or_default())
+        write!(f, "\n{:margin$} | {:indent$}{carets}", "", "")?;
+        label.map_or(Ok(()), |label| write!(f, " {label}"))
     }
 }
 

@@ -1,5 +1,12 @@
 //! What the readers take, and where they say that a file is wrong.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests, too, say what they expect by unwrapping"
+)]
+
 use papilio_formats::{
     DataFile, FormatError, PixelTable, Problem, read_index, read_pixel_table, read_spectrum,
 };

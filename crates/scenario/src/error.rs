@@ -131,7 +131,7 @@ pub enum Problem {
         beside: &'static str,
     },
     /// Shares that should make a whole and do not.
-    #[error("{what} sum to {sum}")]
+    #[error("{what} sum to {}", tidy(*.sum))]
     Sum {
         /// The shares.
         what: &'static str,
@@ -318,6 +318,9 @@ impl Problem {
     /// What to do about it.
     pub fn hint(&self) -> Option<String> {
         Some(match self {
+            Self::Syntax { message } if message.contains("boolean") || message.contains("quoted") => {
+                "a string stands in double quotes".to_owned()
+            }
             Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
             Self::UnknownChoice { found, choices } => {
                 format!("did you mean `{}`?", nearest(found, choices.iter().map(String::as_str))?)
@@ -379,6 +382,11 @@ fn cover_hint(have: (f64, f64), needed: (f64, f64)) -> String {
     "nothing is extrapolated: extend the data, or change spectrum.range_nm".to_owned()
 }
 
+/// A sum of decimal fractions as a reader writes it: to a millionth.
+pub(crate) fn tidy(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
 fn listed(words: &[String]) -> String {
     words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ")
 }
@@ -393,6 +401,13 @@ impl ScenarioErrors {
 impl From<ScenarioError> for ScenarioErrors {
     fn from(error: ScenarioError) -> Self {
         Self(vec![error])
+    }
+}
+
+impl ScenarioError {
+    /// An error about a file as a whole.
+    pub(crate) fn about_file(name: &str, problem: Problem) -> Self {
+        Self { place: Place::whole(name), problem, asked_for_at: None }
     }
 }
 
@@ -433,6 +448,9 @@ impl fmt::Display for ScenarioError {
 impl std::error::Error for ScenarioErrors {}
 impl std::error::Error for ScenarioError {}
 
+/// Nobody reads more errors than this at once.
+const MOST_ERRORS: usize = 50;
+
 /// Errors as they are found.
 #[derive(Debug, Default)]
 pub(crate) struct Errors(Vec<(Origin, Problem, Option<Place>)>);
@@ -440,12 +458,18 @@ pub(crate) struct Errors(Vec<(Origin, Problem, Option<Place>)>);
 impl Errors {
     /// An error at a place of the scenario.
     pub(crate) fn push(&mut self, origin: Origin, problem: Problem) {
-        self.0.push((origin, problem, None));
+        self.add(origin, problem, None);
     }
 
     /// An error inside a file that the scenario asks for at `origin`.
     pub(crate) fn push_data(&mut self, origin: Origin, error: FormatError) {
-        self.0.push((origin, error.problem.into(), Some(error.place)));
+        self.add(origin, error.problem.into(), Some(error.place));
+    }
+
+    fn add(&mut self, origin: Origin, problem: Problem, file: Option<Place>) {
+        if self.0.len() < MOST_ERRORS {
+            self.0.push((origin, problem, file));
+        }
     }
 
     pub(crate) fn is_empty(&self) -> bool {

@@ -1,4 +1,48 @@
-//! The TOML scenario: describe and resolve, with errors that say where.
+//! The TOML scenario: *describe* and *resolve*, with errors that say where.
+//!
+//! A scenario is one file: the display, the light on it, the viewer, and how to
+//! compute. [`Scenario::load`] reads it (*describe*: every key known, of the right
+//! type and in range) and [`Scenario::resolve`] turns it into a
+//! [`Scene`](papilio_display::scene::Scene) (*resolve*: materials, lights and files
+//! on the wavelength grid, everything checked against everything else).
+//!
+//! - The grammar is declared once, in `describe`: a table's struct, its reading,
+//!   its defaults and its JSON [`schema`] come from the same lines.
+//! - A mistake is a [`ScenarioError`]: file (or `--set`), line and column, what was
+//!   expected, a hint; all independent mistakes are reported together.
+//! - Later changes (`--set`) and presets act on the tree of the text before it is
+//!   read, so that they obey the same grammar and point to their own text.
+//! - The [hash](Resolved::hash) names the computation: the scenario with all its
+//!   defaults, and the bytes of its files.
+//!
+//! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, and ten
+//! million numbers for each quantity of the result; nothing a file says makes the
+//! program panic or take memory without bound. **Out of scope**: sweeps, and
+//! any computation with light.
+//!
+//! ```
+//! use papilio_scenario::Scenario;
+//! use std::path::Path;
+//!
+//! let text = r#"
+//!     [display.pixel]
+//!     model = "uniform"
+//!     kind = "lambertian"
+//!     reflectance = { white = 0.45, black = 0.03 }
+//!     [lighting]
+//!     preset = "indoor"
+//! "#;
+//! let set = ["display.glass.surface=fresnel".to_owned()];
+//! let resolved = Scenario::from_text(text, "paper.toml", Path::new(""), &set)?.resolve()?;
+//! assert_eq!(resolved.scene.grid.len(), 81);
+//! assert_eq!(resolved.scene.lighting.directed[0].theta_deg, -20.0);
+//!
+//! let wrong = text.replace("0.45", "45");
+//! let errors = Scenario::from_text(&wrong, "paper.toml", Path::new(""), &[]).unwrap_err();
+//! assert!(errors.to_string().starts_with("error: 45 is out of range\n --> paper.toml:5:29"));
+//! # Ok::<(), papilio_scenario::ScenarioErrors>(())
+//! ```
+
 mod describe;
 mod error;
 mod nearest;

@@ -37,6 +37,11 @@ pub(crate) trait Read: Sized + JsonSchema {
     fn is_absent(&self) -> bool {
         false
     }
+
+    /// The JSON Schema of a value that is there; TOML has no null.
+    fn schema_of_value(generator: &mut SchemaGenerator) -> Schema {
+        generator.subschema_for::<Self>()
+    }
 }
 
 impl<T> Deref for At<T> {
@@ -136,6 +141,9 @@ impl<T: Read> Read for Option<T> {
     }
     fn is_absent(&self) -> bool {
         self.is_none()
+    }
+    fn schema_of_value(generator: &mut SchemaGenerator) -> Schema {
+        T::schema_of_value(generator)
     }
 }
 

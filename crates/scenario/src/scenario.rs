@@ -15,6 +15,9 @@ use crate::source::Sources;
 use crate::tree::Node;
 use crate::{preset, set};
 
+/// A scenario is written by hand: a longer text, in bytes, is something else.
+const LONGEST_TEXT: usize = 1 << 20;
+
 /// A described scenario: well-formed, every key and type in order, not yet looked up.
 #[derive(Debug, Clone)]
 pub struct Scenario {
@@ -62,6 +65,11 @@ impl Scenario {
         folder: &Path,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
+        if text.len() > LONGEST_TEXT {
+            let problem =
+                papilio_formats::Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
+            return Err(ScenarioError::about_file(name, problem.into()).into());
+        }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let sources = Sources::new(name, text, overrides);
         let mut errors = Errors::default();

@@ -32,7 +32,7 @@ impl Keys {
         default: Option<T>,
         generator: &mut SchemaGenerator,
     ) {
-        let mut schema = generator.subschema_for::<T>();
+        let mut schema = T::schema_of_value(generator);
         schema.insert("description".to_owned(), json!(text(doc)));
         match default {
             Some(default) => {

@@ -18,14 +18,15 @@ pub(crate) const PRESET_PATH: &str = "lighting.preset";
 pub(crate) fn apply(root: &mut Node, sources: &Sources, presets: bool, errors: &mut Errors) {
     for source in 1..=sources.overrides() {
         let text = sources.text(source);
-        let Some((path, _)) = text.split_once('=') else {
+        let Some((path, value)) = text.split_once('=') else {
             if !presets {
                 errors.push(Origin { source, start: 0, end: text.len().max(1) }, Problem::SetWithoutValue);
             }
             continue;
         };
         if (path.trim() == PRESET_PATH) == presets {
-            let value = Node::parse_value(text, path.len() + 1, source);
+            let blanks = value.len() - value.trim_start().len();
+            let value = Node::parse_value(text, path.len() + 1 + blanks, source, errors);
             if let Err((origin, problem)) = put(root, &segments(path, source), value) {
                 errors.push(origin, problem);
             }

@@ -55,12 +55,20 @@ impl Node {
         Self { origin: Origin::FILE, value: Value::Table(Vec::new()) }
     }
 
-    /// Parses `text[at..]` of a source as one value; a text that is none is a string.
-    pub(crate) fn parse_value(text: &str, at: usize, source: usize) -> Self {
+    /// Parses `text[at..]` of a source as one value. A text that is none is a
+    /// string, unless it begins as an array, a table or a quoted string does.
+    pub(crate) fn parse_value(text: &str, at: usize, source: usize, errors: &mut Errors) -> Self {
         let rest = text.get(at..).unwrap_or_default();
         let value = match DeValue::parse(rest) {
             Ok(value) => Value::from_value(value.get_ref(), source, at),
-            Err(_) => Value::Text(rest.to_owned()),
+            Err(error) => {
+                if rest.trim_start().starts_with(['{', '[', '"', '\'']) {
+                    let span = error.span().unwrap_or(0..rest.len());
+                    let problem = Problem::Syntax { message: error.message().to_owned() };
+                    errors.push(origin(span, source, at), problem);
+                }
+                Value::Text(rest.to_owned())
+            }
         };
         Self { origin: Origin { source, start: at, end: text.len() }, value }
     }

@@ -18,6 +18,15 @@ table! {
     }
 }
 
+impl Display {
+    /// Fills in the face of a bare panel; under a diffuser there is none.
+    pub(super) fn complete(&mut self) {
+        if self.diffuser.is_none() {
+            self.glass.value.surface.value.get_or_insert(Surface::Coated);
+        }
+    }
+}
+
 table! {
     /// A front-of-screen component, alike from both sides and at all angles.
     FrontComponent {

@@ -44,6 +44,7 @@ table! {
 impl File {
     /// Fills in the defaults that depend on other keys.
     pub(crate) fn complete(&mut self) {
+        self.display.value.complete();
         self.lighting.value.complete();
         self.solver.value.complete();
     }

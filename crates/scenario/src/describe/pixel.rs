@@ -8,14 +8,14 @@ use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::read::{At, Named, Read, choice, forms, table};
-use crate::tree::Node;
+use crate::tree::{Node, Value};
 
 /// The pixel array; its keys depend on `model`.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(untagged)]
 pub(crate) enum Pixel {
     /// `model = "film"`.
-    Film(FilmPixel),
+    Film(Box<FilmPixel>),
     /// `model = "table"`.
     Table(TablePixel),
     /// `model = "uniform"`.
@@ -40,11 +40,11 @@ impl Read for Pixel {
     }
 
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
-        if !matches!(node.value, crate::tree::Value::Table(_)) {
+        if !matches!(node.value, Value::Table(_)) {
             return node.wrong_type(Self::in_words(), errors);
         }
         match node.field::<PixelModel>("model", None, errors)?.value {
-            PixelModel::Film => FilmPixel::read(node, errors).map(Self::Film),
+            PixelModel::Film => FilmPixel::read(node, errors).map(|film| Self::Film(Box::new(film))),
             PixelModel::Table => TablePixel::read(node, errors).map(Self::Table),
             PixelModel::Uniform => UniformPixel::read(node, errors).map(Self::Uniform),
         }
@@ -115,11 +115,38 @@ forms! {
     }
 }
 
-choice! {
-    /// The word that marks the gap layer.
-    Gap {
-        /// The layer whose thickness is the state's gap.
-        Gap = "gap",
+/// The word "gap".
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Gap;
+
+impl Read for Gap {
+    fn in_words() -> String {
+        "\"gap\"".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        match &node.value {
+            Value::Text(word) if word == "gap" => Some(Self),
+            _ => node.wrong_type(LayerThickness::in_words(), errors),
+        }
+    }
+}
+
+impl serde::Serialize for Gap {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str("gap")
+    }
+}
+
+impl JsonSchema for Gap {
+    fn schema_name() -> Cow<'static, str> {
+        "Gap".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schemars::json_schema!({ "const": "gap" })
+    }
+    fn inline_schema() -> bool {
+        true
     }
 }
 

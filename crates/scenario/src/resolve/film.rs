@@ -5,7 +5,7 @@ use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, T
 use super::Resolver;
 use crate::describe::pixel as describe;
 use crate::describe::pixel::DriveSpec;
-use crate::error::Problem;
+use crate::error::{Problem, tidy};
 use crate::read::{Item, Named};
 
 /// The default states: which of red, green and blue are at their colour.
@@ -25,6 +25,10 @@ const DARK: &str = "dark";
 
 impl Resolver<'_> {
     pub(super) fn film(&mut self, pixel: &describe::FilmPixel) -> Option<FilmPixel> {
+        self.limit(&pixel.film, "layers", pixel.film.len(), 256)?;
+        self.limit(&pixel.area, "sub-pixels", pixel.area.0.len(), 64)?;
+        self.limit(&pixel.gap_nm, "gaps", pixel.gap_nm.0.len(), 65)?;
+        self.limit(&pixel.states, "states", pixel.states.0.len(), 256)?;
         let layers = self.layers(pixel);
         let substrate = self.material(&pixel.substrate);
         let inactive_reflectance = self.share(&pixel.inactive_reflectance);
@@ -86,7 +90,7 @@ impl Resolver<'_> {
             self.err(&pixel.area, Problem::Sum { what: "the areas", sum, expected: "1 within .001" });
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
-                .push(format!("the areas of the sub-pixels sum to {sum}, and are taken as they are"));
+                .push(format!("the areas of the sub-pixels sum to {}, and are taken as they are", tidy(sum)));
         }
         (sub_pixels.len() == area.0.len()).then_some(sub_pixels)
     }

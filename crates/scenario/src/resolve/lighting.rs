@@ -20,6 +20,7 @@ impl Resolver<'_> {
         lighting: &At<describe::Lighting>,
         solver: &Solver,
     ) -> Option<Lighting> {
+        self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
         let diffuse = lighting.diffuse.map_or(0.0, |share| share.0);
         let sum = diffuse + lighting.directed.iter().map(|source| source.share.0).sum::<f64>();
         if (sum - 1.0).abs() > 1e-6 {
@@ -75,6 +76,7 @@ impl Resolver<'_> {
             LightSpectrum::Text(name) => self.named_light(name, light)?,
             LightSpectrum::One(model) => self.model(&At { value: model.clone(), origin: light.origin })?,
             LightSpectrum::Sum(models) => {
+                self.limit(light, "models", models.len(), 256)?;
                 if models.is_empty() {
                     self.err(light, Problem::EmptyList);
                     return None;

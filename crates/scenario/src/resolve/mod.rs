@@ -26,6 +26,9 @@ const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
 /// The luminous part of it: 99.9 % of V(lambda) lies inside, nm.
 const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
 
+/// The largest result, and the largest pixel table: 80 MB for each quantity.
+const MOST_NUMBERS: usize = 10_000_000;
+
 /// A scene and what was found on the way to it.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
@@ -69,7 +72,8 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
             None
         }
         Err(error) => {
-            errors.push(file.spectrum.origin, error.into());
+            let at = if first.0 < last.0 { file.spectrum.step_nm.origin } else { range.origin };
+            errors.push(at, error.into());
             None
         }
     }
@@ -91,7 +95,29 @@ impl Resolver<'_> {
         let scene = Scene { grid: self.grid, display, lighting, viewer, solver };
         self.check_angles(file, &scene);
         self.check_reach(file, &scene);
+        self.check_size(file, &scene);
         Some(scene)
+    }
+
+    /// Fails if there are more of something than any display has.
+    fn limit<T>(&mut self, at: &At<T>, what: &'static str, count: usize, limit: usize) -> Option<()> {
+        if count <= limit {
+            return Some(());
+        }
+        self.err(at, Problem::TooMany { what, count: count as f64, limit });
+        None
+    }
+
+    /// The whole result must be of a size that can be held and opened.
+    fn check_size(&mut self, file: &File, scene: &Scene) {
+        let states = match &scene.display.pixel {
+            scene::Pixel::Film(film) => film.states.len(),
+            scene::Pixel::Table(table) => table.states.len(),
+            scene::Pixel::Uniform(uniform) => uniform.states.len(),
+        };
+        let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
+        let count = views.saturating_mul(states).saturating_mul(scene.grid.len());
+        self.limit(&file.viewer.theta_deg, "numbers (views x states x wavelengths)", count, MOST_NUMBERS);
     }
 
     fn err<T>(&mut self, at: &At<T>, problem: Problem) {

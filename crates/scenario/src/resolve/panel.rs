@@ -16,6 +16,7 @@ const HAZE_SCOPE: f64 = 0.30;
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
+        self.limit(&display.front, "front components", display.front.len(), 32)?;
         let front: Vec<_> = display.front.iter().map(|component| self.front(component)).collect();
         let diffuser = match &display.diffuser.value {
             Some(diffuser) => self.diffuser(diffuser).map(Some),

@@ -5,7 +5,7 @@ use papilio_display::scene::{
 };
 use papilio_formats::read_pixel_table;
 
-use super::Resolver;
+use super::{MOST_NUMBERS, Resolver};
 use crate::describe::File;
 use crate::describe::pixel as describe;
 use crate::error::Problem;
@@ -21,6 +21,7 @@ impl Resolver<'_> {
     }
 
     fn uniform(&mut self, pixel: &describe::UniformPixel) -> Option<UniformPixel> {
+        self.limit(&pixel.reflectance, "states", pixel.reflectance.0.len(), 256)?;
         if pixel.reflectance.0.is_empty() {
             self.err(&pixel.reflectance, Problem::NoStates);
         }
@@ -44,6 +45,9 @@ impl Resolver<'_> {
                 return None;
             }
         };
+        let size = table.states.len().saturating_mul(table.theta_deg.len()).saturating_mul(self.grid.len());
+        self.limit(&pixel.file, "numbers (states x angles x wavelengths)", size, MOST_NUMBERS)?;
+        self.limit(&pixel.file, "states", table.states.len(), 256)?;
         let mut states = Vec::with_capacity(table.states.len());
         for (i, (name, _)) in table.states.iter().enumerate() {
             if !is_name(name) {

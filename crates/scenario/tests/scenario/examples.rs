@@ -1,22 +1,20 @@
 //! The shipped scenarios: all of them resolve, and the flagship says what the contract's example says.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use papilio_display::scene::{Drive, Lobe, Method, Pixel, Stop, Thickness};
 use papilio_scenario::Scenario;
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
-}
+use crate::common::shipped;
 
-fn shipped() -> Vec<PathBuf> {
-    let files = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path());
+fn files() -> Vec<PathBuf> {
+    let files = std::fs::read_dir(shipped()).unwrap().map(|entry| entry.unwrap().path());
     files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect()
 }
 
 #[test]
 fn every_shipped_scenario_resolves() {
-    let files = shipped();
+    let files = files();
     assert!(files.len() >= 9);
     for path in files {
         let scenario = Scenario::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
@@ -32,7 +30,7 @@ fn every_shipped_scenario_resolves() {
 
 #[test]
 fn the_flagship_is_the_reference_display() {
-    let resolved = Scenario::load(&folder().join("indoor.toml"), &[]).unwrap().resolve().unwrap();
+    let resolved = Scenario::load(&shipped().join("indoor.toml"), &[]).unwrap().resolve().unwrap();
     let scene = &resolved.scene;
     assert_eq!((scene.grid.len(), scene.grid.stop_nm()), (81, 780.0));
     assert_eq!(scene.display.front.len(), 1);
@@ -58,12 +56,13 @@ fn the_flagship_is_the_reference_display() {
 /// The canonical form is itself a scenario, and resolves to the same hash.
 #[test]
 fn the_canonical_form_reads_back() {
-    for path in shipped() {
+    for path in files() {
         let resolved = Scenario::load(&path, &[]).unwrap().resolve().unwrap();
         let mut canonical = resolved.canonical.clone();
         canonical.as_object_mut().unwrap().remove("inputs");
         let text = toml::to_string(&canonical).unwrap();
-        let again = Scenario::from_text(&text, "canonical", &folder(), &[]).unwrap_or_else(|e| panic!("{e}"));
+        let again =
+            Scenario::from_text(&text, "canonical", &shipped(), &[]).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.resolve().unwrap().hash, resolved.hash, "{}", path.display());
     }
 }

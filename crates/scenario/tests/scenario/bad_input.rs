@@ -1,0 +1,288 @@
+//! Everything that a user may get wrong: where the error points, what it says, what it advises.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{GOOD, changed, resolve};
+use papilio_scenario::{Problem, ScenarioError};
+
+/// All errors of a text, in a folder without files.
+fn errors(text: &str, sets: &[&str]) -> Vec<ScenarioError> {
+    let Err(errors) = resolve(text, Path::new(""), sets) else {
+        panic!("this is no error:\n{text}\n{sets:?}")
+    };
+    errors.iter().cloned().collect()
+}
+
+/// The one error that a change of the good scenario makes: line, column, and the whole of it as shown.
+fn one(from: &str, to: &str) -> ((usize, usize), String) {
+    only(errors(&changed(&[(from, to)]), &[]))
+}
+
+fn only(errors: Vec<ScenarioError>) -> ((usize, usize), String) {
+    assert_eq!(errors.len(), 1, "{errors:#?}");
+    (errors[0].place.line_column().unwrap_or((0, 0)), errors[0].to_string())
+}
+
+/// A change, where the error is, and what it must say.
+type Case = (&'static str, &'static str, (usize, usize), &'static [&'static str]);
+
+const KEYS_AND_TYPES: &[Case] = &[
+    ("haze = 0.78", "hase = 0.78", (13, 1), &["no key `hase`", "did you mean `haze`?"]),
+    ("range_nm = [400, 700]", "colour = 1", (4, 1), &["no key `colour`", "the keys are range_nm, step_nm"]),
+    ("[viewer]", "[vewer]", (37, 2), &["did you mean `viewer`?"]),
+    ("model = \"film\"\n", "", (19, 1), &["`model` is missing", "expected \"film\" or \"table\""]),
+    (
+        "thickness_nm = 12 ",
+        "thickness_nm = \"12 nm\" ",
+        (25, 45),
+        &["a string", "expected a number from 0", "unit"],
+    ),
+    ("step_nm = 10", "step_nm = \"10\"", (5, 11), &["a string", "expected a number above 0"]),
+    ("index = 1.5", "index = true", (17, 9), &["true or false", "a material or a file"]),
+    ("theta_deg = 8", "theta_deg = 2026-01-01", (38, 13), &["a date"]),
+    ("model = \"film\"", "model = \"flim\"", (20, 9), &["did you mean `film`?"]),
+    ("title = \"Test\"", "title = Test", (1, 9), &["a string stands in double quotes"]),
+    ("[viewer]", "[viewer", (37, 8), &["`]`"]),
+    ("title = \"Test\"", "title = \"Test\"\ntitle = \"Again\"", (2, 1), &["duplicate key"]),
+    ("\"gap\"", "\"gab\"", (26, 38), &["expected a number from 0 to 1e6 (nm), or \"gap\""]),
+];
+
+const RANGES: &[Case] = &[
+    (
+        "thickness_nm = 12",
+        "thickness_nm = -5",
+        (25, 45),
+        &["-5 is out of range", "expected a number from 0 to 1e6 (nm)"],
+    ),
+    ("red = 0.5", "red = 0.6", (22, 8), &["the areas sum to 1.1", "expected 1 within .001"]),
+    ("haze = 0.78", "haze = 78", (13, 8), &["78 is out of range", "expected a number between 0 and 1"]),
+    ("absorptance = 0.005", "absorptance = 0.995", (7, 1), &["sum to 1.005", "at most 1"]),
+    ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["sum to 0.9", "expected 1"]),
+    ("diffuse = 0.5", "diffuse = nan", (32, 11), &["NaN is out of range"]),
+    ("illuminance_lx = 500", "illuminance_lx = inf", (30, 18), &["inf is out of range"]),
+    ("illuminance_lx = 500", "illuminance_lx = 1e308", (30, 18), &["expected a number above 0"]),
+    ("illuminance_lx = 500", "illuminance_lx = 0", (30, 18), &["0 is out of range"]),
+    ("theta_deg = 8", "theta_deg = 90", (38, 13), &["between -90 and 90"]),
+    ("theta_deg = 8", "theta_deg = []", (38, 13), &["empty"]),
+    ("theta_deg = 8", "theta_deg = 89\nfield_deg = 5", (39, 13), &["91.5 deg", "at most 90"]),
+    ("theta_deg = 8", "theta_deg = { from = 0, to = 80, step = 1e-9 }", (38, 13), &["views", "at most 5000"]),
+    ("theta_deg = 8", "theta_deg = { from = 20, to = 10, step = 1 }", (38, 13), &["from <= to"]),
+    ("theta_deg = 8", "theta_deg = { from = 0, to = 90, step = 1 }", (38, 30), &["between -90 and 90"]),
+    ("step_nm = 10", "step_nm = 7", (5, 11), &["not a grid"]),
+    ("step_nm = 10", "step_nm = 1e-9", (5, 11), &["not a grid"]),
+    ("range_nm = [400, 700]", "range_nm = [700, 400]", (4, 12), &["not a grid"]),
+    ("range_nm = [400, 700]", "range_nm = [400]", (4, 12), &["first and last"]),
+    ("range_nm = [400, 700]", "range_nm = [800, 1000]", (4, 12), &["visible"]),
+    ("index = 1.5", "index = 0.9", (17, 9), &["0.9 + 0i", "n from 1 to 10"]),
+    ("index = 1.5", "index = \"Al\"", (17, 9), &["k below 1e-6"]),
+    ("total_transmittance = 0.9", "total_transmittance = 0.99", (14, 23), &["1.0494", "0.9434 at most"]),
+];
+
+const NAMES_AND_CHOICES: &[Case] = &[
+    (
+        "\"Cr:Johnson\"",
+        "\"Cr:jonson\"",
+        (25, 16),
+        &["no material named `Cr:jonson`", "did you mean `Cr:Johnson`?"],
+    ),
+    ("\"Al\"", "\"Unobtainium\"", (21, 13), &["the names are air, SiO2"]),
+    ("\"D65\"", "\"D66\"", (31, 12), &["no light named `D66`", "did you mean `D65`?"]),
+    ("range_nm = [400, 700]", "range_nm = [340, 700]\n#", (26, 16), &["from 354 to 892 nm", "[354, 700]"]),
+    ("green = 0.3", "lime = 0.3", (22, 21), &["no sub-pixel `lime` in `gap_nm`"]),
+    ("dark = 20", "drak = 20", (23, 10), &["no dark gap"]),
+    (", dark = 20", "", (23, 10), &["state `black` leaves `red` dark", "add `dark = 20.0`"]),
+    ("[lighting]", "[display.pixel.states]\nx = { rde = 1 }\n[lighting]", (30, 7), &["did you mean `red`?"]),
+    ("[lighting]", "[display.pixel.states]\nx = { red = 2 }\n[lighting]", (30, 13), &["2 is out of range"]),
+    ("\"gap\"", "30", (24, 8), &["0 layers of this film are the gap"]),
+    ("haze = 0.78\n", "", (11, 1), &["none of `haze` and `width`"]),
+    ("haze = 0.78", "haze = 0.78\nwidth = 0.05", (14, 9), &["more than one of `haze` and `width`"]),
+    ("\"k-correlation\"", "\"lambertian\"", (13, 8), &["`haze` means nothing with model = \"lambertian\""]),
+    ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["contains its faces"]),
+    ("[viewer]", "[solver]\nangle_medium = \"glass\"\n[viewer]", (38, 16), &["a panel without diffuser"]),
+    ("[viewer]", "[solver]\npaths = 10\nrelative_error = 0.1\n[viewer]", (38, 9), &["more than one of"]),
+    ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["none of `led_nm` with `width_nm`"]),
+    ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["dark between 400 and 700 nm"]),
+];
+
+const NOT_IN_THIS_VERSION: &[Case] = &[
+    (
+        "\"k-correlation\"",
+        "\"slab\"",
+        (12, 9),
+        &["`slab` is not in this version", "\"k-correlation\" or \"lambertian\""],
+    ),
+    ("\"film\"", "\"measured\"", (20, 9), &["`measured` is not in this version"]),
+    (
+        "[viewer]",
+        "[solver]\nmethod = \"adding\"\n[viewer]",
+        (38, 10),
+        &["`adding` is not in this version", "\"walk\""],
+    ),
+    (
+        "[viewer]",
+        "[solver]\nsampler = \"stratified\"\n[viewer]",
+        (38, 11),
+        &["`stratified` is not in this version"],
+    ),
+    ("[viewer]", "[solver]\nscattering = \"ward\"\n[viewer]", (38, 14), &["`ward` is not in this version"]),
+    ("[viewer]", "[[display.layers]]\n[viewer]", (37, 11), &["`layers` is not in this version"]),
+    ("[viewer]", "[sweep]\n[viewer]", (37, 2), &["`sweep` is not in this version"]),
+];
+
+#[test]
+fn every_mistake_is_shown_where_it_is() {
+    let mut wrong = Vec::new();
+    for (from, to, place, says) in [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, NOT_IN_THIS_VERSION].concat() {
+        let errors = errors(&changed(&[(from, to)]), &[]);
+        let (at, shown) = (errors[0].place.line_column(), errors[0].to_string());
+        if at != Some(place) || !says.iter().all(|words| shown.contains(words)) {
+            wrong.push(format!("{to}: expected at {place:?}, {says:?}\n{shown}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn an_error_looks_as_a_compilers() {
+    let (_, shown) = one("thickness_nm = 12 ", "thickness_nm = -5 ");
+    let expected = "error: -5 is out of range\n  --> test.toml:25:45\n   |\n25 |   { material = \"Cr:Johnson\", thickness_nm = -5 },\n   \
+                    |                                             ^^ expected a number from 0 to 1e6 (nm)";
+    assert_eq!(shown, expected);
+}
+
+#[test]
+fn independent_mistakes_are_reported_together() {
+    let text = changed(&[
+        ("haze", "hase"),
+        ("thickness_nm = 12", "thickness_nm = -5"),
+        ("theta_deg = 8", "theta_deg = 95"),
+    ]);
+    let lines: Vec<_> = errors(&text, &[]).iter().map(|e| e.place.line_column().unwrap().0).collect();
+    assert_eq!(lines, [13, 25, 38]);
+    let text = changed(&[("\"Al\"", "\"Alu\""), ("\"D65\"", "\"D66\""), ("diffuse = 0.5", "diffuse = 0.4")]);
+    assert_eq!(errors(&text, &[]).len(), 3);
+}
+
+#[test]
+fn mistakes_in_set_name_it_and_its_position() {
+    let cases: [(&[&str], &str, &[&str]); 14] = [
+        (&["display.glas.index=1.5"], "--set #1:1:9", &["no key `glas`", "did you mean `glass`?"]),
+        (
+            &["title=\"x\"", "viewer.theta_deg=-95"],
+            "--set #2:1:18",
+            &["viewer.theta_deg=-95", "between -90 and 90"],
+        ),
+        (&["display.pixel.film.2.material=1.4"], "--set #1:1:20", &["`thickness_nm` is missing"]),
+        (&["display.pixel.film.3.material=1.4"], "--set #1:1:20", &["has the indices 0 to 1"]),
+        (&["display.pixel.film.first.material=1.4"], "--set #1:1:20", &["an index is needed here"]),
+        (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, it has no keys"]),
+        (&["nonsense"], "--set #1:1:1", &["not PATH=VALUE"]),
+        (&["=1"], "--set #1:1:1", &["this key is empty"]),
+        (&["display..glass=1"], "--set #1:1:9", &["this key is empty"]),
+        (&["title=7"], "--set #1:1:7", &["a number", "expected a string"]),
+        (&["viewer.theta_deg=[1,"], "--set #1", &["array"]),
+        (&["lighting.preset=suny"], "--set #1:1:17", &["did you mean `sunny`?"]),
+        (&["display.glass.index=nothing"], "--set #1:1:21", &["no material named `nothing`"]),
+        (&[""], "--set #1", &["not PATH=VALUE"]),
+    ];
+    for (sets, place, says) in cases {
+        let error = &errors(GOOD, sets)[0];
+        let shown = error.to_string();
+        assert!(error.place.to_string().starts_with(place), "{sets:?} at {}:\n{shown}", error.place);
+        for words in says {
+            assert!(shown.contains(words), "`{words}` is not in\n{shown}");
+        }
+    }
+    let long = format!("a{}=1", ".a".repeat(100_000));
+    assert_eq!(errors(GOOD, &[&long]).len(), 1);
+}
+
+#[test]
+fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file("nan.csv", "nm,R\n380,0.1\n500,nan\n780,0.1\n");
+    file("short.csv", "450,0.1\n650,0.1\n");
+    file("percent.csv", "380,10\n780,20\n");
+    file("um.csv", "0.38,1.5,0\n0.78,1.5,0\n");
+    file("binary.csv", "380,0.1\n780,\0\u{1}\n");
+    fs::write(folder.path().join("latin1.csv"), b"380,0.1 # \xE4\n780,1\n").unwrap();
+    let shown = |from: &str, to: &str| {
+        let errors = resolve(&changed(&[(from, to)]), folder.path(), &[]).unwrap_err();
+        only(errors.iter().cloned().collect())
+    };
+    let front = "reflectance = 0.01";
+    let (place, text) = shown(front, "reflectance = \"nan.csv\"");
+    assert_eq!(place, (3, 5));
+    assert!(text.contains("--> nan.csv:3:5") && text.contains("it is asked for at test.toml:8:15"), "{text}");
+    let (place, text) = shown(front, "reflectance = \"short.csv\"");
+    assert_eq!(place, (8, 15));
+    assert!(text.contains("from 450 to 650 nm") && text.contains("[450, 650]"), "{text}");
+    let (_, text) = shown(front, "reflectance = \"percent.csv\"");
+    assert!(text.contains("the value 10 at 380 nm") && text.contains("a share from 0 to 1"), "{text}");
+    let (_, text) = shown("index = 1.5", "index = \"um.csv\"");
+    assert!(text.contains("micrometres") && text.contains("by 1000"), "{text}");
+    let (_, text) = shown(front, "reflectance = \"none.csv\"");
+    assert!(
+        text.contains("none.csv") && text.contains("no such file") && text.contains("test.toml:8:15"),
+        "{text}"
+    );
+    assert_eq!(shown(front, "reflectance = \"binary.csv\"").0, (2, 5));
+    assert!(shown(front, "reflectance = \"latin1.csv\"").1.contains("UTF-8"));
+    assert!(shown(front, "reflectance = \"\"").1.contains("not a regular file"));
+}
+
+#[test]
+fn a_pixel_table_must_reach_as_far_as_the_light() {
+    let folder = tempfile::tempdir().unwrap();
+    for last in [41, 42, 90] {
+        let rows: String =
+            [0, last].iter().map(|t| format!("white,{t},400,0.5\nwhite,{t},700,0.5\n")).collect();
+        let text = format!("state,theta_deg,wavelength_nm,reflectance\n{rows}");
+        fs::write(folder.path().join(format!("{last}.csv")), text).unwrap();
+    }
+    let problem = |bare: bool, last: u32, angles: &str, medium: &str| {
+        let start = GOOD.find("[display.pixel]").unwrap();
+        let end = GOOD.find("[lighting]").unwrap();
+        let pixel =
+            format!("[display.pixel]\nmodel = \"table\"\nfile = \"{last}.csv\"\nangles = \"{angles}\"\n");
+        let mut text = format!("{}{pixel}{}", &GOOD[..start], &GOOD[end..]);
+        if bare {
+            let (start, end) =
+                (text.find("[display.diffuser]").unwrap(), text.find("[display.glass]").unwrap());
+            text.replace_range(start..end, "");
+        }
+        let medium = format!("solver.angle_medium={medium}");
+        resolve(&text, folder.path(), &[&medium]).err().map(|e| e.iter().next().unwrap().problem.clone())
+    };
+    // asin(1/1.5) = 41.81 deg bounds all light of a bare panel; a lobe fills the glass.
+    assert!(matches!(
+        problem(true, 41, "glass", "air"),
+        Some(Problem::TableTooShort { medium: "glass", .. })
+    ));
+    assert_eq!(problem(true, 42, "glass", "air"), None);
+    assert!(matches!(problem(true, 42, "air", "air"), Some(Problem::TableTooShort { medium: "air", .. })));
+    assert_eq!(problem(true, 90, "air", "air"), None);
+    assert!(matches!(problem(false, 42, "glass", "air"), Some(Problem::TableTooShort { .. })));
+    assert_eq!(problem(false, 90, "glass", "air"), None);
+    assert_eq!(problem(false, 90, "air", "air"), Some(Problem::TableInAir));
+    assert_eq!(problem(true, 90, "air", "unrefracted"), Some(Problem::TableInAir));
+    assert_eq!(problem(true, 90, "glass", "unrefracted"), None);
+}
+
+#[test]
+fn angles_in_glass_must_leave_it() {
+    let bare = {
+        let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
+        format!("{}{}", &GOOD[..start], &GOOD[end..])
+    };
+    let glass = "solver.angle_medium=glass";
+    assert!(resolve(&bare, Path::new(""), &[glass, "viewer.theta_deg=41.8"]).is_ok());
+    let error = &errors(&bare, &[glass, "viewer.theta_deg=41.9"])[0];
+    assert!(matches!(error.problem, Problem::Trapped { .. }), "{error}");
+    let error = &errors(&bare, &[glass, "lighting.directed.0.theta_deg=-60"])[0];
+    assert!(matches!(error.problem, Problem::Trapped { .. }), "{error}");
+    let error = &errors(&bare, &[glass, "display.glass.index=BK7"])[0];
+    assert!(matches!(error.problem, Problem::AnglesInGlass(_)), "{error}");
+}

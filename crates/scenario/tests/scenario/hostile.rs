@@ -1,0 +1,150 @@
+//! Whatever the bytes, there is a scenario or an error, never a panic and never a blow-up.
+
+use std::path::Path;
+
+use crate::common::{GOOD, resolve, shipped};
+use papilio_scenario::Scenario;
+
+/// A linear congruential generator (Knuth, MMIX): the tests need no more.
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % limit
+    }
+}
+
+/// Words that have broken readers before.
+const WORDS: &[&str] = &[
+    "nan",
+    "inf",
+    "-inf",
+    "1e308",
+    "-1e308",
+    "1e-308",
+    "-0.0",
+    "9223372036854775807",
+    "99999999999999999999",
+    "0xFFFFFFFFFFFFFFFFFFFF",
+    "[]",
+    "{}",
+    "\"\"",
+    "\"/\"",
+    "\"\\u0000\"",
+    "true",
+    "1979-05-27",
+    "\u{feff}",
+    "\r",
+    "\n",
+    "[[",
+    "]]",
+    "=",
+    ".",
+    "\"",
+    "'''",
+    "\"\"\"",
+    "#",
+    "\u{1F98B}",
+    "\0",
+    "[display]",
+    "[[display.front]]",
+    "\"gap\"",
+    "[1,2,3]",
+    "{ from = -89, to = 89, step = 1e-300 }",
+    "{ n = 1e300, k = 1e300 }",
+];
+
+fn survive(text: &[u8], folder: &Path) {
+    let Ok(text) = std::str::from_utf8(text) else { return };
+    match Scenario::from_text(text, "x.toml", folder, &[]) {
+        Ok(scenario) => match scenario.resolve() {
+            Ok(resolved) => assert_eq!(resolved.hash.len(), 64),
+            Err(errors) => assert!(errors.to_string().len() < 1 << 20),
+        },
+        Err(errors) => assert!(!errors.to_string().is_empty()),
+    }
+}
+
+#[test]
+fn mutated_scenarios_do_not_panic() {
+    let mut numbers = Numbers(2012);
+    let mut texts = vec![GOOD.to_owned()];
+    for entry in std::fs::read_dir(shipped()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|end| end == "toml") {
+            texts.push(std::fs::read_to_string(path).unwrap());
+        }
+    }
+    for text in &texts {
+        for _ in 0..600 {
+            let mut bytes = text.clone().into_bytes();
+            for _ in 0..=numbers.below(3) {
+                let at = numbers.below(bytes.len());
+                let end = (at + numbers.below(12)).min(bytes.len());
+                match numbers.below(4) {
+                    0 => bytes[at] = numbers.below(128) as u8,
+                    1 => drop(bytes.drain(at..end)),
+                    2 => drop(bytes.splice(at..end, WORDS[numbers.below(WORDS.len())].bytes())),
+                    _ => {
+                        let copied = bytes[at..end].to_vec();
+                        drop(bytes.splice(at..at, copied));
+                    }
+                }
+            }
+            survive(&bytes, &shipped());
+        }
+    }
+}
+
+/// Each value of the scenario in turn is replaced by each hostile word.
+#[test]
+fn hostile_values_do_not_panic() {
+    for line in GOOD.lines().filter(|line| line.contains(" = ")) {
+        for word in WORDS {
+            for (at, _) in line.match_indices(" = ") {
+                let rest = &line[at + 3..];
+                let end = rest.find([',', '}']).unwrap_or(rest.len());
+                let changed = format!("{} = {word}{}", &line[..at], &rest[end..]);
+                survive(GOOD.replacen(line, &changed, 1).as_bytes(), Path::new(""));
+            }
+        }
+    }
+}
+
+#[test]
+fn huge_and_odd_texts_are_refused() {
+    let refused = |text: &str| {
+        let errors = resolve(text, Path::new(""), &[]).unwrap_err();
+        assert!(errors.iter().count() <= 50);
+        assert!(errors.to_string().len() < 1 << 20);
+    };
+    refused("");
+    refused("\u{feff}");
+    refused(&format!("{GOOD}\nx = {}1{}", "[".repeat(100_000), "]".repeat(100_000)));
+    refused(&format!("{GOOD}\nx = {}", "{ a = ".repeat(50_000)));
+    refused(&format!("{GOOD}\n{}x = 1", "a.".repeat(100_000)));
+    refused(&format!("{GOOD}\n{}", (0..50_000).map(|i| format!("k{i} = 1\n")).collect::<String>()));
+    refused(&format!("# {}", "x".repeat(2 << 20)));
+    let layer = "  { material = 1.5, thickness_nm = 1 },\n".repeat(10_000);
+    refused(&GOOD.replace("film = [\n", &format!("film = [\n{layer}")));
+    let many = (0..20_000).map(|i| format!("s{i} = 0.1, ")).collect::<String>();
+    refused(&GOOD.replace("area = { ", &format!("area = {{ {many}")));
+    let states: String = (0..250).map(|i| format!("s{i} = {{}}\n")).collect();
+    let views = "theta_deg = { from = 0, to = 80, step = 0.02 }";
+    let text = GOOD
+        .replace("theta_deg = 8", views)
+        .replace("[lighting]", &format!("[display.pixel.states]\n{states}[lighting]"));
+    refused(&text);
+}
+
+#[test]
+fn a_file_that_is_no_text_is_refused_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.toml");
+    std::fs::write(&path, b"title = \"\xFF\"\n").unwrap();
+    let errors = Scenario::load(&path, &[]).unwrap_err();
+    assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((1, 10)));
+    assert!(Scenario::load(folder.path(), &[]).is_err());
+    assert!(Scenario::load(&folder.path().join("none.toml"), &[]).is_err());
+}

@@ -1,0 +1,15 @@
+//! The scenario room from outside: what it takes, what it refuses, and how.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests, too, say what they expect by unwrapping"
+)]
+
+mod bad_input;
+mod common;
+mod examples;
+mod hostile;
+mod schema;
+mod set_and_presets;

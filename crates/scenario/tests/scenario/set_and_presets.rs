@@ -1,0 +1,206 @@
+//! `--set`, presets, defaults, the hash, and the forms that a value may take.
+
+use std::path::Path;
+
+use crate::common::{GOOD, changed, resolve, shipped};
+use papilio_display::scene::{Approximation, Drive, Lobe, Pixel, Sampler, Scene, Stop, Surface, Thickness};
+use papilio_scenario::{Resolved, preset_names};
+
+fn set(sets: &[&str]) -> Resolved {
+    resolve(GOOD, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn film(scene: &Scene) -> &papilio_display::scene::FilmPixel {
+    let Pixel::Film(film) = &scene.display.pixel else { panic!("not a film") };
+    film
+}
+
+#[test]
+fn set_changes_and_makes_keys() {
+    let resolved = set(&[
+        "display.pixel.film.0.thickness_nm=7.5",
+        "lighting.directed.0.theta_deg=-30",
+        "display.pixel.states.orange={ red = 1, green = 0.5 }",
+        "display.pixel.states.odd.blue.gap_nm=150",
+        "viewer.theta_deg=[0, 20]",
+        "viewer.phi_deg={ from = 0, to = 90, step = 45 }",
+        "solver.seed = 7",
+        "solver.sampler=random",
+        "display.front.1.reflectance=0.02",
+    ]);
+    let scene = &resolved.scene;
+    assert_eq!(film(scene).layers[0].thickness, Thickness::Fixed(7.5));
+    assert_eq!(scene.lighting.directed[0].theta_deg, -30.0);
+    let state =
+        |name: &str| film(scene).states.iter().find(|state| state.name == name).unwrap().drives.clone();
+    assert_eq!(state("orange"), [Drive::Share(1.0), Drive::Share(0.5), Drive::Share(0.0)]);
+    assert_eq!(state("odd"), [Drive::Share(0.0), Drive::Share(0.0), Drive::Gap(150.0)]);
+    assert_eq!(
+        (&scene.viewer.theta_deg[..], &scene.viewer.phi_deg[..]),
+        (&[0.0, 20.0][..], &[0.0, 45.0, 90.0][..])
+    );
+    assert_eq!((scene.solver.seed, scene.solver.sampler), (7, Sampler::Random));
+    assert_eq!((scene.display.front.len(), scene.display.front[1].reflectance[3]), (2, 0.02));
+}
+
+#[test]
+fn the_last_set_wins() {
+    assert_eq!(set(&["viewer.theta_deg=1", "viewer.theta_deg=2"]).scene.viewer.theta_deg, [2.0]);
+}
+
+const BARE: &str =
+    "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.5, black = 0 }\n";
+
+#[test]
+fn defaults() {
+    let resolved = resolve(BARE, Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let scene = &resolved.scene;
+    assert_eq!((scene.grid.start_nm(), scene.grid.stop_nm(), scene.grid.step_nm()), (380.0, 780.0, 5.0));
+    assert_eq!((scene.display.glass.index[0], scene.display.glass.surface), (1.5, Surface::Coated));
+    assert!(scene.display.diffuser.is_none() && scene.display.front.is_empty());
+    assert_eq!((scene.lighting.illuminance_lx, scene.lighting.diffuse), (500.0, 1.0));
+    assert_eq!((&scene.viewer.theta_deg[..], &scene.viewer.phi_deg[..]), (&[0.0][..], &[0.0][..]));
+    assert_eq!((scene.viewer.field_deg, scene.viewer.distance_mm), (0.1, 500.0));
+    assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, every_bin: false });
+    assert_eq!((scene.solver.seed, scene.solver.sampler), (0, Sampler::Sobol));
+    assert_eq!(scene.solver.approximation, Approximation::None);
+    assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);
+}
+
+/// Kubota et al. 2006, as Feng 2012 has them.
+#[test]
+fn presets_fill_lighting_and_viewer_and_keys_override_them() {
+    let preset = |name: &str, more: &str, sets: &[&str]| {
+        let text = format!("{BARE}[lighting]\npreset = \"{name}\"\n{more}");
+        resolve(&text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}")).scene
+    };
+    let seen = |scene: &Scene| {
+        let directed = scene.lighting.directed.first().map(|source| (source.theta_deg, source.share));
+        (scene.lighting.diffuse, directed, scene.viewer.theta_deg[0])
+    };
+    assert_eq!(seen(&preset("indoor", "", &[])), (0.5, Some((-20.0, 0.5)), 8.0));
+    assert_eq!(seen(&preset("sunny", "", &[])), (0.2, Some((-35.0, 0.8)), 20.0));
+    assert_eq!(seen(&preset("overcast", "", &[])), (1.0, None, 8.0));
+    assert_eq!(preset_names().collect::<Vec<_>>(), ["indoor", "sunny", "overcast"]);
+
+    let scene = preset(
+        "indoor",
+        "illuminance_lx = 40\n[viewer]\nfield_deg = 2\n",
+        &["lighting.directed.0.theta_deg=-45"],
+    );
+    assert_eq!((scene.lighting.illuminance_lx, scene.viewer.field_deg), (40.0, 2.0));
+    assert_eq!(seen(&scene), (0.5, Some((-45.0, 0.5)), 8.0));
+    // The preset itself can be set, before or after other keys.
+    let scene = preset("indoor", "", &["viewer.theta_deg=3", "lighting.preset=sunny"]);
+    assert_eq!(seen(&scene), (0.2, Some((-35.0, 0.8)), 3.0));
+    // What the preset gives must still make sense with what is overridden.
+    let text = format!("{BARE}[lighting]\npreset = \"indoor\"\ndiffuse = 0.3\n");
+    let errors = resolve(&text, Path::new(""), &[]).unwrap_err();
+    assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((6, 10)));
+}
+
+/// PHYSICS, 4: T = TIS/(1 - b/sqrt(1 + b^2)); with a straight-through share only the rest is truncated.
+#[test]
+fn the_two_transmittances_of_a_diffuser() {
+    let diffuser = |sets: &[&str]| {
+        let more = ["display.diffuser={ model = \"k-correlation\", width = 0.1, total_transmittance = 0.8 }"];
+        set(&[&more[..], sets].concat()).scene.display.diffuser.unwrap()
+    };
+    let share = 1.0 - 0.1 / 1.01_f64.sqrt();
+    assert!((diffuser(&[]).transmittance[0] - 0.8 / share).abs() < 1e-12);
+    let half = diffuser(&["display.diffuser.straight_through=0.5"]);
+    assert!((half.transmittance[0] - 0.8 / (0.5 * share + 0.5)).abs() < 1e-12);
+    let lambertian = set(&["display.diffuser={ model = \"lambertian\", total_transmittance = 0.8 }"]);
+    let lambertian = lambertian.scene.display.diffuser.unwrap();
+    assert_eq!((lambertian.lobe, lambertian.transmittance[0]), (Lobe::Lambertian, 0.8));
+}
+
+#[test]
+fn lights_by_name_by_model_and_mixed() {
+    let light = |value: &str| set(&[&format!("lighting.spectrum={value}")]).scene.lighting.diffuse_spectrum;
+    let led = light("{ led_nm = 550, width_nm = 30 }");
+    assert!((led[15] - 1.0).abs() < 1e-12);
+    let mixed = light("[{ led_nm = 550, width_nm = 30 }, { led_nm = 550, width_nm = 30, weight = 0.5 }]");
+    assert!((mixed[15] - 1.5).abs() < 1e-12);
+    assert!((light("{ daylight_K = 6504 }")[16] - 1.0).abs() < 1e-12);
+    assert!((light("{ planck_K = 2856 }")[16] - 1.0).abs() < 1e-12);
+    assert!(light("A")[30] > light("A")[0]);
+}
+
+#[test]
+fn areas_a_little_off_are_taken_and_said() {
+    let resolved = resolve(&changed(&[("red = 0.5", "red = 0.4996")]), Path::new(""), &[]).unwrap();
+    assert!(
+        resolved.warnings.iter().any(|warning| warning.contains("sum to 0.9996")),
+        "{:?}",
+        resolved.warnings
+    );
+    assert_eq!(film(&resolved.scene).sub_pixels[0].area, 0.4996);
+}
+
+#[test]
+fn states_replace_the_default_of_their_name_or_stand_alone() {
+    let states = |sets: &[&str]| -> Vec<String> {
+        film(&set(sets).scene).states.iter().map(|state| state.name.clone()).collect()
+    };
+    assert_eq!(states(&["display.pixel.states.white.red=1"]).len(), 8);
+    let own = ["display.pixel.default_states=false", "display.pixel.states.on={ red = 1 }"];
+    assert_eq!(states(&own), ["on"]);
+    let none = resolve(GOOD, Path::new(""), &own[..1]).unwrap_err();
+    assert!(none.to_string().contains("no states"));
+}
+
+#[test]
+fn the_hash_knows_what_matters() {
+    let hash = |text: &str| resolve(text, Path::new(""), &[]).unwrap().hash;
+    let good = hash(GOOD);
+    assert_eq!(good.len(), 64);
+    // Spelling, comments, order and spelt-out defaults do not matter.
+    let same = [
+        changed(&[("haze = 0.78", "haze = 7.8e-1  # a comment")]),
+        changed(&[("theta_deg = 8", "field_deg = 0.1\ntheta_deg = 8.0")]),
+        changed(&[("[viewer]", "[solver]\nmethod = \"walk\"\n[viewer]")]),
+        GOOD.replace('\n', "\r\n"),
+        format!("\u{feff}{GOOD}"),
+    ];
+    for text in same {
+        assert_eq!(hash(&text), good, "{text}");
+    }
+    // Any number does.
+    for (from, to) in
+        [("12", "12.0001"), ("0.78", "0.79"), ("\"Al\"", "\"Ag\""), ("500", "501"), ("\"Test\"", "\"Text\"")]
+    {
+        assert_ne!(hash(&changed(&[(from, to)])), good);
+    }
+}
+
+#[test]
+fn the_hash_knows_the_bytes_of_files_and_not_their_folder() {
+    let at = |value: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("r.csv"), format!("380,{value}\n780,0.1\n")).unwrap();
+        resolve(&changed(&[("reflectance = 0.01", "reflectance = \"r.csv\"")]), folder.path(), &[]).unwrap()
+    };
+    assert_eq!(at("0.1").hash, at("0.1").hash);
+    assert_ne!(at("0.1").hash, at("0.10").hash);
+    assert!(at("0.1").canonical["inputs"]["r.csv"].as_str().is_some_and(|digest| digest.len() == 64));
+}
+
+/// A preset and its keys spelt out are one scenario.
+#[test]
+fn a_preset_leaves_no_trace_in_the_canonical_form() {
+    let preset = format!("{BARE}[lighting]\npreset = \"overcast\"\n");
+    let spelt = format!("{BARE}[lighting]\nilluminance_lx = 1e4\n[viewer]\ntheta_deg = 8\n");
+    let hash = |text: &str| resolve(text, Path::new(""), &[]).unwrap().hash;
+    assert_eq!(hash(&preset), hash(&spelt));
+}
+
+#[test]
+fn files_lie_beside_the_scenario() {
+    let path = shipped().join("table-pixel.toml");
+    let resolved = papilio_scenario::Scenario::load(&path, &[]).unwrap().resolve().unwrap();
+    let Pixel::Table(table) = &resolved.scene.display.pixel else { panic!("not a table") };
+    assert_eq!((table.theta_deg.len(), table.states.len()), (10, 3));
+    // Red at normal and 780 nm: .02 + .4/(1 + exp(-(780 - 590)/12)).
+    assert!((table.states[2].reflectance[0][80] - 0.42).abs() < 1e-5);
+}
