@@ -1,4 +1,33 @@
 //! Interfaces, coherent thin films and scattering lobes, in direction cosines.
+//!
+//! What a layer of a display does to light, each kind by itself; `transport` joins them.
+//!
+//! - [`interface`]: Fresnel's reflectances between transparent media;
+//! - [`film`]: any stack of coherent thin layers, metals and evanescent waves included:
+//!   [`film::coherent`] tells everything about one wavelength and direction,
+//!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
+//! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
+//! - [`Beta`]: the direction cosines that all of them speak.
+//!
+//! ```
+//! use papilio_optics::film::{coherent, Film, Layer, Polarisation};
+//! use papilio_optics::interface::fresnel_reflectance;
+//!
+//! // Uncoated glass reflects 4.26 %; a quarter wave of MgF2 (1.38) leaves 1.26 %.
+//! let bare = fresnel_reflectance(1.0, 1.52, 0.0);
+//! let mgf2 = Layer { index: 1.38.into(), thickness_nm: 550.0 / (4.0 * 1.38) };
+//! let film = Film { incidence: 1.0, layers: vec![mgf2], substrate: 1.52.into() };
+//! let coated = coherent(&film, 550.0, 0.0, Polarisation::S)?.reflectance;
+//! assert!((bare - 0.0426).abs() < 1e-4);
+//! assert!((coated - 0.0126).abs() < 1e-4);
+//! # Ok::<(), papilio_optics::OpticsError>(())
+//! ```
+//!
+//! **Limits.** Flat, homogeneous, isotropic layers; geometric optics outside the
+//! films; the films keep s and p apart, lobes and layers take their mean.
+//!
+//! **Out of scope.** Stacks of layers that exchange light (`transport`), colour
+//! (`colour`), where the indices come from (`spectra`), files and threads.
 
 mod direction;
 mod error;

@@ -1,4 +1,24 @@
 //! Wavelength grids, spectra, dispersion (n + ik) and illuminants.
+//!
+//! - [`Grid`]: the wavelengths of one computation; [`Spectrum`]: a value at each;
+//! - [`Tabulated`]: a table to sample a spectrum from, never beyond its ends;
+//! - [`Dispersion`]: the complex index of a medium; [`material`]: those with a name;
+//! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light.
+//!
+//! ```
+//! use papilio_spectra::{material, Grid};
+//! let silica = material("SiO2")?;
+//! let n_d = silica.index(587.5618)?.re;
+//! assert!((n_d - 1.458464).abs() < 1e-6); // Malitson 1965
+//! let visible = Grid::new(380.0, 780.0, 5.0)?;
+//! assert_eq!(silica.on(&visible)?.len(), 81);
+//! # Ok::<(), papilio_spectra::SpectraError>(())
+//! ```
+//!
+//! **Limits.** Wavelengths are those in vacuum, in nm; indices are scalars (no
+//! birefringence) and do not depend on temperature.
+//!
+//! **Out of scope.** Files (`formats`), observers and colours (`colour`).
 
 mod dispersion;
 mod error;

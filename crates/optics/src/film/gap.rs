@@ -99,7 +99,7 @@ impl GapFilm {
     /// Mean reflectance of s and p, into `out[beta][gap][wavelength]`.
     ///
     /// Equal to the mean of [`coherent`](super::coherent)'s two reflectances within
-    /// 1e-12. Where beta is not below the index of the incidence medium (which may
+    /// 1e-12, short of resonators whose finesse amplifies rounding. Where beta is not below the index of the incidence medium (which may
     /// depend on the wavelength) there is no such light, and `out` is 0. A film
     /// without a gap layer gives the same for every gap.
     ///
