@@ -174,13 +174,8 @@ impl FormatError {
     /// This error with a note of where the file was asked for.
     pub fn show_with_note(&self, note: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let message = self.problem.to_string();
-        let remark = Remark {
-            level: "error",
-            message: &message,
-            expected: self.problem.expected(),
-            note,
-            hint: self.problem.hint(),
-        };
+        let remark =
+            Remark { message: &message, expected: self.problem.expected(), note, hint: self.problem.hint() };
         remark.show(&self.place, f)
     }
 }

@@ -65,11 +65,9 @@ impl fmt::Display for Place {
     }
 }
 
-/// What to say about a place.
+/// What to say about a place where something is wrong.
 #[derive(Debug, Clone, Copy)]
 pub struct Remark<'a> {
-    /// `error` or `warning`.
-    pub level: &'a str,
     /// What is wrong.
     pub message: &'a str,
     /// Shown beside the caret: what was expected.
@@ -86,7 +84,7 @@ impl Remark<'_> {
     /// # Errors
     /// Those of the formatter.
     pub fn show(&self, place: &Place, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.level, self.message)?;
+        write!(f, "error: {}", self.message)?;
         let margin = place.spot.as_ref().map_or(1, |spot| spot.line.to_string().len());
         write!(f, "\n{:margin$}--> {place}", "")?;
         match &place.spot {
@@ -134,13 +132,8 @@ mod tests {
     struct Shown(Place);
     impl fmt::Display for Shown {
         fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            let remark = Remark {
-                level: "error",
-                message: "bad",
-                expected: Some("a length"),
-                note: None,
-                hint: Some("mend it"),
-            };
+            let remark =
+                Remark { message: "bad", expected: Some("a length"), note: None, hint: Some("mend it") };
             remark.show(&self.0, f)
         }
     }

@@ -45,8 +45,10 @@
 
 mod describe;
 mod error;
+mod grammar;
 mod nearest;
 mod preset;
+mod problem;
 mod read;
 mod resolve;
 mod scenario;
@@ -55,7 +57,8 @@ mod set;
 mod source;
 mod tree;
 
-pub use error::{Problem, ScenarioError, ScenarioErrors};
+pub use error::{ScenarioError, ScenarioErrors};
 pub use preset::preset_names;
+pub use problem::Problem;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

@@ -9,7 +9,8 @@
 //! The shares lie in the display plane. The source gives no lux: these are the
 //! usual levels of an office, full sun and an overcast sky. All are D65.
 
-use crate::error::{Errors, Problem};
+use crate::error::Errors;
+use crate::problem::Problem;
 use crate::set::PRESET_PATH;
 use crate::tree::{Node, Value};
 

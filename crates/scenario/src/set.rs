@@ -4,7 +4,8 @@
 //! last appends. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
-use crate::error::{Errors, Problem};
+use crate::error::Errors;
+use crate::problem::Problem;
 use crate::source::{Origin, Sources};
 use crate::tree::{Entry, Node, Value};
 

@@ -3,7 +3,8 @@
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, de::DeString};
 
-use crate::error::{Errors, Problem};
+use crate::error::Errors;
+use crate::problem::Problem;
 use crate::source::Origin;
 
 /// A value and its place.

@@ -2,7 +2,8 @@
 
 use super::numbers::{Extinction, Index, InnerShare, Share, Width};
 use super::pixel::Pixel;
-use crate::read::{At, choice, forms, table};
+use crate::grammar::{choice, forms, table};
+use crate::read::At;
 
 table! {
     /// The layers of the panel, top to bottom: front, surface or diffuser, glass, pixel.

@@ -1,7 +1,8 @@
 //! `[lighting]`: diffuse and directed light.
 
 use super::numbers::{AngularRadius, Azimuth, Inclination, Kelvin, Lux, Share, Wavelength, Weight};
-use crate::read::{At, choice, forms, table};
+use crate::grammar::{choice, forms, table};
+use crate::read::At;
 
 table! {
     /// The room's light; `diffuse` and all shares sum to 1.

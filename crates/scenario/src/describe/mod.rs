@@ -10,7 +10,8 @@ pub(crate) mod pixel;
 pub(crate) mod solver;
 pub(crate) mod viewer;
 
-use crate::read::{At, table};
+use crate::grammar::table;
+use crate::read::At;
 use numbers::Wavelength;
 
 table! {

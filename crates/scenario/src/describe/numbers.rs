@@ -3,7 +3,8 @@
 //! Upper limits keep the arithmetic finite; they lie far beyond any display.
 
 use crate::error::Errors;
-use crate::read::{Read, number};
+use crate::grammar::number;
+use crate::read::Read;
 use crate::tree::{Node, Value};
 
 number!(

@@ -7,7 +7,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
-use crate::read::{At, Named, Read, choice, forms, table};
+use crate::grammar::{choice, forms, table};
+use crate::read::{At, Named, Read};
 use crate::tree::{Node, Value};
 
 /// The pixel array; its keys depend on `model`.

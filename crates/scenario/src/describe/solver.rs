@@ -1,7 +1,8 @@
 //! `[solver]`: how to compute, and how well.
 
 use super::numbers::{Count, Paths, RelativeError, Seed};
-use crate::read::{At, choice, table};
+use crate::grammar::{choice, table};
+use crate::read::At;
 
 table! {
     /// How to compute, and how well.

@@ -1,7 +1,8 @@
 //! `[viewer]`: where the reader looks from.
 
 use super::numbers::{Azimuth, FieldAngle, Inclination, Millimetres};
-use crate::read::{At, forms, number, table};
+use crate::grammar::{forms, number, table};
+use crate::read::At;
 
 table! {
     /// The views are the product of all theta and phi, theta fastest.

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
-use crate::error::Problem;
+use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
 

@@ -5,7 +5,7 @@ use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, T
 use super::Resolver;
 use crate::describe::pixel as describe;
 use crate::describe::pixel::DriveSpec;
-use crate::error::{Problem, tidy};
+use crate::problem::{Problem, tidy};
 use crate::read::{Item, Named};
 
 /// The default states: which of red, green and blue are at their colour.

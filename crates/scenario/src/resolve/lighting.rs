@@ -8,7 +8,7 @@ use papilio_spectra::{
 use super::Resolver;
 use crate::describe::lighting::{self as describe, LightModel, LightSpectrum};
 use crate::describe::solver::{AngleMedium, Solver};
-use crate::error::Problem;
+use crate::problem::Problem;
 use crate::read::At;
 
 /// Where daylight and black bodies have the value 1, nm.

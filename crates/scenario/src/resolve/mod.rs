@@ -17,7 +17,8 @@ use papilio_spectra::Grid;
 
 use crate::describe::File;
 use crate::describe::solver::{self, Solver};
-use crate::error::{Errors, Problem, ScenarioErrors};
+use crate::error::{Errors, ScenarioErrors};
+use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Sources;
 

@@ -7,7 +7,7 @@ use papilio_spectra::Spectrum;
 use super::Resolver;
 use crate::describe::File;
 use crate::describe::display::{self as describe, DiffuserModel};
-use crate::error::Problem;
+use crate::problem::Problem;
 use crate::read::At;
 
 /// ASTM D1003 measures haze up to here.

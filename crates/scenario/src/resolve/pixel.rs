@@ -8,7 +8,7 @@ use papilio_formats::read_pixel_table;
 use super::{MOST_NUMBERS, Resolver};
 use crate::describe::File;
 use crate::describe::pixel as describe;
-use crate::error::Problem;
+use crate::problem::Problem;
 use crate::read::{At, is_name};
 
 impl Resolver<'_> {

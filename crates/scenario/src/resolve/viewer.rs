@@ -4,7 +4,7 @@ use papilio_display::scene::Viewer;
 
 use super::Resolver;
 use crate::describe::viewer::{self as describe, AngleRange, Azimuths, Inclinations};
-use crate::error::Problem;
+use crate::problem::Problem;
 use crate::source::Origin;
 
 /// More views than this make a result that nobody can open.

@@ -101,3 +101,24 @@ fn every_key_is_described() {
     look(&papilio_scenario::schema(), &mut seen);
     assert!(seen > 50, "{seen}");
 }
+
+/// docs/scenario.md is the page of every key, and knows its default.
+#[test]
+fn the_page_of_keys_knows_every_key_and_its_default() {
+    let page = std::fs::read_to_string(shipped().join("../docs/scenario.md")).unwrap();
+    let schema = papilio_scenario::schema();
+    let tables = schema["$defs"].as_object().unwrap().values().chain([&schema]);
+    for (key, property) in tables.filter_map(|table| table["properties"].as_object()).flatten() {
+        assert!(page.contains(key.as_str()), "`{key}` is not on the page");
+        if let Some(default) = property.get("default").filter(|value| value.is_number() || value.is_boolean())
+        {
+            let default = default.to_string();
+            let default = default.trim_end_matches(".0");
+            let row = page.lines().find(|line| line.starts_with(&format!("| `{key}`")));
+            assert!(
+                row.is_none_or(|row| row.contains(&format!("`{default}`"))),
+                "`{key}`: {default}, {row:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! The words that the grammar of a scenario is written in.
+//!
+//! `table!`, `choice!`, `number!` and `forms!` declare what a scenario may hold, once:
+//! the type, its reading, its defaults and its JSON Schema come from the same lines.
+//! The declarations themselves are in `describe`.
+
+/// Declares a table: its keys, each with its type, meaning and (after `=`) default;
+/// keys that a later version will have are named as such when they are met.
+macro_rules! table {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident $(later [$($later:literal),* $(,)?])? {
+            $( $(#[doc = $field_doc:literal])* $field:ident : $ty:ty $(= $default:expr)? ),* $(,)?
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, serde::Serialize)]
+        #[allow(non_snake_case, reason = "the unit K keeps its letter")]
+        pub(crate) struct $name {
+            $(
+                $(#[doc = $field_doc])*
+                #[serde(skip_serializing_if = "At::is_absent")]
+                pub(crate) $field: At<$ty>,
+            )*
+        }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                concat!("a table with the keys", $(" ", stringify!($field)),*).to_owned()
+            }
+
+            #[allow(non_snake_case, reason = "as in the struct")]
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                node.known_entries(&[$(stringify!($field)),*], &[$($($later),*)?], errors)?;
+                $( let $field = node.field::<$ty>(stringify!($field), $crate::grammar::table!(@default $($default)?), errors); )*
+                Some(Self { $($field: $field?),* })
+            }
+
+            /// A table may be missing if all its keys may.
+            fn absent() -> Option<Self> {
+                let mut errors = $crate::error::Errors::default();
+                let table = Self::read(&$crate::tree::Node::empty_table(), &mut errors);
+                table.filter(|_| errors.is_empty())
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let mut keys = $crate::schema::Keys::default();
+                $( keys.add::<$ty>(
+                    stringify!($field),
+                    concat!($($field_doc, "\n"),*),
+                    $crate::grammar::table!(@default $($default)?),
+                    generator,
+                ); )*
+                keys.into_table(concat!($($doc, "\n"),*))
+            }
+        }
+    };
+    (@default) => { None };
+    (@default $default:expr) => { Some($default) };
+}
+pub(crate) use table;
+
+/// Declares a closed set of words, and those that a later version will have.
+macro_rules! choice {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident { $( $(#[doc = $word_doc:literal])* $variant:ident = $word:literal ),* $(,)? }
+        $(later [$($later:literal),* $(,)?])?
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+        pub(crate) enum $name { $( $(#[doc = $word_doc])* #[serde(rename = $word)] $variant, )* }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                [$(concat!("\"", $word, "\"")),*].join(" or ")
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                let $crate::tree::Value::Text(word) = &node.value else {
+                    return node.wrong_type(Self::in_words(), errors);
+                };
+                match word.as_str() {
+                    $($word => Some(Self::$variant),)*
+                    _ => {
+                        let later: &[&str] = &[$($($later),*)?];
+                        $crate::read::unknown_word(node, word, &[$($word),*], later, errors)
+                    }
+                }
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!({ "enum": [$($word),*] })
+            }
+            fn inline_schema() -> bool {
+                true
+            }
+        }
+    };
+}
+pub(crate) use choice;
+
+/// Declares a number with its range, in words and as a test.
+macro_rules! number {
+    ($(#[doc = $doc:literal])* $name:ident, $words:literal, $accepts:expr, $schema:tt) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+        pub(crate) struct $name(pub(crate) f64);
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                $words.to_owned()
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                let Some(value) = node.number() else {
+                    return node.wrong_type($words, errors);
+                };
+                let accepts: fn(f64) -> bool = $accepts;
+                if value.is_finite() && accepts(value) {
+                    return Some(Self(value));
+                }
+                errors.push(node.origin, $crate::problem::Problem::OutOfRange { value, expected: $words });
+                None
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                schemars::json_schema!($schema)
+            }
+            fn inline_schema() -> bool {
+                true
+            }
+        }
+    };
+}
+pub(crate) use number;
+
+/// Declares a value that may take several forms: the first that fits the kind of value is read.
+macro_rules! forms {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident, $words:literal { $( $(#[doc = $form_doc:literal])* $variant:ident($ty:ty) if $pattern:pat ),* $(,)? }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, serde::Serialize)]
+        #[serde(untagged)]
+        pub(crate) enum $name { $( $(#[doc = $form_doc])* $variant($ty), )* }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                $words.to_owned()
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                use $crate::tree::Value;
+                match &node.value {
+                    $( $pattern => <$ty as $crate::read::Read>::read(node, errors).map(Self::$variant), )*
+                    _ => node.wrong_type($words, errors),
+                }
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let forms = [$(generator.subschema_for::<$ty>()),*];
+                schemars::json_schema!({ "anyOf": forms, "description": concat!($($doc, "\n"),*).trim() })
+            }
+        }
+    };
+}
+pub(crate) use forms;

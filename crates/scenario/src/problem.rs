@@ -1,0 +1,373 @@
+//! What can be wrong with a scenario, and what to do about it.
+
+use papilio_spectra::SpectraError;
+
+use crate::nearest::nearest;
+
+/// What can be wrong with a scenario.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// Not TOML.
+    #[error("{message}")]
+    Syntax {
+        /// The parser's words.
+        message: String,
+    },
+    /// A key that the table does not have.
+    #[error("there is no key `{key}` here")]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The keys that the table has.
+        known: Vec<&'static str>,
+    },
+    /// Something that Papilio means to have, and this version does not.
+    #[error("`{what}` is not in this version")]
+    NotInThisVersion {
+        /// The key or value.
+        what: String,
+        /// What there is instead.
+        choices: Vec<String>,
+    },
+    /// A key that must be there.
+    #[error("the key `{key}` is missing")]
+    MissingKey {
+        /// The key.
+        key: String,
+        /// Its value in words.
+        expected: String,
+    },
+    /// A value of the wrong kind.
+    #[error("this is {found}")]
+    WrongType {
+        /// The right kind, in words.
+        expected: String,
+        /// What stands there, in words.
+        found: &'static str,
+    },
+    /// A number outside its range.
+    #[error("{value} is out of range")]
+    OutOfRange {
+        /// The number.
+        value: f64,
+        /// The range, in words.
+        expected: &'static str,
+    },
+    /// A word that is none of the choices.
+    #[error("`{found}` is not a choice here")]
+    UnknownChoice {
+        /// The word.
+        found: String,
+        /// The choices.
+        choices: Vec<String>,
+    },
+    /// A material or light that is neither a name nor a file.
+    #[error("there is no {kind} named `{name}`, nor a file")]
+    UnknownName {
+        /// "material" or "light".
+        kind: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        names: Vec<&'static str>,
+    },
+    /// A state asks for a sub-pixel that the pixel does not have, or the like.
+    #[error("there is no sub-pixel `{name}` in `{of}`")]
+    NoSubPixel {
+        /// The sub-pixel.
+        name: String,
+        /// Where it was looked for.
+        of: &'static str,
+        /// The sub-pixels there.
+        known: Vec<String>,
+    },
+    /// `dark` is not a sub-pixel.
+    #[error("`dark` is not a sub-pixel: it has no area and is not driven")]
+    DarkIsNoSubPixel,
+    /// A state leaves a sub-pixel dark, and no dark gap is given.
+    #[error("state `{state}` leaves `{sub_pixel}` dark, but there is no dark gap")]
+    NoDarkGap {
+        /// The state.
+        state: String,
+        /// The sub-pixel.
+        sub_pixel: String,
+    },
+    /// The pixel has no states.
+    #[error("this pixel has no states")]
+    NoStates,
+    /// Of several keys exactly one must be there.
+    #[error("{} of {keys} is given", if *.given == 0 { "none" } else { "more than one" })]
+    ExactlyOne {
+        /// The keys.
+        keys: &'static str,
+        /// How many are given.
+        given: usize,
+    },
+    /// A key that has no place beside another.
+    #[error("`{key}` means nothing with {beside}")]
+    NotWith {
+        /// The key.
+        key: &'static str,
+        /// The other.
+        beside: &'static str,
+    },
+    /// Shares that should make a whole and do not.
+    #[error("{what} sum to {}", tidy(*.sum))]
+    Sum {
+        /// The shares.
+        what: &'static str,
+        /// Their sum.
+        sum: f64,
+        /// What the sum should be, in words.
+        expected: &'static str,
+    },
+    /// Too many of something for one computation.
+    #[error("these are {count} {what}")]
+    TooMany {
+        /// The things.
+        what: &'static str,
+        /// How many.
+        count: f64,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// A list without items.
+    #[error("this list is empty")]
+    EmptyList,
+    /// A range that ends before it begins.
+    #[error("a range from {from} to {to} in steps of {step} has no end")]
+    Range {
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+        /// Step.
+        step: f64,
+    },
+    /// No k-correlation lobe has this haze.
+    #[error("no lobe has a haze of {haze} with a straight-through share of {straight_through}")]
+    NoWidth {
+        /// The haze.
+        haze: f64,
+        /// The unscattered share.
+        straight_through: f64,
+    },
+    /// The lobe would transmit more than it receives.
+    #[error("this makes the transmittance of the whole lobe {lobe:.4}")]
+    LobeAboveOne {
+        /// T of the whole lobe.
+        lobe: f64,
+        /// The largest total transmittance of this lobe.
+        limit: f64,
+    },
+    /// A Fresnel face where a diffuser's own faces stand.
+    #[error("a diffuser given by its BTDF contains its faces")]
+    SurfaceUnderDiffuser,
+    /// An index of the glass that a lossless glass cannot have.
+    #[error("this index is {n} + {k}i at {nm} nm")]
+    NoGlass {
+        /// n.
+        n: f64,
+        /// k.
+        k: f64,
+        /// Wavelength.
+        nm: f64,
+    },
+    /// Angles in glass of a panel that they make no sense for.
+    #[error("angles in glass need {0}")]
+    AnglesInGlass(&'static str),
+    /// A direction in glass that never leaves the glass.
+    #[error("light at {theta_deg} deg in this glass never leaves it")]
+    Trapped {
+        /// The angle.
+        theta_deg: f64,
+        /// The largest angle that leaves.
+        limit_deg: f64,
+    },
+    /// A cone that dips below the horizon of the display.
+    #[error("this cone reaches {theta_deg} deg from the normal")]
+    BelowHorizon {
+        /// Its largest inclination.
+        theta_deg: f64,
+    },
+    /// A film without, or with several, gap layers.
+    #[error("{found} layers of this film are the gap")]
+    GapLayers {
+        /// How many.
+        found: usize,
+    },
+    /// A data file or model that does not cover the wavelengths.
+    #[error("`{what}` reaches from {first} to {last} nm")]
+    NotCovered {
+        /// The file or name.
+        what: String,
+        /// First wavelength.
+        first: f64,
+        /// Last wavelength.
+        last: f64,
+        /// The wavelengths that are needed.
+        needed_nm: (f64, f64),
+    },
+    /// A pixel table that does not reach as far as the light does.
+    #[error("the angles of this table end at {last_deg} deg in {medium}")]
+    TableTooShort {
+        /// Its last angle.
+        last_deg: f64,
+        /// "air" or "glass".
+        medium: &'static str,
+        /// How far the light in the stack goes.
+        needed_deg: f64,
+    },
+    /// A table in air angles under a stack that holds trapped light.
+    #[error("angles in air do not reach the light beyond total internal reflection")]
+    TableInAir,
+    /// A value of a spectrum file outside its range.
+    #[error("`{what}` has the value {value} at {nm} nm")]
+    SpectrumValue {
+        /// The file.
+        what: String,
+        /// The value.
+        value: f64,
+        /// Where.
+        nm: f64,
+        /// The range, in words.
+        expected: &'static str,
+    },
+    /// A light without light.
+    #[error("this light is dark between {} and {} nm", .range_nm.0, .range_nm.1)]
+    NoLight {
+        /// The wavelengths looked at.
+        range_nm: (f64, f64),
+    },
+    /// Wavelengths that no eye sees.
+    #[error("nothing between {} and {} nm is visible", .range_nm.0, .range_nm.1)]
+    Invisible {
+        /// The wavelengths.
+        range_nm: (f64, f64),
+    },
+    /// A `--set` without `=`.
+    #[error("this is not PATH=VALUE")]
+    SetWithoutValue,
+    /// A `--set` path that leads nowhere.
+    #[error("{why}")]
+    SetPath {
+        /// Why.
+        why: String,
+    },
+    /// A name that would spoil the tables.
+    #[error("this is not a name")]
+    BadName,
+    /// Something about spectral data.
+    #[error(transparent)]
+    Spectra(#[from] SpectraError),
+    /// A data file that cannot be used, the scenario file itself included.
+    #[error(transparent)]
+    Data(#[from] papilio_formats::Problem),
+}
+
+impl Problem {
+    /// What should stand there.
+    pub fn expected(&self) -> Option<String> {
+        Some(match self {
+            Self::MissingKey { expected, .. } | Self::WrongType { expected, .. } => {
+                format!("expected {expected}")
+            }
+            Self::OutOfRange { expected, .. }
+            | Self::Sum { expected, .. }
+            | Self::SpectrumValue { expected, .. } => format!("expected {expected}"),
+            Self::UnknownChoice { choices, .. } => format!("expected {}", listed(choices)),
+            Self::ExactlyOne { keys, .. } => format!("expected exactly one of {keys}"),
+            Self::TooMany { limit, .. } => format!("expected at most {limit}"),
+            Self::EmptyList => "expected at least one item".to_owned(),
+            Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
+            Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
+            Self::NoGlass { .. } => "expected n from 1 to 10 and k below 1e-6".to_owned(),
+            Self::Trapped { limit_deg, .. } => format!("expected at most {limit_deg:.2} deg"),
+            Self::BelowHorizon { .. } => "expected at most 90 deg".to_owned(),
+            Self::GapLayers { .. } => "expected one layer with thickness_nm = \"gap\"".to_owned(),
+            Self::NotCovered { needed_nm: (start, stop), .. } => format!("expected {start} to {stop} nm"),
+            Self::TableTooShort { needed_deg, .. } => format!("expected {needed_deg:.2} deg or more"),
+            Self::TableInAir => "expected angles = \"glass\"".to_owned(),
+            Self::Invisible { .. } => "expected a part of 380 to 780 nm".to_owned(),
+            Self::SetWithoutValue => "expected for example display.glass.index=1.52".to_owned(),
+            Self::BadName => "expected 1 to 64 characters, none of them control characters".to_owned(),
+            Self::Data(problem) => problem.expected()?.to_owned(),
+            _ => return None,
+        })
+    }
+
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        Some(match self {
+            Self::Syntax { message } if message.contains("boolean") || message.contains("quoted") => {
+                "a string stands in double quotes".to_owned()
+            }
+            Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
+            Self::UnknownChoice { found, choices } => {
+                format!("did you mean `{}`?", nearest(found, choices.iter().map(String::as_str))?)
+            }
+            Self::UnknownName { name, names, .. } => suggestion(name, names.iter().copied(), "names"),
+            Self::NoSubPixel { name, known, .. } => {
+                suggestion(name, known.iter().map(String::as_str), "sub-pixels")
+            }
+            Self::NotInThisVersion { choices, .. } if !choices.is_empty() => {
+                format!("there is {}", listed(choices))
+            }
+            Self::NotInThisVersion { .. } => "leave it out".to_owned(),
+            Self::NoDarkGap { .. } => "add `dark = 20.0`, in nm, to `gap_nm`".to_owned(),
+            Self::NoStates => {
+                "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue".to_owned()
+            }
+            Self::NotWith { key, .. } => format!("leave `{key}` out"),
+            Self::LobeAboveOne { limit, .. } => {
+                format!(
+                    "a lobe so wide loses light beyond the hemisphere: total_transmittance can be {limit:.4} at most"
+                )
+            }
+            Self::NoWidth { .. } => "give a smaller haze, or the lobe's `width` instead".to_owned(),
+            Self::SurfaceUnderDiffuser => "leave `surface` out, or the diffuser".to_owned(),
+            Self::AnglesInGlass(_) => "use angle_medium = \"air\": Snell's law does the rest".to_owned(),
+            Self::NotCovered { first, last, needed_nm, .. } => cover_hint((*first, *last), *needed_nm),
+            Self::TableTooShort { .. } => {
+                "never extrapolated: let the pixel tool compute larger angles".to_owned()
+            }
+            Self::TableInAir => "give the table in glass angles, to 90 deg".to_owned(),
+            Self::WrongType { found: "a string", expected } if expected.starts_with("a number") => {
+                "numbers stand without quotes and without a unit: the unit is in the key's name".to_owned()
+            }
+            Self::OutOfRange { expected, value } if expected.contains("0 to 1") && *value > 1.0 => {
+                "shares are of 1, not percent".to_owned()
+            }
+            Self::Data(problem) => problem.hint()?.to_owned(),
+            _ => return None,
+        })
+    }
+}
+
+fn suggestion<'a>(wrong: &str, known: impl Iterator<Item = &'a str>, what: &str) -> String {
+    let known: Vec<&str> = known.collect();
+    match nearest(wrong, known.iter().copied()) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => format!("the {what} are {}", known.join(", ")),
+    }
+}
+
+fn cover_hint(have: (f64, f64), needed: (f64, f64)) -> String {
+    let shared = (have.0.max(needed.0).ceil(), have.1.min(needed.1).floor());
+    if shared.0 < shared.1 {
+        return format!(
+            "nothing is extrapolated: extend the data, or set spectrum.range_nm within [{}, {}]",
+            shared.0, shared.1
+        );
+    }
+    "nothing is extrapolated: extend the data, or change spectrum.range_nm".to_owned()
+}
+
+/// A sum of decimal fractions as a reader writes it: to a millionth.
+pub(crate) fn tidy(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+fn listed(words: &[String]) -> String {
+    words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ")
+}
