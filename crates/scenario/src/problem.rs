@@ -282,8 +282,10 @@ impl Problem {
             Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
             Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
             Self::NoGlass { .. } => "expected n from 1 to 10 and k below 1e-6".to_owned(),
-            Self::Trapped { limit_deg, .. } => format!("expected at most {limit_deg:.2} deg"),
-            Self::BelowHorizon { .. } => "expected at most 90 deg".to_owned(),
+            Self::Trapped { limit_deg, .. } => {
+                format!("expected less than {limit_deg:.2} deg, field and radius included")
+            }
+            Self::BelowHorizon { .. } => "expected less than 90 deg".to_owned(),
             Self::GapLayers { .. } => "expected one layer with thickness_nm = \"gap\"".to_owned(),
             Self::NotCovered { needed_nm: (start, stop), .. } => format!("expected {start} to {stop} nm"),
             Self::TableTooShort { needed_deg, .. } => format!("expected {needed_deg:.2} deg or more"),

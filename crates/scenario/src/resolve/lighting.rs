@@ -7,7 +7,6 @@ use papilio_spectra::{
 
 use super::Resolver;
 use crate::describe::lighting::{self as describe, LightModel, LightSpectrum};
-use crate::describe::solver::{AngleMedium, Solver};
 use crate::problem::Problem;
 use crate::read::At;
 
@@ -15,11 +14,7 @@ use crate::read::At;
 const UNIT_NM: f64 = 560.0;
 
 impl Resolver<'_> {
-    pub(super) fn lighting(
-        &mut self,
-        lighting: &At<describe::Lighting>,
-        solver: &Solver,
-    ) -> Option<Lighting> {
+    pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
         self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
         let diffuse = lighting.diffuse.map_or(0.0, |share| share.0);
         let sum = diffuse + lighting.directed.iter().map(|source| source.share.0).sum::<f64>();
@@ -31,8 +26,7 @@ impl Resolver<'_> {
         }
         let general = self.light(&lighting.spectrum);
         let sources = lighting.directed.iter();
-        let directed: Vec<_> =
-            sources.map(|source| self.directed(source, general.as_ref(), solver)).collect();
+        let directed: Vec<_> = sources.map(|source| self.directed(source, general.as_ref())).collect();
         Some(Lighting {
             illuminance_lx: lighting.illuminance_lx.0,
             diffuse,
@@ -41,20 +35,11 @@ impl Resolver<'_> {
         })
     }
 
-    fn directed(
-        &mut self,
-        source: &describe::Directed,
-        general: Option<&Spectrum>,
-        solver: &Solver,
-    ) -> Option<DirectedLight> {
+    fn directed(&mut self, source: &describe::Directed, general: Option<&Spectrum>) -> Option<DirectedLight> {
         let radius_deg = source.radius_deg.map(|radius| radius.0);
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
-        if radius_deg.is_some() && reach > 90.0 {
+        if radius_deg.is_some() && reach >= 90.0 {
             self.err(&source.radius_deg, Problem::BelowHorizon { theta_deg: reach });
-        }
-        if radius_deg.is_some() && solver.angle_medium.value == AngleMedium::Glass {
-            let needs = "sources without angular radius";
-            self.err(&source.radius_deg, Problem::AnglesInGlass(needs));
         }
         let spectrum = match &source.spectrum.value {
             Some(own) => self.light(&At { value: own.clone(), origin: source.spectrum.origin }),

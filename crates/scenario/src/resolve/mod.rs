@@ -90,7 +90,7 @@ impl Resolver<'_> {
         // Each part reports its own errors; all are looked at before giving up.
         let solver = solver(&file.solver, &mut self.errors);
         let display = self.display(file);
-        let lighting = self.lighting(&file.lighting, &file.solver);
+        let lighting = self.lighting(&file.lighting);
         let viewer = self.viewer(&file.viewer);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
         let scene = Scene { grid: self.grid, display, lighting, viewer, solver };

@@ -160,14 +160,18 @@ impl Resolver<'_> {
         self.err(&file.solver.angle_medium, Problem::AnglesInGlass(needs));
     }
 
+    /// What is seen or shines at |beta| >= 1 is light that the glass holds.
     fn check_trapped(&mut self, file: &File, scene: &Scene) {
         let limit_deg = (1.0 / scene.display.glass.index[0]).asin().to_degrees();
-        if let Some(&theta_deg) = scene.viewer.theta_deg.iter().find(|theta| theta.abs() > limit_deg) {
-            self.err(&file.viewer.theta_deg, Problem::Trapped { theta_deg, limit_deg });
+        let half_field = 0.5 * scene.viewer.field_deg;
+        let edges = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + half_field);
+        let edge = edges.fold(0.0, f64::max);
+        if edge >= limit_deg {
+            self.err(&file.viewer.theta_deg, Problem::Trapped { theta_deg: edge, limit_deg });
         }
         for source in file.lighting.directed.iter() {
-            let theta_deg = source.theta_deg.0;
-            if theta_deg.abs() > limit_deg {
+            let theta_deg = source.theta_deg.0.abs() + source.radius_deg.map_or(0.0, |radius| radius.0);
+            if theta_deg >= limit_deg {
                 self.err(&source.theta_deg, Problem::Trapped { theta_deg, limit_deg });
             }
         }

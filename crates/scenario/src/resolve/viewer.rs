@@ -31,7 +31,7 @@ impl Resolver<'_> {
         }
         let field_deg = viewer.field_deg.0;
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
-        if reach > 90.0 {
+        if reach >= 90.0 {
             self.err(&viewer.field_deg, Problem::BelowHorizon { theta_deg: reach });
         }
         Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })

@@ -65,7 +65,7 @@ const RANGES: &[Case] = &[
     ("illuminance_lx = 500", "illuminance_lx = 0", (30, 18), &["0 is out of range"]),
     ("theta_deg = 8", "theta_deg = 90", (38, 13), &["between -90 and 90"]),
     ("theta_deg = 8", "theta_deg = []", (38, 13), &["empty"]),
-    ("theta_deg = 8", "theta_deg = 89\nfield_deg = 5", (39, 13), &["91.5 deg", "at most 90"]),
+    ("theta_deg = 8", "theta_deg = 89\nfield_deg = 5", (39, 13), &["91.5 deg", "less than 90"]),
     ("theta_deg = 8", "theta_deg = { from = 0, to = 80, step = 1e-9 }", (38, 13), &["views", "at most 5000"]),
     ("theta_deg = 8", "theta_deg = { from = 20, to = 10, step = 1 }", (38, 13), &["from <= to"]),
     ("theta_deg = 8", "theta_deg = { from = 0, to = 90, step = 1 }", (38, 30), &["between -90 and 90"]),
@@ -278,11 +278,15 @@ fn angles_in_glass_must_leave_it() {
         format!("{}{}", &GOOD[..start], &GOOD[end..])
     };
     let glass = "solver.angle_medium=glass";
-    assert!(resolve(&bare, Path::new(""), &[glass, "viewer.theta_deg=41.8"]).is_ok());
-    let error = &errors(&bare, &[glass, "viewer.theta_deg=41.9"])[0];
+    assert!(resolve(&bare, Path::new(""), &[glass, "viewer.theta_deg=41.7"]).is_ok());
+    let error = &errors(&bare, &[glass, "viewer.theta_deg=41.8"])[0];
     assert!(matches!(error.problem, Problem::Trapped { .. }), "{error}");
     let error = &errors(&bare, &[glass, "lighting.directed.0.theta_deg=-60"])[0];
     assert!(matches!(error.problem, Problem::Trapped { .. }), "{error}");
+    // asin(1/1.5) = 41.81 deg; half of the field of .1 deg counts, and so does a lamp's radius.
+    let lamp = ["lighting.directed.0.theta_deg=-40", "lighting.directed.0.radius_deg=2"];
+    let error = &errors(&bare, &[glass, lamp[0], lamp[1]])[0];
+    assert!(matches!(error.problem, Problem::Trapped { theta_deg: 42.0, .. }), "{error}");
     let error = &errors(&bare, &[glass, "display.glass.index=BK7"])[0];
     assert!(matches!(error.problem, Problem::AnglesInGlass(_)), "{error}");
 }

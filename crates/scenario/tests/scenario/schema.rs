@@ -114,11 +114,10 @@ fn the_page_of_keys_knows_every_key_and_its_default() {
         {
             let default = default.to_string();
             let default = default.trim_end_matches(".0");
-            let row = page.lines().find(|line| line.starts_with(&format!("| `{key}`")));
-            assert!(
-                row.is_none_or(|row| row.contains(&format!("`{default}`"))),
-                "`{key}`: {default}, {row:?}"
-            );
+            // The defaults of small inline tables, such as k and weight, stand in the text.
+            let mut rows = page.lines().filter(|line| line.starts_with(&format!("| `{key}` |"))).peekable();
+            let said = rows.peek().is_none() || rows.any(|row| row.ends_with(&format!("| `{default}` |")));
+            assert!(said, "`{key}`: the default {default} is not on the page");
         }
     }
 }
