@@ -34,6 +34,7 @@ pub(super) struct Diffused<'a> {
     specular: bool,
     /// There are beams or discs.
     directed: bool,
+    discs: bool,
 }
 
 /// The sums of a replicate, and room to work in.
@@ -90,7 +91,8 @@ impl<'a> Diffused<'a> {
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
-        Self { stack, diffuser, view, sources, survival, between_passes, specular, directed }
+        let discs = sources.iter().any(|source| matches!(source, Source::Disc(_)));
+        Self { stack, diffuser, view, sources, survival, between_passes, specular, directed, discs }
     }
 
     pub(super) fn tally(&self) -> Tally {
@@ -124,9 +126,6 @@ impl<'a> Diffused<'a> {
         for pass in 0.. {
             let numbers = PassNumbers::new(numbers, pass, self);
             let Some(out) = self.pass(beta, carries, &numbers, sums, room) else { return };
-            if numbers.survival >= self.survival {
-                return;
-            }
             if carries {
                 room.carried.copy_from_slice(&room.reflected);
             } else {
@@ -138,7 +137,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// One pass, from `beta` above the diffuser to above it again; `None` if the light is lost.
+    /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends.
     fn pass(
         &self,
         beta: Beta,
@@ -175,13 +174,27 @@ impl<'a> Diffused<'a> {
         }
         let light = reflected(look_up, &room.reflected);
         self.connect(up, light, numbers, sums);
+        // All that leaves meets diffuse light: no direction need be drawn for that.
+        sums.leaving.add(light, self.share_leaving(up.beta));
+        let goes_on = numbers.survival < self.survival;
+        if !goes_on && !self.discs {
+            return None;
+        }
         let (out, chosen) = self.through(up.beta, numbers.up)?;
         if out.squared() > 1.0 {
             return None;
         }
-        sums.leaving.add(light, 1.0);
         self.meet_discs(up, out, chosen.is_infinite(), light, sums);
-        Some(Out { beta: out, base: down })
+        goes_on.then_some(Out { beta: out, base: down })
+    }
+
+    /// The share of light at the diffuser's underside that leaves into the air.
+    #[inline]
+    fn share_leaving(&self, beta: Beta) -> f64 {
+        let offset = beta.length();
+        let scattered = self.diffuser.lobe.share_in_disc(offset, 1.0);
+        let straight = if offset <= 1.0 { self.straight() } else { 0.0 };
+        straight + (1.0 - self.straight()) * scattered
     }
 
     fn straight(&self) -> f64 {
@@ -438,13 +451,13 @@ impl PassNumbers {
     #[inline]
     fn new(numbers: &PathNumbers<'_>, pass: u32, walk: &Diffused<'_>) -> Self {
         let a = numbers.event(pass, 0);
-        let b = if walk.specular && walk.survival == 0.0 { [1.0; 4] } else { numbers.event(pass, 1) };
+        let b = if walk.specular && pass == 0 { [0.5; 4] } else { numbers.event(pass, 1) };
         let c = if walk.directed { numbers.event(pass, 2) } else { [0.5; 4] };
         Self {
             down: [a[0], a[1]],
             up: [a[2], a[3]],
             base: [b[0], b[1]],
-            survival: b[2],
+            survival: if pass == 0 { numbers.first_survival() } else { b[2] },
             on_source: [c[0], c[1]],
             backwards: [c[2], c[3]],
         }

@@ -47,14 +47,20 @@ pub use tally::{Estimate, Ledger, Rho};
 struct PathNumbers<'a> {
     numbers: &'a Numbers,
     path: u64,
+    start: [f64; 4],
 }
 
 impl PathNumbers<'_> {
-    /// Two numbers for the point in the viewer's field.
+    /// For the point in the viewer's field.
     #[inline]
     fn field(&self) -> [f64; 2] {
-        let u = self.numbers.block(self.path, 0);
-        [u[0], u[1]]
+        [self.start[0], self.start[1]]
+    }
+
+    /// Whether the path goes on after its first pass.
+    #[inline]
+    fn first_survival(&self) -> f64 {
+        self.start[2]
     }
 
     /// Four numbers for event `kind` (0 to 2) of this pass.
@@ -99,7 +105,7 @@ impl<'a> Walk<'a> {
     /// numbers and the total of paths alone, not on how they are split over calls.
     pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
         for path in replicate.paths..replicate.paths + count {
-            let numbers = PathNumbers { numbers, path };
+            let numbers = PathNumbers { numbers, path, start: numbers.block(path, 0) };
             match (&self.kind, &mut replicate.tally) {
                 (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.path(&numbers, tally),
                 (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.path(&numbers, tally),
