@@ -1,2 +1,66 @@
-//! The chores of the project.
-fn main() {}
+//! The chores of the project: `cargo xtask CHORE`; without a chore, their list.
+//!
+//! Each chore runs the tools that it needs as processes. A tool that is missing is
+//! named in one line, with the command that installs it.
+
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
+
+mod oracle;
+mod pictures;
+mod shell;
+mod test;
+
+use std::process::ExitCode;
+
+use shell::{Needs, Outcome, cargo};
+
+/// A name, what the chore does, and the chore.
+type Chore = (&'static str, &'static str, fn() -> Outcome);
+
+const CHORES: [Chore; 6] = [
+    ("test", "format, lints, all tests, documentation, every example scenario", test::test),
+    ("full", "test, with ten times the seeds; then oracle and deny", full),
+    ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
+    ("deny", "licences, advisories and sources of all dependencies", deny),
+    ("bench", "all benchmarks", bench),
+    ("picture", "make the pictures of docs/pictures anew", pictures::pictures),
+];
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let (name, more) = (arguments.next(), arguments.next());
+    let chore = CHORES.iter().find(|(known, ..)| Some(*known) == name.as_deref());
+    match (chore, name, more) {
+        (Some((.., chore)), _, None) => match chore() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => {
+                eprintln!("xtask: {why}");
+                ExitCode::FAILURE
+            }
+        },
+        (None, None, _) => {
+            CHORES.iter().for_each(|(name, what, _)| println!("cargo xtask {name:<8} {what}"));
+            ExitCode::SUCCESS
+        }
+        (_, name, more) => {
+            let said = name.into_iter().chain(more).collect::<Vec<_>>().join(" ");
+            eprintln!("xtask: no chore `{said}`; `cargo xtask` lists them");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn full() -> Outcome {
+    test::with_seeds(10 * test::SEEDS)?;
+    oracle::oracle()?;
+    deny()
+}
+
+fn bench() -> Outcome {
+    shell::run(cargo(["bench", "--workspace", "--bench", "*"]))
+}
+
+fn deny() -> Outcome {
+    shell::need(Needs { tool: &["cargo", "deny"], install: "cargo install cargo-deny --locked" })?;
+    shell::run(cargo(["deny", "--workspace", "check"]))
+}

@@ -1,0 +1,89 @@
+//! Running other programs.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// A chore's end: well, or why not, in a line.
+pub(crate) type Outcome = Result<(), String>;
+
+/// A tool, and how to get it.
+pub(crate) struct Needs {
+    pub(crate) tool: &'static [&'static str],
+    pub(crate) install: &'static str,
+}
+
+/// The top of the repository.
+pub(crate) fn root() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here)
+}
+
+/// Where builds go, and what chores leave behind.
+pub(crate) fn target() -> PathBuf {
+    let set = std::env::var_os("CARGO_TARGET_DIR");
+    root().join(set.map_or_else(|| "target".into(), PathBuf::from))
+}
+
+/// A program with arguments, at the top of the repository.
+pub(crate) fn command(
+    program: impl AsRef<Path>,
+    arguments: impl IntoIterator<Item = impl AsRef<str>>,
+) -> Command {
+    let mut command = Command::new(program.as_ref());
+    command.current_dir(root());
+    arguments.into_iter().for_each(|argument| {
+        command.arg(argument.as_ref());
+    });
+    command
+}
+
+/// Cargo with arguments: the one that runs this chore.
+pub(crate) fn cargo(arguments: impl IntoIterator<Item = impl AsRef<str>>) -> Command {
+    command(std::env::var_os("CARGO").map_or_else(|| "cargo".into(), PathBuf::from), arguments)
+}
+
+/// Fails with the way to install a tool if it cannot say its version.
+pub(crate) fn need(needs: Needs) -> Outcome {
+    let (program, arguments) = needs.tool.split_first().ok_or("no tool named")?;
+    let mut asked = command(program, arguments);
+    let answer = asked.arg("--version").stdin(Stdio::null()).output();
+    if answer.is_ok_and(|output| output.status.success()) {
+        Ok(())
+    } else {
+        Err(format!("{} is missing: {}", needs.tool.join(" "), needs.install))
+    }
+}
+
+/// Shows a command and runs it.
+pub(crate) fn run(command: Command) -> Outcome {
+    run_and_read(command, None)
+}
+
+/// The same, with every line of its standard output shown and read as well.
+pub(crate) fn run_and_read(mut command: Command, read: Option<&mut dyn FnMut(&str)>) -> Outcome {
+    let shown = shown(&command);
+    println!("\n> {shown}");
+    command.stdin(Stdio::null());
+    let fault = |error: std::io::Error| format!("{shown}: {error}");
+    if read.is_some() {
+        command.stdout(Stdio::piped());
+    }
+    let mut child = command.spawn().map_err(fault)?;
+    if let (Some(read), Some(out)) = (read, child.stdout.take()) {
+        for line in BufReader::new(out).lines() {
+            let line = line.map_err(fault)?;
+            println!("{line}");
+            read(&line);
+        }
+    }
+    let status = child.wait().map_err(fault)?;
+    if status.success() { Ok(()) } else { Err(format!("{shown}: {status}")) }
+}
+
+/// A command as one would type it.
+fn shown(command: &Command) -> String {
+    let program = Path::new(command.get_program()).file_stem().unwrap_or_default();
+    let words = std::iter::once(program).chain(command.get_args());
+    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+}

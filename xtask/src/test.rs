@@ -1,0 +1,131 @@
+//! `cargo xtask test`: what must be green before anything is committed.
+//!
+//! All checks run, whatever fails before them. The last line counts the tests, and each
+//! check beside them as one more: `N passed, N failed`.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::shell::{self, Needs, Outcome, cargo};
+
+/// Seeds over which the statistical tests run by default.
+pub(crate) const SEEDS: u64 = 48;
+
+/// `PAPILIO_SEEDS` is read by the statistical tests of `crates/transport`.
+const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
+
+/// The chore.
+pub(crate) fn test() -> Outcome {
+    all_checks(cargo(TESTS))
+}
+
+/// The chore, with the statistics over that many seeds, in release mode.
+pub(crate) fn with_seeds(seeds: u64) -> Outcome {
+    let mut tests = cargo(TESTS);
+    tests.arg("--release").env(SEEDS_VARIABLE, seeds.to_string());
+    all_checks(tests)
+}
+
+const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
+
+fn all_checks(tests: Command) -> Outcome {
+    shell::need(Needs { tool: &["cargo", "fmt"], install: "rustup component add rustfmt" })?;
+    shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
+    let mut count = Count::default();
+    count.check(shell::run(cargo(["fmt", "--all", "--check"])));
+    count.check(shell::run(cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])));
+    count.tests(tests);
+    let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
+    docs.env("RUSTDOCFLAGS", "-D warnings");
+    count.check(shell::run(docs));
+    for scenario in scenarios()? {
+        count.check(run_scenario(&scenario));
+    }
+    count.conclude()
+}
+
+/// The example scenarios, in order.
+fn scenarios() -> Result<Vec<PathBuf>, String> {
+    let folder = shell::root().join("scenarios");
+    let entries = folder.read_dir().map_err(|error| format!("scenarios: {error}"))?;
+    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    found.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    found.sort();
+    Ok(found)
+}
+
+fn run_scenario(scenario: &std::path::Path) -> Outcome {
+    let out = shell::target().join("examples").join(scenario.file_stem().unwrap_or_default());
+    let mut papilio = cargo(["run", "--quiet", "--package", "papilio", "--", "run"]);
+    papilio.arg(scenario).arg("--out").arg(out);
+    shell::run(papilio)
+}
+
+/// What passed, what failed, and why.
+#[derive(Default)]
+struct Count {
+    passed: u64,
+    failed: u64,
+    reasons: Vec<String>,
+}
+
+impl Count {
+    fn check(&mut self, outcome: Outcome) {
+        match outcome {
+            Ok(()) => self.passed += 1,
+            Err(why) => self.fail(1, why),
+        }
+    }
+
+    fn fail(&mut self, count: u64, why: String) {
+        self.failed += count;
+        self.reasons.push(why);
+    }
+
+    /// Runs the tests and adds up cargo's own summaries, one for each test program.
+    fn tests(&mut self, tests: Command) {
+        let (mut passed, mut failed) = (0, 0);
+        let mut read = |line: &str| {
+            if let Some((p, f)) = summary(line) {
+                passed += p;
+                failed += f;
+            }
+        };
+        let outcome = shell::run_and_read(tests, Some(&mut read));
+        self.passed += passed;
+        if let Err(why) = outcome {
+            // Tests that do not compile have no summary.
+            self.fail(failed.max(1), why);
+        }
+    }
+
+    fn conclude(self) -> Outcome {
+        println!();
+        self.reasons.iter().for_each(|why| println!("failed: {why}"));
+        println!("{} passed, {} failed", self.passed, self.failed);
+        if self.failed == 0 { Ok(()) } else { Err("not green".to_owned()) }
+    }
+}
+
+/// Passed and failed, from a line like `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.
+fn summary(line: &str) -> Option<(u64, u64)> {
+    let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
+    let of = |what: &str| {
+        let part = counts.split("; ").find_map(|part| part.strip_suffix(what))?;
+        part.trim().parse().ok()
+    };
+    Some((of("passed")?, of("failed")?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::summary;
+
+    #[test]
+    fn a_summary_line_of_cargo_test() {
+        let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.1s";
+        assert_eq!(summary(line), Some((12, 3)));
+        assert_eq!(summary("running 15 tests"), None);
+        assert_eq!(summary("test result: a line that a test printed"), None);
+    }
+}
