@@ -115,7 +115,7 @@ fn spectra_have_a_row_for_each_wavelength_of_each_state() {
     assert_eq!((rows[1][2].as_str(), rows[1][6].as_str()), ("white, bright", ""));
 }
 
-/// CONTRACT: what was asked, its hash and seed, then the answer; the same bytes every time.
+/// What was asked, its hash and seed, then the answer; the same bytes every time.
 #[test]
 fn the_result_file_holds_the_question_and_the_answer() {
     let scenario = serde_json::json!({"title": "Test"});

@@ -1,4 +1,4 @@
-//! The shipped scenarios: all of them resolve, and the flagship says what the contract's example says.
+//! The shipped scenarios: all of them resolve, and the flagship is the reference display.
 
 use std::path::PathBuf;
 
@@ -36,7 +36,7 @@ fn the_flagship_is_the_reference_display() {
     assert_eq!(scene.display.front.len(), 1);
     let diffuser = scene.display.diffuser.as_ref().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };
-    // PHYSICS: haze .78 <-> b .05667; T from the total transmittance .90 by the truncation of that lobe.
+    // Truncated at the hemisphere, haze .78 is b = .05667; T from the total transmittance .90 by the truncation of that lobe.
     assert!((width - 0.05667).abs() < 5e-6);
     let share = 1.0 - width / width.hypot(1.0);
     assert!((diffuser.transmittance[40] - 0.9 / share).abs() < 1e-12);

@@ -99,7 +99,7 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
     assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((6, 10)));
 }
 
-/// PHYSICS, 4: T = TIS/(1 - b/sqrt(1 + b^2)); with a straight-through share only the rest is truncated.
+/// K-correlation lobe truncated at the hemisphere: T = TIS/(1 - b/sqrt(1 + b^2)); with a straight-through share only the rest is truncated.
 #[test]
 fn the_two_transmittances_of_a_diffuser() {
     let diffuser = |sets: &[&str]| {
