@@ -1,3 +1,45 @@
 //! The dissertation's tables and published numbers, against Papilio.
+//!
+//! The library holds the tables and what the tests share; the comparisons are its tests.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::result::{RunResult, State};
+use papilio_display::scene::Scene;
+use papilio_display::{Control, DisplayError};
+use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
 pub mod table_5_1;
+
+/// An example scenario of the repository, with overrides `PATH=VALUE`.
+///
+/// # Errors
+/// As the scenario's own.
+pub fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
+    let file =
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name).with_extension("toml");
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Scenario::load(&file, &overrides)?.resolve()
+}
+
+/// Runs a scene on this many threads, without a word.
+///
+/// # Errors
+/// As [`papilio_display::run`].
+pub fn run_on(scene: &Scene, threads: Option<usize>) -> Result<RunResult, DisplayError> {
+    papilio_display::run(scene, &Control { threads, progress: &|_| {}, stop: &AtomicBool::new(false) })
+}
+
+/// Runs a scene, without a word.
+///
+/// # Errors
+/// As [`papilio_display::run`].
+pub fn run(scene: &Scene) -> Result<RunResult, DisplayError> {
+    run_on(scene, None)
+}
+
+/// A state of the first view; `None` if there is no such state.
+pub fn state<'a>(result: &'a RunResult, name: &str) -> Option<&'a State> {
+    result.views.first()?.states.get(name)
+}
