@@ -74,6 +74,11 @@ pub(crate) fn rho(estimate: &Estimate, i: usize) -> f64 {
     estimate.rho[i].base[0] + estimate.rho[i].front[0]
 }
 
+/// How many seeds the statistics run over: 48, or as `PAPILIO_SEEDS` says.
+fn seeds() -> u64 {
+    std::env::var("PAPILIO_SEEDS").map_or(48, |more| more.parse().expect("PAPILIO_SEEDS is a whole number"))
+}
+
 /// z-scores of a quantity against the truth over many seeds must be those of a Student
 /// variable with 31 degrees of freedom: their mean zero, their mean square 31/29. Both are
 /// tested at 4.5 sigma (7e-6 two-sided; Sidak over 40 cases: 3e-4), and the error must be
@@ -84,9 +89,8 @@ pub(crate) fn assert_unbiased(
     most_relative_error: f64,
     run: impl Fn(u64) -> (f64, f64),
 ) {
-    let seeds = 48;
     let mut z_scores = Vec::new();
-    for seed in 0..seeds {
+    for seed in 0..seeds() {
         let (mean, error) = run(seed);
         if error <= 1e-12 * truth.abs().max(1e-12) {
             assert!(
