@@ -79,43 +79,38 @@ fn seeds() -> u64 {
     std::env::var("PAPILIO_SEEDS").map_or(48, |more| more.parse().expect("PAPILIO_SEEDS is a whole number"))
 }
 
-/// z-scores of a quantity against the truth over many seeds must be those of a Student
-/// variable with 31 degrees of freedom: their mean zero, their mean square 31/29. Both are
-/// tested at 4.5 sigma (7e-6 two-sided; Sidak over 40 cases: 3e-4), and the error must be
-/// small enough for the test to mean something.
+/// Over many seeds, the estimates of a quantity must scatter around the truth as their
+/// standard errors say. Two statistics, both tested at 4.5 sigma (7e-6 two-sided; Sidak
+/// over 40 cases: 3e-4): the mean of all seeds, and the mean square of the deviations over
+/// the mean square of the errors, whose expectation is 1. The errors are pooled over the
+/// seeds, since z-scores of each seed would lean to one side where replicates are skewed
+/// (Student's t of n of them has mean -skewness/(2 sqrt(n))). Each seed's error must be small
+/// enough for the test to mean something.
 pub(crate) fn assert_unbiased(
     what: &str,
     truth: f64,
     most_relative_error: f64,
     run: impl Fn(u64) -> (f64, f64),
 ) {
-    let mut z_scores = Vec::new();
-    for seed in 0..seeds() {
+    let seeds = seeds();
+    let (mut deviation, mut square, mut error_square) = (0.0, 0.0, 0.0);
+    for seed in 0..seeds {
         let (mean, error) = run(seed);
-        if error <= 1e-12 * truth.abs().max(1e-12) {
-            assert!(
-                (mean - truth).abs() <= 1e-11 * truth.abs().max(1e-3),
-                "{what}: {mean} against {truth}, no spread"
-            );
-            continue;
-        }
-        assert!(error < most_relative_error * truth.abs(), "{what}: error {error} of {mean}");
-        z_scores.push((mean - truth) / error);
+        assert!(error <= most_relative_error * truth.abs().max(1e-12), "{what}: error {error} of {mean}");
+        deviation += mean - truth;
+        square += (mean - truth).powi(2);
+        error_square += error * error;
     }
-    let n = z_scores.len() as f64;
-    if n == 0.0 {
+    let n = seeds as f64;
+    let (deviation, one_error) = (deviation / n, (error_square / n).sqrt());
+    if one_error <= 1e-12 * truth.abs().max(1e-12) {
+        assert!(deviation.abs() <= 1e-11 * truth.abs().max(1e-3), "{what}: off by {deviation}, no spread");
         return;
     }
-    let mean = z_scores.iter().sum::<f64>() / n;
-    let mean_square = z_scores.iter().map(|z| z * z).sum::<f64>() / n;
-    let student = 31.0 / 29.0_f64;
-    // Variance of z^2 for Student's t with 31 degrees of freedom is 2.55.
-    assert!(
-        mean.abs() * n.sqrt() < 4.5 * student.sqrt(),
-        "{what}: mean z {mean} over {n} seeds, truth {truth}"
-    );
-    assert!(
-        (mean_square - student).abs() < 4.5 * (2.55 / n).sqrt(),
-        "{what}: mean square of z {mean_square}"
-    );
+    let z = deviation * n.sqrt() / one_error;
+    assert!(z.abs() < 4.5, "{what}: mean z {z} over {n} seeds, off by {deviation} from {truth}");
+    let ratio = square / error_square;
+    // Variance of a squared deviation: 2, and 2/31 for what 32 replicates know of the error,
+    // with room for replicates that are no normal variables.
+    assert!((ratio - 1.0).abs() < 4.5 * (2.55 / n).sqrt(), "{what}: mean square of z {ratio}");
 }
