@@ -2,30 +2,23 @@
 
 use crate::shell::{self, Outcome, cargo};
 
-/// What is drawn: a command of papilio and its scenario, then each figure and its name in docs/pictures.
-type Drawing = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
+/// A command of papilio, its scenario, and the figures to keep.
+type Drawing = (&'static str, &'static str, &'static [&'static str]);
 
 const DRAWINGS: [Drawing; 3] = [
-    (
-        "run",
-        "indoor",
-        &[
-            ("overview.svg", "overview.svg"),
-            ("spectra.svg", "spectra.svg"),
-            ("chromaticity.svg", "chromaticity.svg"),
-            ("patches.svg", "patches.svg"),
-        ],
-    ),
+    ("run", "indoor", &["overview.svg", "spectra.svg", "chromaticity.svg", "patches.svg"]),
     (
         "run",
         "angle-scan",
         &[
-            ("luminance_against_angle.svg", "luminance_against_angle.svg"),
-            ("contrast_ratio_against_angle.svg", "contrast_ratio_against_angle.svg"),
-            ("gamut_against_angle.svg", "gamut_against_angle.svg"),
+            "reflectance_against_angle.svg",
+            "contrast_against_angle.svg",
+            "gamut_against_angle.svg",
+            "colour_shift_against_angle.svg",
+            "peak_against_angle.svg",
         ],
     ),
-    ("pixel", "reference-pixel", &[("pixel.svg", "pixel.svg")]),
+    ("pixel", "indoor", &["pixel.svg"]),
 ];
 
 /// The chore.
@@ -33,13 +26,14 @@ pub(crate) fn pictures() -> Outcome {
     let pictures = shell::root().join("docs/pictures");
     std::fs::create_dir_all(&pictures).map_err(|error| format!("docs/pictures: {error}"))?;
     for (what, scenario, figures) in DRAWINGS {
-        let out = shell::target().join("pictures").join(scenario);
+        let out = shell::target().join("pictures").join(what);
         let file = format!("scenarios/{scenario}.toml");
         let mut papilio = cargo(["run", "--release", "--quiet", "--package", "papilio", "--", what, &file]);
         papilio.arg("--out").arg(&out);
         shell::run(papilio)?;
-        for (from, to) in figures {
-            std::fs::copy(out.join(from), pictures.join(to)).map_err(|error| format!("{from}: {error}"))?;
+        for figure in figures {
+            std::fs::copy(out.join(figure), pictures.join(figure))
+                .map_err(|error| format!("{figure}: {error}"))?;
         }
     }
     println!("\nlook at docs/pictures before you commit them");
