@@ -1,7 +1,7 @@
 //! Files and JSON.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use papilio_display::result::{RunResult, View};
 use papilio_figures::AngleMetric;
@@ -70,8 +70,15 @@ fn suffix(view: &View) -> String {
     format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
 }
 
-/// Says on standard error what was written.
+/// Says on standard error what was written; figures beyond the first few only by number.
 pub(crate) fn announce(folder: &Path, names: &[String]) {
-    let shown: PathBuf = folder.into();
-    anstream::eprintln!("wrote {}: {}", shown.display(), names.join(", "));
+    let (figures, tables): (Vec<&str>, Vec<&str>) =
+        names.iter().map(String::as_str).partition(|name| name.ends_with(".svg"));
+    let mut shown = tables.join(", ");
+    match figures.as_slice() {
+        [] => {}
+        few @ ([_] | [_, _] | [_, _, _] | [_, _, _, _]) => shown = format!("{shown}, {}", few.join(", ")),
+        many => shown = format!("{shown} and {} figures", many.len()),
+    }
+    anstream::eprintln!("wrote {}: {shown}", folder.display());
 }

@@ -2,6 +2,9 @@
 
 use papilio_spectra::Grid;
 
+/// A spectrum that varies by less than this share of its largest value is flat.
+const FLAT: f64 = 1e-9;
+
 /// Where a peak is looked for, nm.
 const SEARCHED_NM: (f64, f64) = (400.0, 700.0);
 
@@ -9,7 +12,8 @@ const SEARCHED_NM: (f64, f64) = (400.0, 700.0);
 /// through the largest sample and its two neighbours.
 ///
 /// `None` where the largest sample stands at an edge of that interval (or of the
-/// grid): there the spectrum may go on rising. NaN is never the largest.
+/// grid): there the spectrum may go on rising. `None` also for a flat spectrum, whose
+/// differences are rounding. NaN is never the largest.
 pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
     let searched = |i: &usize| {
         let nm = grid.wavelength_nm(*i);
@@ -17,11 +21,11 @@ pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
     };
     let inside: Vec<usize> = (0..grid.len().min(values.len())).filter(searched).collect();
     let (first, last) = (*inside.first()?, *inside.last()?);
-    let top = inside
-        .into_iter()
-        .filter(|&i| !values[i].is_nan())
+    let finite = || inside.iter().copied().filter(|&i| !values[i].is_nan());
+    let top = finite()
         .fold(first, |best, i| if values[i] > values[best] || values[best].is_nan() { i } else { best });
-    if top == first || top == last {
+    let lowest = finite().map(|i| values[i]).fold(f64::INFINITY, f64::min);
+    if top == first || top == last || values[top] - lowest <= FLAT * values[top].abs() {
         return None;
     }
     let (left, centre, right) = (values[top - 1], values[top], values[top + 1]);
@@ -55,6 +59,8 @@ mod tests {
             assert_eq!(peak_nm(&grid(), &values), None, "{peak}");
         }
         assert_eq!(peak_nm(&grid(), &Spectrum::constant(&grid(), 0.5)), None);
+        let rounding = Spectrum::from_fn(&grid(), |nm| if nm == 550.0 { 0.5 + 1e-15 } else { 0.5 });
+        assert_eq!(peak_nm(&grid(), &rounding), None);
         let infrared = Grid::new(800.0, 900.0, 5.0).unwrap();
         assert_eq!(peak_nm(&infrared, &Spectrum::constant(&infrared, 0.5)), None);
     }

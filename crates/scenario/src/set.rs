@@ -1,7 +1,8 @@
 //! `--set PATH=VALUE`: changes to a scenario from the command line.
 //!
 //! The path is dotted; arrays are indexed from 0, and the index one beyond the
-//! last appends. VALUE is TOML, or else a string. What is not there is made;
+//! last appends. Of two keys that exclude each other (`haze` and `width`) a set one
+//! replaces the file's. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
 use crate::error::Errors;
@@ -58,11 +59,30 @@ fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Ori
     }
     let mut node = root;
     for (i, (key, origin)) in path.iter().enumerate() {
+        if i + 1 == path.len() {
+            drop_rival(node, key);
+        }
         let next_is_index = path.get(i + 1).is_some_and(|(key, _)| key.parse::<usize>().is_ok());
         node = child(node, key, *origin, next_is_index)?;
     }
     *node = value;
     Ok(())
+}
+
+/// Keys of which a table may have one: setting one means to replace the other.
+const RIVALS: [[&str; 2]; 3] =
+    [["relative_error", "paths"], ["haze", "width"], ["transmittance", "total_transmittance"]];
+
+/// Takes the rival of `key` out of a table, where the file (not another `--set`) gave it.
+fn drop_rival(table: &mut Node, key: &str) {
+    let rival = RIVALS.iter().find_map(|[a, b]| match key {
+        _ if key == *a => Some(*b),
+        _ if key == *b => Some(*a),
+        _ => None,
+    });
+    if let (Value::Table(entries), Some(rival)) = (&mut table.value, rival) {
+        entries.retain(|entry| entry.key != rival || entry.key_origin.source != Origin::FILE.source);
+    }
 }
 
 /// The node under `key`, made if it may be.

@@ -8,7 +8,7 @@
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
-use super::specular::flat_top;
+use super::specular::FlatTop;
 use super::tally::{Estimate, Ledger, Rho};
 use super::{PathNumbers, Target, add_rows_times, add_scaled, scale_rows};
 use crate::stack::Reflector;
@@ -25,8 +25,15 @@ pub(super) struct Bare<'a> {
 /// The sums of a replicate, and room to work in.
 #[derive(Debug, Clone)]
 pub(super) struct Tally {
+    sums: Sums,
+    room: Room,
+}
+
+/// Shapes: [state][wavelength], but for what is the same in all states: [wavelength].
+#[derive(Debug, Clone)]
+struct Sums {
     rho: Vec<Rho>,
-    /// Reflected and absorbed on entering; shape [wavelength].
+    /// Mirrored and absorbed on entering, the same in all states.
     mirrored: Vec<f64>,
     absorbed_entering: Vec<f64>,
     /// Reaches the base, is reflected by it, leaves, ends in the front, goes on.
@@ -35,22 +42,19 @@ pub(super) struct Tally {
     leaving: Vec<f64>,
     absorbed: Vec<f64>,
     going_on: Vec<f64>,
-    /// The spectra of the path at hand, and room for a reflectance.
+}
+
+#[derive(Debug, Clone)]
+struct Room {
+    /// The spectra of the path at hand.
     carried: Vec<f64>,
+    /// The base's reflectance.
     reflectance: Vec<f64>,
-}
-
-/// The flat part at one angle; shape [wavelength].
-struct FlatSpectra {
-    t: Vec<f64>,
-    above: Vec<f64>,
-    below: Vec<f64>,
-}
-
-impl FlatSpectra {
-    fn absorbed_from_above(&self) -> Vec<f64> {
-        self.t.iter().zip(&self.above).map(|(t, r)| 1.0 - t - r).collect()
-    }
+    /// Front and face at the path's angle, and at that of a source.
+    flat: FlatTop,
+    towards: FlatTop,
+    /// A factor for each wavelength.
+    factor: Vec<f64>,
 }
 
 impl<'a> Bare<'a> {
@@ -61,79 +65,78 @@ impl<'a> Bare<'a> {
 
     pub(super) fn tally(&self) -> Tally {
         let bins = self.stack.base.bins();
-        let all = || vec![0.0; self.stack.base.states() * bins];
+        let (all, one) = (|| vec![0.0; self.stack.base.states() * bins], || vec![0.0; bins]);
         Tally {
-            rho: self.sources.iter().map(|_| Rho { base: all(), front: vec![0.0; bins] }).collect(),
-            mirrored: vec![0.0; bins],
-            absorbed_entering: vec![0.0; bins],
-            arriving: all(),
-            reflected: all(),
-            leaving: all(),
-            absorbed: all(),
-            going_on: all(),
-            carried: all(),
-            reflectance: all(),
+            sums: Sums {
+                rho: self.sources.iter().map(|_| Rho { base: all(), front: one() }).collect(),
+                mirrored: one(),
+                absorbed_entering: one(),
+                arriving: all(),
+                reflected: all(),
+                leaving: all(),
+                absorbed: all(),
+                going_on: all(),
+            },
+            room: Room {
+                carried: all(),
+                reflectance: all(),
+                flat: FlatTop::new(bins),
+                towards: FlatTop::new(bins),
+                factor: one(),
+            },
         }
     }
 
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
+        let Tally { sums, room } = tally;
         let mut beta = self.view.sample_towards(numbers.field());
-        let flat = self.flat(beta);
-        self.enter(beta, &flat, tally);
+        self.enter(beta, sums, room);
         for pass in 0.. {
-            self.meet_base(beta, tally);
-            let scattered = (!self.specular).then(|| numbers.event(pass, 0));
-            if let Some(u) = scattered {
-                self.connect(numbers.event(pass, 1), tally);
-                let n = self.stack.medium.largest_index();
-                let (x, y) = warp::uniform_disc(n, [u[0], u[1]]);
+            self.meet_base(beta, sums, room);
+            if !self.specular {
+                let u = numbers.event(pass, 0);
+                self.connect([u[2], u[3]], sums, room);
+                let (x, y) = warp::uniform_disc(self.stack.medium.largest_index(), [u[0], u[1]]);
                 beta = Beta { x, y };
-                self.spread(beta, tally);
+                self.spread(beta, room);
             }
-            let flat = self.flat(beta);
-            self.leave(beta, &flat, tally);
-            if self.stack.single_pass || !self.goes_on(&flat, numbers.event(pass, 2)[0], tally) {
+            self.leave(beta, sums, room);
+            if self.stack.single_pass || !Self::goes_on(numbers.event(pass, 1)[0], sums, room) {
                 return;
             }
         }
     }
 
-    fn flat(&self, beta: Beta) -> FlatSpectra {
-        let bins = self.stack.base.bins();
-        let mut flat = FlatSpectra { t: vec![0.0; bins], above: vec![0.0; bins], below: vec![0.0; bins] };
-        for bin in 0..bins {
-            let one = flat_top(self.stack, beta.squared(), bin);
-            (flat.t[bin], flat.above[bin], flat.below[bin]) = (one.t, one.above, one.below);
-        }
-        flat
-    }
-
     /// What the viewer sees mirrored, and what goes on to the base.
-    fn enter(&self, beta: Beta, flat: &FlatSpectra, tally: &mut Tally) {
-        add_scaled(&mut tally.mirrored, &flat.above, 1.0);
-        add_scaled(&mut tally.absorbed_entering, &flat.absorbed_from_above(), 1.0);
-        for (source, rho) in self.sources.iter().zip(&mut tally.rho) {
+    fn enter(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
+        let Room { flat, factor, carried, .. } = room;
+        flat.set(self.stack, beta.squared());
+        add_scaled(&mut sums.mirrored, &flat.above, 1.0);
+        fill(factor, flat.t.iter().zip(&flat.above).map(|(t, r)| 1.0 - t - r));
+        add_scaled(&mut sums.absorbed_entering, factor, 1.0);
+        for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             add_scaled(&mut rho.front, &flat.above, source.image_strength(beta));
         }
-        tally.carried.fill(1.0);
-        scale_rows(&mut tally.carried, &flat.t);
+        carried.fill(1.0);
+        scale_rows(carried, &flat.t);
     }
 
-    fn meet_base(&self, beta: Beta, tally: &mut Tally) {
-        add_scaled(&mut tally.arriving, &tally.carried, 1.0);
-        self.stack.base.reflectance(beta.squared(), &self.stack.medium, &mut tally.reflectance);
-        tally.carried.iter_mut().zip(&tally.reflectance).for_each(|(c, r)| *c *= r);
-        add_scaled(&mut tally.reflected, &tally.carried, 1.0);
+    fn meet_base(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
+        add_scaled(&mut sums.arriving, &room.carried, 1.0);
+        self.stack.base.reflectance(beta.squared(), &self.stack.medium, &mut room.reflectance);
+        room.carried.iter_mut().zip(&room.reflectance).for_each(|(c, r)| *c *= r);
+        add_scaled(&mut sums.reflected, &room.carried, 1.0);
     }
 
     /// Connections from a Lambertian base to directed sources.
-    fn connect(&self, u: [f64; 4], tally: &mut Tally) {
+    fn connect(&self, u: [f64; 2], sums: &mut Sums, room: &mut Room) {
         let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
-        for (source, rho) in self.sources.iter().zip(&mut tally.rho) {
-            let Some(target) = Target::sample(source, [u[0], u[1]]) else { continue };
-            let mut through = self.flat(target.beta).t;
-            through.iter_mut().zip(self.spread_factors(target.beta)).for_each(|(t, f)| *t *= f);
-            add_rows_times(&mut rho.base, &tally.carried, &through, target.weight(scatter, 0.0, 1.0));
+        let Room { carried, towards, factor, .. } = room;
+        for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
+            let Some(target) = Target::sample(source, u) else { continue };
+            towards.set(self.stack, target.beta.squared());
+            fill(factor, towards.t.iter().zip(self.spread_factors(target.beta)).map(|(t, f)| t * f));
+            add_rows_times(&mut rho.base, carried, factor, target.weight(scatter, 0.0, 1.0));
         }
     }
 
@@ -143,23 +146,26 @@ impl<'a> Bare<'a> {
         medium.index().iter().map(move |&n| if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 })
     }
 
-    fn spread(&self, beta: Beta, tally: &mut Tally) {
+    fn spread(&self, beta: Beta, room: &mut Room) {
         if self.stack.medium.constant_index().is_none() {
-            let factors: Vec<f64> = self.spread_factors(beta).collect();
-            scale_rows(&mut tally.carried, &factors);
+            fill(&mut room.factor, self.spread_factors(beta));
+            scale_rows(&mut room.carried, &room.factor);
         }
     }
 
     /// Out through the face: what the sources there send in, and the books.
-    fn leave(&self, beta: Beta, flat: &FlatSpectra, tally: &mut Tally) {
-        let absorbed: Vec<f64> = flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r).collect();
-        let absorbed = if self.stack.single_pass { vec![0.0; absorbed.len()] } else { absorbed };
-        add_rows_times(&mut tally.leaving, &tally.carried, &flat.t, 1.0);
-        add_rows_times(&mut tally.absorbed, &tally.carried, &absorbed, 1.0);
+    fn leave(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
+        let Room { flat, factor, carried, .. } = room;
+        flat.set(self.stack, beta.squared());
         if beta.squared() > 1.0 {
             return;
         }
-        for (source, rho) in self.sources.iter().zip(&mut tally.rho) {
+        add_rows_times(&mut sums.leaving, carried, &flat.t, 1.0);
+        if !self.stack.single_pass {
+            fill(factor, flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r));
+            add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
+        }
+        for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             let weight = match source {
                 Source::Disc(cone) if !self.specular && cone.sends(beta) => {
                     let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
@@ -168,42 +174,46 @@ impl<'a> Bare<'a> {
                 _ => source.image_strength(beta),
             };
             if weight != 0.0 {
-                add_rows_times(&mut rho.base, &tally.carried, &flat.t, weight);
+                add_rows_times(&mut rho.base, carried, &flat.t, weight);
             }
         }
     }
 
     /// Russian roulette on what the face sends back.
-    fn goes_on(&self, flat: &FlatSpectra, u: f64, tally: &mut Tally) -> bool {
-        scale_rows(&mut tally.carried, &flat.below);
-        let survival = tally.carried.iter().copied().fold(0.0, f64::max).min(1.0);
+    fn goes_on(u: f64, sums: &mut Sums, room: &mut Room) -> bool {
+        scale_rows(&mut room.carried, &room.flat.below);
+        let survival = room.carried.iter().copied().fold(0.0, f64::max).min(1.0);
         if u >= survival {
             return false;
         }
-        tally.carried.iter_mut().for_each(|c| *c /= survival);
-        add_scaled(&mut tally.going_on, &tally.carried, 1.0);
+        room.carried.iter_mut().for_each(|c| *c /= survival);
+        add_scaled(&mut sums.going_on, &room.carried, 1.0);
         true
     }
 
     pub(super) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
+        let sums = &tally.sums;
         let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
-        let rho =
-            tally.rho.iter().map(|rho| Rho { base: mean(&rho.base), front: mean(&rho.front) }).collect();
-        Estimate { rho, ledger: self.ledger(tally, scale) }
+        let rho = sums.rho.iter().map(|rho| Rho { base: mean(&rho.base), front: mean(&rho.front) }).collect();
+        Estimate { rho, ledger: self.ledger(sums, scale) }
     }
 
-    fn ledger(&self, tally: &Tally, scale: f64) -> Ledger {
-        let mut ledger = Ledger::zeros(tally.arriving.len());
+    fn ledger(&self, sums: &Sums, scale: f64) -> Ledger {
+        let mut ledger = Ledger::zeros(sums.arriving.len());
         let inactive = &self.stack.base.inactive_absorptance;
-        for k in 0..tally.arriving.len() {
+        for k in 0..sums.arriving.len() {
             let bin = k % inactive.len();
-            ledger.inactive[k] = tally.arriving[k] * inactive[bin] * scale;
-            ledger.pixel[k] = (tally.arriving[k] - tally.reflected[k]) * scale - ledger.inactive[k];
-            ledger.returned[k] = (tally.mirrored[bin] + tally.leaving[k]) * scale;
-            ledger.front[k] = (tally.absorbed_entering[bin] + tally.absorbed[k]) * scale;
-            let sent_back = tally.reflected[k] - tally.leaving[k] - tally.absorbed[k];
-            ledger.unaccounted[k] = (sent_back - tally.going_on[k]) * scale;
+            ledger.inactive[k] = sums.arriving[k] * inactive[bin] * scale;
+            ledger.pixel[k] = (sums.arriving[k] - sums.reflected[k]) * scale - ledger.inactive[k];
+            ledger.returned[k] = (sums.mirrored[bin] + sums.leaving[k]) * scale;
+            ledger.front[k] = (sums.absorbed_entering[bin] + sums.absorbed[k]) * scale;
+            let sent_back = sums.reflected[k] - sums.leaving[k] - sums.absorbed[k];
+            ledger.unaccounted[k] = (sent_back - sums.going_on[k]) * scale;
         }
         ledger
     }
+}
+
+fn fill(out: &mut [f64], values: impl Iterator<Item = f64>) {
+    out.iter_mut().zip(values).for_each(|(o, v)| *o = v);
 }

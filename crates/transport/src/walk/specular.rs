@@ -12,6 +12,8 @@ use crate::{Stack, Top};
 /// wavelength (shape [state][wavelength]).
 pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
     let base = &stack.base;
+    let mut flat_top = FlatTop::new(base.bins());
+    flat_top.set(stack, beta.squared());
     let mut r = vec![0.0; base.states() * base.bins()];
     match &base.reflector {
         Reflector::Specular(_) => base.reflectance(beta.squared(), &stack.medium, &mut r),
@@ -23,7 +25,7 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
             Top::Diffuser(d) => {
                 (stack.front.at(bin), (d.straight_through * d.transmittance[bin]).powi(2) * *value)
             }
-            Top::Coated | Top::Fresnel(_) => (flat_top(stack, beta.squared(), bin), *value),
+            Top::Coated | Top::Fresnel(_) => (flat_top.at(bin), *value),
         };
         *value = flat.above + flat.t * flat.t * below / (1.0 - flat.below * below);
     }
@@ -42,17 +44,47 @@ pub(super) fn round_trips(stack: &Stack, diffuser: &Diffuser, r: &[f64]) -> Vec<
     r.iter().enumerate().map(one).collect()
 }
 
-/// Front and face of a bare panel as one flat part, at one angle and wavelength.
+/// Front and face of a bare panel as one flat part, at one angle.
+#[derive(Debug, Clone)]
+pub(super) struct FlatTop {
+    /// Shape [wavelength], as in [`Flat`].
+    pub(super) t: Vec<f64>,
+    pub(super) above: Vec<f64>,
+    pub(super) below: Vec<f64>,
+}
+
+impl FlatTop {
+    pub(super) fn new(bins: usize) -> Self {
+        Self { t: vec![0.0; bins], above: vec![0.0; bins], below: vec![0.0; bins] }
+    }
+
+    fn at(&self, bin: usize) -> Flat {
+        Flat { t: self.t[bin], above: self.above[bin], below: self.below[bin] }
+    }
+
+    /// The stack's front and face at this angle.
+    pub(super) fn set(&mut self, stack: &Stack, beta_squared: f64) {
+        let alike = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
+        let first = face(stack, beta_squared, 0);
+        for bin in 0..self.t.len() {
+            let face = if alike { first } else { face(stack, beta_squared, bin) };
+            let both = stack.front.at(bin).over(face);
+            self.t[bin] = both.t;
+            self.above[bin] = both.above;
+            self.below[bin] = if stack.single_pass { 0.0 } else { both.below };
+        }
+    }
+}
+
+/// The face of a bare panel at one angle and wavelength.
 #[inline]
-pub(super) fn flat_top(stack: &Stack, beta_squared: f64, bin: usize) -> Flat {
-    let face = match &stack.top {
+fn face(stack: &Stack, beta_squared: f64, bin: usize) -> Flat {
+    match &stack.top {
         Top::Fresnel(index) if beta_squared <= 1.0 => {
             let r = fresnel_reflectance(1.0, index[bin], beta_squared.sqrt());
             Flat { t: 1.0 - r, above: r, below: r }
         }
         _ if beta_squared <= 1.0 => Flat { t: 1.0, above: 0.0, below: 0.0 },
         _ => Flat { t: 0.0, above: 1.0, below: 1.0 },
-    };
-    let both = stack.front.at(bin).over(face);
-    if stack.single_pass { Flat { below: 0.0, ..both } } else { both }
+    }
 }

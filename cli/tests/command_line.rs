@@ -1,0 +1,235 @@
+//! The program as its users meet it: exit codes, streams, files.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn papilio() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_papilio"));
+    command.env("NO_COLOR", "1");
+    command
+}
+
+fn scenario(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name).with_extension("toml")
+}
+
+fn run(name: &str, more: &[&str]) -> Output {
+    papilio().arg("run").arg(scenario(name)).args(more).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_writes_its_results_and_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("new/folder");
+    let output = run("indoor", &["--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let files = [
+        "chromaticity.svg",
+        "overview.svg",
+        "patches.svg",
+        "result.json",
+        "spectra.csv",
+        "spectra.svg",
+        "states.csv",
+    ];
+    assert_eq!(names(&out), files);
+    let table = String::from_utf8(output.stdout).unwrap();
+    for word in ["Indoor reading", "white", "magenta", "contrast ratio", "% of sRGB", "returns"] {
+        assert!(table.contains(word), "{word} is not in\n{table}");
+    }
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    let white = &result["views"][0]["states"]["white"];
+    let y = white["Y"].as_f64().unwrap();
+    assert!(white["standard_error"]["Y"].as_f64().unwrap() < 0.001 * y);
+    assert_eq!(result["wavelength_nm"].as_array().unwrap().len(), 81);
+    assert_eq!(result["seed"], 0);
+    assert_eq!(result["hash"].as_str().unwrap().len(), 64);
+    let rows = fs::read_to_string(out.join("states.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 9);
+}
+
+#[test]
+fn several_views_have_figures_against_angle() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run("angle-scan", &["--out", folder.path().to_str().unwrap()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let names = names(folder.path());
+    for name in ["contrast_against_angle.svg", "gamut_against_angle.svg", "reflectance_against_angle.svg"] {
+        assert!(names.iter().any(|n| n == name), "{name} is not among {names:?}");
+    }
+}
+
+#[test]
+fn json_prints_json_and_nothing_else_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = papilio()
+        .current_dir(folder.path())
+        .arg("run")
+        .arg(scenario("indoor"))
+        .arg("--json")
+        .output()
+        .unwrap();
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(result["views"][0]["gamut_percent_srgb"].as_f64().unwrap() > 0.0);
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes_and_a_seed_does_not() {
+    let json = |more: &[&str]| run("indoor", &[&["--json"], more].concat()).stdout;
+    let one = json(&["--threads", "1"]);
+    assert!(!one.is_empty());
+    assert_eq!(one, json(&["--threads", "4"]));
+    assert_eq!(one, json(&[]));
+    assert_ne!(one, json(&["--seed", "1"]));
+}
+
+#[test]
+fn a_pixel_scan_is_a_pixel_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = papilio().arg("pixel").arg(scenario("indoor")).args(["--out", out]).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(names(folder.path()), ["pixel.csv", "pixel.svg"]);
+    let csv = fs::read_to_string(folder.path().join("pixel.csv")).unwrap();
+    assert_eq!(csv.lines().next().unwrap(), "state,theta_deg,wavelength_nm,reflectance");
+    assert_eq!(csv.lines().count(), 1 + 8 * 91 * 81);
+}
+
+/// The way in and out for other pixel tools: the scan of a film pixel, read back as a table,
+/// shows the same display. Angles in glass, so that the table reaches all light.
+#[test]
+fn a_scan_read_back_shows_the_same_display() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let bare = scenario("reference-pixel");
+    let output = papilio().arg("pixel").arg(&bare).arg("--out").arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let film = fs::read_to_string(&bare).unwrap();
+    let (before, rest) = film.split_once("[display.pixel]").unwrap();
+    let after = &rest[rest.find("[lighting]").unwrap()..];
+    let table = "[display.pixel]\nmodel = \"table\"\nfile = \"pixel.csv\"\nangles = \"glass\"\n\n";
+    fs::write(path("table.toml"), format!("{before}{table}{after}")).unwrap();
+    let white = |file: &Path| {
+        let output = papilio()
+            .arg("run")
+            .arg(file)
+            .args(["--json", "--set", "viewer.theta_deg=8.5"])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        result["views"][0]["states"]["white"]["Y"].as_f64().unwrap()
+    };
+    let (from_film, from_table) = (white(&bare), white(&path("table.toml")));
+    // Midway between the table's angles linear interpolation is at its worst.
+    assert!((from_film - from_table).abs() < 2e-4 * from_film, "{from_film} {from_table}");
+}
+
+#[test]
+fn schemas_are_printed() {
+    for more in [&[][..], &["--result"]] {
+        let output = papilio().arg("schema").args(more).output().unwrap();
+        let schema: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(schema["properties"].is_object());
+    }
+}
+
+#[test]
+fn wrong_input_exits_2_says_where_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = fs::read_to_string(scenario("indoor")).unwrap();
+    let wrong = folder.path().join("wrong.toml");
+    for (from, to, column, words) in [
+        ("theta_deg = 8", "theta_degg = 8", 1, "did you mean `theta_deg`?"),
+        ("thickness_nm = 38.6", "thickness_nm = -38.6", 39, "expected"),
+        ("material = \"SiO2\"", "material = \"SiO3\"", 16, "SiO2"),
+        ("red = 0.493", "red = 0.793", 8, "sum"),
+        ("index = 1.5", "index = true", 9, "expected"),
+    ] {
+        assert!(base.contains(from), "{from}");
+        let text = base.replacen(from, to, 1);
+        let line = 1 + text.lines().position(|line| line.contains(to)).unwrap();
+        fs::write(&wrong, text).unwrap();
+        let out = folder.path().join("out");
+        let output = papilio().arg("run").arg(&wrong).arg("--out").arg(&out).output().unwrap();
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(output.stdout.is_empty());
+        let place = format!("wrong.toml:{line}:{column}\n");
+        assert!(text.contains("error: ") && text.contains(&place) && text.contains(words), "{to}:\n{text}");
+        assert!(!out.exists());
+    }
+}
+
+#[test]
+fn impossible_overrides_are_named() {
+    for set in ["display.pixel.film.9.thickness_nm=12", "viewer.theta=8", "display.glass.index.n=2", "seed"] {
+        let output = run("indoor", &["--json", "--set", "viewer.theta_deg=20", "--set", set]);
+        assert_eq!(output.status.code(), Some(2), "{set}");
+        assert!(stderr(&output).contains("--set #2:1:"), "{set}:\n{}", stderr(&output));
+    }
+}
+
+#[test]
+fn what_this_version_does_not_have_is_said() {
+    let output = run("indoor", &["--solver", "adding"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("not in this version"));
+    assert_eq!(papilio().args(["run", "no-such-file.toml"]).output().unwrap().status.code(), Some(2));
+    assert_eq!(papilio().arg("fly").output().unwrap().status.code(), Some(2));
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_the_users_mistake() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "in the way").unwrap();
+    let output = run("indoor", &["--out", file.join("below").to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("cannot make the folder"));
+}
+
+/// Ctrl-C ends a run that would take for ever, with what is there.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_saves_what_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let child = papilio()
+        .arg("run")
+        .arg(scenario("indoor"))
+        .args(["--set", "solver.relative_error=1e-6", "--out"])
+        .arg(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    let stopped = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert!(stopped.elapsed() < Duration::from_secs(10), "it went on for {:?}", stopped.elapsed());
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    assert_eq!(result["solver"]["interrupted"], true);
+    assert!(result["solver"]["paths"].as_u64().unwrap() > 8192);
+}
