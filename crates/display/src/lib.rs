@@ -1,4 +1,60 @@
 //! The reflective display: pixels, states, lighting, viewer, the run and its metrics.
+//!
+//! **API boundary.** A [`scene::Scene`] goes in, a [`result::RunResult`] comes out of
+//! [`run`]; [`pixel::scan`] is the pixel alone. Scenes are usually made by the `scenario`
+//! crate from a file, but any program can fill one in:
+//!
+//! ```
+//! use papilio_display::scene::*;
+//! use papilio_display::{Control, run};
+//! use papilio_spectra::{Grid, Spectrum, illuminant};
+//! use std::sync::atomic::AtomicBool;
+//!
+//! // White paint (50 %) under bare glass, in diffuse light.
+//! let grid = Grid::new(380.0, 780.0, 20.0)?;
+//! let constant = |value| Spectrum::constant(&grid, value);
+//! let paint = UniformPixel {
+//!     kind: UniformKind::Lambertian,
+//!     states: vec![("white".into(), constant(0.5))],
+//! };
+//! let scene = Scene {
+//!     grid,
+//!     display: Display {
+//!         front: vec![],
+//!         diffuser: None,
+//!         glass: Glass { index: constant(1.5), surface: Surface::Fresnel },
+//!         pixel: Pixel::Uniform(paint),
+//!     },
+//!     lighting: Lighting {
+//!         illuminance_lx: 500.0,
+//!         diffuse: 1.0,
+//!         diffuse_spectrum: illuminant("D65", &grid)?,
+//!         directed: vec![],
+//!     },
+//!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, distance_mm: 500.0 },
+//!     solver: Solver {
+//!         method: Method::Walk,
+//!         stop: Stop::RelativeError { target: 0.001, every_bin: false },
+//!         sampler: Sampler::Sobol,
+//!         approximation: Approximation::None,
+//!         angle_medium: AngleMedium::Air,
+//!         seed: 0,
+//!     },
+//! };
+//! let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
+//! let result = run(&scene, &control)?;
+//! let white = result.views[0].states.get("white").unwrap();
+//! // Saunderson's correction: .316071 for a paint of .5 seen along the normal.
+//! assert!((white.value.Y - 0.316071).abs() < 5.0 * white.standard_error.Y);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Inside, data flows one way: `prepare` makes the stack, sources and views of a scene;
+//! `run` has the walk trace them on all threads; `meter` turns what replicates saw into
+//! numbers with standard errors, by the formulas of `metrics`.
+//!
+//! **Limits.** The display is uniform over the field of view. **Out of scope.** Files, TOML,
+//! printing.
 
 mod error;
 mod meter;

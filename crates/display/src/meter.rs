@@ -119,7 +119,7 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// A view's result from the samples of all replicates; `specular` has shape [state][light].
+    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`.
     pub(crate) fn view(&self, at: &ViewPoint, samples: &[Sample], specular: &[Vec<f64>]) -> View {
         let mean = Sample::mean(samples, None);
         let errors = Sample::standard_errors(samples);
@@ -219,7 +219,7 @@ impl<'a> Meter<'a> {
         Ledger { returned, absorbed, unaccounted, standard_error }
     }
 
-    /// Luminance factors of the directed sources' images, shape [state][light].
+    /// Luminance factors of the directed sources' images, shape `[state][light]`.
     pub(crate) fn specular(&self, images: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let lights = &self.prepared.lights[1..];
         let one = |state: usize, (light, image): (&crate::prepare::Light, &Vec<f64>)| {

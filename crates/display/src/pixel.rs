@@ -30,7 +30,7 @@ pub struct PixelScan {
     pub theta_deg: Vec<f64>,
     /// Wavelengths, nm.
     pub wavelength_nm: Vec<f64>,
-    /// Name and reflectance of each state, shape [angle][wavelength].
+    /// Name and reflectance of each state, shape `[angle][wavelength]`.
     pub states: Vec<(String, Vec<f64>)>,
 }
 
@@ -168,7 +168,7 @@ fn interpolation_error(coarse: &AngularTable, fine: &AngularTable) -> f64 {
 /// Which gaps the states need, and how much of each they hold.
 struct Mixture {
     gaps_nm: Vec<f64>,
-    /// Shape [state][gap], fill factor included.
+    /// Shape `[state][gap]`, fill factor included.
     shares: Vec<f64>,
 }
 
@@ -233,7 +233,7 @@ fn basis_at(
     film_basis(film, grid, index, gaps_nm, &sines, Beta::InGlass)
 }
 
-/// Mean reflectance of s and p; shape [angle][gap][wavelength]. A grazing ray in the glass
+/// Mean reflectance of s and p; shape `[angle][gap][wavelength]`. A grazing ray in the glass
 /// is reflected whole.
 fn film_basis(
     film: &FilmPixel,

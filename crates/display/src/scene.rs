@@ -1,7 +1,8 @@
 //! What is simulated: the display, its light, its viewer, all resolved to numbers.
 //!
-//! Every spectrum lies on `Scene::grid`. Values are taken as checked: whoever
-//! builds a scene (the `scenario` room, a library user) calls [`Scene::check`].
+//! Every spectrum lies on `Scene::grid`. Values are taken as checked against the ranges
+//! given here, as the `scenario` crate does; [`run`](crate::run()) itself refuses only what
+//! it cannot compute (a view below the horizon, a film that cannot be).
 
 use num_complex::Complex64;
 pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
@@ -110,7 +111,7 @@ pub struct FilmPixel {
 pub struct SubPixel {
     /// `red`, `green`, ...; free, except `dark`.
     pub name: String,
-    /// Share of the active area; all sum to 1.
+    /// Share of the active area; all sum to 1 (within .001).
     pub area: f64,
     /// Gap at its own colour, nm.
     pub gap_nm: f64,

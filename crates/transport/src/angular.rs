@@ -102,11 +102,11 @@ impl Stencil {
 pub struct AngularTable {
     /// Where the nodes lie.
     pub nodes: Nodes,
-    /// Basis reflectances, shape [node][basis][wavelength].
+    /// Basis reflectances, shape `[node][basis][wavelength]`.
     pub basis: Vec<f64>,
-    /// The share of each basis in each state, shape [state][basis].
+    /// The share of each basis in each state, shape `[state][basis]`.
     pub mixture: Vec<f64>,
-    /// What every state reflects besides, shape [wavelength].
+    /// What every state reflects besides, shape `[wavelength]`.
     pub common: Vec<f64>,
 }
 
@@ -121,7 +121,7 @@ impl AngularTable {
         self.mixture.len() / self.basis_count()
     }
 
-    /// The reflectance of every state at `|beta|^2`: `out` has shape [state][wavelength].
+    /// The reflectance of every state at `|beta|^2`: `out` has shape `[state][wavelength]`.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
         let mut basis = vec![0.0; width];

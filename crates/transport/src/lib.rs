@@ -1,4 +1,44 @@
 //! Light through the layered display: the stack and the Monte Carlo walk.
+//!
+//! - [`Stack`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
+//!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
+//! - [`Source`] and [`Cone`]: where light comes from and where it is looked at, as
+//!   directions alone; a source's spectrum and illuminance are the caller's.
+//! - [`walk`]: unbiased Monte Carlo; the answer is, for each source, the reflectance factor
+//!   under that source alone, by state and wavelength, and an energy ledger.
+//!
+//! Directions are [`Beta`](papilio_optics::Beta), direction cosines of propagation; radiance is
+//! basic radiance (over index squared). Arrays over states and wavelengths are flat, in the
+//! order `[state][wavelength]`.
+//!
+//! ```
+//! use papilio_sampling::{Numbers, Sampler};
+//! use papilio_transport::walk::Walk;
+//! use papilio_transport::{AngularTable, Base, Cone, Front, Medium, Nodes, Reflector, Source, Stack, Top};
+//!
+//! // Bare glass of index 1.5 over a mirror of 50 %, one state, one wavelength.
+//! let mirror =
+//!     AngularTable { nodes: Nodes::Constant, basis: vec![0.5], mixture: vec![1.0], common: vec![0.0] };
+//! let stack = Stack {
+//!     front: Front::none(1),
+//!     top: Top::Fresnel(vec![1.5].into()),
+//!     medium: Medium::new(vec![1.5].into()),
+//!     base: Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() },
+//!     single_pass: false,
+//! };
+//! let normal = Cone::new(0.0, 0.0, 0.0, 1.0);
+//! let walk = Walk::new(&stack, normal, &[Source::Diffuse]);
+//! let mut replicate = walk.replicate();
+//! walk.trace(&mut replicate, &Numbers::new(Sampler::Sobol, 0, 0), 1 << 14);
+//! let rho = &walk.estimate(&replicate).rho[0];
+//! // r + (1 - r)^2 .5 / (1 - .5 r) with r = .04.
+//! assert!((rho.base[0] + rho.front[0] - 0.510204).abs() < 1e-3);
+//! ```
+//!
+//! **Limits.** Layers are parallel and uniform; light is unpolarised between them; one
+//! diffuser, which reflects nothing; the glass absorbs nothing.
+//!
+//! **Out of scope.** Threads, files, spectra of light, colours.
 
 mod angular;
 mod front;

@@ -93,7 +93,7 @@ pub struct Base {
 pub enum Reflector {
     /// Like a mirror.
     Specular(AngularTable),
-    /// The same basic radiance in every direction of the medium; shape [state][wavelength].
+    /// The same basic radiance in every direction of the medium; shape `[state][wavelength]`.
     Lambertian(Vec<f64>),
 }
 
@@ -111,7 +111,7 @@ impl Base {
         }
     }
 
-    /// The reflectance of every state at `|beta|^2`; `out` has shape [state][wavelength].
+    /// The reflectance of every state at `|beta|^2`; `out` has shape `[state][wavelength]`.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         match &self.reflector {
             Reflector::Specular(table) => table.reflectance(beta_squared, medium, out),

@@ -3,7 +3,7 @@
 //! Front and face are one flat part whose inter-reflections are summed in closed form
 //! at each angle. A path enters through it, meets the base, and comes back up to it as
 //! often as roulette grants; light trapped by total internal reflection is light that
-//! comes back up. The path carries spectra all the way: [state][wavelength].
+//! comes back up. The path carries spectra all the way: `[state][wavelength]`.
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
@@ -29,7 +29,7 @@ pub(super) struct Tally {
     room: Room,
 }
 
-/// Shapes: [state][wavelength], but for what is the same in all states: [wavelength].
+/// Shapes: `[state][wavelength]`, but for what is the same in all states: `[wavelength]`.
 #[derive(Debug, Clone)]
 struct Sums {
     rho: Vec<Rho>,

@@ -62,7 +62,7 @@ struct Sums {
     image: Vec<f64>,
 }
 
-/// Spectra of the path at hand; shape [state][wavelength].
+/// Spectra of the path at hand; shape `[state][wavelength]`.
 #[derive(Debug, Clone)]
 struct Room {
     /// What the path carries; meaningful from its second pass on.

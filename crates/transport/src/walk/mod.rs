@@ -196,7 +196,7 @@ impl Target {
     }
 }
 
-/// Multiplies each row of `rows` (shape [state][wavelength]) by `factor`.
+/// Multiplies each row of `rows` (shape `[state][wavelength]`) by `factor`.
 #[inline]
 fn scale_rows(rows: &mut [f64], factor: &[f64]) {
     for row in rows.chunks_exact_mut(factor.len()) {

@@ -9,7 +9,7 @@ use crate::{Stack, Top};
 
 /// The specular reflectance of the whole display for a beam with these direction
 /// cosines, `|beta| <= 1`: the luminance of its mirror image over its own, by state and
-/// wavelength (shape [state][wavelength]).
+/// wavelength (shape `[state][wavelength]`).
 pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
     let base = &stack.base;
     let mut flat_top = FlatTop::new(base.bins());
@@ -47,7 +47,7 @@ pub(super) fn round_trips(stack: &Stack, diffuser: &Diffuser, r: &[f64]) -> Vec<
 /// Front and face of a bare panel as one flat part, at one angle.
 #[derive(Debug, Clone)]
 pub(super) struct FlatTop {
-    /// Shape [wavelength], as in [`Flat`].
+    /// Shape `[wavelength]`, as in [`Flat`].
     pub(super) t: Vec<f64>,
     pub(super) above: Vec<f64>,
     pub(super) below: Vec<f64>,

@@ -16,13 +16,13 @@ pub struct Estimate {
 /// Reflectance factor under one source alone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rho {
-    /// Light that met the base; shape [state][wavelength].
+    /// Light that met the base; shape `[state][wavelength]`.
     pub base: Vec<f64>,
-    /// Light mirrored before it met the base, alike in all states; shape [wavelength].
+    /// Light mirrored before it met the base, alike in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
 }
 
-/// Shares of a unit beam, per state and wavelength (shape [state][wavelength]).
+/// Shares of a unit beam, per state and wavelength (shape `[state][wavelength]`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ledger {
     /// Back into the room.
@@ -58,7 +58,7 @@ impl Ledger {
 pub(super) enum Reflected<'a> {
     /// On a first pass: the look-up that gives the base's reflectance.
     LookUp(Stencil),
-    /// Later: spectra that hold everything the path has met; shape [state][wavelength].
+    /// Later: spectra that hold everything the path has met; shape `[state][wavelength]`.
     Spectra(&'a [f64]),
 }
 
@@ -90,7 +90,7 @@ impl Channel {
         }
     }
 
-    /// The whole sum times `scale`; shape [state][wavelength].
+    /// The whole sum times `scale`; shape `[state][wavelength]`.
     pub(super) fn sum(&self, base: &Base, scale: f64) -> Vec<f64> {
         let mut sum = vec![0.0; self.spectra.len()];
         match &base.reflector {
@@ -124,7 +124,7 @@ impl Incident {
         }
     }
 
-    /// The whole sum times `scale`; shape [state][wavelength].
+    /// The whole sum times `scale`; shape `[state][wavelength]`.
     pub(super) fn sum(&self, scale: f64) -> Vec<f64> {
         self.spectra.iter().map(|s| (s + self.weight) * scale).collect()
     }
