@@ -58,7 +58,7 @@ pub(crate) struct ScenarioArguments {
     /// The scenario (TOML)
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
-    /// Folder for the results [default: out/<name of FILE>]
+    /// Folder for the results [default: out/ and the name of FILE]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Set a key of the scenario, e.g. display.pixel.film.1.thickness_nm=12; may be repeated
