@@ -6,16 +6,19 @@
 //! `t^2 T^2` and, for each pass before, `T^2 r R`: r the front's reflectance from
 //! below, R the base's. The factor `t^2 T^2` is applied at the end.
 
-use std::f64::consts::PI;
+mod books;
+mod sources;
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
-use super::tally::{Channel, Estimate, Incident, Ledger, Reflected, Rho};
-use super::{PathNumbers, Target, scale_rows, specular};
+use super::tally::Reflected;
+use super::{PathNumbers, scale_rows};
 use crate::angular::Stencil;
 use crate::stack::{Diffuser, Reflector};
 use crate::{Cone, Source, Stack};
+pub(super) use books::Tally;
+use books::{Room, Sums};
 
 /// A path never goes on with a higher probability than this.
 const MOST_SURVIVAL: f64 = 0.999;
@@ -35,42 +38,6 @@ pub(super) struct Diffused<'a> {
     /// There are beams or discs.
     directed: bool,
     discs: bool,
-}
-
-/// The sums of a replicate, and room to work in.
-#[derive(Debug, Clone)]
-pub(super) struct Tally {
-    sums: Sums,
-    room: Room,
-}
-
-#[derive(Debug, Clone)]
-struct Sums {
-    /// Enters the diffuser from above.
-    entering: Incident,
-    /// Reaches the base.
-    arriving: Incident,
-    /// Reflected by the base.
-    reflected: Channel,
-    /// Leaves the diffuser upwards: what diffuse light sees.
-    leaving: Channel,
-    /// For each source: after the base, by connection or (a disc) by chance.
-    from_source: Vec<Channel>,
-    /// For each beam: connections before the base, to light that came straight through.
-    from_straight_beam: Vec<Incident>,
-    /// For each source: what the view sees of its image in a perfect front mirror.
-    image: Vec<f64>,
-}
-
-/// Spectra of the path at hand; shape `[state][wavelength]`.
-#[derive(Debug, Clone)]
-struct Room {
-    /// What the path carries; meaningful from its second pass on.
-    carried: Vec<f64>,
-    /// `carried` times the base's reflectance.
-    reflected: Vec<f64>,
-    /// The same for light sampled backwards from a source.
-    backwards: Vec<f64>,
 }
 
 /// Light on its way up to the diffuser's underside.
@@ -93,23 +60,6 @@ impl<'a> Diffused<'a> {
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let discs = sources.iter().any(|source| matches!(source, Source::Disc(_)));
         Self { stack, diffuser, view, sources, survival, between_passes, specular, directed, discs }
-    }
-
-    pub(super) fn tally(&self) -> Tally {
-        let base = &self.stack.base;
-        let len = base.states() * base.bins();
-        Tally {
-            sums: Sums {
-                entering: Incident::new(len),
-                arriving: Incident::new(len),
-                reflected: Channel::new(base),
-                leaving: Channel::new(base),
-                from_source: self.sources.iter().map(|_| Channel::new(base)).collect(),
-                from_straight_beam: self.sources.iter().map(|_| Incident::new(len)).collect(),
-                image: vec![0.0; self.sources.len()],
-            },
-            room: Room { carried: vec![0.0; len], reflected: vec![0.0; len], backwards: vec![0.0; len] },
-        }
     }
 
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
@@ -251,184 +201,6 @@ impl<'a> Diffused<'a> {
         let kept: Vec<f64> =
             medium.index().iter().map(|&n| spread.kept(beta, n, medium.largest_index())).collect();
         scale_rows(spectra, &kept);
-    }
-
-    /// Beams that come straight through the diffuser and off a specular base, met on the way down.
-    fn connect_before_base(&self, beta: Beta, carried: Option<&[f64]>, sums: &mut Sums) {
-        if self.straight() == 0.0 || !self.specular {
-            return;
-        }
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_straight_beam) {
-            if let Source::Beam(beam) = source {
-                let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, *beam);
-                sum.add(carried, PI * scatter);
-            }
-        }
-    }
-
-    /// Beams that come straight through the diffuser onto a Lambertian base.
-    fn connect_straight_from_base(&self, light: Reflected<'_>, sums: &mut Sums) {
-        if self.straight() == 0.0 {
-            return;
-        }
-        let n = self.stack.medium.largest_index();
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Source::Beam(_) = source {
-                sum.add(light, PI * self.straight() * warp::uniform_disc_density(n));
-            }
-        }
-    }
-
-    /// Directed sources, from the diffuser's underside: the last scattering on the way to the light.
-    fn connect(&self, up: Upward, light: Reflected<'_>, numbers: &PassNumbers, sums: &mut Sums) {
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Some(target) = Target::sample(source, numbers.on_source) {
-                let lobe = self.diffuser.lobe.density(up.beta, target.beta);
-                sum.add(light, target.weight((1.0 - self.straight()) * lobe, lobe, up.density));
-            }
-        }
-    }
-
-    /// Round sources that the path has run into.
-    fn meet_discs(&self, up: Upward, out: Beta, straight: bool, light: Reflected<'_>, sums: &mut Sums) {
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Source::Disc(cone) = source
-                && cone.sends(out)
-            {
-                let target = Target::on_disc(cone, out);
-                let weight = if straight {
-                    target.strength
-                } else {
-                    let lobe = self.diffuser.lobe.density(up.beta, out);
-                    target.weight((1.0 - self.straight()) * lobe, lobe, up.density)
-                };
-                sum.add(light, weight);
-            }
-        }
-    }
-
-    /// Directed sources, by a direction below the diffuser that is drawn from the source's
-    /// side; `chosen` is the density with which the path itself would choose it.
-    fn sample_backwards(
-        &self,
-        chosen: impl Fn(Beta) -> f64,
-        carries: bool,
-        numbers: &PassNumbers,
-        sums: &mut Sums,
-        room: &mut Room,
-    ) {
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
-            if carries {
-                let Room { carried, backwards, .. } = room;
-                multiply(backwards, carried, |out| self.reflectance(beta, out));
-                self.keep_within_disc(beta, Spread::No, backwards);
-                sum.add(Reflected::Spectra(backwards), weight);
-            } else {
-                sum.add(Reflected::LookUp(self.look_up(beta)), weight);
-            }
-        }
-    }
-
-    /// The same for light that a Lambertian base has scattered.
-    fn sample_backwards_from_base(
-        &self,
-        look_up: Option<Stencil>,
-        numbers: &PassNumbers,
-        sums: &mut Sums,
-        room: &mut Room,
-    ) {
-        let density = warp::uniform_disc_density(self.stack.medium.largest_index());
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            let Some((beta, weight)) = self.backwards(source, |_| density, numbers) else { continue };
-            let Room { reflected: met, backwards, .. } = room;
-            if look_up.is_none() {
-                backwards.copy_from_slice(met);
-                self.keep_within_disc(beta, Spread::Lambertian, backwards);
-            }
-            sum.add(reflected(look_up, backwards), weight);
-        }
-    }
-
-    /// A direction in the medium drawn from the lobe around a source, and its balanced weight.
-    fn backwards(
-        &self,
-        source: &Source,
-        chosen: impl Fn(Beta) -> f64,
-        numbers: &PassNumbers,
-    ) -> Option<(Beta, f64)> {
-        let target = Target::sample(source, numbers.on_source)?;
-        let beta = self.diffuser.lobe.sample(target.beta, numbers.backwards)?;
-        let forward = chosen(beta);
-        if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
-            return None;
-        }
-        let lobe = self.diffuser.lobe.density(beta, target.beta);
-        Some((beta, target.weight((1.0 - self.straight()) * lobe, lobe, forward)))
-    }
-
-    pub(super) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
-        let sums = &tally.sums;
-        let base = &self.stack.base;
-        let reflected = sums.reflected.sum(base, scale);
-        let leaving = sums.leaving.sum(base, scale);
-        let rho = (0..self.sources.len()).map(|i| self.rho(i, sums, &leaving, scale)).collect();
-        let ledger = self.ledger(&sums.entering.sum(scale), &sums.arriving.sum(scale), &reflected, &leaving);
-        Estimate { rho, ledger }
-    }
-
-    /// Reflectance factor under source `i` alone.
-    fn rho(&self, i: usize, sums: &Sums, leaving: &[f64], scale: f64) -> Rho {
-        let front = &self.stack.front;
-        let through: Vec<f64> = front
-            .transmittance
-            .iter()
-            .zip(self.diffuser.transmittance.iter())
-            .map(|(t, diffuser)| (t * diffuser).powi(2))
-            .collect();
-        let mut base = match &self.sources[i] {
-            Source::Diffuse => leaving.to_vec(),
-            Source::Beam(beam) => self.beam_light(i, *beam, sums, scale),
-            Source::Disc(_) => sums.from_source[i].sum(&self.stack.base, scale),
-        };
-        let front = front.reflectance_above.iter().map(|r| r * sums.image[i] * scale).collect();
-        scale_rows(&mut base, &through);
-        Rho { base, front }
-    }
-
-    /// A beam's light reaches the diffuser also by way of its own specular round trips.
-    fn beam_light(&self, i: usize, beam: Beta, sums: &Sums, scale: f64) -> Vec<f64> {
-        let mut base = sums.from_source[i].sum(&self.stack.base, scale);
-        if self.straight() == 0.0 || !self.specular {
-            return base;
-        }
-        let mut r = vec![0.0; base.len()];
-        self.reflectance(beam, &mut r);
-        let before = sums.from_straight_beam[i].sum(scale);
-        let round_trips = specular::round_trips(self.stack, self.diffuser, &r);
-        for (k, value) in base.iter_mut().enumerate() {
-            *value = (*value + self.straight() * r[k] * before[k]) * round_trips[k];
-        }
-        base
-    }
-
-    fn ledger(&self, entering: &[f64], arriving: &[f64], reflected: &[f64], leaving: &[f64]) -> Ledger {
-        let mut ledger = Ledger::zeros(entering.len());
-        let (front, inactive) = (&self.stack.front, &self.stack.base.inactive_absorptance);
-        for k in 0..entering.len() {
-            let bin = k % inactive.len();
-            let (flat, diffuser) = (front.at(bin), self.diffuser.transmittance[bin]);
-            // Shares at the diffuser's upper and lower side.
-            let (above, below) = (flat.t, flat.t * diffuser);
-            let up = below * diffuser * leaving[k];
-            ledger.inactive[k] = below * arriving[k] * inactive[bin];
-            ledger.pixel[k] = below * (arriving[k] - reflected[k]) - ledger.inactive[k];
-            ledger.diffuser[k] = above * entering[k] - below * arriving[k] + below * reflected[k] - up;
-            ledger.returned[k] = flat.above + up * flat.t;
-            ledger.front[k] = 1.0 - flat.t - flat.above + up * (1.0 - flat.t - flat.below);
-            ledger.unaccounted[k] = up * flat.below - above * (entering[k] - 1.0);
-        }
-        ledger
     }
 }
 

@@ -1,0 +1,139 @@
+//! Directed sources: met by connection, by chance, and by directions drawn from their side.
+//!
+//! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
+//! direction that the path had no choice about (infinite density) competes with nothing.
+
+use std::f64::consts::PI;
+
+use papilio_optics::Beta;
+use papilio_sampling::warp;
+
+use super::books::{Room, Sums};
+use super::{Diffused, PassNumbers, Spread, Upward, multiply, reflected};
+use crate::Source;
+use crate::angular::Stencil;
+use crate::walk::Target;
+use crate::walk::tally::Reflected;
+
+impl Diffused<'_> {
+    /// Beams that come straight through the diffuser and off a specular base, met on the way down.
+    pub(super) fn connect_before_base(&self, beta: Beta, carried: Option<&[f64]>, sums: &mut Sums) {
+        if self.straight() == 0.0 || !self.specular {
+            return;
+        }
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_straight_beam) {
+            if let Source::Beam(beam) = source {
+                let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, *beam);
+                sum.add(carried, PI * scatter);
+            }
+        }
+    }
+
+    /// Beams that come straight through the diffuser onto a Lambertian base.
+    pub(super) fn connect_straight_from_base(&self, light: Reflected<'_>, sums: &mut Sums) {
+        if self.straight() == 0.0 {
+            return;
+        }
+        let n = self.stack.medium.largest_index();
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
+            if let Source::Beam(_) = source {
+                sum.add(light, PI * self.straight() * warp::uniform_disc_density(n));
+            }
+        }
+    }
+
+    /// Directed sources, from the diffuser's underside: the last scattering on the way to the light.
+    pub(super) fn connect(&self, up: Upward, light: Reflected<'_>, numbers: &PassNumbers, sums: &mut Sums) {
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
+            if let Some(target) = Target::sample(source, numbers.on_source) {
+                let lobe = self.diffuser.lobe.density(up.beta, target.beta);
+                sum.add(light, target.weight((1.0 - self.straight()) * lobe, lobe, up.density));
+            }
+        }
+    }
+
+    /// Round sources that the path has run into.
+    pub(super) fn meet_discs(
+        &self,
+        up: Upward,
+        out: Beta,
+        straight: bool,
+        light: Reflected<'_>,
+        sums: &mut Sums,
+    ) {
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
+            if let Source::Disc(cone) = source
+                && cone.sends(out)
+            {
+                let target = Target::on_disc(cone, out);
+                let weight = if straight {
+                    target.strength
+                } else {
+                    let lobe = self.diffuser.lobe.density(up.beta, out);
+                    target.weight((1.0 - self.straight()) * lobe, lobe, up.density)
+                };
+                sum.add(light, weight);
+            }
+        }
+    }
+
+    /// Directed sources, by a direction below the diffuser that is drawn from the source's
+    /// side; `chosen` is the density with which the path itself would choose it.
+    pub(super) fn sample_backwards(
+        &self,
+        chosen: impl Fn(Beta) -> f64,
+        carries: bool,
+        numbers: &PassNumbers,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) {
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
+            let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
+            if carries {
+                let Room { carried, backwards, .. } = room;
+                multiply(backwards, carried, |out| self.reflectance(beta, out));
+                self.keep_within_disc(beta, Spread::No, backwards);
+                sum.add(Reflected::Spectra(backwards), weight);
+            } else {
+                sum.add(Reflected::LookUp(self.look_up(beta)), weight);
+            }
+        }
+    }
+
+    /// The same for light that a Lambertian base has scattered.
+    pub(super) fn sample_backwards_from_base(
+        &self,
+        look_up: Option<Stencil>,
+        numbers: &PassNumbers,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) {
+        let density = warp::uniform_disc_density(self.stack.medium.largest_index());
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
+            let Some((beta, weight)) = self.backwards(source, |_| density, numbers) else { continue };
+            let Room { reflected: met, backwards, .. } = room;
+            if look_up.is_none() {
+                backwards.copy_from_slice(met);
+                self.keep_within_disc(beta, Spread::Lambertian, backwards);
+            }
+            sum.add(reflected(look_up, backwards), weight);
+        }
+    }
+
+    /// A direction in the medium drawn from the lobe around a source, and its balanced weight.
+    fn backwards(
+        &self,
+        source: &Source,
+        chosen: impl Fn(Beta) -> f64,
+        numbers: &PassNumbers,
+    ) -> Option<(Beta, f64)> {
+        let target = Target::sample(source, numbers.on_source)?;
+        let beta = self.diffuser.lobe.sample(target.beta, numbers.backwards)?;
+        let forward = chosen(beta);
+        if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
+            return None;
+        }
+        let lobe = self.diffuser.lobe.density(beta, target.beta);
+        Some((beta, target.weight((1.0 - self.straight()) * lobe, lobe, forward)))
+    }
+}
