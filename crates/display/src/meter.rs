@@ -191,6 +191,7 @@ impl<'a> Meter<'a> {
             Z: z,
             x: scalars.chromaticity[0],
             y: scalars.chromaticity[1],
+            z: scalars.chromaticity[2],
             u_prime: scalars.uv_prime[0],
             v_prime: scalars.uv_prime[1],
             L_star: scalars.lab[0],
@@ -201,6 +202,7 @@ impl<'a> Meter<'a> {
             peak_nm: scalars.peak_nm,
             distance_from_white_uv: scalars.from_white,
             distance_from_d65_uv: scalars.from_d65,
+            hue_rgb: all(scalars.hue_rgb),
             terms: Terms {
                 diffuse: terms[0],
                 directed: terms[1..].to_vec(),
@@ -243,4 +245,9 @@ fn ledger_parts(shares: &[f64]) -> (f64, Absorbed, f64) {
     let absorbed =
         Absorbed { front: shares[1], diffuser: shares[2], glass: 0.0, pixel: shares[3], inactive: shares[4] };
     (shares[0], absorbed, shares[5])
+}
+
+/// All three, or none.
+fn all([r, g, b]: [Option<f64>; 3]) -> Option<[f64; 3]> {
+    Some([r?, g?, b?])
 }

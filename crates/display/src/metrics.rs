@@ -10,7 +10,7 @@ use papilio_spectra::Grid;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Scalars<T = Option<f64>> {
     pub(crate) xyz: [T; 3],
-    pub(crate) chromaticity: [T; 2],
+    pub(crate) chromaticity: [T; 3],
     pub(crate) uv_prime: [T; 2],
     pub(crate) lab: [T; 3],
     pub(crate) luminance: T,
@@ -18,6 +18,7 @@ pub(crate) struct Scalars<T = Option<f64>> {
     pub(crate) peak_nm: T,
     pub(crate) from_white: T,
     pub(crate) from_d65: T,
+    pub(crate) hue_rgb: [T; 3],
 }
 
 /// The numbers of a view: those of its states, and of the states together.
@@ -60,7 +61,7 @@ impl Reference<'_> {
         let (xy, uv, lab) = (xyz.chromaticity(), xyz.uv_prime(), xyz.lab(self.white));
         Scalars {
             xyz: xyz.to_array().map(Some),
-            chromaticity: [xy.map(|c| c.x), xy.map(|c| c.y)],
+            chromaticity: [xy.map(|c| c.x), xy.map(|c| c.y), xy.map(|c| 1.0 - c.x - c.y)],
             uv_prime: [uv.map(|c| c.u), uv.map(|c| c.v)],
             lab: [lab.map(|c| c.l), lab.map(|c| c.a), lab.map(|c| c.b)],
             luminance: Some(xyz.y * self.white_luminance),
@@ -68,6 +69,7 @@ impl Reference<'_> {
             peak_nm: peak_nm(self.grid, factor),
             from_white: uv.zip(white).map(|(uv, white)| uv.distance(white)),
             from_d65: uv.map(|uv| uv.distance(D65_UV)),
+            hue_rgb: std::array::from_fn(|k| xyz.hue_rgb().map(|rgb| rgb[k])),
         }
     }
 }
@@ -85,7 +87,7 @@ impl Scalars {
         let pair = |get: &dyn Fn(&Self) -> [Option<f64>; 2]| std::array::from_fn(|k| one(&|s| get(s)[k]));
         Self {
             xyz: triple(&|s| s.xyz),
-            chromaticity: pair(&|s| s.chromaticity),
+            chromaticity: triple(&|s| s.chromaticity),
             uv_prime: pair(&|s| s.uv_prime),
             lab: triple(&|s| s.lab),
             luminance: one(&|s| s.luminance),
@@ -93,6 +95,7 @@ impl Scalars {
             peak_nm: one(&|s| s.peak_nm),
             from_white: one(&|s| s.from_white),
             from_d65: one(&|s| s.from_d65),
+            hue_rgb: triple(&|s| s.hue_rgb),
         }
     }
 }

@@ -112,6 +112,8 @@ pub struct StateValues {
     pub x: Option<f64>,
     /// CIE 1931 chromaticity.
     pub y: Option<f64>,
+    /// CIE 1931 chromaticity, 1 - x - y.
+    pub z: Option<f64>,
     /// CIE 1976 u'.
     pub u_prime: Option<f64>,
     /// CIE 1976 v'.
@@ -132,6 +134,9 @@ pub struct StateValues {
     pub distance_from_white_uv: Option<f64>,
     /// u'v' distance from D65 (Feng 2012's dR).
     pub distance_from_d65_uv: Option<f64>,
+    /// 255 times linear sRGB of (x, y, z), clipped, without gamma: hue without lightness (the
+    /// RGB rows of Feng 2012, table 5.1).
+    pub hue_rgb: Option<[f64; 3]>,
     /// The parts of Y by light; they sum to Y.
     pub terms: Terms,
     /// Luminance of each directed source's mirror image over that of the source, wherever it is seen.

@@ -125,6 +125,7 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
         ("Z", Some(v.Z)),
         ("x", v.x),
         ("y", v.y),
+        ("z", v.z),
         ("u_prime", v.u_prime),
         ("v_prime", v.v_prime),
         ("L_star", v.L_star),
@@ -135,6 +136,9 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
         ("peak_nm", v.peak_nm),
         ("distance_from_white_uv", v.distance_from_white_uv),
         ("distance_from_d65_uv", v.distance_from_d65_uv),
+        ("hue_r", v.hue_rgb.map(|rgb| rgb[0])),
+        ("hue_g", v.hue_rgb.map(|rgb| rgb[1])),
+        ("hue_b", v.hue_rgb.map(|rgb| rgb[2])),
         ("Y_diffuse", Some(v.terms.diffuse)),
         ("Y_front_reflection", Some(v.terms.front_reflection)),
     ];

@@ -17,6 +17,7 @@ fn values(start: f64) -> StateValues {
         Z: start + 2.0,
         x: Some(0.3),
         y: Some(0.4),
+        z: Some(0.3),
         u_prime: Some(0.2),
         v_prime: Some(0.5),
         L_star: Some(50.0),
@@ -27,6 +28,7 @@ fn values(start: f64) -> StateValues {
         peak_nm: None,
         distance_from_white_uv: Some(0.0),
         distance_from_d65_uv: Some(0.01),
+        hue_rgb: Some([10.0, 20.0, 30.0]),
         terms: Terms { diffuse: start, directed: vec![1.0, start], front_reflection: 0.0 },
         specular: vec![0.04, 0.0],
     }

@@ -100,6 +100,7 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         Z: xyz.z,
         x: Some(xy.x),
         y: Some(xy.y),
+        z: Some(1.0 - xy.x - xy.y),
         u_prime: Some(uv.u),
         v_prime: Some(uv.v),
         L_star: Some(lab.l),
@@ -110,6 +111,7 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         peak_nm: peak_nm(grid, reflectance),
         distance_from_white_uv: None,
         distance_from_d65_uv: Some(uv.distance(D65_UV)),
+        hue_rgb: xyz.hue_rgb(),
         terms: Terms { diffuse: xyz.y, directed: vec![], front_reflection: 0.0 },
         specular: vec![],
     };
