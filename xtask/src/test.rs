@@ -19,10 +19,10 @@ pub(crate) fn test() -> Outcome {
     all_checks(cargo(TESTS))
 }
 
-/// The chore, with the statistics over that many seeds, in release mode.
+/// The chore, with the statistics over that many seeds.
 pub(crate) fn with_seeds(seeds: u64) -> Outcome {
     let mut tests = cargo(TESTS);
-    tests.arg("--release").env(SEEDS_VARIABLE, seeds.to_string());
+    tests.env(SEEDS_VARIABLE, seeds.to_string());
     all_checks(tests)
 }
 

@@ -75,6 +75,7 @@ pub(crate) fn rho(estimate: &Estimate, i: usize) -> f64 {
 }
 
 /// How many seeds the statistics run over: 48, or as `PAPILIO_SEEDS` says.
+#[allow(clippy::expect_used, reason = "a test says what it expects")]
 fn seeds() -> u64 {
     std::env::var("PAPILIO_SEEDS").map_or(48, |more| more.parse().expect("PAPILIO_SEEDS is a whole number"))
 }
