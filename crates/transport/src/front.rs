@@ -42,7 +42,7 @@ impl Front {
         sum
     }
 
-    /// First order only (Feng 2012, eq. 3-2 and 3-3); nothing goes back to the panel.
+    /// First order only (Feng 2012, eq. 3-2 and 3-3).
     pub fn first_order<'a>(
         bins: usize,
         components: impl IntoIterator<Item = (&'a [f64], &'a [f64])>,
@@ -50,9 +50,8 @@ impl Front {
         let mut sum = Self::none(bins);
         for (r, a) in components {
             for bin in 0..bins {
-                let Flat { t, above, .. } = sum.at(bin);
-                let through = t * (1.0 - r[bin] - a[bin]);
-                sum.set(bin, Flat { t: through, above: above + t * t * r[bin], below: 0.0 });
+                let lower = Flat { t: 1.0 - r[bin] - a[bin], above: r[bin], below: r[bin] };
+                sum.set(bin, sum.at(bin).once_over(lower));
             }
         }
         sum
@@ -98,6 +97,16 @@ impl Flat {
             t: self.t * lower.t * series,
             above: self.above + self.t * self.t * lower.above * series,
             below: lower.below + lower.t * lower.t * self.below * series,
+        }
+    }
+
+    /// This part above `lower` to first order: no light goes to and fro between them.
+    #[inline]
+    pub(crate) fn once_over(self, lower: Self) -> Self {
+        Self {
+            t: self.t * lower.t,
+            above: self.above + self.t * self.t * lower.above,
+            below: lower.below + lower.t * lower.t * self.below,
         }
     }
 

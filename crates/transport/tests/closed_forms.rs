@@ -196,6 +196,11 @@ fn front_of_screen_exact_and_first_order() {
     stack.single_pass = true;
     let first_order = stack.front.reflectance_above[0] + stack.front.transmittance[0].powi(2) * 0.4;
     assert!((first_order - (0.066_538 + 0.917_035_f64.powi(2) * 0.4)).abs() < 2e-6);
+    // What the front sends back down is not followed: the books say so.
+    let e = &replicates(&stack, view(8.0), &[Source::Diffuse], 0, 16, Sampler::Random)[0].ledger;
+    let sent_back = stack.front.transmittance[0] * 0.4 * stack.front.reflectance_below[0];
+    assert!((e.unaccounted[0] - sent_back).abs() < 1e-12 && sent_back > 0.02);
+    assert!((e.returned[0] + e.front[0] + e.pixel[0] + e.unaccounted[0] - 1.0).abs() < 1e-12);
     check("front, first order", &stack, view(8.0), &[Source::Diffuse], 16, first_order);
 }
 

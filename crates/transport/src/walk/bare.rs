@@ -161,10 +161,8 @@ impl<'a> Bare<'a> {
             return;
         }
         add_rows_times(&mut sums.leaving, carried, &flat.t, 1.0);
-        if !self.stack.single_pass {
-            fill(factor, flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r));
-            add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
-        }
+        fill(factor, flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r));
+        add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             let weight = match source {
                 Source::Disc(cone) if !self.specular && cone.sends(beta) => {

@@ -10,8 +10,8 @@
 //!
 //! What is estimated for each source is `rho`, the *reflectance factor under that
 //! source alone*: `pi L / E`, by state and wavelength, L the radiance to the viewer and
-//! E the source's illuminance in the display plane. Diffuse light is met by sampled
-//! directions leaving the display. Beams are met by connections at every scattering
+//! E the source's illuminance in the display plane. Diffuse light is met wherever light
+//! leaves, at the exact share of it that leaves. Beams are met by connections at every scattering
 //! event. Round sources are met by both, weighted by the balance heuristic (Veach &
 //! Guibas 1995), so that nothing counts twice. A narrow lobe between the reader's
 //! direction and the source's is sampled from both ends, again by the balance heuristic.

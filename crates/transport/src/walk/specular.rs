@@ -27,9 +27,14 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
             }
             Top::Coated | Top::Fresnel(_) => (flat_top.at(bin), *value),
         };
-        *value = flat.above + flat.t * flat.t * below / (1.0 - flat.below * below);
+        *value = flat.above + flat.t * flat.t * below * round_trip(stack, flat.below * below);
     }
     r
+}
+
+/// All orders of a round trip that keeps this share of the light.
+fn round_trip(stack: &Stack, share: f64) -> f64 {
+    if stack.single_pass { 1.0 } else { 1.0 / (1.0 - share) }
 }
 
 /// All orders of `front from below, straight down, base, straight up`, as a factor on
@@ -39,7 +44,7 @@ pub(super) fn round_trips(stack: &Stack, diffuser: &Diffuser, r: &[f64]) -> Vec<
     let one = |(k, r): (usize, &f64)| {
         let bin = k % bins;
         let there_and_back = (diffuser.straight_through * diffuser.transmittance[bin]).powi(2) * r;
-        1.0 / (1.0 - there_and_back * stack.front.reflectance_below[bin])
+        round_trip(stack, there_and_back * stack.front.reflectance_below[bin])
     };
     r.iter().enumerate().map(one).collect()
 }
@@ -68,10 +73,9 @@ impl FlatTop {
         let first = face(stack, beta_squared, 0);
         for bin in 0..self.t.len() {
             let face = if alike { first } else { face(stack, beta_squared, bin) };
-            let both = stack.front.at(bin).over(face);
-            self.t[bin] = both.t;
-            self.above[bin] = both.above;
-            self.below[bin] = if stack.single_pass { 0.0 } else { both.below };
+            let front = stack.front.at(bin);
+            let both = if stack.single_pass { front.once_over(face) } else { front.over(face) };
+            (self.t[bin], self.above[bin], self.below[bin]) = (both.t, both.above, both.below);
         }
     }
 }
