@@ -225,7 +225,8 @@ impl<'a> Runner<'a> {
             Source::Beam(beta) => *beta,
             Source::Disc(cone) => -cone.axis_towards(),
         };
-        specular_image(&self.prepared.stack, beta)
+        let image = specular_image(&self.prepared.stack, beta);
+        image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
     }
 
     fn warnings(&self, specular: &[Vec<f64>], interrupted: bool, reached: f64) -> Vec<String> {

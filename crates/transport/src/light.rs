@@ -17,20 +17,6 @@ pub enum Source {
     Disc(Cone),
 }
 
-impl Source {
-    /// `pi L / E` of what a mirror shows of the source where light propagates with `beta`;
-    /// nothing of a beam, which has no radiance.
-    #[inline]
-    pub(crate) fn image_strength(&self, beta: Beta) -> f64 {
-        match self {
-            Self::Diffuse => 1.0,
-            Self::Beam(_) => 0.0,
-            Self::Disc(cone) if cone.sends(beta) => PI / cone.projected_solid_angle(),
-            Self::Disc(_) => 0.0,
-        }
-    }
-}
-
 /// A round patch of directions, seen from the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
@@ -53,6 +39,49 @@ impl Cone {
         let direction =
             if self.half_angle > 0.0 { warp::uniform_cone(self.axis, self.half_angle, u) } else { self.axis };
         Beta { x: self.index * direction[0], y: self.index * direction[1] }
+    }
+
+    /// The cone in which a mirror shows this one.
+    pub(crate) fn mirrored(&self) -> Self {
+        let [x, y, z] = self.axis;
+        Self { axis: [-x, -y, z], ..*self }
+    }
+
+    /// True if it has no width.
+    pub(crate) fn is_point(&self) -> bool {
+        self.half_angle == 0.0
+    }
+
+    /// Its solid angle.
+    pub(crate) fn solid_angle(&self) -> f64 {
+        1.0 / warp::uniform_cone_density(self.half_angle)
+    }
+
+    /// The smallest cone that holds what two cones have in common; `None` if they have nothing.
+    pub(crate) fn overlap(&self, other: &Self) -> Option<Self> {
+        let (small, large) = if self.half_angle <= other.half_angle { (self, other) } else { (other, self) };
+        let (a, b) = (small.half_angle, large.half_angle);
+        let [ax, ay, az] = small.axis;
+        let [bx, by, bz] = large.axis;
+        let cross = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
+        let sin = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let cos = ax * bx + ay * by + az * bz;
+        let distance = sin.atan2(cos);
+        if distance >= a + b {
+            return None;
+        }
+        // From the small axis towards the large one to the plane of the common chord: a
+        // right spherical triangle, cos a = cos t cos(half chord).
+        let t = (b.cos() - a.cos() * cos).atan2(a.cos() * sin);
+        if distance <= b - a || t <= 0.0 {
+            return Some(*small);
+        }
+        let half_angle = (a.cos() / t.cos()).clamp(-1.0, 1.0).acos();
+        let axis = std::array::from_fn(|i| {
+            let towards = (large.axis[i] - cos * small.axis[i]) / sin;
+            t.cos() * small.axis[i] + t.sin() * towards
+        });
+        Some(Self { axis, half_angle, index: small.index })
     }
 
     /// The direction cosines of its axis, of light that leaves towards it.
@@ -117,6 +146,37 @@ mod tests {
             let relative = mean / cone.projected_solid_angle() - 1.0;
             assert!(relative.abs() < 1e-3, "{theta_deg} {radius_deg}: {relative}");
         }
+    }
+
+    /// Every point of both cones lies in their overlap, and a fair share of it in both.
+    #[test]
+    fn an_overlap_holds_what_is_common() {
+        let cone = |theta, half| Cone::new(theta, 20.0, half, 1.0);
+        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        for (distance, a, b) in
+            [(0.5, 0.3, 5.0), (5.1, 0.3, 5.0), (5.29, 0.3, 5.0), (6.0, 4.0, 4.0), (0.0, 1.0, 1.0)]
+        {
+            let (small, large) = (cone(30.0, a), cone(30.0 + distance, b));
+            let overlap = small.overlap(&large).unwrap();
+            let mut common = [0; 2];
+            for path in 0..4096 {
+                let u = numbers.block(path, 0);
+                let of_small = small.sample_towards([u[0], u[1]]);
+                if large.holds(of_small) {
+                    common[0] += 1;
+                    assert!(overlap.holds(of_small), "{distance}");
+                }
+                let of_overlap = overlap.sample_towards([u[2], u[3]]);
+                common[1] += i32::from(small.holds(of_overlap) && large.holds(of_overlap));
+            }
+            // Two roads to the common solid angle.
+            let [from_small, from_overlap] =
+                [(&small, common[0]), (&overlap, common[1])].map(|(c, n)| c.solid_angle() * f64::from(n));
+            assert!(common[1] > 200, "{distance}: {common:?}");
+            let noise = 4.0 / f64::from(common[0]).sqrt();
+            assert!((from_small / from_overlap - 1.0).abs() < noise, "{distance}: {common:?}");
+        }
+        assert!(cone(30.0, 0.3).overlap(&cone(35.4, 5.0)).is_none());
     }
 
     #[test]

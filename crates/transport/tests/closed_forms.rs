@@ -77,7 +77,7 @@ fn straight_through_light_joins_the_double_pass() {
     let truth = std::f64::consts::PI * t * t * 0.7 * scattered;
     check("straight-through", &stack, view(8.0), &[Source::Beam(beam)], 256, truth);
     let image = specular_image(&stack, beam);
-    assert!((image[0] - (s * t).powi(2) * 0.7).abs() < 1e-15);
+    assert!((image.base[0] - (s * t).powi(2) * 0.7).abs() < 1e-15 && image.front[0] == 0.0);
 }
 
 /// A round source of growing radius over the same panel: its `rho` is the beam's,
@@ -120,6 +120,39 @@ fn a_disc_is_a_sum_of_beams() {
             512,
             scattered + image,
         );
+    }
+}
+
+/// The sun's image in a bare mirror: where it fills a share of the field, `rho` is that share
+/// of `pi R / Omega`; points of the field would hit it once in thousands.
+#[test]
+fn a_small_image_in_a_large_field() {
+    let stack = panel(Top::Coated, mirror(0.5));
+    for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
+        let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
+        let field = Cone::new(8.0, 0.0, 0.5 * field_deg, 1.0);
+        let small = |half_deg: f64| 2.0 * (0.5 * half_deg.to_radians()).sin().powi(2);
+        let share = if field_deg == 0.0 { 1.0 } else { small(radius_deg) / small(0.5 * field_deg) };
+        let truth = 0.5 * share * std::f64::consts::PI / sun.projected_solid_angle();
+        check(&format!("sun of {radius_deg} in {field_deg}"), &stack, field, &[Source::Disc(sun)], 64, truth);
+    }
+}
+
+/// A sun that the diffuser lets through: scattered on the way down or up alone, its light is
+/// the beam's. Its disc is so small that no path would run into it.
+#[test]
+fn a_small_sun_behind_a_diffuser_with_straight_through_light() {
+    let (s, t) = (0.4, 0.9);
+    for (name, base) in [("mirror", mirror(0.7)), ("Lambertian", lambertian(0.7))] {
+        let stack = panel(diffuser(0.05, t, s), base);
+        let sources = [
+            Source::Beam(Beta::from_source(-20.0, 0.0, 1.0)),
+            Source::Disc(Cone::new(-20.0, 0.0, 0.02, 1.0)),
+        ];
+        let estimates = replicates(&stack, view(8.0), &sources, 0, 4096, Sampler::Sobol);
+        let (beam, error) = mean_and_error(estimates.iter().map(|e| rho(e, 0)));
+        let (disc, disc_error) = mean_and_error(estimates.iter().map(|e| rho(e, 1)));
+        assert!((beam - disc).abs() < 5.0 * error.hypot(disc_error) + 1e-5 * beam, "{name}: {beam} {disc}");
     }
 }
 

@@ -101,7 +101,7 @@ impl<'a> Bare<'a> {
                 self.spread(beta, room);
             }
             self.leave(beta, sums, room);
-            if self.stack.single_pass || !Self::goes_on(numbers.event(pass, 1)[0], sums, room) {
+            if self.stack.single_pass || !Self::goes_on(numbers.roulette(pass), sums, room) {
                 return;
             }
         }
@@ -115,7 +115,9 @@ impl<'a> Bare<'a> {
         fill(factor, flat.t.iter().zip(&flat.above).map(|(t, r)| 1.0 - t - r));
         add_scaled(&mut sums.absorbed_entering, factor, 1.0);
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
-            add_scaled(&mut rho.front, &flat.above, source.image_strength(beta));
+            if *source == Source::Diffuse {
+                add_scaled(&mut rho.front, &flat.above, 1.0);
+            }
         }
         carried.fill(1.0);
         scale_rows(carried, &flat.t);
@@ -165,15 +167,14 @@ impl<'a> Bare<'a> {
         add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             let weight = match source {
+                Source::Diffuse => 1.0,
                 Source::Disc(cone) if !self.specular && cone.sends(beta) => {
                     let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
                     Target::on_disc(cone, beta).weight(scatter, 0.0, 1.0)
                 }
-                _ => source.image_strength(beta),
+                Source::Disc(_) | Source::Beam(_) => continue,
             };
-            if weight != 0.0 {
-                add_rows_times(&mut rho.base, carried, &flat.t, weight);
-            }
+            add_rows_times(&mut rho.base, carried, &flat.t, weight);
         }
     }
 

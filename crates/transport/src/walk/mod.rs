@@ -16,8 +16,9 @@
 //! Guibas 1995), so that nothing counts twice. A narrow lobe between the reader's
 //! direction and the source's is sampled from both ends, again by the balance heuristic.
 //!
-//! Specular images of beams have no radiance; they add nothing here (see
-//! [`specular_image`]).
+//! Mirror images of round sources are integrated apart from the paths, over what the
+//! field of view and the image have in common. Those of beams have no radiance; they add
+//! nothing here (see [`specular_image`]).
 //!
 //! # Speed
 //! Scattering does not depend on wavelength. On its first pass a path only drops
@@ -31,16 +32,18 @@
 
 mod bare;
 mod diffused;
+mod images;
 mod specular;
 mod tally;
 
 use papilio_optics::Beta;
-use papilio_sampling::Numbers;
+use papilio_sampling::{Numbers, PLANNED_BLOCKS};
 
 use crate::{Cone, Source, Stack, Top};
 use bare::Bare;
 use diffused::Diffused;
-pub use specular::specular_image;
+use images::Images;
+pub use specular::{Image, specular_image};
 pub use tally::{Estimate, Ledger, Rho};
 
 /// Numbers of one path: blocks 0 to 3 serve the field of view and the first pass.
@@ -63,6 +66,19 @@ impl PathNumbers<'_> {
         self.start[2]
     }
 
+    /// For the point of a mirror image.
+    #[inline]
+    fn image(&self) -> [f64; 2] {
+        self.field()
+    }
+
+    /// Whether a path over a bare panel goes on: independent numbers, since the counts that
+    /// stratified ones give may agree in all replicates and hide the error.
+    #[inline]
+    fn roulette(&self, pass: u32) -> f64 {
+        self.numbers.block(self.path, PLANNED_BLOCKS + 3 * pass)[3]
+    }
+
     /// Four numbers for event `kind` (0 to 2) of this pass.
     #[inline]
     fn event(&self, pass: u32, kind: u32) -> [f64; 4] {
@@ -74,6 +90,7 @@ impl PathNumbers<'_> {
 #[derive(Debug)]
 pub struct Walk<'a> {
     kind: Kind<'a>,
+    images: Images<'a>,
 }
 
 #[derive(Debug)]
@@ -89,7 +106,7 @@ impl<'a> Walk<'a> {
             Top::Diffuser(diffuser) => Kind::Diffused(Diffused::new(stack, diffuser, view, sources)),
             Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(stack, view, sources)),
         };
-        Self { kind }
+        Self { kind, images: Images::new(stack, view, sources) }
     }
 
     /// An empty replicate, to be filled by [`Self::trace`].
@@ -98,7 +115,7 @@ impl<'a> Walk<'a> {
             Kind::Bare(bare) => TallyKind::Bare(bare.tally()),
             Kind::Diffused(diffused) => TallyKind::Diffused(diffused.tally()),
         };
-        Replicate { paths: 0, tally }
+        Replicate { paths: 0, tally, images: self.images.sums() }
     }
 
     /// Traces `count` further paths of a replicate. The result depends on the
@@ -106,6 +123,7 @@ impl<'a> Walk<'a> {
     pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
         for path in replicate.paths..replicate.paths + count {
             let numbers = PathNumbers { numbers, path, start: numbers.block(path, 0) };
+            self.images.path(numbers.image(), &mut replicate.images);
             match (&self.kind, &mut replicate.tally) {
                 (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.path(&numbers, tally),
                 (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.path(&numbers, tally),
@@ -119,11 +137,13 @@ impl<'a> Walk<'a> {
     /// The means over a replicate's paths; it must have traced at least one.
     pub fn estimate(&self, replicate: &Replicate) -> Estimate {
         let scale = 1.0 / replicate.paths as f64;
-        match (&self.kind, &replicate.tally) {
+        let mut estimate = match (&self.kind, &replicate.tally) {
             (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.estimate(tally, scale),
             (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.estimate(tally, scale),
-            _ => Estimate::default(),
-        }
+            _ => return Estimate::default(),
+        };
+        self.images.add_to(&mut estimate.rho, &replicate.images, scale);
+        estimate
     }
 }
 
@@ -132,6 +152,7 @@ impl<'a> Walk<'a> {
 pub struct Replicate {
     paths: u64,
     tally: TallyKind,
+    images: images::Sums,
 }
 
 impl Replicate {
@@ -175,6 +196,16 @@ impl Target {
     fn on_disc(cone: &Cone, beta: Beta) -> Self {
         let strength = std::f64::consts::PI / cone.projected_solid_angle();
         Self { beta, density: cone.density(beta), strength }
+    }
+
+    /// What one sample adds to `rho` where this connection is the only technique.
+    #[inline]
+    fn only_connection(&self, scatter: f64) -> f64 {
+        if self.density.is_infinite() {
+            self.strength * scatter
+        } else {
+            self.strength * scatter / self.density
+        }
     }
 
     /// What one sample adds to `rho` where a direction reaches this point by any of

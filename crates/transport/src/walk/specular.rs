@@ -7,10 +7,18 @@ use crate::front::Flat;
 use crate::stack::{Diffuser, Reflector};
 use crate::{Stack, Top};
 
-/// The specular reflectance of the whole display for a beam with these direction
-/// cosines, `|beta| <= 1`: the luminance of its mirror image over its own, by state and
-/// wavelength (shape `[state][wavelength]`).
-pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
+/// What a mirror image holds, in parts of the source's own radiance.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Image {
+    /// Mirrored before the base, alike in all states; shape `[wavelength]`.
+    pub front: Vec<f64>,
+    /// By way of the base; shape `[state][wavelength]`.
+    pub base: Vec<f64>,
+}
+
+/// The specular reflectance of the whole display for light with these direction cosines,
+/// `|beta| <= 1`: the luminance of its mirror image over its own.
+pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     let base = &stack.base;
     let mut flat_top = FlatTop::new(base.bins());
     flat_top.set(stack, beta.squared());
@@ -19,17 +27,19 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Vec<f64> {
         Reflector::Specular(_) => base.reflectance(beta.squared(), &stack.medium, &mut r),
         Reflector::Lambertian(_) => {}
     }
+    let flat = |bin: usize| match &stack.top {
+        Top::Diffuser(_) => stack.front.at(bin),
+        Top::Coated | Top::Fresnel(_) => flat_top.at(bin),
+    };
     for (k, value) in r.iter_mut().enumerate() {
-        let bin = k % base.bins();
-        let (flat, below) = match &stack.top {
-            Top::Diffuser(d) => {
-                (stack.front.at(bin), (d.straight_through * d.transmittance[bin]).powi(2) * *value)
-            }
-            Top::Coated | Top::Fresnel(_) => (flat_top.at(bin), *value),
+        let flat = flat(k % base.bins());
+        let below = match &stack.top {
+            Top::Diffuser(d) => (d.straight_through * d.transmittance[k % base.bins()]).powi(2) * *value,
+            Top::Coated | Top::Fresnel(_) => *value,
         };
-        *value = flat.above + flat.t * flat.t * below * round_trip(stack, flat.below * below);
+        *value = flat.t * flat.t * below * round_trip(stack, flat.below * below);
     }
-    r
+    Image { front: (0..base.bins()).map(|bin| flat(bin).above).collect(), base: r }
 }
 
 /// All orders of a round trip that keeps this share of the light.

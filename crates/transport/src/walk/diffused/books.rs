@@ -28,8 +28,6 @@ pub(super) struct Sums {
     pub(super) from_source: Vec<Channel>,
     /// For each beam: connections before the base, to light that came straight through.
     pub(super) from_straight_beam: Vec<Incident>,
-    /// For each source: what the view sees of its image in a perfect front mirror.
-    pub(super) image: Vec<f64>,
 }
 
 /// Spectra of the path at hand; shape `[state][wavelength]`.
@@ -55,7 +53,6 @@ impl Diffused<'_> {
                 leaving: Channel::new(base),
                 from_source: self.sources.iter().map(|_| Channel::new(base)).collect(),
                 from_straight_beam: self.sources.iter().map(|_| Incident::new(len)).collect(),
-                image: vec![0.0; self.sources.len()],
             },
             room: Room { carried: vec![0.0; len], reflected: vec![0.0; len], backwards: vec![0.0; len] },
         }
@@ -85,7 +82,10 @@ impl Diffused<'_> {
             Source::Beam(beam) => self.beam_light(i, *beam, sums, scale),
             Source::Disc(_) => sums.from_source[i].sum(&self.stack.base, scale),
         };
-        let front = front.reflectance_above.iter().map(|r| r * sums.image[i] * scale).collect();
+        let front = match &self.sources[i] {
+            Source::Diffuse => front.reflectance_above.to_vec(),
+            Source::Beam(_) | Source::Disc(_) => vec![0.0; through.len()],
+        };
         scale_rows(&mut base, &through);
         Rho { base, front }
     }

@@ -65,17 +65,17 @@ impl<'a> Diffused<'a> {
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
         let Tally { sums, room } = tally;
         let mut beta = self.view.sample_towards(numbers.field());
-        for (source, image) in self.sources.iter().zip(&mut sums.image) {
-            *image += source.image_strength(beta);
-        }
         // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
         let mut carries = self.stack.medium.constant_index().is_none();
         if carries {
             room.carried.fill(1.0);
         }
+        let mut scattered = false;
         for pass in 0.. {
             let numbers = PassNumbers::new(numbers, pass, self);
-            let Some(out) = self.pass(beta, carries, &numbers, sums, room) else { return };
+            let light = Downward { beta, carries, scattered };
+            let Some(out) = self.pass(light, &numbers, sums, room) else { return };
+            scattered = out.scattered;
             if carries {
                 room.carried.copy_from_slice(&room.reflected);
             } else {
@@ -88,17 +88,11 @@ impl<'a> Diffused<'a> {
     }
 
     /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends.
-    fn pass(
-        &self,
-        beta: Beta,
-        carries: bool,
-        numbers: &PassNumbers,
-        sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Out> {
+    fn pass(&self, light: Downward, numbers: &PassNumbers, sums: &mut Sums, room: &mut Room) -> Option<Out> {
+        let Downward { beta, carries, scattered } = light;
         sums.entering.add(carries.then_some(&room.carried), 1.0);
-        self.connect_before_base(beta, carries.then_some(&room.carried), sums);
         if self.specular {
+            self.connect_before_base(beta, carries, numbers, sums, room);
             let chosen = |to: Beta| (1.0 - self.straight()) * self.diffuser.lobe.density(beta, to);
             self.sample_backwards(chosen, carries, numbers, sums, room);
         }
@@ -115,7 +109,7 @@ impl<'a> Diffused<'a> {
         sums.reflected.add(reflected(look_up, &room.reflected), 1.0);
         let mut up = Upward { beta: down, density };
         if !self.specular {
-            self.connect_straight_from_base(reflected(look_up, &room.reflected), sums);
+            self.connect_straight_from_base(look_up, numbers, sums, room);
             self.sample_backwards_from_base(look_up, numbers, sums, room);
             up = self.leave_base(numbers);
             if carries {
@@ -134,8 +128,14 @@ impl<'a> Diffused<'a> {
         if out.squared() > 1.0 {
             return None;
         }
-        self.meet_discs(up, out, chosen.is_infinite(), light, sums);
-        goes_on.then_some(Out { beta: out, base: down })
+        let (straight_down, straight_up) = (self.specular && density.is_infinite(), chosen.is_infinite());
+        if !straight_up {
+            self.meet_discs(up, out, light, sums);
+        } else if straight_down && scattered {
+            self.meet_discs_by_specular_light(out, light, sums);
+        }
+        let scattered = scattered || !(straight_down && straight_up);
+        goes_on.then_some(Out { beta: out, base: down, scattered })
     }
 
     /// The share of light at the diffuser's underside that leaves into the air.
@@ -236,12 +236,23 @@ impl PassNumbers {
     }
 }
 
+/// Light above the diffuser, on its way down.
+#[derive(Debug, Clone, Copy)]
+struct Downward {
+    beta: Beta,
+    /// It carries spectra; else all of them are one.
+    carries: bool,
+    /// It has been scattered since it entered.
+    scattered: bool,
+}
+
 /// Light above the diffuser again.
 #[derive(Debug, Clone, Copy)]
 struct Out {
     beta: Beta,
     /// The direction in which it met the base.
     base: Beta,
+    scattered: bool,
 }
 
 /// How a base spreads light, for wavelengths whose medium has a smaller disc than the largest.

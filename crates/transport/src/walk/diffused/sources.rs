@@ -3,8 +3,6 @@
 //! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
 //! direction that the path had no choice about (infinite density) competes with nothing.
 
-use std::f64::consts::PI;
-
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
@@ -13,31 +11,55 @@ use super::{Diffused, PassNumbers, Spread, Upward, multiply, reflected};
 use crate::Source;
 use crate::angular::Stencil;
 use crate::walk::Target;
-use crate::walk::tally::Reflected;
+use crate::walk::tally::{Channel, Reflected};
 
 impl Diffused<'_> {
-    /// Beams that come straight through the diffuser and off a specular base, met on the way down.
-    pub(super) fn connect_before_base(&self, beta: Beta, carried: Option<&[f64]>, sums: &mut Sums) {
-        if self.straight() == 0.0 || !self.specular {
+    /// Light that comes straight through the diffuser and off a specular base, met on the way down.
+    pub(super) fn connect_before_base(
+        &self,
+        beta: Beta,
+        carries: bool,
+        numbers: &PassNumbers,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) {
+        if self.straight() == 0.0 {
             return;
         }
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_straight_beam) {
-            if let Source::Beam(beam) = source {
-                let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, *beam);
-                sum.add(carried, PI * scatter);
+        for (i, source) in self.sources.iter().enumerate() {
+            let Some(target) = Target::sample(source, numbers.on_source) else { continue };
+            let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, target.beta);
+            let weight = target.only_connection(scatter);
+            if let Source::Beam(_) = source {
+                // The way from there to the beam is the same for all paths: added at the end.
+                sums.from_straight_beam[i].add(carries.then_some(&room.carried), weight);
+            } else {
+                self.add_by_way_of(
+                    target.beta,
+                    carries,
+                    weight * self.straight(),
+                    &mut sums.from_source[i],
+                    room,
+                );
             }
         }
     }
 
-    /// Beams that come straight through the diffuser onto a Lambertian base.
-    pub(super) fn connect_straight_from_base(&self, light: Reflected<'_>, sums: &mut Sums) {
+    /// Light that comes straight through the diffuser onto a Lambertian base.
+    pub(super) fn connect_straight_from_base(
+        &self,
+        look_up: Option<Stencil>,
+        numbers: &PassNumbers,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) {
         if self.straight() == 0.0 {
             return;
         }
-        let n = self.stack.medium.largest_index();
+        let scatter = self.straight() * warp::uniform_disc_density(self.stack.medium.largest_index());
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Source::Beam(_) = source {
-                sum.add(light, PI * self.straight() * warp::uniform_disc_density(n));
+            if let Some(target) = Target::sample(source, numbers.on_source) {
+                self.add_from_base(target.beta, look_up, target.only_connection(scatter), sum, room);
             }
         }
     }
@@ -52,27 +74,26 @@ impl Diffused<'_> {
         }
     }
 
-    /// Round sources that the path has run into.
-    pub(super) fn meet_discs(
-        &self,
-        up: Upward,
-        out: Beta,
-        straight: bool,
-        light: Reflected<'_>,
-        sums: &mut Sums,
-    ) {
+    /// Round sources that the path has run into by its last scattering.
+    pub(super) fn meet_discs(&self, up: Upward, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Source::Disc(cone) = source
                 && cone.sends(out)
             {
-                let target = Target::on_disc(cone, out);
-                let weight = if straight {
-                    target.strength
-                } else {
-                    let lobe = self.diffuser.lobe.density(up.beta, out);
-                    target.weight((1.0 - self.straight()) * lobe, lobe, up.density)
-                };
-                sum.add(light, weight);
+                let lobe = self.diffuser.lobe.density(up.beta, out);
+                let scatter = (1.0 - self.straight()) * lobe;
+                sum.add(light, Target::on_disc(cone, out).weight(scatter, lobe, up.density));
+            }
+        }
+    }
+
+    /// The same a whole unscattered round trip after its last scattering.
+    pub(super) fn meet_discs_by_specular_light(&self, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
+        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
+            if let Source::Disc(cone) = source
+                && cone.sends(out)
+            {
+                sum.add(light, Target::on_disc(cone, out).strength);
             }
         }
     }
@@ -89,15 +110,36 @@ impl Diffused<'_> {
     ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
-            if carries {
-                let Room { carried, backwards, .. } = room;
-                multiply(backwards, carried, |out| self.reflectance(beta, out));
-                self.keep_within_disc(beta, Spread::No, backwards);
-                sum.add(Reflected::Spectra(backwards), weight);
-            } else {
-                sum.add(Reflected::LookUp(self.look_up(beta)), weight);
-            }
+            self.add_by_way_of(beta, carries, weight, sum, room);
         }
+    }
+
+    /// Adds light that meets a specular base in direction `beta`.
+    fn add_by_way_of(&self, beta: Beta, carries: bool, weight: f64, sum: &mut Channel, room: &mut Room) {
+        if !carries {
+            return sum.add(Reflected::LookUp(self.look_up(beta)), weight);
+        }
+        let Room { carried, backwards, .. } = room;
+        multiply(backwards, carried, |out| self.reflectance(beta, out));
+        self.keep_within_disc(beta, Spread::No, backwards);
+        sum.add(Reflected::Spectra(backwards), weight);
+    }
+
+    /// Adds light that a Lambertian base sends in direction `beta`.
+    fn add_from_base(
+        &self,
+        beta: Beta,
+        look_up: Option<Stencil>,
+        weight: f64,
+        sum: &mut Channel,
+        room: &mut Room,
+    ) {
+        let Room { reflected: met, backwards, .. } = room;
+        if look_up.is_none() {
+            backwards.copy_from_slice(met);
+            self.keep_within_disc(beta, Spread::Lambertian, backwards);
+        }
+        sum.add(reflected(look_up, backwards), weight);
     }
 
     /// The same for light that a Lambertian base has scattered.
@@ -111,12 +153,7 @@ impl Diffused<'_> {
         let density = warp::uniform_disc_density(self.stack.medium.largest_index());
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, |_| density, numbers) else { continue };
-            let Room { reflected: met, backwards, .. } = room;
-            if look_up.is_none() {
-                backwards.copy_from_slice(met);
-                self.keep_within_disc(beta, Spread::Lambertian, backwards);
-            }
-            sum.add(reflected(look_up, backwards), weight);
+            self.add_from_base(beta, look_up, weight, sum, room);
         }
     }
 
