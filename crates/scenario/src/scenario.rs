@@ -33,8 +33,10 @@ pub struct Resolved {
     pub scene: Scene,
     /// The scenario's title.
     pub title: Option<String>,
-    /// Remarks that the reader should see.
+    /// What may be wrong with the scenario.
     pub warnings: Vec<String>,
+    /// What the reader should know, with nothing wrong.
+    pub notes: Vec<String>,
     /// The scenario with every default filled in, its keys sorted, and under
     /// `inputs` the SHA-256 of each file that it names.
     pub canonical: Value,
@@ -92,14 +94,15 @@ impl Scenario {
     /// Everything that does not fit together, each with its place; mistakes in
     /// data files with the file's line and column.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, warnings, inputs } = resolve::resolve(&self.file, &self.folder, &self.sources)?;
+        let Found { scene, warnings, notes, inputs } =
+            resolve::resolve(&self.file, &self.folder, &self.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
         let hash = resolve::hex(&Sha256::digest(canonical.to_string()));
-        Ok(Resolved { scene, title: self.file.title.value.clone(), warnings, canonical, hash })
+        Ok(Resolved { scene, title: self.file.title.value.clone(), warnings, notes, canonical, hash })
     }
 }
 

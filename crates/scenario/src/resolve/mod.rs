@@ -34,6 +34,7 @@ const MOST_NUMBERS: usize = 10_000_000;
 pub(crate) struct Found {
     pub(crate) scene: Scene,
     pub(crate) warnings: Vec<String>,
+    pub(crate) notes: Vec<String>,
     /// SHA-256 of each file that was read, by its name.
     pub(crate) inputs: BTreeMap<String, String>,
 }
@@ -44,6 +45,7 @@ struct Resolver<'a> {
     folder: &'a Path,
     errors: Errors,
     warnings: Vec<String>,
+    notes: Vec<String>,
     inputs: BTreeMap<String, String>,
 }
 
@@ -52,11 +54,17 @@ pub(crate) fn resolve(file: &File, folder: &Path, sources: &Sources) -> Result<F
     let mut errors = Errors::default();
     let grid = grid(file, &mut errors);
     let grid = errors.finish(grid, sources)?;
-    let (errors, warnings, inputs) = (Errors::default(), Vec::new(), BTreeMap::new());
-    let mut resolver = Resolver { grid, folder, errors, warnings, inputs };
+    let mut resolver = Resolver {
+        grid,
+        folder,
+        errors: Errors::default(),
+        warnings: Vec::new(),
+        notes: Vec::new(),
+        inputs: BTreeMap::new(),
+    };
     let scene = resolver.scene(file);
-    let scene = resolver.errors.finish(scene, sources)?;
-    Ok(Found { scene, warnings: resolver.warnings, inputs: resolver.inputs })
+    let Resolver { errors, warnings, notes, inputs, .. } = resolver;
+    Ok(Found { scene: errors.finish(scene, sources)?, warnings, notes, inputs })
 }
 
 fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {

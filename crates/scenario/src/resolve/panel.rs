@@ -84,9 +84,9 @@ impl Resolver<'_> {
             return None;
         };
         if haze > HAZE_SCOPE {
-            self.warnings.push(format!(
-                "haze {haze}: ASTM D1003 ends at 30 %, above it ASTM E2387 applies; here haze is the share beyond \
-                 2.5 deg, and means a lobe of width {width:.5}"
+            self.notes.push(format!(
+                "haze {haze} means a lobe of width {width:.5} (b, direction cosines); above 30 % haze is outside \
+                 ASTM D1003's scope, see ASTM E2387"
             ));
         }
         Some(Lobe::KCorrelation { width })

@@ -20,6 +20,7 @@ fn every_shipped_scenario_resolves() {
         let scenario = Scenario::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
         let resolved = scenario.resolve().unwrap_or_else(|e| panic!("{e}"));
         assert!(resolved.title.is_some());
+        assert!(resolved.warnings.is_empty(), "{}: {:?}", path.display(), resolved.warnings);
         assert!(
             std::fs::read_to_string(&path).unwrap().starts_with("# "),
             "{} explains itself",
@@ -33,6 +34,9 @@ fn the_flagship_is_the_reference_display() {
     let resolved = Scenario::load(&shipped().join("indoor.toml"), &[]).unwrap().resolve().unwrap();
     let scene = &resolved.scene;
     assert_eq!((scene.grid.len(), scene.grid.stop_nm()), (81, 780.0));
+    let note = "haze 0.78 means a lobe of width 0.05667 (b, direction cosines); above 30 % haze is outside \
+                ASTM D1003's scope, see ASTM E2387";
+    assert_eq!(resolved.notes, [note]);
     assert_eq!(scene.display.front.len(), 1);
     let diffuser = scene.display.diffuser.as_ref().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };
