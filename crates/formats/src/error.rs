@@ -84,7 +84,7 @@ pub enum Problem {
     Micrometres,
     /// A wavelength that does not follow the one before.
     #[error("wavelength {nm} nm does not follow {before} nm")]
-    NotAscending {
+    OutOfOrder {
         /// The wavelength.
         nm: f64,
         /// The one on the row before.
@@ -136,15 +136,18 @@ pub enum Problem {
     Spectra(#[from] SpectraError),
 }
 
+/// What a negative k usually means.
+const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
+
 impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Empty => "at least two rows of numbers",
+            Self::Empty => "expected at least two rows of numbers",
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
             Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",
             Self::NotANumber { .. } | Self::NotFinite { .. } => "expected a number",
-            Self::NotAscending { .. } => "expected a larger wavelength than on the row before",
+            Self::OutOfOrder { .. } => "expected wavelengths that rise, or fall, from row to row",
             Self::Hole { .. } => "expected every wavelength at every angle of every state",
             Self::NoNormal { .. } => "expected 0 deg to be the first angle",
             Self::UnknownData { .. } => {
@@ -157,14 +160,17 @@ impl Problem {
     /// What to do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Unreadable { .. } => "paths are relative to the folder of the scenario",
             Self::NotUtf8 => "save it as plain text in UTF-8",
             Self::Columns { .. } => "separate the columns with commas, semicolons, tabs or blanks",
-            Self::NotANumber { found } if found.contains(',') => "write decimals with a point",
+            Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {
+                "decimal commas are not read: write decimals with a point, and part all columns alike"
+            }
             Self::Micrometres => "give wavelengths in nm: multiply the first column by 1000",
-            Self::NotAscending { .. } => "sort the rows by wavelength and leave one row for each",
+            Self::OutOfOrder { .. } => "sort the rows by wavelength and leave one row for each",
             Self::NotFinite { .. } => "leave the row out, or give its value",
             Self::OutOfRange { what: "reflectance", .. } => "reflectances are shares of 1, not percent",
+            Self::OutOfRange { what: "k", .. } => SIGN_OF_K,
+            Self::Spectra(SpectraError::NoIndex { k, .. }) if *k < 0.0 => SIGN_OF_K,
             _ => return None,
         })
     }

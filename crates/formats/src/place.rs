@@ -70,7 +70,7 @@ impl fmt::Display for Place {
 pub struct Remark<'a> {
     /// What is wrong.
     pub message: &'a str,
-    /// Shown beside the caret: what was expected.
+    /// Shown beside the caret: what was expected, in words that begin so.
     pub expected: Option<&'a str>,
     /// Lines below: where it was asked for.
     pub note: Option<&'a str>,
@@ -89,18 +89,16 @@ impl Remark<'_> {
         write!(f, "\n{:margin$}--> {place}", "")?;
         match &place.spot {
             Some(spot) => spot.show(margin, self.expected, f)?,
-            None => self.line("expected", self.expected, margin, f)?,
+            None => line("", self.expected, margin, f)?,
         }
-        self.line("note", self.note, margin, f)?;
-        self.line("help", self.hint, margin, f)
+        line("note: ", self.note, margin, f)?;
+        line("help: ", self.hint, margin, f)
     }
+}
 
-    fn line(&self, word: &str, text: Option<&str>, margin: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match text {
-            Some(text) => write!(f, "\n{:margin$} = {word}: {text}", ""),
-            None => Ok(()),
-        }
-    }
+/// A line below the text.
+fn line(word: &str, text: Option<&str>, margin: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    text.map_or(Ok(()), |text| write!(f, "\n{:margin$} = {word}{text}", ""))
 }
 
 impl Spot {

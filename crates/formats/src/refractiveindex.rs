@@ -12,6 +12,7 @@ use serde_saphyr::Spanned;
 use crate::error::{FormatError, Problem};
 use crate::place::Place;
 use crate::rows::Table;
+use crate::spectrum::Columns;
 
 /// True if the text has a `DATA` list at its outermost level.
 pub(crate) fn is_page(text: &str) -> bool {
@@ -85,8 +86,7 @@ impl Entry {
     /// The rows of `data` as `N` tables against nm.
     fn table<const N: usize>(&self, file: Table<'_>) -> Result<[Tabulated; N], FormatError> {
         let data = self.needs(self.data.as_ref(), "data", file)?;
-        let mut nm = Vec::new();
-        let mut values: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+        let mut columns = Columns::<N>::default();
         for row in data.value.lines().filter(|row| !row.trim().is_empty()) {
             let numbers = numbers(row).map_err(|problem| at_row(file, data, row, problem))?;
             if numbers.len() != N + 1 {
@@ -94,20 +94,11 @@ impl Entry {
                     if N == 2 { "expected three: um, n, k" } else { "expected two: um and the value" };
                 return Err(at_row(file, data, row, Problem::Columns { expected, found: numbers.len() }));
             }
-            let here = nm_from_um(numbers[0]);
-            if let Some(&before) = nm.last().filter(|&&before| here <= before) {
-                return Err(at_row(file, data, row, Problem::NotAscending { nm: here, before }));
-            }
-            nm.push(here);
-            for (column, value) in values.iter_mut().zip(&numbers[1..]) {
-                column.push(*value);
-            }
+            let values = std::array::from_fn(|i| numbers[i + 1]);
+            let added = columns.add(nm_from_um(numbers[0]), values);
+            added.map_err(|problem| at_row(file, data, row, problem))?;
         }
-        let mut tables = Vec::with_capacity(N);
-        for column in values {
-            tables.push(Tabulated::new(nm.clone(), column).map_err(|e| at(file, data, e.into()))?);
-        }
-        tables.try_into().map_err(|_| file.error(Problem::Empty))
+        columns.into_tables().map_err(|problem| at(file, data, problem))
     }
 
     fn formula(&self, number: u8, k: Option<Tabulated>, file: Table<'_>) -> Result<Dispersion, FormatError> {

@@ -29,7 +29,7 @@ impl<'a> Table<'a> {
         Ok(Self { name: &file.name, text: file.text()? })
     }
 
-    /// The rows, their cells parted by commas, or else semicolons, or else blanks.
+    /// The rows, their cells parted by semicolons, or else commas, or else blanks.
     pub(crate) fn rows(self) -> impl Iterator<Item = Row<'a>> {
         let lines = self.text.split_inclusive('\n').scan(0, |next, line| {
             let start = *next;
@@ -110,7 +110,9 @@ fn clip(text: &str) -> String {
 }
 
 fn cells(line_start: usize, line: &str) -> Vec<Cell<'_>> {
-    let separator = [',', ';'].into_iter().find(|&c| line.contains(c));
+    // What stands in quotes parts nothing. A comma beside semicolons is a decimal one.
+    let bare: String = line.split('"').step_by(2).collect();
+    let separator = [';', ','].into_iter().find(|&c| bare.contains(c));
     let mut cells = Vec::new();
     let mut start = 0;
     let mut quoted = false;
@@ -152,7 +154,8 @@ mod tests {
             [["1", "2"], ["3", "4"], ["5", "6"], ["7", "8"]]
         );
         assert_eq!(split("1,,2,\n"), [["1", "", "2", ""]]);
-        assert_eq!(split("\"a, b\",1\n"), [["a, b", "1"]]);
+        assert_eq!(split("\"a, b\",1\n\"a; b\",2"), [["a, b", "1"], ["a; b", "2"]]);
+        assert_eq!(split("380;0,5"), [["380", "0,5"]]);
     }
 
     #[test]

@@ -9,11 +9,11 @@ use crate::rows::{Row, Table};
 /// Reads a two-column spectrum: wavelength in nm, value.
 ///
 /// One header row and `#` comments may stand there; columns are parted by
-/// commas, semicolons, tabs or blanks.
+/// commas, semicolons, tabs or blanks; wavelengths rise or fall.
 ///
 /// # Errors
 /// With line and column: cells that are not finite numbers, rows without two
-/// columns, wavelengths that do not ascend or look like micrometres.
+/// columns, wavelengths out of order or that look like micrometres.
 ///
 /// ```
 /// # use papilio_formats::{DataFile, read_spectrum};
@@ -50,36 +50,61 @@ impl<const N: usize> Default for Columns<N> {
 }
 
 impl<const N: usize> Columns<N> {
-    /// Takes a row of wavelength and values.
+    /// Takes a row of wavelength in nm and values.
     pub(crate) fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
         let nm = row.number(0)?;
+        let mut values = [0.0; N];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = row.number(i + 1)?;
+        }
+        self.add(nm, values).map_err(|problem| row.cell_error(0, problem))
+    }
+
+    /// Takes a wavelength, which must go on in the direction of the first two, and its values.
+    pub(crate) fn add(&mut self, nm: f64, values: [f64; N]) -> Result<(), Problem> {
         if nm <= 0.0 {
             let expected = "expected a wavelength above 0";
-            return Err(row.cell_error(0, Problem::OutOfRange { what: "a wavelength", value: nm, expected }));
+            return Err(Problem::OutOfRange { what: "a wavelength", value: nm, expected });
         }
-        if let Some(&before) = self.nm.last().filter(|&&before| nm <= before) {
-            return Err(row.cell_error(0, Problem::NotAscending { nm, before }));
-        }
-        for (i, column) in self.values.iter_mut().enumerate() {
-            column.push(row.number(i + 1)?);
+        if let Some(&before) = self.nm.last() {
+            let turns = self.nm.len() > 1 && (nm < before) != self.falls();
+            if nm == before || turns {
+                return Err(Problem::OutOfOrder { nm, before });
+            }
         }
         self.nm.push(nm);
+        for (column, value) in self.values.iter_mut().zip(values) {
+            column.push(value);
+        }
         Ok(())
     }
 
-    /// The columns as tables.
+    fn falls(&self) -> bool {
+        self.nm.len() > 1 && self.nm[1] < self.nm[0]
+    }
+
+    /// The columns of a file as tables.
     pub(crate) fn finish(self, table: Table<'_>) -> Result<[Tabulated; N], FormatError> {
         // No table of a display's optics ends at 30 nm; tables in um often end at 2.
-        if self.nm.last().is_some_and(|&last| last < 30.0) {
+        if !self.nm.is_empty() && self.nm.iter().all(|nm| *nm < 30.0) {
             return Err(table.error(Problem::Micrometres));
         }
+        self.into_tables().map_err(|problem| table.error(problem))
+    }
+
+    /// The columns as tables, wavelengths ascending.
+    pub(crate) fn into_tables(mut self) -> Result<[Tabulated; N], Problem> {
+        if self.falls() {
+            self.nm.reverse();
+            self.values.iter_mut().for_each(|column| column.reverse());
+        }
         if self.nm.len() < 2 {
-            return Err(table.error(Problem::Empty));
+            return Err(Problem::Empty);
         }
         let mut tables = Vec::with_capacity(N);
         for column in self.values {
-            tables.push(Tabulated::new(self.nm.clone(), column).map_err(|e| table.error(e.into()))?);
+            tables.push(Tabulated::new(self.nm.clone(), column)?);
         }
-        tables.try_into().map_err(|_| table.error(Problem::Empty))
+        tables.try_into().map_err(|_| Problem::Empty)
     }
 }

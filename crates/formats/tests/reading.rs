@@ -28,6 +28,7 @@ fn spectra_come_in_many_dresses() {
         "# c\nnm;R\r\n400;1\r\n500;3\r\n",
         "\u{feff}nm R\n400 1\n500 3",
         "400\t1\n\n500\t3",
+        "500,3\n400,1\n",
     ] {
         assert_eq!(read_spectrum(&file(text)).unwrap().at(450.0).unwrap(), 2.0, "{text:?}");
     }
@@ -38,8 +39,14 @@ fn wrong_spectra_say_where() {
     let bad = |text: &str| place(read_spectrum(&file(text)));
     assert_eq!(bad("nm,R\n400,1\n500,NaN\n"), (Some((3, 5)), Problem::NotFinite { found: "NaN".to_owned() }));
     assert_eq!(bad("400,1\n500,x\n"), (Some((2, 5)), Problem::NotANumber { found: "x".to_owned() }));
-    assert_eq!(bad("400,1\n400,2\n"), (Some((2, 1)), Problem::NotAscending { nm: 400.0, before: 400.0 }));
+    assert_eq!(bad("400,1\n400,2\n"), (Some((2, 1)), Problem::OutOfOrder { nm: 400.0, before: 400.0 }));
     assert!(matches!(bad("400,1\n500,1,2\n"), (Some((2, 1)), Problem::Columns { found: 3, .. })));
+    // Falling wavelengths are taken, turning ones are not.
+    assert_eq!(
+        bad("500,1\n400,2\n450,3\n"),
+        (Some((3, 1)), Problem::OutOfOrder { nm: 450.0, before: 400.0 })
+    );
+    assert_eq!(bad("0.5,1\n0.4,2\n"), (None, Problem::Micrometres));
     assert_eq!(bad("0.4,1\n0.5,2\n"), (None, Problem::Micrometres));
     assert_eq!(bad(""), (None, Problem::Empty));
     assert_eq!(bad("nm,R\n400,1\n"), (None, Problem::Empty));
@@ -52,6 +59,24 @@ fn an_error_shows_the_line_and_what_to_do() {
     let expected = "error: `1e999` is not a finite number\n --> data.csv:2:5\n  |\n2 | 500,1e999\n  |     ^^^^^ \
                     expected a number\n  = help: leave the row out, or give its value";
     assert_eq!(error.to_string(), expected);
+}
+
+#[test]
+fn decimal_commas_are_named() {
+    for (text, place) in [("nm;R\n380;0\n390;0,5\n", (3, 5)), ("380\t0,1\n390\t0,5\n", (2, 1))] {
+        let error = read_spectrum(&file(text)).unwrap_err();
+        assert_eq!(error.place.line_column(), Some(place));
+        assert!(error.to_string().contains("decimal commas are not read"), "{error}");
+    }
+}
+
+#[test]
+fn negative_k_is_the_other_convention() {
+    let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 -2\n      0.5 2 -3\n";
+    for text in ["400,2,-1\n600,3,-1\n", page] {
+        let error = read_index(&file(text)).unwrap_err().to_string();
+        assert!(error.contains("n + ik") && error.contains("change the sign"), "{error}");
+    }
 }
 
 #[test]
@@ -97,6 +122,8 @@ fn pages_with_tables_and_lone_numbers() {
     let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 2\n      0.5 2 3\n";
     let index = read_index(&file(page)).unwrap().index(450.0).unwrap();
     assert!((index.re - 1.5).abs() < 1e-12 && (index.im - 2.5).abs() < 1e-12);
+    let falling = "DATA:\n  - type: tabulated nk\n    data: |\n      0.5 2 3\n      0.4 1 2\n";
+    assert_eq!(read_index(&file(falling)).unwrap(), read_index(&file(page)).unwrap());
     let constant = "DATA:\n - type: \"formula 5\"\n   range: 0.3 0.9\n   coefficients: 1.5\n";
     assert_eq!(read_index(&file(constant)).unwrap().index(500.0).unwrap().re, 1.5);
 }
