@@ -19,7 +19,8 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
     Run(Run),
     /// Scan a scenario's pixel alone from 0 to 90 deg into pixel.csv and a figure
-    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --out out/pixel")]
+    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n\n\
+                      A pixel table for a panel with a diffuser needs angles in glass: light reaches it at all of them.")]
     Pixel(Pixel),
     /// Print the JSON Schema of a scenario
     Schema {
@@ -40,10 +41,12 @@ pub(crate) struct Run {
     #[arg(long, value_enum)]
     pub(crate) solver: Option<Solver>,
     /// Seed of the walk, as solver.seed
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
     /// Worker threads [default: one for each processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
 
@@ -51,6 +54,31 @@ pub(crate) struct Run {
 pub(crate) struct Pixel {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
+    /// The medium of the angles [default: as solver.angle_medium]
+    #[arg(long, value_enum)]
+    pub(crate) angles: Option<Angles>,
+    /// Step of the scan, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true, value_parser = step)]
+    pub(crate) step: f64,
+}
+
+/// A step that divides 90 deg.
+fn step(text: &str) -> Result<f64, String> {
+    let step: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    let steps = 90.0 / step;
+    if (1.0..=9000.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9 {
+        Ok(step)
+    } else {
+        Err("expected a step from 0.01 to 90 that divides 90".to_owned())
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Angles {
+    /// In air, before Snell
+    Air,
+    /// In the glass above the pixel
+    Glass,
 }
 
 #[derive(Debug, Args)]
@@ -78,5 +106,6 @@ pub(crate) enum Solver {
     /// Unbiased Monte Carlo
     Walk,
     /// Deterministic; not in this version
+    #[value(hide = true)]
     Adding,
 }

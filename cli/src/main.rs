@@ -4,14 +4,15 @@
 //! what is done is saved. Results go to standard output, all else to standard error.
 
 mod arguments;
+mod interrupt;
 mod output;
 mod pixel;
 mod report;
 mod run;
 
+use std::io::Write;
 use std::process::ExitCode;
 
-use anstream::eprintln;
 use clap::Parser;
 
 use arguments::{Arguments, Command};
@@ -32,7 +33,7 @@ enum Failure {
     #[error("error: {0}")]
     Display(#[from] papilio_display::DisplayError),
     /// Standard output went away, or the like.
-    #[error("error: {0}")]
+    #[error("error: standard output cannot be written: {0}")]
     Io(#[from] std::io::Error),
     /// Ctrl-C; what is done is saved.
     #[error("interrupted: {0}")]
@@ -42,8 +43,8 @@ enum Failure {
 impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_) | Self::Input(_) | Self::Write(_) | Self::Display(_) => 2,
-            Self::Io(_) => 1,
+            Self::Scenario(_) | Self::Input(_) | Self::Display(_) => 2,
+            Self::Write(_) | Self::Io(_) => 1,
             Self::Interrupted(_) => 130,
         }
     }
@@ -60,8 +61,13 @@ fn main() -> ExitCode {
         // A reader that has seen enough (`papilio run ... | head`) is no fault.
         Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{failure}");
+            say(&failure);
             ExitCode::from(failure.exit_code())
         }
     }
+}
+
+/// Prints on standard error, where nobody may listen.
+fn say(text: &dyn std::fmt::Display) {
+    let _ = writeln!(anstream::stderr(), "{text}");
 }

@@ -9,7 +9,7 @@ use papilio_formats::{ResultFile, write_file, write_json, write_spectra, write_s
 
 use crate::Failure;
 
-/// More views than this: figures of the first view only, and of metrics against angle.
+/// More views than this: figures of the view nearest to the normal only, and of metrics against angle.
 const VIEWS_WITH_FIGURES: usize = 6;
 
 /// Prints the JSON Schema of a scenario or of `result.json`.
@@ -20,14 +20,52 @@ pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
     Ok(writeln!(out)?)
 }
 
-/// Makes the folder for results.
-pub(crate) fn folder(path: &Path) -> Result<(), Failure> {
-    let why = |error| Failure::Input(format!("cannot make the folder {}: {error}", path.display()));
-    std::fs::create_dir_all(path).map_err(why)
+/// Fails if results could not be written to `folder`; leaves nothing behind.
+pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
+    let there = folder.ancestors().find(|path| path.exists()).filter(|path| !path.as_os_str().is_empty());
+    let there = there.unwrap_or(Path::new("."));
+    let why = |reason: &str| {
+        let (folder, there) = (folder.display(), there.display());
+        Failure::Input(format!(
+            "results cannot be written to {folder}: {there} {reason}\n  = help: choose another folder with --out DIR"
+        ))
+    };
+    if !there.is_dir() {
+        return Err(why("is not a folder"));
+    }
+    let probe = there.join(format!(".papilio.{}.tmp", std::process::id()));
+    std::fs::write(&probe, "")
+        .and_then(|()| std::fs::remove_file(&probe))
+        .map_err(|_| why("cannot be written"))
+}
+
+/// Makes the folder for results, and takes the figures of an earlier run out of it: beside
+/// new ones they would be mistaken for them.
+pub(crate) fn make(folder: &Path) -> Result<(), Failure> {
+    let why = |error| Failure::Input(format!("cannot make the folder {}: {error}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(why)?;
+    for entry in std::fs::read_dir(folder).map_err(why)?.flatten() {
+        if entry.file_name().to_str().is_some_and(is_figure) {
+            std::fs::remove_file(entry.path()).map_err(why)?;
+        }
+    }
+    Ok(())
+}
+
+/// The names that [`figures`] gives.
+fn is_figure(name: &str) -> bool {
+    let of_view = ["overview", "spectra", "chromaticity", "patches"];
+    name.strip_suffix(".svg").is_some_and(|stem| {
+        stem.ends_with("_against_angle")
+            || of_view.iter().any(|kind| {
+                stem.strip_prefix(kind).is_some_and(|at| at.is_empty() || at.starts_with("_theta"))
+            })
+    })
 }
 
 /// Writes everything that `papilio run` writes, and returns the names.
 pub(crate) fn write_run(folder: &Path, file: &ResultFile<'_>) -> Result<Vec<String>, Failure> {
+    make(folder)?;
     let mut names = Vec::new();
     let mut write = |name: &str, with: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
         names.push(name.to_owned());
@@ -45,8 +83,9 @@ pub(crate) fn write_run(folder: &Path, file: &ResultFile<'_>) -> Result<Vec<Stri
 /// File names and SVG texts.
 fn figures(result: &RunResult) -> Vec<(String, String)> {
     let mut figures = Vec::new();
-    let with_figures = if result.views.len() > VIEWS_WITH_FIGURES { 1 } else { result.views.len() };
-    for view in &result.views[..with_figures] {
+    let shown =
+        if result.views.len() > VIEWS_WITH_FIGURES { nearest_to_normal(result) } else { &result.views };
+    for view in shown {
         let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
         figures.push((format!("overview{at}.svg"), papilio_figures::overview(result, view)));
         figures.push((format!("spectra{at}.svg"), papilio_figures::spectra(result, view)));
@@ -60,6 +99,14 @@ fn figures(result: &RunResult) -> Vec<(String, String)> {
         }
     }
     figures
+}
+
+/// The first view of least inclination.
+fn nearest_to_normal(result: &RunResult) -> &[View] {
+    let inclination = |view: &View| view.theta_deg.abs();
+    let least = result.views.iter().map(inclination).fold(f64::INFINITY, f64::min);
+    let first = result.views.iter().position(|view| inclination(view) == least);
+    first.map_or(&[], |at| &result.views[at..=at])
 }
 
 fn several_angles(result: &RunResult) -> bool {
@@ -80,5 +127,5 @@ pub(crate) fn announce(folder: &Path, names: &[String]) {
         few @ ([_] | [_, _] | [_, _, _] | [_, _, _, _]) => shown = format!("{shown}, {}", few.join(", ")),
         many => shown = format!("{shown} and {} figures", many.len()),
     }
-    anstream::eprintln!("wrote {}: {shown}", folder.display());
+    crate::say(&format!("wrote {}: {shown}", folder.display()));
 }

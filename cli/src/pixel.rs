@@ -1,18 +1,62 @@
 //! `papilio pixel`.
 
+use std::io::Write;
+use std::path::Path;
+
+use papilio_colour::peak_nm;
+use papilio_display::pixel::{PixelScan, scan, state_names};
+use papilio_display::scene::{AngleMedium, Scene};
 use papilio_figures::{PixelScan as Figure, pixel_scan};
 use papilio_formats::{PixelTable, write_file};
 use papilio_scenario::Scenario;
 
-use crate::arguments::Pixel;
-use crate::{Failure, output};
+use crate::arguments::{Angles, Pixel};
+use crate::{Failure, interrupt, output, report};
+
+/// A larger scan is a mistake, and a file that nothing opens.
+const MOST_NUMBERS: usize = 10_000_000;
+
+/// Angles that the table on the terminal shows, degrees.
+const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
-    let theta_deg: Vec<f64> = (0..=90).map(f64::from).collect();
-    let scan = papilio_display::pixel::scan(&resolved.scene, &theta_deg)?;
+    let mut scene = resolved.scene;
+    match arguments.angles {
+        None => {}
+        Some(Angles::Air) => scene.solver.angle_medium = AngleMedium::Air,
+        Some(Angles::Glass) => scene.solver.angle_medium = AngleMedium::Glass,
+    }
+    let theta_deg = angles(arguments.step, &scene)?;
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
-    output::folder(&folder)?;
+    output::check(&folder)?;
+    let scan = scan(&scene, &theta_deg)?;
+    let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
+    let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = anstream::stdout().lock();
+    stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
+    stdout.flush()?;
+    interrupt::heed();
+    interrupt::whole(|| write(&folder, scan))?;
+    output::announce(&folder, &["pixel.csv".to_owned(), "pixel.svg".to_owned()]);
+    Ok(())
+}
+
+/// 0 to 90 deg, if the scan is of a size that can be held.
+fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
+    let steps = (90.0 / step).round() as usize;
+    let numbers = (steps + 1) * state_names(&scene.display.pixel).len() * scene.grid.len();
+    if numbers > MOST_NUMBERS {
+        return Err(Failure::Input(format!(
+            "the scan would have {numbers} numbers (angles x states x wavelengths)\n  = help: take a larger --step, a \
+             larger spectrum.step_nm or fewer states, at most {MOST_NUMBERS} numbers"
+        )));
+    }
+    Ok((0..=steps).map(|k| 90.0 * k as f64 / steps as f64).collect())
+}
+
+fn write(folder: &Path, scan: PixelScan) -> Result<(), Failure> {
+    output::make(folder)?;
     let names: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
     let reflectance: Vec<f64> = scan.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
     let figure = Figure {
@@ -21,10 +65,36 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         wavelength_nm: &scan.wavelength_nm,
         reflectance: &reflectance,
     };
-    write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure).as_bytes()))?;
-    let table =
-        PixelTable { theta_deg: scan.theta_deg, wavelength_nm: scan.wavelength_nm, states: scan.states };
+    let table = PixelTable {
+        theta_deg: scan.theta_deg.clone(),
+        wavelength_nm: scan.wavelength_nm.clone(),
+        states: scan.states,
+    };
     write_file(&folder.join("pixel.csv"), |out| table.write(out))?;
-    output::announce(&folder, &["pixel.csv".to_owned(), "pixel.svg".to_owned()]);
-    Ok(())
+    Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure).as_bytes()))?)
+}
+
+/// For each state, at the shown angles that the scan has: peak wavelength and the largest
+/// reflectance from 400 to 700 nm.
+fn peaks(scene: &Scene, scan: &PixelScan) -> report::Peaks {
+    let bins = scan.wavelength_nm.len();
+    let shown: Vec<usize> = SHOWN_DEG
+        .iter()
+        .filter_map(|deg| scan.theta_deg.iter().position(|theta| (theta - deg).abs() < 1e-9))
+        .collect();
+    let largest = |row: &[f64]| {
+        let inside = scan.wavelength_nm.iter().zip(row).filter(|(nm, _)| (400.0..=700.0).contains(*nm));
+        inside.map(|(_, r)| *r).fold(0.0, f64::max)
+    };
+    let of_state = |values: &[f64]| {
+        shown
+            .iter()
+            .map(|at| &values[at * bins..][..bins])
+            .map(|row| (peak_nm(&scene.grid, row), largest(row)))
+            .collect()
+    };
+    report::Peaks {
+        theta_deg: shown.iter().map(|at| scan.theta_deg[*at]).collect(),
+        states: scan.states.iter().map(|(name, values)| (name.clone(), of_state(values))).collect(),
+    }
 }

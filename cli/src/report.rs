@@ -1,17 +1,31 @@
 //! The table on the terminal.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use papilio_display::result::{RunResult, State, StateValues, View};
+
+/// States that a line of a view shows, where they are not the ordinary ones.
+const STATES_IN_A_LINE: usize = 6;
 
 /// More views than this are summed up, a line each.
 const VIEWS_IN_FULL: usize = 3;
 
-/// What `papilio run` prints.
-pub(crate) fn run(title: &str, result: &RunResult, seconds: f64) -> String {
-    let mut text = format!("{title}\n");
+/// The title of a scenario that has none: the name of its file.
+pub(crate) fn file_title(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// A title as one line of plain text, whatever the user put into it.
+fn plain(title: &str) -> String {
+    title.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// What `papilio run` prints; `in_glass`: the scenario's angles are in glass.
+pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64) -> String {
+    let mut text = format!("{}\n", plain(title));
     if result.views.len() <= VIEWS_IN_FULL {
-        result.views.iter().for_each(|view| text.push_str(&in_full(view)));
+        result.views.iter().for_each(|view| text.push_str(&in_full(view, in_glass)));
     } else {
         text.push_str(&line_by_line(result));
     }
@@ -24,6 +38,35 @@ pub(crate) fn run(title: &str, result: &RunResult, seconds: f64) -> String {
         100.0 * solver.relative_error_reached
     );
     text
+}
+
+/// A peak wavelength, nm, and the largest reflectance.
+pub(crate) type Peak = (Option<f64>, f64);
+
+/// Where the states of a pixel peak, and how high.
+pub(crate) struct Peaks {
+    /// Angles, degrees.
+    pub(crate) theta_deg: Vec<f64>,
+    /// Name of each state, and its peaks at each angle.
+    pub(crate) states: Vec<(String, Vec<Peak>)>,
+}
+
+/// What `papilio pixel` prints.
+pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
+    let angles = peaks.theta_deg.iter().map(|theta| format!("{theta} deg"));
+    let mut rows = vec![std::iter::once("state".to_owned()).chain(angles).collect::<Vec<_>>()];
+    for (name, at_angles) in &peaks.states {
+        let cells = at_angles.iter().map(|(peak, most)| {
+            let peak = peak.map_or("-".to_owned(), |nm| format!("{nm:.1}"));
+            format!("{peak} / {most:.3}")
+        });
+        rows.push(std::iter::once(name.clone()).chain(cells).collect());
+    }
+    let title = plain(title);
+    format!(
+        "{title}\n\npeak in nm / largest reflectance, 400 to 700 nm, angles in {medium}\n{}",
+        table(&rows)
+    )
 }
 
 /// A column of the table of states: its title, its usual decimals, and its number.
@@ -41,7 +84,7 @@ const COLUMNS: [Column; 9] = [
     ("peak nm", 1, |s| s.peak_nm),
 ];
 
-fn in_full(view: &View) -> String {
+fn in_full(view: &View, in_glass: bool) -> String {
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(COLUMNS.iter().map(|(title, ..)| (*title).to_owned()));
     for (name, State { value, standard_error }) in view.states.iter() {
@@ -49,7 +92,7 @@ fn in_full(view: &View) -> String {
             COLUMNS.iter().map(|(_, decimals, get)| measured(get(value), get(standard_error), *decimals));
         rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
     }
-    let mut text = format!("\nseen from {} deg", view.theta_deg);
+    let mut text = format!("\nseen from {} deg{}", view.theta_deg, if in_glass { " in glass" } else { "" });
     if view.phi_deg != 0.0 {
         let _ = write!(text, ", azimuth {} deg", view.phi_deg);
     }
@@ -86,40 +129,59 @@ fn ledger(view: &View) -> String {
         ("pixel", absorbed.pixel),
         ("inactive", absorbed.inactive),
     ];
+    let unaccounted = if ledger.unaccounted.abs() > 5e-4 {
+        format!("; not followed: {:.1} %", 100.0 * ledger.unaccounted)
+    } else {
+        String::new()
+    };
     let parts: Vec<String> = parts
         .iter()
         .filter(|(_, share)| *share > 5e-5)
         .map(|(at, share)| format!("{at} {:.1} %", 100.0 * share))
         .collect();
     format!(
-        "  a beam from here, {name}: {:.1} % returns; absorbed: {}\n",
+        "  a beam from here, {name}: {:.1} % returns; absorbed: {}{unaccounted}\n",
         100.0 * ledger.returned,
         parts.join(", ")
     )
 }
 
-/// A line for each view.
+/// A line for each view: of an ordinary display its white, black and gamut, of any other
+/// the Y of its states.
 fn line_by_line(result: &RunResult) -> String {
-    let title = ["theta", "phi", "Y white", "Y black", "contrast", "% sRGB", "% EBU", "white u'", "white v'"];
-    let mut rows = vec![title.map(str::to_owned).to_vec()];
+    let names: Vec<&str> = result.views[0].states.iter().map(|(name, _)| name).collect();
+    let ordinary = ["white", "black"].iter().all(|name| names.contains(name));
+    let y = |view: &View, name: &str| {
+        let state = view.states.get(name);
+        state.map_or("-".to_owned(), |s| measured(Some(s.value.Y), Some(s.standard_error.Y), 4))
+    };
+    let angles = |view: &View| vec![view.theta_deg.to_string(), view.phi_deg.to_string()];
+    let mut rows = vec![["theta", "phi"].map(str::to_owned).to_vec()];
+    if ordinary {
+        let titles = ["Y white", "Y black", "contrast", "% sRGB", "% EBU", "white u'", "white v'"];
+        rows[0].extend(titles.map(str::to_owned));
+    } else {
+        rows[0].extend(names.iter().take(STATES_IN_A_LINE).map(|name| format!("Y {name}")));
+    }
     for view in &result.views {
-        let of = |state: &str, decimals: usize, get: fn(&StateValues) -> Option<f64>| {
-            view.states
-                .get(state)
-                .map_or("-".to_owned(), |s| measured(get(&s.value), get(&s.standard_error), decimals))
-        };
-        let error = &view.standard_error;
-        rows.push(vec![
-            view.theta_deg.to_string(),
-            view.phi_deg.to_string(),
-            of("white", 4, |s| Some(s.Y)),
-            of("black", 4, |s| Some(s.Y)),
-            measured(view.contrast_ratio, error.contrast_ratio, 2),
-            measured(view.gamut_percent_srgb, error.gamut_percent_srgb, 2),
-            measured(view.gamut_percent_ebu, error.gamut_percent_ebu, 2),
-            of("white", 4, |s| s.u_prime),
-            of("white", 4, |s| s.v_prime),
-        ]);
+        let mut row = angles(view);
+        if ordinary {
+            let error = &view.standard_error;
+            row.extend(["white", "black"].map(|name| y(view, name)));
+            row.push(measured(view.contrast_ratio, error.contrast_ratio, 2));
+            row.push(measured(view.gamut_percent_srgb, error.gamut_percent_srgb, 2));
+            row.push(measured(view.gamut_percent_ebu, error.gamut_percent_ebu, 2));
+            let white = view.states.get("white");
+            row.push(
+                white.map_or("-".to_owned(), |s| measured(s.value.u_prime, s.standard_error.u_prime, 4)),
+            );
+            row.push(
+                white.map_or("-".to_owned(), |s| measured(s.value.v_prime, s.standard_error.v_prime, 4)),
+            );
+        } else {
+            row.extend(names.iter().take(STATES_IN_A_LINE).map(|name| y(view, name)));
+        }
+        rows.push(row);
     }
     format!("\n{}", table(&rows))
 }
@@ -140,19 +202,30 @@ fn table(rows: &[Vec<String>]) -> String {
 }
 
 /// `0.1523(2)`: a value and its standard error in units of its last digit (GUM, 7.2.2);
-/// without an error worth showing, the value to its usual decimals.
+/// without an error of half a digit or more, the value to its usual decimals.
 fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
-    let unit = 0.1_f64.powi(decimals as i32);
-    if error.is_nan() || error < 0.5 * unit {
-        return format!("{value:.decimals$}");
+    if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {
+        return unsigned_zero(format!("{value:.decimals$}"));
     }
-    // The error's first digit decides how many decimals are worth printing.
-    let worth = (-error.log10().floor()).max(0.0) as usize;
-    let decimals = worth.min(decimals);
-    let last = (error / 0.1_f64.powi(decimals as i32)).round();
-    format!("{value:.decimals$}({last})")
+    // The error's first digit decides how many decimals are worth printing: rounded to one
+    // digit first, or 0.96 would have two.
+    let magnitude = format!("{error:.0e}");
+    let exponent: i32 = magnitude.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    let decimals = decimals.min((-exponent).max(0) as usize);
+    let last = (error * 10.0_f64.powi(decimals as i32)).round();
+    unsigned_zero(format!("{value:.decimals$}({last})"))
+}
+
+/// Without the sign of a zero.
+fn unsigned_zero(number: String) -> String {
+    match number.strip_prefix('-') {
+        Some(rest) if rest.chars().take_while(|c| *c != '(').all(|c| matches!(c, '0' | '.')) => {
+            rest.to_owned()
+        }
+        _ => number,
+    }
 }
 
 #[cfg(test)]
@@ -166,6 +239,9 @@ mod tests {
         assert_eq!(measured(Some(0.15234), Some(1e-9), 4), "0.1523");
         assert_eq!(measured(Some(612.34), Some(23.0), 1), "612(23)");
         assert_eq!(measured(Some(9.123), None, 2), "9.12");
+        assert_eq!(measured(Some(11343.2), Some(0.96), 1), "11343(1)");
+        assert_eq!(measured(Some(-0.001), Some(0.0001), 2), "0.00");
+        assert_eq!(measured(Some(-0.1), Some(0.0001), 2), "-0.10");
         assert_eq!(measured(None, None, 2), "-");
     }
 }

@@ -1,20 +1,17 @@
 //! `papilio run`.
 
 use std::io::Write;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::Path;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use papilio_display::result::RunResult;
 use papilio_display::{Control, DisplayError, Progress};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
-use crate::{Failure, output, report};
-
-/// Set by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
+use crate::{Failure, interrupt, output, report, say};
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     if let Some(Solver::Adding) = arguments.solver {
@@ -28,9 +25,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         (None, true) => None,
         (None, false) => Some(arguments.scenario.default_out()),
     };
-    if let Some(folder) = &out {
-        output::folder(folder)?;
-    }
+    out.as_deref().map_or(Ok(()), output::check)?;
     let started = Instant::now();
     let mut result = compute(&resolved, arguments.threads)?;
     let seconds = started.elapsed().as_secs_f64();
@@ -40,28 +35,34 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         scenario: &resolved.canonical,
         hash: &resolved.hash,
         seed: resolved.scene.solver.seed,
+        notes: &resolved.notes,
         result: &result,
     };
-    let written = out.as_ref().map(|folder| Ok::<_, Failure>((folder, output::write_run(folder, &file)?)));
-    let written: Option<(&PathBuf, Vec<String>)> = written.transpose()?;
+    let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &file)));
+    // What was computed is shown even if it cannot be written.
     let mut stdout = anstream::stdout().lock();
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
-        let title = resolved.title.as_deref().unwrap_or("Untitled");
-        stdout.write_all(report::run(title, &result, seconds).as_bytes())?;
+        let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+        let in_glass = resolved.scene.solver.angle_medium == papilio_display::scene::AngleMedium::Glass;
+        stdout.write_all(report::run(&title, in_glass, &result, seconds).as_bytes())?;
     }
     stdout.flush()?;
-    if let Some((folder, names)) = written {
-        output::announce(folder, &names);
-    }
-    for warning in &result.warnings {
-        anstream::eprintln!("warning: {warning}");
-    }
+    tell(out.as_deref(), written.transpose()?, &resolved.notes, &result);
     if result.solver.interrupted {
         return Err(Failure::Interrupted("the result is that of the paths traced so far"));
     }
     Ok(())
+}
+
+/// What belongs on standard error.
+fn tell(folder: Option<&Path>, written: Option<Vec<String>>, notes: &[String], result: &RunResult) {
+    if let (Some(folder), Some(names)) = (folder, written) {
+        output::announce(folder, &names);
+    }
+    notes.iter().for_each(|note| say(&format!("note: {note}")));
+    result.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
 }
 
 fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
@@ -70,16 +71,11 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     Ok(Scenario::load(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
-fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<papilio_display::result::RunResult, Failure> {
-    // Without a handler Ctrl-C still ends the program, only less politely.
-    let _ = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
+fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
+    interrupt::heed();
     let bar = progress_bar();
     let show = |progress: Progress| show(&bar, progress);
-    let control = Control { threads: threads.map(usize::from), progress: &show, stop: &STOP };
+    let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
     let result = papilio_display::run(&resolved.scene, &control);
     bar.finish_and_clear();
     match result {
@@ -100,17 +96,15 @@ fn progress_bar() -> ProgressBar {
 }
 
 fn show(bar: &ProgressBar, progress: Progress) {
-    let done = match (progress.target, progress.paths_wanted) {
-        (Some(target), _) => (target / progress.relative_error).min(1.0),
-        (None, Some(wanted)) => progress.paths as f64 / wanted as f64,
-        (None, None) => 0.0,
+    let (views_done, views) = progress.views_done;
+    let of_view = match progress.target {
+        Some(target) => (target / progress.relative_error).min(1.0),
+        None => progress.share_of_paths.unwrap_or(0.0),
     };
-    bar.set_position((1000.0 * done) as u64);
+    let of_view = if of_view < 1.0 { of_view } else { 0.0 };
+    bar.set_position((1000.0 * (views_done as f64 + of_view) / views as f64) as u64);
     let target = progress.target.map_or(String::new(), |target| format!(" (target {:.2} %)", 100.0 * target));
-    let views = match progress.views_done {
-        (_, 1) => String::new(),
-        (done, all) => format!(", {done} of {all} views done"),
-    };
+    let views = if views == 1 { String::new() } else { format!(", {views_done} of {views} views done") };
     bar.set_message(format!(
         "error {:.2} %{target}, {} paths{views}",
         100.0 * progress.relative_error,

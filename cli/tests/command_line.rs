@@ -145,6 +145,44 @@ fn a_scan_read_back_shows_the_same_display() {
 }
 
 #[test]
+fn a_scan_may_have_angles_in_glass_whatever_stands_above_the_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = |angles: &str| {
+        let arguments = ["--angles", angles, "--step", "45", "--out", folder.path().to_str().unwrap()];
+        let output = papilio().arg("pixel").arg(scenario("indoor")).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let csv = fs::read_to_string(folder.path().join("pixel.csv")).unwrap();
+        assert_eq!(csv.lines().count(), 1 + 8 * 3 * 81);
+        let white = csv.lines().find(|line| line.starts_with("white,45,550,")).unwrap();
+        white.rsplit(',').next().unwrap().parse::<f64>().unwrap()
+    };
+    // At 45 deg in glass light is reflected at the air gap, at 45 deg in air it is not.
+    assert!((scan("glass") - scan("air")).abs() > 0.05);
+}
+
+#[test]
+fn figures_of_an_earlier_run_do_not_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    fs::write(folder.path().join("mine.svg"), "").unwrap();
+    assert!(run("indoor", &["--out", out, "--set", "viewer.theta_deg=[0,20]"]).status.success());
+    assert!(names(folder.path()).contains(&"overview_theta20_phi0.svg".to_owned()));
+    assert!(run("indoor", &["--out", out]).status.success());
+    let left = names(folder.path());
+    assert!(!left.iter().any(|name| name.contains("theta") || name.contains("against")), "{left:?}");
+    assert!(left.contains(&"mine.svg".to_owned()) && left.contains(&"overview.svg".to_owned()));
+}
+
+#[test]
+fn numbers_that_overflow_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = run("indoor", &["--set", "display.diffuser.width=1e-150", "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(!out.exists());
+}
+
+#[test]
 fn schemas_are_printed() {
     for more in [&[][..], &["--result"]] {
         let output = papilio().arg("schema").args(more).output().unwrap();
@@ -205,7 +243,7 @@ fn a_folder_that_cannot_be_made_is_the_users_mistake() {
     fs::write(&file, "in the way").unwrap();
     let output = run("indoor", &["--out", file.join("below").to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("cannot make the folder"));
+    assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
 }
 
 /// Ctrl-C ends a run that would take for ever, with what is there.
@@ -232,4 +270,29 @@ fn an_interrupted_run_saves_what_is_done() {
         serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
     assert_eq!(result["solver"]["interrupted"], true);
     assert!(result["solver"]["paths"].as_u64().unwrap() > 8192);
+}
+
+/// Of a scan, the views that are done.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_scan_saves_the_views_that_are_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let child = papilio()
+        .arg("run")
+        .arg(scenario("indoor"))
+        .args(["--set", "viewer.theta_deg={ from = -80, to = 80, step = 0.05 }", "--out"])
+        .arg(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    let views = result["views"].as_array().unwrap().len();
+    assert!((1..3201).contains(&views), "{views} views");
+    assert!(stderr(&output).contains(" of 3201 views"), "{}", stderr(&output));
 }

@@ -39,6 +39,9 @@ pub enum DisplayError {
         /// How many were asked for.
         threads: usize,
     },
+    /// A number overflowed: something in the scene is far outside of what displays are made of.
+    #[error("a result is not a finite number: something in the scenario is far too small or far too large")]
+    NotFinite,
     /// The run was stopped before there was anything to report.
     #[error("stopped before the first estimate")]
     Interrupted,

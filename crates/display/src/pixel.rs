@@ -80,6 +80,9 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
             keep(&out);
         }
     }
+    if states.iter().any(|(_, values)| values.iter().any(|value| !value.is_finite())) {
+        return Err(DisplayError::NotFinite);
+    }
     let wavelength_nm = scene.grid.wavelengths_nm();
     Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
 }

@@ -142,7 +142,7 @@ fn check_above_horizon(
     index: f64,
 ) -> Result<(), DisplayError> {
     let edge_deg = theta_deg.abs() + half_deg;
-    if edge_deg < 90.0 && index * edge_deg.to_radians().sin() < 1.0 {
+    if edge_deg < 90.0 && index * edge_deg.to_radians().sin() <= 1.0 {
         Ok(())
     } else {
         Err(DisplayError::BelowHorizon { what, theta_deg, index })

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::prepare::{Prepared, ViewPoint};
-use crate::result::{RunResult, SolverReport};
+use crate::result::{RunResult, SolverReport, View};
 use crate::sample::Sample;
 use crate::scene::{Scene, Stop};
 
@@ -33,15 +33,15 @@ const MOST_PATHS: u64 = 1 << 31;
 /// How far a run has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Paths traced, over all views.
+    /// Paths traced, over all views so far.
     pub paths: u64,
-    /// Paths that will be traced, where that is known.
-    pub paths_wanted: Option<u64>,
-    /// The largest relative standard error so far.
+    /// The part of the current view's paths that is done, where that is known.
+    pub share_of_paths: Option<f64>,
+    /// The largest relative standard error of the current view.
     pub relative_error: f64,
     /// The target, where there is one.
     pub target: Option<f64>,
-    /// Views that have reached it, of how many.
+    /// Views that are done, of how many.
     pub views_done: (usize, usize),
 }
 
@@ -56,6 +56,9 @@ pub struct Control<'a> {
 }
 
 /// Runs a scene.
+///
+/// Interrupted, it reports the views that are done and, if it has been seen at all, the one
+/// in work.
 ///
 /// # Errors
 /// If the scene cannot be, or was stopped before there was anything to report.
@@ -79,68 +82,90 @@ struct Runner<'a> {
 
 /// A view in work.
 struct Work<'a> {
-    at: &'a ViewPoint,
     walk: Walk<'a>,
+    /// Its number, from 0.
+    number: usize,
     replicates: Vec<Replicate>,
     /// After the last whole round.
     samples: Vec<Sample>,
     paths: u64,
     relative_error: f64,
-    done: bool,
+}
+
+/// What has been seen so far.
+#[derive(Default)]
+struct Done {
+    views: Vec<View>,
+    paths: u64,
+    relative_error: f64,
 }
 
 impl<'a> Runner<'a> {
     fn run(&self) -> Result<RunResult, DisplayError> {
-        let mut views: Vec<Work<'a>> = self.prepared.views.iter().map(|at| self.start(at)).collect();
+        let images: Vec<Vec<f64>> =
+            self.prepared.sources[1..].iter().map(|source| self.image(source)).collect();
+        let specular = self.meter.specular(&images);
+        let mut done = Done::default();
         let mut interrupted = false;
-        while views.iter().any(|view| !view.done) {
-            if !self.round(&mut views) {
-                interrupted = true;
+        // One view after the other: only one view's sums are in memory.
+        for (number, at) in self.prepared.views.iter().enumerate() {
+            let mut work = self.start(number, at);
+            interrupted = !self.look(&mut work, &done);
+            if !work.samples.is_empty() {
+                if !work.samples.iter().all(Sample::is_finite) {
+                    return Err(DisplayError::NotFinite);
+                }
+                done.views.push(self.meter.view(at, &work.samples, &specular));
+                done.paths += work.paths;
+                done.relative_error = done.relative_error.max(work.relative_error);
+            }
+            if interrupted {
                 break;
             }
-            (self.control.progress)(self.progress(&views));
         }
-        if views.iter().any(|view| view.samples.is_empty()) {
-            return Err(DisplayError::Interrupted);
+        if done.views.is_empty() {
+            Err(DisplayError::Interrupted)
+        } else {
+            Ok(self.result(done, &specular, interrupted))
         }
-        Ok(self.result(&views, interrupted))
     }
 
-    fn start(&self, at: &'a ViewPoint) -> Work<'a> {
+    fn start(&self, number: usize, at: &'a ViewPoint) -> Work<'a> {
         let walk = Walk::new(&self.prepared.stack, at.field, &self.prepared.sources);
         let replicates = (0..REPLICATES).map(|_| walk.replicate()).collect();
-        Work {
-            at,
-            walk,
-            replicates,
-            samples: Vec::new(),
-            paths: 0,
-            relative_error: f64::INFINITY,
-            done: false,
-        }
+        Work { walk, number, replicates, samples: Vec::new(), paths: 0, relative_error: f64::INFINITY }
     }
 
-    /// Adds a round to every view that needs one; false if it was stopped meanwhile, in
-    /// which case nothing of the round counts.
-    fn round(&self, views: &mut [Work<'a>]) -> bool {
-        for (number, view) in views.iter_mut().enumerate().filter(|(_, view)| !view.done) {
-            let each = self.round_size(view.paths / REPLICATES);
-            let walk = &view.walk;
-            let samples: Option<Vec<Sample>> = view
-                .replicates
-                .par_iter_mut()
-                .enumerate()
-                .map(|(replicate, state)| {
-                    let stream = number as u64 * REPLICATES + replicate as u64;
-                    let numbers = Numbers::new(self.scene.solver.sampler, self.scene.solver.seed, stream);
-                    self.trace(walk, state, &numbers, each)
-                })
-                .collect();
-            let Some(samples) = samples else { return false };
-            view.samples = samples;
-            view.paths += each * REPLICATES;
-            self.judge(view);
+    /// Adds rounds to a view until it is good enough; false if it was stopped before.
+    fn look(&self, work: &mut Work<'_>, done: &Done) -> bool {
+        while !self.is_enough(work) {
+            if !self.round(work) {
+                return false;
+            }
+            (self.control.progress)(self.progress(work, done));
         }
+        true
+    }
+
+    /// Adds a round; false if it was stopped meanwhile, in which case nothing of it counts.
+    fn round(&self, work: &mut Work<'_>) -> bool {
+        let each = self.round_size(work.paths / REPLICATES);
+        let (walk, number) = (&work.walk, work.number);
+        let samples: Option<Vec<Sample>> = work
+            .replicates
+            .par_iter_mut()
+            .enumerate()
+            .map(|(replicate, state)| {
+                let stream = number as u64 * REPLICATES + replicate as u64;
+                let numbers = Numbers::new(self.scene.solver.sampler, self.scene.solver.seed, stream);
+                self.trace(walk, state, &numbers, each)
+            })
+            .collect();
+        let Some(samples) = samples else { return false };
+        let every_bin = matches!(self.scene.solver.stop, Stop::RelativeError { every_bin: true, .. });
+        work.relative_error = self.meter.relative_error(&samples, every_bin);
+        work.samples = samples;
+        work.paths += each * REPLICATES;
         true
     }
 
@@ -173,48 +198,41 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn judge(&self, view: &mut Work<'_>) {
-        let every_bin = matches!(self.scene.solver.stop, Stop::RelativeError { every_bin: true, .. });
-        let error = self.meter.relative_error(&view.samples, every_bin);
-        let enough = match self.scene.solver.stop {
-            Stop::Paths(paths) => view.paths >= paths,
-            Stop::RelativeError { target, .. } => error <= target,
-        };
-        view.done = enough || view.paths >= MOST_PATHS;
-        view.relative_error = error;
-    }
-
-    fn progress(&self, views: &[Work<'_>]) -> Progress {
-        let (paths_each, target) = match self.scene.solver.stop {
-            Stop::Paths(paths) => (Some(paths), None),
-            Stop::RelativeError { target, .. } => (None, Some(target)),
-        };
-        Progress {
-            paths: views.iter().map(|view| view.paths).sum(),
-            paths_wanted: paths_each.map(|paths| paths * views.len() as u64),
-            relative_error: worst_error(views),
-            target,
-            views_done: (views.iter().filter(|view| view.done).count(), views.len()),
+    fn is_enough(&self, work: &Work<'_>) -> bool {
+        match self.scene.solver.stop {
+            Stop::Paths(paths) => work.paths >= paths,
+            Stop::RelativeError { target, .. } => work.relative_error <= target || work.paths >= MOST_PATHS,
         }
     }
 
-    fn result(&self, views: &[Work<'_>], interrupted: bool) -> RunResult {
-        let beams: Vec<Vec<f64>> =
-            self.prepared.sources[1..].iter().map(|source| self.image(source)).collect();
-        let specular = self.meter.specular(&beams);
-        let relative_error_reached = worst_error(views);
+    fn progress(&self, work: &Work<'_>, done: &Done) -> Progress {
+        let (share_of_paths, target) = match self.scene.solver.stop {
+            Stop::Paths(paths) => (Some((work.paths as f64 / paths as f64).min(1.0)), None),
+            Stop::RelativeError { target, .. } => (None, Some(target)),
+        };
+        let views = done.views.len() + usize::from(self.is_enough(work));
+        Progress {
+            paths: done.paths + work.paths,
+            share_of_paths,
+            relative_error: work.relative_error,
+            target,
+            views_done: (views, self.prepared.views.len()),
+        }
+    }
+
+    fn result(&self, done: Done, specular: &[Vec<f64>], interrupted: bool) -> RunResult {
         RunResult {
             solver: SolverReport {
                 method: "walk".to_owned(),
-                paths: views.iter().map(|view| view.paths).sum(),
+                paths: done.paths,
                 degrees_of_freedom: REPLICATES - 1,
-                relative_error_reached,
+                relative_error_reached: done.relative_error,
                 interrupted,
             },
             wavelength_nm: self.scene.grid.wavelengths_nm(),
             illuminant: self.meter.illuminant(),
-            views: views.par_iter().map(|view| self.meter.view(view.at, &view.samples, &specular)).collect(),
-            warnings: self.warnings(&specular, interrupted, relative_error_reached),
+            warnings: self.warnings(specular, interrupted, &done),
+            views: done.views,
         }
     }
 
@@ -229,7 +247,7 @@ impl<'a> Runner<'a> {
         image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
     }
 
-    fn warnings(&self, specular: &[Vec<f64>], interrupted: bool, reached: f64) -> Vec<String> {
+    fn warnings(&self, specular: &[Vec<f64>], interrupted: bool, done: &Done) -> Vec<String> {
         let mut warnings = Vec::new();
         for (light, directed) in self.scene.lighting.directed.iter().enumerate() {
             let mirrored = specular.iter().any(|by_light| by_light[light] > 0.0);
@@ -247,11 +265,17 @@ impl<'a> Runner<'a> {
                 }
             }
         }
-        if let Stop::RelativeError { target, .. } = self.scene.solver.stop
-            && reached > target
+        if interrupted {
+            warnings.push(format!(
+                "interrupted: {} of {} views, the last one not finished",
+                done.views.len(),
+                self.prepared.views.len()
+            ));
+        } else if let Stop::RelativeError { target, .. } = self.scene.solver.stop
+            && done.relative_error > target
         {
-            let why = if interrupted { "interrupted" } else { "the limit of paths" };
-            warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: {why}"));
+            let reached = done.relative_error;
+            warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: that would take more than {MOST_PATHS} paths"));
         }
         warnings
     }
@@ -260,8 +284,4 @@ impl<'a> Runner<'a> {
     fn looks_into(&self, view: &ViewPoint, source: &Source) -> bool {
         matches!(source, Source::Beam(beta) if view.field.holds(*beta))
     }
-}
-
-fn worst_error(views: &[Work<'_>]) -> f64 {
-    views.iter().map(|view| view.relative_error).fold(0.0, f64::max)
 }

@@ -7,6 +7,11 @@ use std::ops::Range;
 pub(crate) struct Sample(pub(crate) Vec<f64>);
 
 impl Sample {
+    /// True if every entry is a finite number.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.0.iter().all(|value| value.is_finite())
+    }
+
     /// The mean of all samples, without the one at `left_out`.
     pub(crate) fn mean(samples: &[Self], left_out: Option<usize>) -> Self {
         let mut mean = vec![0.0; samples[0].0.len()];

@@ -22,6 +22,8 @@ pub struct ResultFile<'a> {
     pub hash: &'a str,
     /// Seed of the walk.
     pub seed: u64,
+    /// How the scenario was understood.
+    pub notes: &'a [String],
     /// The answer.
     #[serde(flatten)]
     pub result: &'a RunResult,
