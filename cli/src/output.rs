@@ -64,7 +64,7 @@ fn is_figure(name: &str) -> bool {
 }
 
 /// Writes everything that `papilio run` writes, and returns the names.
-pub(crate) fn write_run(folder: &Path, file: &ResultFile<'_>) -> Result<Vec<String>, Failure> {
+pub(crate) fn write_run(folder: &Path, title: &str, file: &ResultFile<'_>) -> Result<Vec<String>, Failure> {
     make(folder)?;
     let mut names = Vec::new();
     let mut write = |name: &str, with: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
@@ -74,28 +74,28 @@ pub(crate) fn write_run(folder: &Path, file: &ResultFile<'_>) -> Result<Vec<Stri
     write("result.json", &|out| write_json(out, file))?;
     write("states.csv", &|out| write_states(out, file.result))?;
     write("spectra.csv", &|out| write_spectra(out, file.result))?;
-    for (name, svg) in figures(file.result) {
+    for (name, svg) in figures(file.result, title) {
         write(&name, &|out| out.write_all(svg.as_bytes()))?;
     }
     Ok(names)
 }
 
 /// File names and SVG texts.
-fn figures(result: &RunResult) -> Vec<(String, String)> {
+fn figures(result: &RunResult, title: &str) -> Vec<(String, String)> {
     let mut figures = Vec::new();
     let shown =
         if result.views.len() > VIEWS_WITH_FIGURES { nearest_to_normal(result) } else { &result.views };
     for view in shown {
         let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
-        figures.push((format!("overview{at}.svg"), papilio_figures::overview(result, view)));
-        figures.push((format!("spectra{at}.svg"), papilio_figures::spectra(result, view)));
-        figures.push((format!("chromaticity{at}.svg"), papilio_figures::chromaticity(result, view)));
-        figures.push((format!("patches{at}.svg"), papilio_figures::patches(result, view)));
+        figures.push((format!("overview{at}.svg"), papilio_figures::overview(result, view, title)));
+        figures.push((format!("spectra{at}.svg"), papilio_figures::spectra(result, view, title)));
+        figures.push((format!("chromaticity{at}.svg"), papilio_figures::chromaticity(result, view, title)));
+        figures.push((format!("patches{at}.svg"), papilio_figures::patches(result, view, title)));
     }
     if several_angles(result) {
         for metric in AngleMetric::ALL {
             let name = format!("{}_against_angle.svg", metric.name());
-            figures.push((name, papilio_figures::against_angle(result, metric)));
+            figures.extend(papilio_figures::against_angle(result, metric, title).map(|svg| (name, svg)));
         }
     }
     figures

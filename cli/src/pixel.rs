@@ -37,7 +37,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
     stdout.flush()?;
     interrupt::heed();
-    interrupt::whole(|| write(&folder, scan))?;
+    interrupt::whole(|| write(&folder, scan, &title, medium))?;
     output::announce(&folder, &["pixel.csv".to_owned(), "pixel.svg".to_owned()]);
     Ok(())
 }
@@ -55,12 +55,13 @@ fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
     Ok((0..=steps).map(|k| 90.0 * k as f64 / steps as f64).collect())
 }
 
-fn write(folder: &Path, scan: PixelScan) -> Result<(), Failure> {
+fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<(), Failure> {
     output::make(folder)?;
     let names: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
     let reflectance: Vec<f64> = scan.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
     let figure = Figure {
         states: &names,
+        medium,
         theta_deg: &scan.theta_deg,
         wavelength_nm: &scan.wavelength_nm,
         reflectance: &reflectance,
@@ -71,7 +72,7 @@ fn write(folder: &Path, scan: PixelScan) -> Result<(), Failure> {
         states: scan.states,
     };
     write_file(&folder.join("pixel.csv"), |out| table.write(out))?;
-    Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure).as_bytes()))?)
+    Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure, title).as_bytes()))?)
 }
 
 /// For each state, at the shown angles that the scan has: peak wavelength and the largest

@@ -38,13 +38,13 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         notes: &resolved.notes,
         result: &result,
     };
-    let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &file)));
+    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &title, &file)));
     // What was computed is shown even if it cannot be written.
     let mut stdout = anstream::stdout().lock();
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
-        let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
         let in_glass = resolved.scene.solver.angle_medium == papilio_display::scene::AngleMedium::Glass;
         stdout.write_all(report::run(&title, in_glass, &result, seconds).as_bytes())?;
     }

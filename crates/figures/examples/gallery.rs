@@ -11,6 +11,8 @@ use papilio_figures::{
 #[allow(clippy::unwrap_used, reason = "made-up data are known to be complete")]
 mod made_up;
 
+const TITLE: &str = "Made-up display";
+
 fn main() -> std::io::Result<()> {
     let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
     std::fs::create_dir_all(&dir)?;
@@ -18,13 +20,15 @@ fn main() -> std::io::Result<()> {
     for (suffix, error) in [("", 0.001), ("_noisy", 0.08)] {
         let run = made_up::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);
         for view in run.views.iter().take(1) {
-            write(&format!("spectra{suffix}"), spectra(&run, view))?;
-            write(&format!("chromaticity{suffix}"), chromaticity(&run, view))?;
-            write(&format!("patches{suffix}"), patches(&run, view))?;
-            write(&format!("overview{suffix}"), overview(&run, view))?;
+            write(&format!("spectra{suffix}"), spectra(&run, view, TITLE))?;
+            write(&format!("chromaticity{suffix}"), chromaticity(&run, view, TITLE))?;
+            write(&format!("patches{suffix}"), patches(&run, view, TITLE))?;
+            write(&format!("overview{suffix}"), overview(&run, view, TITLE))?;
         }
         for metric in AngleMetric::ALL {
-            write(&format!("{}{suffix}", metric.name()), against_angle(&run, metric))?;
+            if let Some(svg) = against_angle(&run, metric, TITLE) {
+                write(&format!("{}{suffix}", metric.name()), svg)?;
+            }
         }
     }
     write("pixel_scan", scan())
@@ -39,5 +43,7 @@ fn scan() -> String {
         states.iter().flat_map(|name| run.views.iter().filter_map(move |view| view.states.get(name)));
     let reflectance: Vec<f64> = spectra.flat_map(|state| state.value.reflectance_factor.clone()).collect();
     let (theta_deg, wavelength_nm) = (&theta_deg, &run.wavelength_nm);
-    pixel_scan(&PixelScan { states: &states, theta_deg, wavelength_nm, reflectance: &reflectance })
+    let scan =
+        PixelScan { states: &states, medium: "air", theta_deg, wavelength_nm, reflectance: &reflectance };
+    pixel_scan(&scan, TITLE)
 }

@@ -2,8 +2,10 @@
 
 use papilio_display::result::{RunResult, State, StateValues, View};
 
-use crate::panel::{Axis, EndLabel, Panel, end_labels};
-use crate::style::{INK, state_stroke};
+use crate::axis::Axis;
+use crate::labels::{EndLabel, end_labels, labels_inside};
+use crate::panel::Panel;
+use crate::style::{INK, degrees, joined, state_stroke};
 use crate::svg::{Point, Stroke, Svg};
 
 /// What is drawn against the viewing angle.
@@ -15,7 +17,7 @@ pub enum AngleMetric {
     Contrast,
     /// Gamut area, % of sRGB and of EBU.
     Gamut,
-    /// u'v' distance of every state from where it is at the smallest angle.
+    /// u'v' distance of every state from where it is at the smallest |theta|.
     ColourShift,
     /// Peak wavelength of every state that has one.
     Peak,
@@ -48,6 +50,11 @@ impl AngleMetric {
     }
 }
 
+/// Y is drawn on a logarithmic axis where its largest is more than so many times its smallest.
+const WIDE: f64 = 30.0;
+/// A peak does not move so far (nm) between neighbouring angles: it is another one that has become the highest.
+const OTHER_ORDER_NM: f64 = 40.0;
+
 /// A value and its standard error.
 type Measured = (Option<f64>, Option<f64>);
 
@@ -61,53 +68,96 @@ struct Series {
 
 /// A metric against the inclination of the view, with bars of one standard
 /// error where they can be seen. Of several azimuths the first is drawn.
-pub fn against_angle(result: &RunResult, metric: AngleMetric) -> String {
-    let mut views: Vec<&View> = result.views.iter().collect();
-    if let Some(first) = result.views.first() {
-        views.retain(|view| view.phi_deg == first.phi_deg);
-    }
+/// `None` where the metric is nowhere defined (a gamut without primaries).
+pub fn against_angle(result: &RunResult, metric: AngleMetric, title: &str) -> Option<String> {
+    let azimuth = result.views.first()?.phi_deg;
+    let mut views: Vec<&View> = result.views.iter().filter(|view| view.phi_deg == azimuth).collect();
     views.sort_by(|a, b| a.theta_deg.total_cmp(&b.theta_deg));
-    let series = series(&views, metric);
-    let mut svg = Svg::new(700.0, 420.0);
-    draw(&mut svg, &series, metric, views.iter().map(|view| view.theta_deg));
-    svg.finish()
+    let mut series = series(&views, metric);
+    series.retain(|one| one.points.iter().any(|[_, value, _]| value.is_finite()));
+    if series.is_empty() {
+        return None;
+    }
+    let one_of_several = views.len() < result.views.len() || azimuth != 0.0;
+    let azimuth = if one_of_several { format!("azimuth {}", degrees(azimuth)) } else { String::new() };
+    let mut svg = Svg::new(700.0, 420.0).titled(&joined(&[title, &azimuth]));
+    let panel = Panel {
+        origin: (76.0, 24.0),
+        size: (470.0, 330.0),
+        x: Axis::covering(views.iter().map(|view| view.theta_deg), 7, "Viewing angle (deg)"),
+        y: value_axis(&series, metric),
+    };
+    draw(&mut svg, &panel, &series, metric);
+    Some(svg.finish())
 }
 
-fn draw(svg: &mut Svg, series: &[Series], metric: AngleMetric, thetas: impl Iterator<Item = f64>) {
-    let defined = series.iter().flat_map(|s| &s.points).filter(|[_, value, _]| value.is_finite());
-    let extent = defined.flat_map(|[_, value, error]| {
+fn value_axis(series: &[Series], metric: AngleMetric) -> Axis {
+    let points = || series.iter().flat_map(|s| &s.points).filter(|[_, value, _]| value.is_finite());
+    if metric == AngleMetric::Reflectance {
+        let values: Vec<f64> = points().map(|point| point[1]).collect();
+        if let Some(axis) = Axis::logarithmic_beyond(WIDE, &values, metric.title()) {
+            return axis;
+        }
+    }
+    let extent = points().flat_map(|[_, value, error]| {
         let error = if error.is_finite() { *error } else { 0.0 };
         // An error bar alone is no reason to show negative values.
         [(value - error).max(value.min(0.0)), value + error]
     });
     let from_zero = (metric != AngleMetric::Peak).then_some(0.0);
-    let panel = Panel {
-        origin: (76.0, 24.0),
-        size: (470.0, 330.0),
-        x: Axis::covering(thetas, 7, "Viewing angle (deg)"),
-        y: Axis::covering(extent.chain(from_zero), 6, metric.title()),
-    };
+    Axis::covering(extent.chain(from_zero), 6, metric.title())
+}
+
+fn draw(svg: &mut Svg, panel: &Panel, series: &[Series], metric: AngleMetric) {
     panel.draw(svg);
-    let (mut labels, mut barred) = (vec![], false);
+    let (mut outside, mut inside, mut marks, mut barred) = (vec![], vec![], vec![], false);
     for one in series {
         let column = |i: usize| -> Vec<f64> { one.points.iter().map(|point| point[i]).collect() };
         let (theta, value, error) = (column(0), column(1), column(2));
         let points: Vec<Point> = panel.points(&theta, &value);
-        svg.polyline(&points, &one.stroke);
+        for piece in pieces(&points, &value, metric) {
+            svg.polyline(piece, &one.stroke);
+        }
         if points.len() <= 40 {
             for &point in &points {
                 svg.circle(point, 2.6, &one.stroke.colour, &Stroke::solid("#ffffff", 0.8));
             }
         }
         barred |= panel.error_bars(svg, &theta, &value, &error, &one.stroke);
-        if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
-            labels.push(EndLabel { end, text: one.name.clone(), stroke: one.stroke.clone() });
+        let (end, to_the_edge) = end_of(&points, &pieces(&points, &value, metric));
+        let label = EndLabel { end, text: one.name.clone(), stroke: one.stroke.clone() };
+        if to_the_edge {
+            outside.push(label)
+        } else {
+            inside.push(label)
         }
+        marks.extend(points);
     }
     if barred {
         panel.note(svg, "bars: \u{b1} one standard error");
     }
-    end_labels(svg, &panel, labels);
+    end_labels(svg, panel, outside);
+    labels_inside(svg, panel, &inside, &marks);
+}
+
+/// A curve in pieces that are one curve each: a line between peaks of two
+/// orders of interference would look measured, and no peak is ever there.
+fn pieces<'a>(points: &'a [Point], values: &[f64], metric: AngleMetric) -> Vec<&'a [Point]> {
+    let jump = |i: &usize| {
+        let step = (values[*i] - values[i - 1]).abs();
+        !step.is_finite() || (metric == AngleMetric::Peak && step > OTHER_ORDER_NM)
+    };
+    let mut cuts: Vec<usize> = (1..points.len()).filter(jump).collect();
+    cuts.insert(0, 0);
+    cuts.push(points.len());
+    cuts.windows(2).map(|cut| &points[cut[0]..cut[1]]).collect()
+}
+
+/// Where a curve is named: the end of its longest piece, and whether the curve goes on to the last angle.
+fn end_of(points: &[Point], pieces: &[&[Point]]) -> (Point, bool) {
+    let longest = pieces.iter().max_by_key(|piece| piece.len());
+    let end = longest.and_then(|piece| piece.last()).copied().unwrap_or((f64::NAN, f64::NAN));
+    (end, points.last() == Some(&end))
 }
 
 fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
@@ -141,7 +191,7 @@ fn both(state: &State, pick: fn(&StateValues) -> Option<f64>) -> Measured {
     (pick(&state.value), pick(&state.standard_error))
 }
 
-/// A curve for each state of the first view; `value` also gets the state as seen at the smallest angle.
+/// A curve for each state of the first view; `value` also gets the state as seen at the smallest |theta|.
 fn by_state(views: &[&View], value: fn(&State, &State) -> Measured) -> Vec<Series> {
     let smallest = views.iter().min_by(|a, b| a.theta_deg.abs().total_cmp(&b.theta_deg.abs()));
     let Some(smallest) = smallest else { return vec![] };
@@ -156,9 +206,7 @@ fn by_state(views: &[&View], value: fn(&State, &State) -> Measured) -> Vec<Serie
             points: views.iter().filter_map(at).collect(),
         }
     };
-    let mut series: Vec<Series> = smallest.states.iter().enumerate().map(curve).collect();
-    series.retain(|one| one.points.iter().any(|[_, value, _]| value.is_finite()));
-    series
+    smallest.states.iter().enumerate().map(curve).collect()
 }
 
 /// u'v' distance between a state and itself at another angle; the error takes the two views as independent.

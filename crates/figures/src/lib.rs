@@ -9,7 +9,8 @@
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
 //!
-//! Errors are one standard error, drawn where they are wider than a line.
+//! Each takes the scenario's title (empty: none), which stands above the figure, and
+//! figures of a view say from where it is seen. Errors are one standard error, drawn where they are wider than a line.
 //! Whatever the data (NaN, missing states, odd names), the text is well-formed
 //! XML: what cannot be drawn is left out.
 //!
@@ -20,8 +21,13 @@
 //! **Out of scope.** Files and names of files, PNG.
 
 mod angle;
+mod axis;
 mod chromaticity;
+mod labels;
+mod locus;
+mod marks;
 mod overview;
+mod paint;
 mod panel;
 mod patches;
 mod pixel_scan;

@@ -2,28 +2,32 @@
 
 use papilio_display::result::{RunResult, View};
 
-use crate::style::{INK, with_error};
+use crate::paint::Paint;
+use crate::style::{INK, percent, seen_at, with_error};
 use crate::svg::{Svg, Text};
 use crate::{chromaticity, patches, spectra};
 
 /// A view at a glance: what is seen, the colours of the states, their spectra and the gamut.
-pub fn overview(result: &RunResult, view: &View) -> String {
-    let (diagram, bottom) = (500.0, 556.0);
-    let mut svg = Svg::new(1300.0, bottom + 54.0);
-    svg.text((28.0, 36.0), &headline(view), Text::new(15.0, INK).strong());
+pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
     let shown = view.states.iter().count().clamp(1, 8) as f64;
     let side = (700.0 / shown - 12.0).min(76.0);
-    patches::draw(&mut svg, result, view, (28.0, 58.0), side);
-    spectra::draw(&mut svg, result, view, (78.0, 232.0), (480.0, bottom - 232.0));
+    let (diagram, top) = (500.0, 48.0);
+    let middle = top + patches::height(view, side) + 24.0;
+    let bottom = middle + 332.0;
+    let mut svg = Svg::new(1300.0, bottom + 54.0).titled(title);
+    svg.text((20.0, 28.0), &headline(result, view), Text::new(14.0, INK));
+    patches::draw(&mut svg, result, view, (20.0, top), side);
+    spectra::draw(&mut svg, result, view, (78.0, middle), (480.0, bottom - middle));
     chromaticity::draw(&mut svg, result, view, (778.0, bottom - chromaticity::height(diagram)), diagram);
     svg.finish()
 }
 
-fn headline(view: &View) -> String {
-    let mut parts = vec![format!("Viewed at {}\u{b0}", (view.theta_deg * 100.0).round() / 100.0)];
+fn headline(result: &RunResult, view: &View) -> String {
+    let mut parts = vec![seen_at(view)];
     if let Some(white) = view.states.get("white") {
-        let y = with_error(100.0 * white.value.Y, Some(100.0 * white.standard_error.Y), 1);
-        parts.push(format!("white Y {y} %"));
+        let (y, error) = percent(white.value.Y, white.standard_error.Y);
+        let error = error.map(|error| format!(" \u{b1} {error}")).unwrap_or_default();
+        parts.push(format!("white Y {y}{error} %"));
     }
     if let Some(contrast) = view.contrast_ratio {
         parts.push(format!("contrast {}", with_error(contrast, view.standard_error.contrast_ratio, 1)));
@@ -31,6 +35,9 @@ fn headline(view: &View) -> String {
     if let Some(gamut) = view.gamut_percent_srgb {
         let gamut = with_error(gamut, view.standard_error.gamut_percent_srgb, 1);
         parts.push(format!("gamut {gamut} % of sRGB"));
+    }
+    if let Some(dimmed) = Paint::of(result, view).dimmed() {
+        parts.push(format!("patches {dimmed}"));
     }
     parts.join("   \u{b7}   ")
 }

@@ -1,7 +1,8 @@
 //! Pixel reflectance against wavelength at several angles, as in Feng 2012, fig. 3.13.
 
-use crate::panel::{Axis, Panel, SMALL};
-use crate::style::{INK, ramp};
+use crate::axis::Axis;
+use crate::panel::{Panel, SMALL};
+use crate::style::{INK, degrees, ramp};
 use crate::svg::{Anchor, Stroke, Svg, Text};
 
 /// Curves in a panel, at most.
@@ -14,7 +15,9 @@ const COLUMNS: usize = 3;
 pub struct PixelScan<'a> {
     /// Names of the drive states; a panel for each.
     pub states: &'a [String],
-    /// Inclinations, degrees.
+    /// What the angles are in: `air` or `glass`.
+    pub medium: &'a str,
+    /// Inclinations in that medium, degrees.
     pub theta_deg: &'a [f64],
     /// Wavelengths, nm.
     pub wavelength_nm: &'a [f64],
@@ -32,11 +35,12 @@ impl PixelScan<'_> {
 }
 
 /// A panel for each state, a curve for each of up to seven angles, dark (small) to light (large).
-pub fn pixel_scan(scan: &PixelScan<'_>) -> String {
+pub fn pixel_scan(scan: &PixelScan<'_>, title: &str) -> String {
     let count = scan.states.len().max(1);
     let (columns, rows) = (count.min(COLUMNS), count.div_ceil(COLUMNS));
-    let (cell, legend) = ((318.0, 330.0), 90.0);
-    let mut svg = Svg::new(70.0 + cell.0 * columns as f64 + legend, 20.0 + cell.1 * rows as f64);
+    let (cell, legend) = ((318.0, 330.0), 84.0);
+    let size = (70.0 + cell.0 * columns as f64 + legend, 20.0 + cell.1 * rows as f64);
+    let mut svg = Svg::new(size.0, size.1).titled(title);
     let angles = chosen(scan.theta_deg.len());
     let drawn = (0..scan.states.len()).flat_map(|s| angles.iter().map(move |&a| (s, a)));
     let values = drawn.flat_map(|(s, a)| scan.spectrum(s, a).iter().copied());
@@ -45,7 +49,9 @@ pub fn pixel_scan(scan: &PixelScan<'_>) -> String {
         let (column, row) = ((i % COLUMNS) as f64, (i / COLUMNS) as f64);
         let x = Axis::between(scan.wavelength_nm, 5, "Wavelength (nm)");
         let origin = (70.0 + cell.0 * column, 40.0 + cell.1 * row);
-        let panel = Panel { origin, size: (cell.0 - 66.0, cell.1 - 86.0), x, y: y.clone() };
+        // The panels share one scale: to name it once in a row is enough.
+        let y = if column == 0.0 { y.clone() } else { y.clone().untitled() };
+        let panel = Panel { origin, size: (cell.0 - 66.0, cell.1 - 86.0), x, y };
         panel.draw(&mut svg);
         svg.text((origin.0, origin.1 - 12.0), name, Text::new(13.0, INK).strong());
         for (k, &angle) in angles.iter().enumerate() {
@@ -58,13 +64,12 @@ pub fn pixel_scan(scan: &PixelScan<'_>) -> String {
 }
 
 fn draw_legend(svg: &mut Svg, scan: &PixelScan<'_>, angles: &[usize], left: f64) {
-    svg.text((left, 52.0), "Angle", Text::new(SMALL, INK).strong());
+    svg.text((left, 52.0), &format!("Angle in {}", scan.medium), Text::new(SMALL, INK).strong());
     for (k, &angle) in angles.iter().enumerate() {
         let y = 74.0 + 19.0 * k as f64;
         svg.line((left, y - 4.0), (left + 22.0, y - 4.0), &Stroke::solid(&colour(k, angles.len()), 2.4));
-        let degrees = scan.theta_deg.get(angle).copied().unwrap_or(f64::NAN);
-        let label = format!("{}\u{b0}", (degrees * 10.0).round() / 10.0);
-        svg.text((left + 58.0, y), &label, Text::new(SMALL, INK).anchor(Anchor::End));
+        let theta = scan.theta_deg.get(angle).copied().unwrap_or(f64::NAN);
+        svg.text((left + 58.0, y), &degrees(theta), Text::new(SMALL, INK).anchor(Anchor::End));
     }
 }
 

@@ -1,11 +1,22 @@
 //! Where the name of a mark finds room beside others.
 
-use crate::svg::{Anchor, Point, text_width};
+use crate::style::SOFT;
+use crate::svg::{Anchor, Point, Stroke, Svg, Text, text_width};
 
-/// What is taken on the page: marks, lines, and names already placed.
+/// What is taken in a rectangle of the page: marks, lines, and names already placed.
 #[derive(Debug)]
 pub(crate) struct Places {
+    bounds: Box,
     taken: Vec<Box>,
+}
+
+/// Where a name stands.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    at: Point,
+    anchor: Anchor,
+    /// From the mark to a name that stands away from it.
+    leader: Option<[Point; 2]>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +28,25 @@ struct Box {
 }
 
 impl Box {
+    /// What is within `reach` of a point, both ways.
+    fn around((x, y): Point, reach: f64) -> Self {
+        Self { left: x - reach, right: x + reach, top: y - reach, bottom: y + reach }
+    }
+
+    fn of_text((x, y): Point, anchor: Anchor, text: &str, size: f64) -> Self {
+        let width = text_width(text, size);
+        let left = match anchor {
+            Anchor::Start => x,
+            Anchor::Middle => x - width / 2.0,
+            Anchor::End => x - width,
+        };
+        Self { left, right: left + width, top: y - size, bottom: y + 2.0 }
+    }
+
+    fn area(&self) -> f64 {
+        (self.right - self.left) * (self.bottom - self.top)
+    }
+
     fn overlap(&self, other: &Self) -> f64 {
         let width = self.right.min(other.right) - self.left.max(other.left);
         let height = self.bottom.min(other.bottom) - self.top.max(other.top);
@@ -25,10 +55,10 @@ impl Box {
 }
 
 impl Places {
-    /// A page where only these marks are.
-    pub(crate) fn around(marks: impl Iterator<Item = Point>) -> Self {
-        let mark = |(x, y): Point| Box { left: x - 7.0, right: x + 7.0, top: y - 7.0, bottom: y + 7.0 };
-        Self { taken: marks.map(mark).collect() }
+    /// A rectangle where only these marks are.
+    pub(crate) fn around((left, top): Point, size: Point, marks: impl Iterator<Item = Point>) -> Self {
+        let bounds = Box { left, right: left + size.0, top, bottom: top + size.1 };
+        Self { bounds, taken: marks.map(|mark| Box::around(mark, 7.0)).collect() }
     }
 
     /// Names also keep off the sides of this polygon.
@@ -38,42 +68,94 @@ impl Places {
             let to = corners[(i + 1) % corners.len()];
             for k in 0..STEPS {
                 let t = k as f64 / STEPS as f64;
-                let (x, y) = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
-                self.taken.push(Box { left: x - 2.0, right: x + 2.0, top: y - 2.0, bottom: y + 2.0 });
+                let at = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
+                self.taken.push(Box::around(at, 2.0));
             }
         }
     }
 
-    /// The least crowded place for `name` beside its mark, and takes it.
-    pub(crate) fn find(&mut self, (x, y): Point, name: &str, size: f64) -> (Point, Anchor) {
-        let candidates = [
-            ((x + 10.0, y + 4.0), Anchor::Start),
-            ((x - 10.0, y + 4.0), Anchor::End),
-            ((x, y - 11.0), Anchor::Middle),
-            ((x, y + 20.0), Anchor::Middle),
-            ((x + 8.0, y - 8.0), Anchor::Start),
-            ((x + 8.0, y + 16.0), Anchor::Start),
-            ((x - 8.0, y - 8.0), Anchor::End),
-            ((x - 8.0, y + 16.0), Anchor::End),
-        ];
-        let crowding = |(at, anchor): &(Point, Anchor)| -> f64 {
-            let wanted = extent(*at, *anchor, name, size);
-            self.taken.iter().map(|taken| taken.overlap(&wanted)).sum()
+    /// The least crowded place for `name` beside its mark, or a little away from it, and takes it.
+    pub(crate) fn find(&mut self, mark: Point, name: &str, size: f64) -> Place {
+        let crowding = |place: &Place| {
+            let wanted = Box::of_text(place.at, place.anchor, name, size);
+            let outside = wanted.area() - wanted.overlap(&self.bounds);
+            // A name a little too near another is better than one away from its mark.
+            let away = if place.leader.is_some() { 60.0 } else { 0.0 };
+            self.taken.iter().map(|taken| taken.overlap(&wanted)).sum::<f64>() + 4.0 * outside + away
         };
-        // `min_by` keeps the first of equals, so the order above is the order of taste.
-        let best = candidates.iter().min_by(|a, b| crowding(a).total_cmp(&crowding(b)));
-        let (at, anchor) = best.copied().unwrap_or(candidates[0]);
-        self.taken.push(extent(at, anchor, name, size));
-        (at, anchor)
+        // The first of equals, so the order of candidates is the order of taste.
+        let (mut best, mut least) = (beside(mark)[0], f64::INFINITY);
+        for place in beside(mark).into_iter().chain([26.0, 42.0].into_iter().flat_map(|r| away(mark, r))) {
+            let cost = crowding(&place);
+            if cost < least {
+                (best, least) = (place, cost);
+            }
+        }
+        self.taken.push(Box::of_text(best.at, best.anchor, name, size));
+        best
     }
 }
 
-fn extent((x, y): Point, anchor: Anchor, text: &str, size: f64) -> Box {
-    let width = text_width(text, size);
-    let left = match anchor {
-        Anchor::Start => x,
-        Anchor::Middle => x - width / 2.0,
-        Anchor::End => x - width,
-    };
-    Box { left, right: left + width, top: y - size, bottom: y + 2.0 }
+impl Place {
+    /// Sets the name there, with its leader if it needs one.
+    pub(crate) fn write(&self, svg: &mut Svg, name: &str, style: Text<'_>) {
+        if let Some([from, to]) = self.leader {
+            svg.line(from, to, &Stroke::solid(SOFT, 0.8));
+        }
+        svg.text(self.at, name, style.anchor(self.anchor).halo());
+    }
+}
+
+/// Next to a mark.
+fn beside((x, y): Point) -> [Place; 8] {
+    [
+        ((x + 10.0, y + 4.0), Anchor::Start),
+        ((x - 10.0, y + 4.0), Anchor::End),
+        ((x, y - 11.0), Anchor::Middle),
+        ((x, y + 20.0), Anchor::Middle),
+        ((x + 8.0, y - 8.0), Anchor::Start),
+        ((x + 8.0, y + 16.0), Anchor::Start),
+        ((x - 8.0, y - 8.0), Anchor::End),
+        ((x - 8.0, y + 16.0), Anchor::End),
+    ]
+    .map(|(at, anchor)| Place { at, anchor, leader: None })
+}
+
+/// Around a mark, `radius` px away, with a leader.
+fn away((x, y): Point, radius: f64) -> impl Iterator<Item = Place> {
+    const DIRECTIONS: u32 = 12;
+    (0..DIRECTIONS).map(move |k| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS)).sin_cos();
+        let anchor = match cos {
+            c if c > 0.3 => Anchor::Start,
+            c if c < -0.3 => Anchor::End,
+            _ => Anchor::Middle,
+        };
+        let step = |r: f64| (x + r * cos, y + r * sin);
+        let end = step(radius);
+        let at = (end.0 + 2.0 * cos, end.1 + 4.0 + 6.0 * sin);
+        Place { at, anchor, leader: Some([step(7.0), end]) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_marks_at_one_point_stand_apart() {
+        let mark = (100.0, 100.0);
+        let mut places = Places::around((0.0, 0.0), (200.0, 200.0), std::iter::repeat_n(mark, 9));
+        let names = ["white", "black", "red", "green", "blue", "cyan", "magenta", "yellow", "light"];
+        let boxes = names.map(|name| {
+            let place = places.find(mark, name, 12.0);
+            Box::of_text(place.at, place.anchor, name, 12.0)
+        });
+        for (i, one) in boxes.iter().enumerate() {
+            assert!(one.overlap(&places.bounds) > 0.99 * one.area(), "{} leaves the panel", names[i]);
+            for (j, other) in boxes.iter().enumerate().skip(i + 1) {
+                assert!(one.overlap(other) < 0.2 * one.area(), "{} covers {}", names[i], names[j]);
+            }
+        }
+    }
 }

@@ -2,14 +2,16 @@
 
 use papilio_display::result::{RunResult, View};
 
-use crate::panel::{Axis, EndLabel, Panel, end_labels};
-use crate::style::state_stroke;
+use crate::axis::Axis;
+use crate::labels::{EndLabel, end_labels};
+use crate::panel::Panel;
+use crate::style::{caption, state_stroke};
 use crate::svg::{Point, Svg};
 
 /// Reflectance factors of all states of a view, with a band of one standard
 /// error where it is wider than a line.
-pub fn spectra(result: &RunResult, view: &View) -> String {
-    let mut svg = Svg::new(760.0, 440.0);
+pub fn spectra(result: &RunResult, view: &View, title: &str) -> String {
+    let mut svg = Svg::new(760.0, 440.0).titled(&caption(title, view));
     draw(&mut svg, result, view, (70.0, 24.0), (540.0, 350.0));
     svg.finish()
 }

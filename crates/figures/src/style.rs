@@ -4,8 +4,7 @@
 //! apart without colour too: primaries solid, secondaries dashed, black dotted,
 //! and every curve is labelled where it ends.
 
-use papilio_colour::{Xy, Xyz};
-use papilio_display::result::{Illuminant, StateValues};
+use papilio_display::result::View;
 
 use crate::svg::{Stroke, hex};
 
@@ -48,24 +47,51 @@ pub(crate) fn ramp(t: f64) -> String {
     hex([0, 1, 2].map(|i| (STOPS[left][i] * (1.0 - share) + STOPS[left + 1][i] * share).round() as u8))
 }
 
-/// The colour of a state as it looks in its light, for a screen whose white is the perfect white.
-pub(crate) fn painted(state: &StateValues, light: &Illuminant) -> String {
-    let seen = Xyz { x: state.X, y: state.Y, z: state.Z };
-    let white = Xy { x: light.x, y: light.y }.with_luminance(1.0);
-    let adapted = white.and_then(|white| seen.adapted_to_d65(white));
-    hex(adapted.unwrap_or(seen).srgb_clipped())
-}
-
 /// A number, or a dash where there is none.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if value.is_finite() { format!("{value:.decimals$}") } else { "\u{2013}".to_owned() }
 }
 
+/// A standard error, where it is seen in so many decimals.
+fn seen_error(error: Option<f64>, decimals: usize) -> Option<String> {
+    let seen = |error: &f64| error.is_finite() && *error >= 0.5 * 10.0_f64.powi(-(decimals as i32));
+    error.filter(seen).map(|error| format!("{error:.decimals$}"))
+}
+
 /// A number with its standard error where that is seen in so many decimals.
 pub(crate) fn with_error(value: f64, error: Option<f64>, decimals: usize) -> String {
-    let seen = |error: &f64| error.is_finite() && *error >= 0.5 * 10.0_f64.powi(-(decimals as i32));
-    match error.filter(seen) {
-        Some(error) if value.is_finite() => format!("{value:.decimals$} \u{b1} {error:.decimals$}"),
+    match seen_error(error, decimals) {
+        Some(error) if value.is_finite() => format!("{} \u{b1} {error}", fixed(value, decimals)),
         _ => fixed(value, decimals),
     }
+}
+
+/// A share in %, and its standard error where that is seen; whole numbers from 100 % on.
+pub(crate) fn percent(value: f64, error: f64) -> (String, Option<String>) {
+    let decimals = if value.abs() < 0.9995 { 1 } else { 0 };
+    let error = seen_error(Some(100.0 * error), decimals).filter(|_| value.is_finite());
+    (fixed(100.0 * value, decimals), error)
+}
+
+/// An angle in degrees.
+pub(crate) fn degrees(angle: f64) -> String {
+    format!("{}\u{b0}", (angle * 100.0).round() / 100.0)
+}
+
+/// From where a view is seen: `viewed at 8 deg`.
+pub(crate) fn seen_at(view: &View) -> String {
+    let azimuth =
+        if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(view.phi_deg)) };
+    format!("viewed at {}{azimuth}", degrees(view.theta_deg))
+}
+
+/// Parts of a line, those that are not empty.
+pub(crate) fn joined(parts: &[&str]) -> String {
+    let parts: Vec<&str> = parts.iter().copied().filter(|part| !part.is_empty()).collect();
+    parts.join("   \u{b7}   ")
+}
+
+/// What stands above the figure of a view.
+pub(crate) fn caption(title: &str, view: &View) -> String {
+    joined(&[title, &seen_at(view)])
 }

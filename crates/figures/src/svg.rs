@@ -50,9 +50,13 @@ pub(crate) struct Text<'a> {
 pub(crate) struct Svg {
     width: f64,
     height: f64,
+    title: String,
     body: String,
     clips: usize,
 }
+
+/// What a title takes above a page, px.
+const TITLE: f64 = 28.0;
 
 impl Stroke {
     /// A solid line.
@@ -101,16 +105,28 @@ impl<'a> Text<'a> {
 impl Svg {
     /// An empty white page.
     pub(crate) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new(), clips: 0 }
+        Self { width, height, title: String::new(), body: String::new(), clips: 0 }
+    }
+
+    /// With a line above it (unless that is empty), which is also the document's title.
+    pub(crate) fn titled(self, title: &str) -> Self {
+        Self { title: title.trim().to_owned(), ..self }
     }
 
     /// The finished document.
-    pub(crate) fn finish(self) -> String {
-        let (w, h) = (number(self.width), number(self.height));
+    pub(crate) fn finish(mut self) -> String {
+        let (mut top, mut title) = (0.0, String::new());
+        if !self.title.is_empty() {
+            let line = shortened(&self.title, self.width - 40.0, 14.0);
+            self.text((20.0, 22.0 - TITLE), &line, Text::new(14.0, "#222222").strong());
+            // Above the page's own zero, so that no coordinate depends on the title.
+            (top, title) = (-TITLE, format!("<title>{}</title>\n", escaped(&self.title)));
+        }
+        let (w, h, top) = (number(self.width), number(self.height - top), number(top));
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
-             font-family=\"Helvetica, Arial, sans-serif\" stroke-linejoin=\"round\">\n\
-             <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 {top} {w} {h}\" \
+             font-family=\"Helvetica, Arial, sans-serif\" stroke-linejoin=\"round\">\n{title}\
+             <rect y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
             self.body
         )
     }
@@ -174,7 +190,7 @@ impl Svg {
 
     /// One line of text, its baseline at the point.
     pub(crate) fn text(&mut self, (x, y): Point, content: &str, style: Text<'_>) {
-        if !finite((x, y)) {
+        if !finite((x, y)) || content.is_empty() {
             return;
         }
         let anchor = match style.anchor {

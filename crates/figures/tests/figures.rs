@@ -9,15 +9,22 @@ use papilio_figures::{
 
 mod made_up;
 
+const TITLE: &str = "Indoor & <bright>";
+
+fn metric_of(run: &RunResult, metric: AngleMetric) -> String {
+    against_angle(run, metric, TITLE).expect("a metric that is defined")
+}
+
 /// Every figure of a run.
 fn all(run: &RunResult) -> Vec<String> {
-    let mut figures: Vec<String> = AngleMetric::ALL.map(|metric| against_angle(run, metric)).to_vec();
+    let against_angle = AngleMetric::ALL.map(|metric| against_angle(run, metric, TITLE));
+    let mut figures: Vec<String> = against_angle.into_iter().flatten().collect();
     for view in &run.views {
         figures.extend([
-            spectra(run, view),
-            chromaticity(run, view),
-            patches(run, view),
-            overview(run, view),
+            spectra(run, view, TITLE),
+            chromaticity(run, view, TITLE),
+            patches(run, view, TITLE),
+            overview(run, view, TITLE),
         ]);
     }
     figures
@@ -55,20 +62,25 @@ const STATES: [&str; 8] = ["white", "black", "red", "green", "blue", "cyan", "ma
 fn every_figure_names_its_states_and_axes() {
     let run = made_up::result(&[8.0, 0.0, 30.0], 0.05);
     let view = &run.views[0];
-    for svg in [spectra(&run, view), chromaticity(&run, view), patches(&run, view), overview(&run, view)] {
+    for svg in [
+        spectra(&run, view, TITLE),
+        chromaticity(&run, view, TITLE),
+        patches(&run, view, TITLE),
+        overview(&run, view, TITLE),
+    ] {
         says(&svg, &STATES);
     }
-    says(&spectra(&run, view), &["Wavelength (nm)", "Reflectance factor", "one standard error"]);
+    says(&spectra(&run, view, TITLE), &["Wavelength (nm)", "Reflectance factor", "one standard error"]);
     says(
-        &chromaticity(&run, view),
+        &chromaticity(&run, view, TITLE),
         &["u\u{2032}", "v\u{2032}", "% of sRGB", "% of EBU", "light", "520", "display"],
     );
-    says(&overview(&run, view), &["Viewed at 8\u{b0}", "contrast", "gamut"]);
+    says(&overview(&run, view, TITLE), &["viewed at 8\u{b0}", "contrast", "gamut"]);
     for metric in AngleMetric::ALL {
-        says(&against_angle(&run, metric), &["Viewing angle (deg)", "one standard error"]);
+        says(&metric_of(&run, metric), &["Viewing angle (deg)", "one standard error"]);
     }
-    says(&against_angle(&run, AngleMetric::Reflectance), &STATES);
-    says(&against_angle(&run, AngleMetric::Peak), &["red", "green", "blue", "Peak wavelength (nm)"]);
+    says(&metric_of(&run, AngleMetric::Reflectance), &STATES);
+    says(&metric_of(&run, AngleMetric::Peak), &["red", "green", "blue", "Peak wavelength (nm)"]);
 }
 
 /// Errors are drawn only where they can be seen.
@@ -76,10 +88,10 @@ fn every_figure_names_its_states_and_axes() {
 fn small_errors_leave_no_mark() {
     let run = made_up::result(&[8.0], 1e-6);
     let view = &run.views[0];
-    for svg in [spectra(&run, view), against_angle(&run, AngleMetric::Reflectance)] {
+    for svg in [spectra(&run, view, TITLE), metric_of(&run, AngleMetric::Reflectance)] {
         assert!(!svg.contains("standard error") && !svg.contains("fill-opacity"));
     }
-    assert!(spectra(&made_up::result(&[8.0], 0.05), view).len() < 1_000_000);
+    assert!(spectra(&made_up::result(&[8.0], 0.05), view, TITLE).len() < 1_000_000);
 }
 
 #[test]
@@ -92,7 +104,7 @@ fn a_name_is_text_whatever_it_holds() {
     for svg in all(&run) {
         texts(&svg);
     }
-    says(&spectra(&run, &run.views[0]), &["<b>&\"' ]]>"]);
+    says(&spectra(&run, &run.views[0], TITLE), &["<b>&\"' ]]>"]);
 }
 
 /// Replaces every number of a run's states.
@@ -149,7 +161,7 @@ fn few_states_and_few_views_are_enough() {
         for svg in all(&run) {
             texts(&svg);
         }
-        says(&patches(&run, &run.views[0]), keep);
+        says(&patches(&run, &run.views[0], TITLE), keep);
     }
     let mut many = full.clone();
     let states = &full.views[0].states.0;
@@ -167,18 +179,130 @@ fn few_states_and_few_views_are_enough() {
     }
 }
 
+/// A reader who finds a figure alone knows what it shows.
+#[test]
+fn every_figure_carries_its_title() {
+    let run = made_up::result(&[8.0, 0.0], 0.01);
+    for svg in all(&run) {
+        says(&svg, &[TITLE]);
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let title = document.descendants().find(|node| node.has_tag_name("title")).expect("a title");
+        assert!(title.text().unwrap().starts_with(TITLE));
+    }
+    says(&spectra(&run, &run.views[0], TITLE), &["viewed at 8\u{b0}"]);
+    assert!(!against_angle(&run, AngleMetric::Contrast, "").unwrap().contains("<title>"));
+}
+
+#[test]
+fn a_metric_that_is_nowhere_defined_is_no_figure() {
+    let mut run = made_up::result(&[0.0, 30.0], 0.01);
+    for view in &mut run.views {
+        view.gamut_percent_srgb = None;
+        view.gamut_percent_ebu = None;
+    }
+    assert_eq!(against_angle(&run, AngleMetric::Gamut, TITLE), None);
+    assert!(against_angle(&run, AngleMetric::Contrast, TITLE).is_some());
+    run.views.clear();
+    assert!(AngleMetric::ALL.iter().all(|metric| against_angle(&run, *metric, TITLE).is_none()));
+}
+
+/// The colours of the patches, in order.
+fn fills(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let patches = document.descendants().filter(|node| node.attribute("rx") == Some("4"));
+    patches.filter_map(|node| node.attribute("fill")).map(str::to_owned).collect()
+}
+
+/// A white that fills the screen is a white of 100 %; one of 430 % would make every patch blank.
+#[test]
+fn patches_brighter_than_the_page_are_dimmed_alike() {
+    let run = made_up::result(&[8.0], 0.001);
+    let scaled = |factor: f64| {
+        let mut run = run.clone();
+        for (_, state) in &mut run.views[0].states.0 {
+            for values in [&mut state.value, &mut state.standard_error] {
+                (values.X, values.Y, values.Z) = (factor * values.X, factor * values.Y, factor * values.Z);
+            }
+        }
+        patches(&run, &run.views[0], TITLE)
+    };
+    let plain = scaled(1.0);
+    assert!(!plain.contains("shown at"));
+    let white = 100.0 * run.views[0].states.get("white").unwrap().value.Y;
+    says(&plain, &["perfect white in the same light", &format!("Y {white:.1} %")]);
+    let (bright, brighter) = (scaled(40.0), scaled(80.0));
+    says(&bright, &["shown at 1/", &format!("Y {:.0} %", 40.0 * white), "\u{b1} 1 %"]);
+    assert_eq!(fills(&bright), fills(&brighter), "dimmed to the same");
+    let mut distinct = fills(&bright);
+    distinct.sort();
+    distinct.dedup();
+    assert_eq!(distinct.len(), STATES.len(), "no two states are clipped to one colour: {distinct:?}");
+}
+
+/// Of 4 % and 430 % both are to be read.
+#[test]
+fn a_wide_range_of_y_is_drawn_logarithmically() {
+    let mut run = made_up::result(&[0.0, 20.0, 40.0], 0.001);
+    assert!(!metric_of(&run, AngleMetric::Reflectance).contains("logarithmic"));
+    for (_, state) in &mut run.views[1].states.0 {
+        state.value.Y *= 30.0;
+    }
+    says(&metric_of(&run, AngleMetric::Reflectance), &["logarithmic", "0.05", "0.1"]);
+    assert!(!metric_of(&run, AngleMetric::Contrast).contains("logarithmic"));
+}
+
+/// No line is drawn between the peaks of two orders of interference.
+#[test]
+fn a_peak_that_jumps_breaks_its_curve() {
+    let mut run = made_up::result(&[0.0, 10.0, 20.0, 30.0, 40.0], 0.0);
+    for view in &mut run.views {
+        view.states.0.retain(|(name, _)| name == "red");
+    }
+    for (view, nm) in run.views.iter_mut().zip([650.0, 640.0, 600.0, 430.0, 420.0]) {
+        view.states.0[0].1.value.peak_nm = Some(nm);
+    }
+    let svg = metric_of(&run, AngleMetric::Peak);
+    let points: Vec<usize> = svg
+        .lines()
+        .filter(|line| line.contains(r##"stroke="#c8321f" stroke-width="2""##))
+        .map(|line| line.split("points=\"").nth(1).unwrap().split('"').next().unwrap().split(' ').count())
+        .collect();
+    assert_eq!(points, [3, 2]);
+    says(&svg, &["red"]);
+}
+
+/// Grey states lie on top of each other and of the light.
+#[test]
+fn crowded_states_are_shown_enlarged() {
+    let run = made_up::result(&[8.0], 0.001);
+    let light = (run.illuminant.u_prime, run.illuminant.v_prime);
+    let mut grey = run.clone();
+    for (i, (_, state)) in grey.views[0].states.0.iter_mut().enumerate() {
+        let off = 0.004 * i as f64;
+        (state.value.u_prime, state.value.v_prime) = (Some(light.0 + off), Some(light.1));
+    }
+    let discs = |run: &RunResult| {
+        let svg = chromaticity(run, &run.views[0], TITLE);
+        says(&svg, &STATES);
+        says(&svg, &["light"]);
+        svg.matches("<circle").count()
+    };
+    assert_eq!(discs(&grey), 2 * discs(&run));
+}
+
 #[test]
 fn a_pixel_scan_has_a_panel_for_each_state() {
     let states = ["red", "a & b", "blue", "dark"].map(str::to_owned);
     let (theta_deg, wavelength_nm) = ([0.0, 30.0, 60.0], [400.0, 550.0, 700.0]);
     let reflectance: Vec<f64> = (0..36).map(|i| f64::from(i) / 36.0).collect();
     let scan = PixelScan {
+        medium: "glass",
         states: &states,
         theta_deg: &theta_deg,
         wavelength_nm: &wavelength_nm,
         reflectance: &reflectance,
     };
-    let svg = pixel_scan(&scan);
+    let svg = pixel_scan(&scan, TITLE);
     says(
         &svg,
         &[
@@ -191,6 +315,7 @@ fn a_pixel_scan_has_a_panel_for_each_state() {
             "60\u{b0}",
             "Wavelength (nm)",
             "Reflectance",
+            "Angle in glass",
         ],
     );
     // Three angles in four panels, besides axes and legend.
@@ -202,6 +327,6 @@ fn a_pixel_scan_has_a_panel_for_each_state() {
         PixelScan { theta_deg: &[], ..scan },
         PixelScan { wavelength_nm: &[], ..scan },
     ] {
-        texts(&pixel_scan(&broken));
+        texts(&pixel_scan(&broken, TITLE));
     }
 }

@@ -1,0 +1,167 @@
+//! Axes: what part of the numbers is drawn, and where the ticks are.
+
+/// Values further below an axis's largest than this are not worth its length.
+const LOGARITHMIC_REACH: f64 = 1e-6;
+
+/// A linear or logarithmic axis with round ticks.
+#[derive(Debug, Clone)]
+pub(crate) struct Axis {
+    min: f64,
+    max: f64,
+    ticks: Vec<(f64, String)>,
+    title: String,
+    logarithmic: bool,
+}
+
+impl Axis {
+    /// From `min` to `max` as they stand, with about `count` ticks.
+    pub(crate) fn exact(min: f64, max: f64, count: usize, title: &str) -> Self {
+        let step = round_step((max - min) / count.max(1) as f64);
+        let first = (min / step - 1e-9).ceil();
+        let decimals = decimals(step);
+        let ticks = (0..=2 * count).map(|i| (first + i as f64) * step);
+        let ticks = ticks.take_while(|tick| *tick <= max + 1e-9 * step);
+        // Never "-0".
+        let named = |tick: f64| (tick, format!("{:.decimals$}", if tick.abs() < 1e-12 { 0.0 } else { tick }));
+        Self { min, max, ticks: ticks.map(named).collect(), title: title.to_owned(), logarithmic: false }
+    }
+
+    /// Widened to the ticks around all `values` (those that are finite).
+    pub(crate) fn covering(values: impl IntoIterator<Item = f64>, count: usize, title: &str) -> Self {
+        let (mut min, mut max) = range(values.into_iter().filter(|v| v.is_finite())).unwrap_or((0.0, 1.0));
+        if max - min <= 1e-9 * max.abs().max(min.abs()) {
+            let margin = if max == 0.0 { 1.0 } else { 0.1 * max.abs() };
+            (min, max) = (min - margin, max + margin);
+        }
+        let step = round_step((max - min) / count.max(1) as f64);
+        let (low, high) = ((min / step + 1e-9).floor() * step, (max / step - 1e-9).ceil() * step);
+        Self::exact(low, high, ((high - low) / step).round() as usize, title)
+    }
+
+    /// Logarithmic, and says so, if the positive ones of `values` span more than this `ratio`.
+    ///
+    /// Ticks at 1, 2 and 5 times the powers of ten, or at the powers alone
+    /// where they are many; at most six decades, from the largest value down.
+    pub(crate) fn logarithmic_beyond(ratio: f64, values: &[f64], title: &str) -> Option<Self> {
+        let positive = values.iter().copied().filter(|v| (1e-300..1e300).contains(v));
+        let (min, max) = range(positive).filter(|(min, max)| max / min > ratio)?;
+        let min = min.max(LOGARITHMIC_REACH * max);
+        let steps: &[f64] = if max / min > 2e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let decades = min.log10().floor() as i32..=max.log10().ceil() as i32;
+        let round: Vec<f64> = decades.flat_map(|d| steps.iter().map(move |s| s * 10.0_f64.powi(d))).collect();
+        let low = round.iter().copied().rfind(|tick| *tick <= min * (1.0 + 1e-9))?;
+        let high = round.iter().copied().find(|tick| *tick >= max * (1.0 - 1e-9))?;
+        let ticks = round.into_iter().filter(|tick| (low..=high).contains(tick));
+        let ticks = ticks.map(|tick| (tick, format!("{tick:.*}", decimals(tick)))).collect();
+        let title = format!("{title} (logarithmic)");
+        Some(Self { min: low, max: high, ticks, title, logarithmic: true })
+    }
+
+    /// From the first to the last of ascending `values`.
+    pub(crate) fn between(values: &[f64], count: usize, title: &str) -> Self {
+        match values {
+            [first, .., last] if last - first > 0.0 && (last - first).is_finite() => {
+                Self::exact(*first, *last, count, title)
+            }
+            _ => Self::covering(values.iter().copied(), count, title),
+        }
+    }
+
+    /// The same without its title, for panels beside one that has it.
+    pub(crate) fn untitled(self) -> Self {
+        Self { title: String::new(), ..self }
+    }
+
+    /// The value at its left or lower end.
+    pub(crate) fn min(&self) -> f64 {
+        self.min
+    }
+
+    /// Round values with their texts.
+    pub(crate) fn ticks(&self) -> &[(f64, String)] {
+        &self.ticks
+    }
+
+    /// What it shows, with its unit.
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Whether a value lies between its ends.
+    pub(crate) fn contains(&self, value: f64) -> bool {
+        self.min < value && value < self.max
+    }
+
+    /// Where a value lies, 0 to 1 between the ends; not finite where a logarithm is not.
+    pub(crate) fn share(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            // What is not positive lies infinitely far below.
+            let decades = if value <= 0.0 { f64::NEG_INFINITY } else { (value / self.min).log10() };
+            return decades / (self.max / self.min).log10();
+        }
+        (value - self.min) / (self.max - self.min)
+    }
+}
+
+/// The smallest and the largest, if any.
+fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values
+        .fold(None, |range, v| Some(range.map_or((v, v), |(min, max): (f64, f64)| (min.min(v), max.max(v)))))
+}
+
+/// As many as show a step of this size.
+fn decimals(step: f64) -> usize {
+    (-step.log10().floor()).clamp(0.0, 12.0) as usize
+}
+
+/// 1, 2 or 5 times a power of ten, at least `step`.
+fn round_step(step: f64) -> f64 {
+    let decade = 10.0_f64.powf(step.log10().floor());
+    let mantissa = step / decade;
+    let round = [1.0, 2.0, 5.0].into_iter().find(|r| mantissa <= r * (1.0 + 1e-9));
+    decade * round.unwrap_or(10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        let axis = Axis::covering([0.013, 0.241], 5, "Y");
+        assert_eq!((axis.min, axis.max), (0.0, 0.25));
+        assert_eq!(labels(&axis), ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25"]);
+    }
+
+    #[test]
+    fn a_wide_range_is_drawn_in_decades() {
+        assert!(Axis::logarithmic_beyond(30.0, &[0.0, 0.1, 3.0], "Y").is_none());
+        assert!(Axis::logarithmic_beyond(30.0, &[0.0, -1.0, f64::NAN], "Y").is_none());
+        let axis = Axis::logarithmic_beyond(30.0, &[0.03, -1.0, 4.3, f64::NAN], "Y").unwrap();
+        assert_eq!(labels(&axis), ["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2", "5"]);
+        assert!((axis.share(0.02) - 0.0).abs() < 1e-12 && (axis.share(5.0) - 1.0).abs() < 1e-12);
+        assert!((axis.share(0.316_227_766) - 0.5).abs() < 1e-6, "the middle is the geometric mean");
+        assert_eq!(axis.share(0.0), f64::NEG_INFINITY);
+        assert!(axis.title.contains("logarithmic"));
+        // Noise around zero does not take the axis over.
+        let axis = Axis::logarithmic_beyond(30.0, &[1e-30, 1.0], "Y").unwrap();
+        assert_eq!((axis.min, labels(&axis).len()), (1e-6, 7));
+    }
+
+    #[test]
+    fn any_data_make_an_axis() {
+        for values in
+            [vec![], vec![f64::NAN], vec![0.0], vec![3.0, 3.0], vec![-1e-9, 1e12], vec![1e300, -1e300]]
+        {
+            let axis = Axis::covering(values.clone(), 5, "");
+            assert!(
+                axis.min < axis.max && axis.ticks.len() > 1 && axis.ticks.len() < 20,
+                "{values:?} {axis:?}"
+            );
+        }
+    }
+}

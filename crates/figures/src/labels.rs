@@ -1,0 +1,82 @@
+//! Names of curves, where each ends.
+
+use crate::panel::{Panel, SMALL};
+use crate::place::Places;
+use crate::style::{INK, SOFT};
+use crate::svg::{Point, Stroke, Svg, Text, shortened};
+
+/// Height of a line, px.
+const SPACING: f64 = 17.0;
+/// Length of a name, px.
+const ROOM: f64 = 106.0;
+/// A leader that climbs further than this is no help, px.
+const CLIMB: f64 = 30.0;
+
+/// A curve's name at its end.
+#[derive(Debug)]
+pub(crate) struct EndLabel {
+    /// The curve's last point on the page.
+    pub(crate) end: Point,
+    /// Its name.
+    pub(crate) text: String,
+    /// How the curve is drawn.
+    pub(crate) stroke: Stroke,
+}
+
+/// Names the curves to the right of a panel, spread so that none covers another.
+///
+/// Where many end close together the leaders would be a fan: then the names
+/// are a legend, in the order in which the curves end.
+pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>) {
+    labels.retain(|label| label.end.1.is_finite());
+    labels.sort_by(|a, b| a.end.1.total_cmp(&b.end.1));
+    let wanted: Vec<f64> = labels.iter().map(|label| label.end.1).collect();
+    let heights = spread(&wanted, SPACING, panel.origin.1 - 4.0, panel.bottom());
+    let crowded = wanted.iter().zip(&heights).any(|(wanted, height)| (wanted - height).abs() > CLIMB);
+    for (i, (label, height)) in labels.iter().zip(heights).enumerate() {
+        let to = panel.right() + 16.0;
+        let height = if crowded { panel.origin.1 + 8.0 + SPACING * i as f64 } else { height };
+        if !crowded {
+            svg.line((label.end.0 + 3.0, label.end.1), (to, height), &Stroke::solid(SOFT, 0.8));
+        }
+        svg.line((to, height), (to + 22.0, height), &label.stroke);
+        svg.text((to + 27.0, height + 4.0), &shortened(&label.text, ROOM, SMALL), Text::new(SMALL, INK));
+    }
+}
+
+/// Names curves that end inside a panel right there, in their colours, off all `marks`.
+pub(crate) fn labels_inside(svg: &mut Svg, panel: &Panel, labels: &[EndLabel], marks: &[Point]) {
+    let mut places = Places::around(panel.origin, panel.size, marks.iter().copied());
+    for label in labels {
+        let name = shortened(&label.text, ROOM, SMALL);
+        let place = places.find(label.end, &name, SMALL);
+        place.write(svg, &name, Text::new(SMALL, &label.stroke.colour));
+    }
+}
+
+/// Ascending heights at least `spacing` apart, near those wanted and between two bounds where they fit.
+fn spread(wanted: &[f64], spacing: f64, top: f64, bottom: f64) -> Vec<f64> {
+    let mut heights: Vec<f64> = wanted.to_vec();
+    for i in 1..heights.len() {
+        heights[i] = heights[i].max(heights[i - 1] + spacing);
+    }
+    let mut limit = bottom;
+    for height in heights.iter_mut().rev() {
+        *height = height.min(limit);
+        limit = *height - spacing;
+    }
+    let overflow = heights.first().map_or(0.0, |first| (top - first).max(0.0));
+    heights.iter().map(|height| height + overflow).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_do_not_cover_each_other() {
+        let heights = spread(&[10.0, 11.0, 95.0, 99.0], 17.0, 0.0, 100.0);
+        assert!(heights.windows(2).all(|pair| pair[1] - pair[0] >= 17.0 - 1e-9), "{heights:?}");
+        assert!(heights[0] >= 0.0 && heights[3] <= 100.0);
+    }
+}

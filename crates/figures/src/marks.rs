@@ -1,0 +1,106 @@
+//! The states and the light in the u'v' diagram.
+
+use papilio_colour::UvPrime;
+use papilio_display::result::{RunResult, View};
+
+use crate::paint::Paint;
+use crate::panel::{Panel, SMALL};
+use crate::place::Places;
+use crate::style::INK;
+use crate::svg::{Point, Stroke, Svg, Text};
+
+/// Marks closer together than this, both in u' and in v', are shown enlarged.
+const CLOSE: f64 = 0.05;
+/// Sides of enlarged windows.
+const WINDOWS: [f64; 4] = [0.01, 0.02, 0.05, 0.1];
+
+/// What is marked in a diagram.
+#[derive(Debug)]
+pub(crate) struct Marks {
+    states: Vec<State>,
+    light: Option<UvPrime>,
+}
+
+#[derive(Debug)]
+struct State {
+    name: String,
+    at: UvPrime,
+    error: UvPrime,
+    fill: String,
+}
+
+/// A square part of the diagram.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Window {
+    pub(crate) middle: UvPrime,
+    pub(crate) side: f64,
+}
+
+impl Marks {
+    /// The states of a view and the light, as far as they lie within a diagram
+    /// (noise of a black state can leave it).
+    pub(crate) fn of(result: &RunResult, view: &View, diagram: &Panel) -> Self {
+        let paint = Paint::of(result, view);
+        let inside = |uv: &UvPrime| diagram.x.contains(uv.u) && diagram.y.contains(uv.v);
+        let states = view.states.iter().filter_map(|(name, state)| {
+            let (value, error) = (&state.value, &state.standard_error);
+            Some(State {
+                name: name.to_owned(),
+                at: Some(UvPrime { u: value.u_prime?, v: value.v_prime? }).filter(inside)?,
+                error: UvPrime { u: error.u_prime.unwrap_or(f64::NAN), v: error.v_prime.unwrap_or(f64::NAN) },
+                fill: paint.colour(value),
+            })
+        });
+        let light = UvPrime { u: result.illuminant.u_prime, v: result.illuminant.v_prime };
+        Self { states: states.collect(), light: Some(light).filter(inside) }
+    }
+
+    /// The window around the marks, if they lie so close together that it is worth showing enlarged.
+    pub(crate) fn crowded(&self) -> Option<Window> {
+        let all = || self.states.iter().map(|state| state.at).chain(self.light);
+        let range = |of: fn(UvPrime) -> f64| {
+            let start = (f64::INFINITY, f64::NEG_INFINITY);
+            all().map(of).fold(start, |(min, max), v| (min.min(v), max.max(v)))
+        };
+        let (u, v) = (range(|uv| uv.u), range(|uv| uv.v));
+        let extent = (u.1 - u.0).max(v.1 - v.0);
+        let side = WINDOWS.into_iter().find(|side| *side >= 1.6 * extent)?;
+        let middle = UvPrime { u: (u.0 + u.1) / 2.0, v: (v.0 + v.1) / 2.0 };
+        (extent < CLOSE && all().count() > 1).then_some(Window { middle, side })
+    }
+
+    /// Discs and error crosses of the states; on top of them the cross of the light, which a state near it would hide.
+    pub(crate) fn draw(&self, svg: &mut Svg, panel: &Panel) {
+        let line = Stroke::solid(INK, 1.2);
+        for State { at, error, fill, .. } in &self.states {
+            panel.error_bars(svg, &[at.u], &[at.v], &[error.v], &line);
+            panel.error_bar_across(svg, (at.u, at.v), error.u, &line);
+            let centre = panel.at(at.u, at.v);
+            svg.circle(centre, 5.5, fill, &Stroke::solid("#ffffff", 3.0));
+            svg.circle(centre, 5.5, fill, &line);
+        }
+        if let Some(light) = self.light {
+            let (x, y) = panel.at(light.u, light.v);
+            // White below the ink, so that it is seen on a dark disc too.
+            for stroke in [Stroke::solid("#ffffff", 3.6), Stroke::solid(INK, 1.4)] {
+                svg.line((x - 5.0, y), (x + 5.0, y), &stroke);
+                svg.line((x, y - 5.0), (x, y + 5.0), &stroke);
+            }
+        }
+    }
+
+    /// Names them, off each other and off the sides of the triangles.
+    pub(crate) fn name(&self, svg: &mut Svg, panel: &Panel, triangles: &[Option<[UvPrime; 3]>]) {
+        let at = |uv: UvPrime| panel.at(uv.u, uv.v);
+        let states = self.states.iter().map(|state| (state.name.as_str(), at(state.at)));
+        let marks: Vec<(&str, Point)> =
+            self.light.map(|uv| ("light", at(uv))).into_iter().chain(states).collect();
+        let mut places = Places::around(panel.origin, panel.size, marks.iter().map(|(_, at)| *at));
+        for triangle in triangles.iter().flatten() {
+            places.avoid(&triangle.map(at));
+        }
+        for (name, at) in marks {
+            places.find(at, name, SMALL).write(svg, name, Text::new(SMALL, INK));
+        }
+    }
+}
