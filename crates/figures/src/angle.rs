@@ -55,6 +55,9 @@ const WIDE: f64 = 30.0;
 /// A peak does not move so far (nm) between neighbouring angles: it is another one that has become the highest.
 const OTHER_ORDER_NM: f64 = 40.0;
 
+/// A u'v' distance below this is hardly seen: a display of constant colour is a flat line, not its rounding errors.
+const UNSEEN_SHIFT: f64 = 0.005;
+
 /// A value and its standard error.
 type Measured = (Option<f64>, Option<f64>);
 
@@ -64,6 +67,18 @@ struct Series {
     name: String,
     stroke: Stroke,
     points: Vec<[f64; 3]>,
+}
+
+impl Series {
+    /// The angles (0), values (1) or errors (2).
+    fn column(&self, i: usize) -> Vec<f64> {
+        self.points.iter().map(|point| point[i]).collect()
+    }
+
+    /// The values on the page.
+    fn on(&self, panel: &Panel) -> Vec<Point> {
+        self.points.iter().map(|[theta, value, _]| panel.at(*theta, *value)).collect()
+    }
 }
 
 /// A metric against the inclination of the view, with bars of one standard
@@ -104,40 +119,43 @@ fn value_axis(series: &[Series], metric: AngleMetric) -> Axis {
         // An error bar alone is no reason to show negative values.
         [(value - error).max(value.min(0.0)), value + error]
     });
-    let from_zero = (metric != AngleMetric::Peak).then_some(0.0);
-    Axis::covering(extent.chain(from_zero), 6, metric.title())
+    let at_least: &[f64] = match metric {
+        AngleMetric::Peak => &[],
+        AngleMetric::ColourShift => &[0.0, UNSEEN_SHIFT],
+        _ => &[0.0],
+    };
+    Axis::covering(extent.chain(at_least.iter().copied()), 6, metric.title())
 }
 
 fn draw(svg: &mut Svg, panel: &Panel, series: &[Series], metric: AngleMetric) {
     panel.draw(svg);
-    let (mut outside, mut inside, mut marks, mut barred) = (vec![], vec![], vec![], false);
-    for one in series {
-        let column = |i: usize| -> Vec<f64> { one.points.iter().map(|point| point[i]).collect() };
-        let (theta, value, error) = (column(0), column(1), column(2));
-        let points: Vec<Point> = panel.points(&theta, &value);
-        for piece in pieces(&points, &value, metric) {
+    let curves: Vec<Vec<Point>> = series.iter().map(|one| one.on(panel)).collect();
+    let (mut outside, mut inside, mut lines, mut barred) = (vec![], vec![], vec![], false);
+    for (one, points) in series.iter().zip(&curves) {
+        let pieces = pieces(points, &one.column(1), metric);
+        for piece in &pieces {
             svg.polyline(piece, &one.stroke);
         }
         if points.len() <= 40 {
-            for &point in &points {
+            for &point in points {
                 svg.circle(point, 2.6, &one.stroke.colour, &Stroke::solid("#ffffff", 0.8));
             }
         }
-        barred |= panel.error_bars(svg, &theta, &value, &error, &one.stroke);
-        let (end, to_the_edge) = end_of(&points, &pieces(&points, &value, metric));
+        barred |= panel.error_bars(svg, &one.column(0), &one.column(1), &one.column(2), &one.stroke);
+        let (end, to_the_edge) = end_of(points, &pieces);
         let label = EndLabel { end, text: one.name.clone(), stroke: one.stroke.clone() };
         if to_the_edge {
             outside.push(label)
         } else {
             inside.push(label)
         }
-        marks.extend(points);
+        lines.extend(pieces);
     }
     if barred {
         panel.note(svg, "bars: \u{b1} one standard error");
     }
     end_labels(svg, panel, outside);
-    labels_inside(svg, panel, &inside, &marks);
+    labels_inside(svg, panel, &inside, &lines);
 }
 
 /// A curve in pieces that are one curve each: a line between peaks of two

@@ -18,11 +18,9 @@ impl Axis {
     pub(crate) fn exact(min: f64, max: f64, count: usize, title: &str) -> Self {
         let step = round_step((max - min) / count.max(1) as f64);
         let first = (min / step - 1e-9).ceil();
-        let decimals = decimals(step);
         let ticks = (0..=2 * count).map(|i| (first + i as f64) * step);
         let ticks = ticks.take_while(|tick| *tick <= max + 1e-9 * step);
-        // Never "-0".
-        let named = |tick: f64| (tick, format!("{:.decimals$}", if tick.abs() < 1e-12 { 0.0 } else { tick }));
+        let named = |tick: f64| (tick, written(if tick.abs() < 1e-9 * step { 0.0 } else { tick }, step));
         Self { min, max, ticks: ticks.map(named).collect(), title: title.to_owned(), logarithmic: false }
     }
 
@@ -52,7 +50,7 @@ impl Axis {
         let low = round.iter().copied().rfind(|tick| *tick <= min * (1.0 + 1e-9))?;
         let high = round.iter().copied().find(|tick| *tick >= max * (1.0 - 1e-9))?;
         let ticks = round.into_iter().filter(|tick| (low..=high).contains(tick));
-        let ticks = ticks.map(|tick| (tick, format!("{tick:.*}", decimals(tick)))).collect();
+        let ticks = ticks.map(|tick| (tick, written(tick, tick))).collect();
         let title = format!("{title} (logarithmic)");
         Some(Self { min: low, max: high, ticks, title, logarithmic: true })
     }
@@ -109,9 +107,14 @@ fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
         .fold(None, |range, v| Some(range.map_or((v, v), |(min, max): (f64, f64)| (min.min(v), max.max(v)))))
 }
 
-/// As many as show a step of this size.
-fn decimals(step: f64) -> usize {
-    (-step.log10().floor()).clamp(0.0, 12.0) as usize
+/// A tick with as many decimals as show a step of this size; with an exponent where those are many.
+fn written(tick: f64, step: f64) -> String {
+    let decade = step.log10().floor();
+    if (-5.0..6.0).contains(&decade) {
+        let decimals = (-decade).max(0.0) as usize;
+        return format!("{tick:.decimals$}");
+    }
+    format!("{tick:.0e}")
 }
 
 /// 1, 2 or 5 times a power of ten, at least `step`.
@@ -135,6 +138,19 @@ mod tests {
         let axis = Axis::covering([0.013, 0.241], 5, "Y");
         assert_eq!((axis.min, axis.max), (0.0, 0.25));
         assert_eq!(labels(&axis), ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25"]);
+    }
+
+    #[test]
+    fn tiny_and_huge_ticks_are_short() {
+        for scale in [1e-290, 1e-13, 1e9, 1e290] {
+            for axis in [
+                Axis::covering([0.0, 4.0 * scale], 5, "Y"),
+                Axis::logarithmic_beyond(30.0, &[0.1 * scale, 4.0 * scale], "Y").unwrap(),
+            ] {
+                assert!(labels(&axis).iter().all(|label| label.len() <= 6), "{axis:?}");
+            }
+        }
+        assert_eq!(labels(&Axis::exact(-1.0, 1.0, 2, "")), ["-1", "0", "1"]);
     }
 
     #[test]

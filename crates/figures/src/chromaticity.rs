@@ -47,10 +47,15 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
     let marks = Marks::of(result, view, &panel);
     marks.draw(svg, &panel);
     match marks.crowded() {
-        Some(window) => inset(svg, &panel, &marks, window, display),
-        None => marks.name(svg, &panel, &[Some(srgb), display]),
+        Some(window) => {
+            inset(svg, &panel, &marks, window, display);
+            legend(svg, panel.origin.1, &panel, view, display.is_some());
+        }
+        None => {
+            marks.name(svg, &panel, &[Some(srgb), display]);
+            legend(svg, panel.bottom() - 3.5 * LINE, &panel, view, display.is_some());
+        }
     }
-    legend(svg, &panel, view, display.is_some());
 }
 
 /// Height of a diagram of this width, so that u' and v' have one scale.
@@ -81,15 +86,15 @@ fn display(view: &View) -> Option<[UvPrime; 3]> {
     Some([red?, green?, blue?])
 }
 
-/// The part of the diagram around the marks, enlarged and with their names, above the legend.
+/// The part of the diagram around the marks, enlarged and with their names, in the empty corner below the purples.
 fn inset(svg: &mut Svg, panel: &Panel, marks: &Marks, window: Window, display: Option<[UvPrime; 3]>) {
-    let side = 0.33 * panel.size.0;
-    let origin = (panel.right() - side - 4.0, panel.bottom() - 3.0 * LINE - 42.0 - side);
+    let side = 0.3 * panel.size.0;
+    let origin = (panel.right() - side - 8.0, panel.bottom() - side - 34.0);
     let (thin, reach) = (Stroke::solid(INK, 0.8), window.side / 2.0);
     let axis = |middle: f64| Axis::exact(middle - reach, middle + reach, 3, "");
     let UvPrime { u, v } = window.middle;
     let enlarged = Panel { origin, size: (side, side), x: axis(u), y: axis(v) };
-    svg.rect((origin.0 - 42.0, origin.1 - 8.0), (side + 46.0, side + 30.0), 4.0, "#ffffff", "");
+    svg.rect((origin.0 - 48.0, origin.1 - 8.0), (side + 56.0, side + 34.0), 4.0, "#ffffff", "");
     enlarged.draw(svg);
     let corners = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)];
     for around in [panel, &enlarged] {
@@ -103,8 +108,8 @@ fn inset(svg: &mut Svg, panel: &Panel, marks: &Marks, window: Window, display: O
     marks.name(svg, &enlarged, &[display]);
 }
 
-/// What the triangles are, and how large the display's is, in the empty corner below the purples.
-fn legend(svg: &mut Svg, panel: &Panel, view: &View, has_gamut: bool) {
+/// What the triangles are, and how large the display's is, from `top` down, on the right.
+fn legend(svg: &mut Svg, top: f64, panel: &Panel, view: &View, has_gamut: bool) {
     let percent = |value: Option<f64>, error: Option<f64>, of: &str| {
         value.map_or_else(|| of.to_owned(), |v| format!("{} % of {of}", with_error(v, error, 1)))
     };
@@ -117,7 +122,6 @@ fn legend(svg: &mut Svg, panel: &Panel, view: &View, has_gamut: bool) {
         lines.insert(0, (display_stroke(), "display".to_owned()));
     }
     let left = panel.right() - 185.0;
-    let top = panel.bottom() - 14.0 - LINE * lines.len() as f64;
     for (i, (stroke, text)) in lines.iter().enumerate() {
         let y = top + LINE * (i + 1) as f64;
         svg.line((left, y - 4.0), (left + 26.0, y - 4.0), stroke);

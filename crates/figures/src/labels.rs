@@ -44,9 +44,11 @@ pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>
     }
 }
 
-/// Names curves that end inside a panel right there, in their colours, off all `marks`.
-pub(crate) fn labels_inside(svg: &mut Svg, panel: &Panel, labels: &[EndLabel], marks: &[Point]) {
-    let mut places = Places::around(panel.origin, panel.size, marks.iter().copied());
+/// Names curves that end inside a panel right there, in their colours and off all `lines`.
+pub(crate) fn labels_inside(svg: &mut Svg, panel: &Panel, labels: &[EndLabel], lines: &[&[Point]]) {
+    let ends = labels.iter().map(|label| label.end);
+    let mut places = Places::around(panel.origin, panel.size, ends);
+    lines.iter().for_each(|line| places.avoid(line));
     for label in labels {
         let name = shortened(&label.text, ROOM, SMALL);
         let place = places.find(label.end, &name, SMALL);

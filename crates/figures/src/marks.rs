@@ -9,10 +9,8 @@ use crate::place::Places;
 use crate::style::INK;
 use crate::svg::{Point, Stroke, Svg, Text};
 
-/// Marks closer together than this, both in u' and in v', are shown enlarged.
-const CLOSE: f64 = 0.05;
-/// Sides of enlarged windows.
-const WINDOWS: [f64; 4] = [0.01, 0.02, 0.05, 0.1];
+/// Sides of the windows that are worth enlarging.
+const WINDOWS: [f64; 4] = [0.01, 0.02, 0.05, 0.08];
 
 /// What is marked in a diagram.
 #[derive(Debug)]
@@ -55,7 +53,7 @@ impl Marks {
         Self { states: states.collect(), light: Some(light).filter(inside) }
     }
 
-    /// The window around the marks, if they lie so close together that it is worth showing enlarged.
+    /// The window around the marks, if they lie so close together that one is worth enlarging.
     pub(crate) fn crowded(&self) -> Option<Window> {
         let all = || self.states.iter().map(|state| state.at).chain(self.light);
         let range = |of: fn(UvPrime) -> f64| {
@@ -66,7 +64,7 @@ impl Marks {
         let extent = (u.1 - u.0).max(v.1 - v.0);
         let side = WINDOWS.into_iter().find(|side| *side >= 1.6 * extent)?;
         let middle = UvPrime { u: (u.0 + u.1) / 2.0, v: (v.0 + v.1) / 2.0 };
-        (extent < CLOSE && all().count() > 1).then_some(Window { middle, side })
+        (all().count() > 1).then_some(Window { middle, side })
     }
 
     /// Discs and error crosses of the states; on top of them the cross of the light, which a state near it would hide.
@@ -97,7 +95,8 @@ impl Marks {
             self.light.map(|uv| ("light", at(uv))).into_iter().chain(states).collect();
         let mut places = Places::around(panel.origin, panel.size, marks.iter().map(|(_, at)| *at));
         for triangle in triangles.iter().flatten() {
-            places.avoid(&triangle.map(at));
+            let [a, b, c] = triangle.map(at);
+            places.avoid(&[a, b, c, a]);
         }
         for (name, at) in marks {
             places.find(at, name, SMALL).write(svg, name, Text::new(SMALL, INK));

@@ -11,11 +11,11 @@ use crate::{chromaticity, patches, spectra};
 pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
     let shown = view.states.iter().count().clamp(1, 8) as f64;
     let side = (700.0 / shown - 12.0).min(76.0);
-    let (diagram, top) = (500.0, 48.0);
+    let (diagram, top) = (500.0, 34.0);
     let middle = top + patches::height(view, side) + 24.0;
     let bottom = middle + 332.0;
     let mut svg = Svg::new(1300.0, bottom + 54.0).titled(title);
-    svg.text((20.0, 28.0), &headline(result, view), Text::new(14.0, INK));
+    svg.text((20.0, 16.0), &headline(result, view), Text::new(14.0, INK));
     patches::draw(&mut svg, result, view, (20.0, top), side);
     spectra::draw(&mut svg, result, view, (78.0, middle), (480.0, bottom - middle));
     chromaticity::draw(&mut svg, result, view, (778.0, bottom - chromaticity::height(diagram)), diagram);
@@ -23,7 +23,7 @@ pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
 }
 
 fn headline(result: &RunResult, view: &View) -> String {
-    let mut parts = vec![seen_at(view)];
+    let mut parts = vec![format!("Viewed {}", seen_at(view))];
     if let Some(white) = view.states.get("white") {
         let (y, error) = percent(white.value.Y, white.standard_error.Y);
         let error = error.map(|error| format!(" \u{b1} {error}")).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Where the name of a mark finds room beside others.
 
 use crate::style::SOFT;
-use crate::svg::{Anchor, Point, Stroke, Svg, Text, text_width};
+use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite, text_width};
 
 /// What is taken in a rectangle of the page: marks, lines, and names already placed.
 #[derive(Debug)]
@@ -58,34 +58,41 @@ impl Places {
     /// A rectangle where only these marks are.
     pub(crate) fn around((left, top): Point, size: Point, marks: impl Iterator<Item = Point>) -> Self {
         let bounds = Box { left, right: left + size.0, top, bottom: top + size.1 };
-        Self { bounds, taken: marks.map(|mark| Box::around(mark, 7.0)).collect() }
+        Self {
+            bounds,
+            taken: marks.filter(|mark| finite(*mark)).map(|mark| Box::around(mark, 7.0)).collect(),
+        }
     }
 
-    /// Names also keep off the sides of this polygon.
-    pub(crate) fn avoid(&mut self, corners: &[Point]) {
-        const STEPS: usize = 40;
-        for (i, from) in corners.iter().enumerate() {
-            let to = corners[(i + 1) % corners.len()];
-            for k in 0..STEPS {
-                let t = k as f64 / STEPS as f64;
-                let at = (from.0 + t * (to.0 - from.0), from.1 + t * (to.1 - from.1));
-                self.taken.push(Box::around(at, 2.0));
-            }
+    /// Names also keep off this line.
+    pub(crate) fn avoid(&mut self, line: &[Point]) {
+        const STEP: f64 = 4.0;
+        for (from, to) in line.iter().zip(line.iter().skip(1)).filter(|(a, b)| finite(**a) && finite(**b)) {
+            let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+            let steps = (dx.hypot(dy) / STEP).ceil().clamp(1.0, 1e3);
+            let share = (0..=steps as u32).map(|k| f64::from(k) / steps);
+            self.taken.extend(share.map(|t| Box::around((from.0 + t * dx, from.1 + t * dy), STEP / 2.0)));
         }
     }
 
     /// The least crowded place for `name` beside its mark, or a little away from it, and takes it.
     pub(crate) fn find(&mut self, mark: Point, name: &str, size: f64) -> Place {
+        let overlap = |wanted: &Box| self.taken.iter().map(|taken| taken.overlap(wanted)).sum::<f64>();
         let crowding = |place: &Place| {
             let wanted = Box::of_text(place.at, place.anchor, name, size);
             let outside = wanted.area() - wanted.overlap(&self.bounds);
-            // A name a little too near another is better than one away from its mark.
-            let away = if place.leader.is_some() { 60.0 } else { 0.0 };
-            self.taken.iter().map(|taken| taken.overlap(&wanted)).sum::<f64>() + 4.0 * outside + away
+            // A name a little too near another is better than one far from its mark.
+            let leader = place.leader.map_or(0.0, |[from, to]| {
+                let tip = Box::around(to, 2.0);
+                2.0 * (to.0 - from.0).hypot(to.1 - from.1) + 8.0 * overlap(&tip)
+            });
+            overlap(&wanted) + 4.0 * outside + leader
         };
         // The first of equals, so the order of candidates is the order of taste.
         let (mut best, mut least) = (beside(mark)[0], f64::INFINITY);
-        for place in beside(mark).into_iter().chain([26.0, 42.0].into_iter().flat_map(|r| away(mark, r))) {
+        for place in
+            beside(mark).into_iter().chain([26.0, 42.0, 60.0].into_iter().flat_map(|r| away(mark, r)))
+        {
             let cost = crowding(&place);
             if cost < least {
                 (best, least) = (place, cost);

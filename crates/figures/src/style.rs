@@ -78,11 +78,11 @@ pub(crate) fn degrees(angle: f64) -> String {
     format!("{}\u{b0}", (angle * 100.0).round() / 100.0)
 }
 
-/// From where a view is seen: `viewed at 8 deg`.
+/// From where a view is seen: `at 8 deg, azimuth 90 deg`.
 pub(crate) fn seen_at(view: &View) -> String {
     let azimuth =
         if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(view.phi_deg)) };
-    format!("viewed at {}{azimuth}", degrees(view.theta_deg))
+    format!("at {}{azimuth}", degrees(view.theta_deg))
 }
 
 /// Parts of a line, those that are not empty.
@@ -93,5 +93,5 @@ pub(crate) fn joined(parts: &[&str]) -> String {
 
 /// What stands above the figure of a view.
 pub(crate) fn caption(title: &str, view: &View) -> String {
-    joined(&[title, &seen_at(view)])
+    joined(&[title, &format!("viewed {}", seen_at(view))])
 }

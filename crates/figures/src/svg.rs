@@ -252,7 +252,8 @@ pub(crate) fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-fn finite((x, y): Point) -> bool {
+/// Whether a point is anywhere.
+pub(crate) fn finite((x, y): Point) -> bool {
     x.is_finite() && y.is_finite()
 }
 

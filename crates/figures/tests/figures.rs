@@ -75,7 +75,7 @@ fn every_figure_names_its_states_and_axes() {
         &chromaticity(&run, view, TITLE),
         &["u\u{2032}", "v\u{2032}", "% of sRGB", "% of EBU", "light", "520", "display"],
     );
-    says(&overview(&run, view, TITLE), &["viewed at 8\u{b0}", "contrast", "gamut"]);
+    says(&overview(&run, view, TITLE), &["Viewed at 8\u{b0}", "contrast", "gamut"]);
     for metric in AngleMetric::ALL {
         says(&metric_of(&run, metric), &["Viewing angle (deg)", "one standard error"]);
     }
