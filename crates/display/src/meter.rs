@@ -18,6 +18,9 @@ use crate::result::{
 };
 use crate::sample::{Layout, Sample, relative, spread};
 
+/// A spectrum whose extremes differ by less than this many of its largest standard error is flat.
+const FLAT: f64 = 10.0;
+
 /// Turns estimates into samples and samples into results.
 pub(crate) struct Meter<'a> {
     prepared: &'a Prepared,
@@ -123,10 +126,20 @@ impl<'a> Meter<'a> {
     pub(crate) fn view(&self, at: &ViewPoint, samples: &[Sample], specular: &[Vec<f64>]) -> View {
         let mean = Sample::mean(samples, None);
         let errors = Sample::standard_errors(samples);
-        let scalars = self.scalars(&mean);
+        let mut scalars = self.scalars(&mean);
+        let flat = |s: usize| self.is_flat(s, &mean.0, &errors);
+        scalars
+            .states
+            .iter_mut()
+            .enumerate()
+            .filter(|(s, _)| flat(*s))
+            .for_each(|(_, state)| state.peak_nm = None);
         let left_out: Vec<ViewScalars> =
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)))).collect();
-        let scalar_errors = ViewScalars::jackknife(&left_out);
+        let mut scalar_errors = ViewScalars::jackknife(&left_out);
+        for (error, value) in scalar_errors.states.iter_mut().zip(&scalars.states) {
+            error.peak_nm = value.peak_nm.and(error.peak_nm);
+        }
         let state = |s: usize| {
             let none = vec![0.0; specular[s].len()];
             State {
@@ -177,6 +190,18 @@ impl<'a> Meter<'a> {
         let (radiance, by_share) = (&linear[self.layout.radiance(state)], &linear[self.layout.factor(state)]);
         let bins = radiance.iter().zip(by_share).zip(&self.white);
         bins.map(|((l, share), white)| if *white > 0.0 { l / white } else { *share }).collect()
+    }
+
+    /// A spectrum that varies by no more than its own noise has no peak.
+    fn is_flat(&self, state: usize, mean: &[f64], errors: &[f64]) -> bool {
+        let (factor, error) = (self.reflectance_factor(state, mean), self.reflectance_factor(state, errors));
+        let (mut least, mut most, mut noise) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        for ((nm, factor), error) in self.grid.wavelengths_nm().into_iter().zip(factor).zip(error) {
+            if (400.0..=700.0).contains(&nm) {
+                (least, most, noise) = (least.min(factor), most.max(factor), noise.max(error));
+            }
+        }
+        most - least < FLAT * noise
     }
 
     /// Assembles values, or their errors.

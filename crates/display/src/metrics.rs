@@ -44,9 +44,10 @@ impl Reference<'_> {
     pub(crate) fn view(&self, xyz: &[Xyz], reflectance_factor: &[&[f64]]) -> ViewScalars {
         let seen = |name: &str| self.names.iter().position(|n| n == name).map(|state| xyz[state]);
         let uv = |name: &str| seen(name).and_then(Xyz::uv_prime);
+        let white = self.white.uv_prime();
         let black = seen("black").map(|black| black.y);
         let states = xyz.iter().zip(reflectance_factor);
-        let states = states.map(|(xyz, factor)| self.state(*xyz, factor, black, uv("white"))).collect();
+        let states = states.map(|(xyz, factor)| self.state(*xyz, factor, black, white)).collect();
         let primaries = uv("red").zip(uv("green")).zip(uv("blue")).map(|((r, g), b)| [r, g, b]);
         let gamut = |reference| primaries.map(|primaries| gamut_percent(primaries, reference));
         ViewScalars {
@@ -150,7 +151,7 @@ mod tests {
             reference.view(&[white, Xyz { x: 0.2, y: 0.1, z: 0.05 }], &[&[0.5; 4], &[0.1, 0.2, 0.3, 0.1]]);
         assert_eq!((view.contrast_ratio, view.gamut_srgb), (None, None));
         assert_eq!(view.states[1].contrast, None);
-        assert_eq!(view.states[0].from_white, Some(0.0));
+        assert!(view.states[0].from_white.unwrap() < 1e-15);
         assert!(view.states[1].from_white.unwrap() > 0.05);
         assert_eq!(view.states[1].luminance, Some(10.0));
     }

@@ -128,9 +128,10 @@ pub struct StateValues {
     pub luminance_cd_m2: f64,
     /// Y over that of black.
     pub contrast: Option<f64>,
-    /// Wavelength of the largest reflectance factor between 400 and 700 nm.
+    /// Wavelength of the largest reflectance factor between 400 and 700 nm (null at an edge, and
+    /// where the spectrum is flat within its errors).
     pub peak_nm: Option<f64>,
-    /// u'v' distance from the state `white`.
+    /// u'v' distance from the white of the scene's light.
     pub distance_from_white_uv: Option<f64>,
     /// u'v' distance from D65 (Feng 2012's dR).
     pub distance_from_d65_uv: Option<f64>,

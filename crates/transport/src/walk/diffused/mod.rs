@@ -23,13 +23,17 @@ use books::{Room, Sums};
 /// A path never goes on with a higher probability than this.
 const MOST_SURVIVAL: f64 = 0.999;
 
+/// Nor, if there is a further pass at all, with a lower one: where lamps are seen but faintly,
+/// a few bright later passes would carry much of their light, and the error with it.
+const LEAST_SURVIVAL: f64 = 0.05;
+
 #[derive(Debug)]
 pub(super) struct Diffused<'a> {
     stack: &'a Stack,
     diffuser: &'a Diffuser,
     view: Cone,
     sources: &'a [Source],
-    /// Probability of a further pass: a bound of the light that is left.
+    /// Probability of a further pass: a bound of the light that is left, but for the limits above.
     survival: f64,
     /// `T^2 r / survival`, per wavelength.
     between_passes: Vec<f64>,
@@ -53,7 +57,7 @@ impl<'a> Diffused<'a> {
         let sent_back = diffuser.transmittance.zip_map(&stack.front.reflectance_below, |t, r| t * t * r);
         let goes_on = !stack.single_pass && stack.front.transmittance.max() > 0.0;
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };
-        let survival = left.min(MOST_SURVIVAL);
+        let survival = if left > 0.0 { left.clamp(LEAST_SURVIVAL, MOST_SURVIVAL) } else { 0.0 };
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
