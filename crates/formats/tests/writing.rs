@@ -122,8 +122,10 @@ fn spectra_have_a_row_for_each_wavelength_of_each_state() {
 fn the_result_file_holds_the_question_and_the_answer() {
     let scenario = serde_json::json!({"title": "Test"});
     let result = result();
+    let notes = ["haze 0.78 means a lobe".to_owned()];
+    let (hash, seed) = ("abc", u64::MAX);
     let file =
-        ResultFile { papilio: "0.1.0", scenario: &scenario, hash: "abc", seed: u64::MAX, result: &result };
+        ResultFile { papilio: "0.1.0", scenario: &scenario, hash, seed, notes: &notes, result: &result };
     let (mut once, mut twice) = (Vec::new(), Vec::new());
     write_json(&mut once, &file).unwrap();
     write_json(&mut twice, &file).unwrap();
@@ -133,6 +135,7 @@ fn the_result_file_holds_the_question_and_the_answer() {
         (&json["papilio"], &json["hash"], &json["seed"]),
         (&"0.1.0".into(), &"abc".into(), &u64::MAX.into())
     );
+    assert_eq!(json["notes"][0], notes[0].as_str());
     let white = &json["views"][0]["states"]["white, bright"];
     assert_eq!(white["X"].as_f64(), Some(0.1 + 0.2));
     assert_eq!((&white["standard_error"]["Y"], &white["peak_nm"]), (&1.001.into(), &serde_json::Value::Null));

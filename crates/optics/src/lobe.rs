@@ -181,6 +181,12 @@ pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
     Some((0.5 * (low + high)).exp())
 }
 
+/// The largest haze that a k-correlation lobe can have beside this straight-through share.
+pub fn largest_haze(straight_through: f64) -> f64 {
+    let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
+    haze_of(log_width_of_most_haze(haze_of))
+}
+
 /// Golden-section search for the maximum of a function with one hump in ln(width).
 fn log_width_of_most_haze(haze_of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -258,6 +264,15 @@ mod tests {
         assert!(width < 0.2, "the narrower of the two widths: {width}");
         assert_eq!(width_from_haze(0.8, 0.3), None, "30 % straight-through leaves at most 70 % haze");
         assert_eq!(width_from_haze(0.9999, 0.0), None);
+        for straight_through in [0.0, 0.3, 0.9] {
+            let most = largest_haze(straight_through);
+            assert!(width_from_haze(most - 1e-9, straight_through).is_some());
+            assert_eq!(width_from_haze(most + 1e-9, straight_through), None);
+        }
+        // The widest lobe is flat over the hemisphere: all but the share sin^2 2.5 deg is haze.
+        let flat = 1.0 - 2.5_f64.to_radians().sin().powi(2);
+        assert!((largest_haze(0.0) - flat).abs() < 1e-6);
+        assert_eq!(largest_haze(1.0), 0.0);
         assert_eq!(width_from_haze(f64::NAN, 0.0), None);
     }
 

@@ -40,6 +40,17 @@ impl ScenarioError {
     pub(crate) fn about_file(name: &str, problem: Problem) -> Self {
         Self { place: Place::whole(name), problem, asked_for_at: None }
     }
+
+    fn hint(&self) -> Option<String> {
+        let unreadable = matches!(self.problem, Problem::Data(papilio_formats::Problem::Unreadable { .. }));
+        match self.asked_for_at {
+            Some(_) if unreadable => Some("paths in a scenario are relative to its folder".to_owned()),
+            None if unreadable => {
+                Some("give the path of a scenario, for example scenarios/indoor.toml".to_owned())
+            }
+            _ => self.problem.hint(),
+        }
+    }
 }
 
 impl From<FormatError> for ScenarioError {
@@ -62,9 +73,12 @@ impl fmt::Display for ScenarioErrors {
 
 impl fmt::Display for ScenarioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (message, expected, hint) =
-            (self.problem.to_string(), self.problem.expected(), self.problem.hint());
-        let note = self.asked_for_at.as_ref().map(|place| format!("it is asked for at {place}"));
+        let (message, expected, hint) = (self.problem.to_string(), self.problem.expected(), self.hint());
+        let note = self.asked_for_at.as_ref().map(|place| {
+            let text = place.spot.as_ref().map_or("", |spot| spot.text.trim());
+            let text: String = text.chars().take(LONGEST_NOTE).collect();
+            format!("it is asked for at {place}: {text}")
+        });
         let remark = Remark {
             message: &message,
             expected: expected.as_deref(),
@@ -77,6 +91,9 @@ impl fmt::Display for ScenarioError {
 
 impl std::error::Error for ScenarioErrors {}
 impl std::error::Error for ScenarioError {}
+
+/// A longer line is quoted in part.
+const LONGEST_NOTE: usize = 120;
 
 /// Nobody reads more errors than this at once.
 const MOST_ERRORS: usize = 50;

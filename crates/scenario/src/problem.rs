@@ -13,6 +13,9 @@ pub enum Problem {
         /// The parser's words.
         message: String,
     },
+    /// No line of it looks like TOML.
+    #[error("this does not look like a scenario (TOML)")]
+    NotAScenario,
     /// A key that the table does not have.
     #[error("there is no key `{key}` here")]
     UnknownKey {
@@ -121,6 +124,16 @@ pub enum Problem {
         /// What the sum should be, in words.
         expected: &'static str,
     },
+    /// The shares of the light do not make a whole.
+    #[error("`diffuse` and the directed shares sum to {}", tidy(*.sum))]
+    LightShares {
+        /// Their sum.
+        sum: f64,
+        /// The key that could make it 1.
+        remedy: String,
+        /// The value that it would need.
+        value: f64,
+    },
     /// Too many of something for one computation.
     #[error("these are {count} {what}")]
     TooMany {
@@ -151,6 +164,8 @@ pub enum Problem {
         haze: f64,
         /// The unscattered share.
         straight_through: f64,
+        /// The largest haze beside it.
+        limit: f64,
     },
     /// The lobe would transmit more than it receives.
     #[error("this makes the transmittance of the whole lobe {lobe:.4}")]
@@ -276,6 +291,7 @@ impl Problem {
             | Self::Sum { expected, .. }
             | Self::SpectrumValue { expected, .. } => format!("expected {expected}"),
             Self::UnknownChoice { choices, .. } => format!("expected {}", listed(choices)),
+            Self::LightShares { .. } => "expected 1".to_owned(),
             Self::ExactlyOne { keys, .. } => format!("expected exactly one of {keys}"),
             Self::TooMany { limit, .. } => format!("expected at most {limit}"),
             Self::EmptyList => "expected at least one item".to_owned(),
@@ -301,6 +317,16 @@ impl Problem {
     /// What to do about it.
     pub fn hint(&self) -> Option<String> {
         Some(match self {
+            Self::NotAScenario => "a scenario has lines such as `title = \"Indoor\"` and `[display.pixel]`; \
+                                   scenarios/ holds examples"
+                .to_owned(),
+            Self::Syntax { message }
+                if ["mantissa", "fraction", "float", "leading zero"]
+                    .iter()
+                    .any(|word| message.contains(word)) =>
+            {
+                "write numbers with digits on both sides of the point and no more: 0.50, 5.0".to_owned()
+            }
             Self::Syntax { message } if message.contains("boolean") || message.contains("quoted") => {
                 "a string stands in double quotes".to_owned()
             }
@@ -320,25 +346,44 @@ impl Problem {
             Self::NoStates => {
                 "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue".to_owned()
             }
+            Self::LightShares { remedy, value, .. } if (0.0..=1.0).contains(value) => {
+                format!("{remedy}={} would make it 1", tidy(*value))
+            }
             Self::NotWith { key, .. } => format!("leave `{key}` out"),
             Self::LobeAboveOne { limit, .. } => {
                 format!(
                     "a lobe so wide loses light beyond the hemisphere: total_transmittance can be {limit:.4} at most"
                 )
             }
-            Self::NoWidth { .. } => "give a smaller haze, or the lobe's `width` instead".to_owned(),
+            Self::NoWidth { limit, .. } if *limit <= 0.0 => {
+                "light that goes straight through is no haze".to_owned()
+            }
+            Self::NoWidth { haze, limit, .. } if haze < limit => "so little haze is none".to_owned(),
+            Self::NoWidth { limit, .. } => {
+                let limit = (limit * 1e4).floor() / 1e4;
+                format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
+            }
+            Self::NoLight { .. } => {
+                "lines narrower than the grid's step are lost: set spectrum.step_nm = 1; or change range_nm"
+                    .to_owned()
+            }
             Self::SurfaceUnderDiffuser => "leave `surface` out, or the diffuser".to_owned(),
             Self::AnglesInGlass(_) => "use angle_medium = \"air\": Snell's law does the rest".to_owned(),
             Self::NotCovered { first, last, needed_nm, .. } => cover_hint((*first, *last), *needed_nm),
             Self::TableTooShort { .. } => {
                 "never extrapolated: let the pixel tool compute larger angles".to_owned()
             }
-            Self::TableInAir => "give the table in glass angles, to 90 deg".to_owned(),
+            Self::TableInAir => "give the table in glass angles, to 90 deg; Papilio's own tool makes one by \
+                                 `papilio pixel FILE --angles glass`"
+                .to_owned(),
             Self::WrongType { found: "a string", expected } if expected.starts_with("a number") => {
                 "numbers stand without quotes and without a unit: the unit is in the key's name".to_owned()
             }
             Self::OutOfRange { expected, value } if expected.contains("0 to 1") && *value > 1.0 => {
                 "shares are of 1, not percent".to_owned()
+            }
+            Self::OutOfRange { expected, value } if expected.contains("coefficient k") && *value < 0.0 => {
+                "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data".to_owned()
             }
             Self::Data(problem) => problem.hint()?.to_owned(),
             _ => return None,

@@ -35,17 +35,22 @@ pub(crate) struct Entry {
     pub(crate) node: Node,
 }
 
-/// No more syntax errors than this are worth reading at once.
-const MOST_SYNTAX_ERRORS: usize = 10;
+/// No more syntax errors than this are worth reading at once: one often makes the next.
+const MOST_SYNTAX_ERRORS: usize = 3;
 
 impl Node {
     /// Parses a whole document; syntax errors go to `errors`.
     pub(crate) fn parse_document(text: &str, errors: &mut Errors) -> Self {
         let (table, found) = DeTable::parse_recoverable(text);
-        for error in found.iter().take(MOST_SYNTAX_ERRORS) {
+        let most = if text.lines().any(is_toml) { MOST_SYNTAX_ERRORS } else { 1 };
+        for error in found.iter().take(most) {
             let span = error.span().unwrap_or(0..text.len());
             let origin = Origin { source: 0, start: span.start, end: span.end.max(span.start + 1) };
-            errors.push(origin, Problem::Syntax { message: error.message().to_owned() });
+            let problem = match most {
+                1 => Problem::NotAScenario,
+                _ => Problem::Syntax { message: error.message().to_owned() },
+            };
+            errors.push(origin, problem);
         }
         let value = Value::from_table(table.get_ref(), 0, 0);
         Self { origin: Origin::FILE, value }
@@ -56,12 +61,13 @@ impl Node {
         Self { origin: Origin::FILE, value: Value::Table(Vec::new()) }
     }
 
-    /// Parses `text[at..]` of a source as one value. A text that is none is a
-    /// string, unless it begins as an array, a table or a quoted string does.
+    /// Parses `text[at..]` of a source as one value. Numbers may be spelt as in a shell
+    /// (`.5`, `5.`). A text that is no value is a string, unless it begins as an array, a table or a quoted string does.
     pub(crate) fn parse_value(text: &str, at: usize, source: usize, errors: &mut Errors) -> Self {
         let rest = text.get(at..).unwrap_or_default();
         let value = match DeValue::parse(rest) {
             Ok(value) => Value::from_value(value.get_ref(), source, at),
+            Err(_) if shell_number(rest).is_some() => Value::Float(shell_number(rest).unwrap_or_default()),
             Err(error) => {
                 if rest.trim_start().starts_with(['{', '[', '"', '\'']) {
                     let span = error.span().unwrap_or(0..rest.len());
@@ -167,4 +173,20 @@ impl Entry {
 
 fn origin(span: std::ops::Range<usize>, source: usize, offset: usize) -> Origin {
     Origin { source, start: span.start + offset, end: span.end + offset }
+}
+
+/// True if a line is a key with its value, or the head of a table.
+fn is_toml(line: &str) -> bool {
+    let is_key = |key: &str| {
+        let key = key.trim();
+        !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || "_-. \"'".contains(c))
+    };
+    line.trim_start().starts_with('[') || line.split_once('=').is_some_and(|(key, _)| is_key(key))
+}
+
+/// A number as other languages spell it: `.5`, `5.`, `+.5`.
+fn shell_number(text: &str) -> Option<f64> {
+    let text = text.trim();
+    // Without this, "inf" and "nan" would be numbers.
+    text.contains(|c: char| c.is_ascii_digit()).then(|| text.parse().ok())?
 }

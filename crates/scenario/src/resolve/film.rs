@@ -20,6 +20,9 @@ const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
     ("yellow", [1.0, 1.0, 0.0]),
 ];
 
+/// Nothing is thinner than two atoms, nm.
+const THINNEST_NM: f64 = 0.5;
+
 /// The name that `gap_nm` has beside those of the sub-pixels.
 const DARK: &str = "dark";
 
@@ -48,9 +51,12 @@ impl Resolver<'_> {
     fn layers(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<FilmLayer>> {
         let mut gaps = 0;
         let mut layers = Vec::with_capacity(pixel.film.len());
-        for layer in pixel.film.iter() {
+        for (i, layer) in pixel.film.iter().enumerate() {
             let thickness = match layer.thickness_nm.value {
-                describe::LayerThickness::Fixed(nm) => Thickness::Fixed(nm.0),
+                describe::LayerThickness::Fixed(nm) => {
+                    self.check_nm(&format!("film.{i}.thickness_nm"), nm.0);
+                    Thickness::Fixed(nm.0)
+                }
                 describe::LayerThickness::Gap(_) => {
                     gaps += 1;
                     Thickness::Gap
@@ -67,6 +73,9 @@ impl Resolver<'_> {
     /// Sub-pixels, each with an area and a gap; `None` where the two tables do not match.
     fn sub_pixels(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<SubPixel>> {
         let (area, gap_nm) = (&pixel.area.value, &pixel.gap_nm.value);
+        for gap in &gap_nm.0 {
+            self.check_nm(&format!("gap_nm.{}", gap.name), gap.value.0);
+        }
         let mut sub_pixels = Vec::with_capacity(area.0.len());
         for Item { name, name_origin, value } in &area.0 {
             match gap_nm.get(name) {
@@ -98,7 +107,7 @@ impl Resolver<'_> {
     fn states(&mut self, pixel: &describe::FilmPixel, sub_pixels: &[SubPixel]) -> Option<Vec<FilmState>> {
         let mut states = if pixel.default_states.value { default_states(sub_pixels) } else { Vec::new() };
         for item in &pixel.states.0 {
-            let state = FilmState { name: item.name.clone(), drives: self.drives(&item.value, sub_pixels)? };
+            let state = FilmState { name: item.name.clone(), drives: self.drives(item, sub_pixels)? };
             match states.iter_mut().find(|known| known.name == item.name) {
                 Some(known) => *known = state,
                 None => states.push(state),
@@ -114,12 +123,15 @@ impl Resolver<'_> {
     }
 
     /// What each sub-pixel does in a state of the user's; those not named are dark.
-    fn drives(&mut self, state: &Named<DriveSpec>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
+    fn drives(&mut self, state: &Item<Named<DriveSpec>>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
         let mut drives = vec![Drive::Share(0.0); sub_pixels.len()];
-        for item in &state.0 {
+        for item in &state.value.0 {
             let drive = match &item.value.value {
                 DriveSpec::Share(share) => Drive::Share(share.0),
-                DriveSpec::Gap(gap) => Drive::Gap(gap.gap_nm.0),
+                DriveSpec::Gap(gap) => {
+                    self.check_nm(&format!("states.{}.{}.gap_nm", state.name, item.name), gap.gap_nm.0);
+                    Drive::Gap(gap.gap_nm.0)
+                }
             };
             match sub_pixels.iter().position(|sub_pixel| sub_pixel.name == item.name) {
                 Some(i) => drives[i] = drive,
@@ -136,6 +148,16 @@ impl Resolver<'_> {
             }
         }
         Some(drives)
+    }
+
+    /// Warns of a film or gap that was probably given in micrometres; no film at all may be meant.
+    fn check_nm(&mut self, key: &str, nm: f64) {
+        if nm > 0.0 && nm < THINNEST_NM {
+            let meant = tidy(1e3 * nm);
+            self.warnings.push(format!(
+                "display.pixel.{key} is {nm} nm, which looks like micrometres: {nm} um = {meant} nm"
+            ));
+        }
     }
 
     fn check_no_dark(&mut self, pixel: &describe::FilmPixel, states: &[FilmState], sub_pixels: &[SubPixel]) {

@@ -2,9 +2,11 @@
 
 mod data;
 mod film;
+mod light;
 mod lighting;
 mod panel;
 mod pixel;
+mod sampling;
 mod viewer;
 
 pub(crate) use data::hex;

@@ -1,7 +1,7 @@
 //! The panel: front of screen, diffuser, glass; and whether the angles make sense for it.
 
 use papilio_display::scene::{self, AngleMedium, Diffuser, Display, FrontComponent, Glass, Lobe, Scene};
-use papilio_optics::lobe::width_from_haze;
+use papilio_optics::lobe::{largest_haze, width_from_haze};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -80,7 +80,8 @@ impl Resolver<'_> {
     fn lobe_from_haze(&mut self, haze: f64, diffuser: &describe::Diffuser) -> Option<Lobe> {
         let straight_through = diffuser.straight_through.0;
         let Some(width) = width_from_haze(haze, straight_through) else {
-            self.err(&diffuser.haze, Problem::NoWidth { haze, straight_through });
+            let limit = largest_haze(straight_through);
+            self.err(&diffuser.haze, Problem::NoWidth { haze, straight_through, limit });
             return None;
         };
         if haze > HAZE_SCOPE {

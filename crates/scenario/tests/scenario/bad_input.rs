@@ -105,6 +105,17 @@ const NAMES_AND_CHOICES: &[Case] = &[
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["dark between 400 and 700 nm"]),
 ];
 
+const ADVICE: &[Case] = &[
+    ("haze = 0.78", "haze = 0.999", (13, 8), &["no lobe has a haze of 0.999", "haze can be 0.998 at most"]),
+    ("haze = 0.78", "haze = 0.9\nstraight_through = 0.3", (13, 8), &["haze can be 0.6"]),
+    ("haze = 0.78", "haze = 0.9\nstraight_through = 1", (13, 8), &["straight through is no haze"]),
+    ("haze = 0.78", "haze = .78", (13, 8), &["mantissa", "0.50"]),
+    ("haze = 0.78", "haze = 1.", (13, 10), &["fraction", "0.50"]),
+    ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
+    ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make it 1"]),
+    ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["set spectrum.step_nm = 1"]),
+];
+
 const NOT_IN_THIS_VERSION: &[Case] = &[
     (
         "\"k-correlation\"",
@@ -133,7 +144,9 @@ const NOT_IN_THIS_VERSION: &[Case] = &[
 #[test]
 fn every_mistake_is_shown_where_it_is() {
     let mut wrong = Vec::new();
-    for (from, to, place, says) in [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, NOT_IN_THIS_VERSION].concat() {
+    for (from, to, place, says) in
+        [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, ADVICE, NOT_IN_THIS_VERSION].concat()
+    {
         let errors = errors(&changed(&[(from, to)]), &[]);
         let (at, shown) = (errors[0].place.line_column(), errors[0].to_string());
         if at != Some(place) || !says.iter().all(|words| shown.contains(words)) {
@@ -194,8 +207,42 @@ fn mistakes_in_set_name_it_and_its_position() {
             assert!(shown.contains(words), "`{words}` is not in\n{shown}");
         }
     }
+    // A file that a --set asks for: which key it was is shown.
+    let shown = errors(GOOD, &["display.glass.index=none.csv"])[0].to_string();
+    let note = "it is asked for at --set #1:1:21: display.glass.index=none.csv";
+    assert!(shown.contains(note) && shown.contains("paths in a scenario"), "{shown}");
     let long = format!("a{}=1", ".a".repeat(100_000));
     assert_eq!(errors(GOOD, &[&long]).len(), 1);
+}
+
+#[test]
+fn shares_that_do_not_fit_a_preset() {
+    let text = GOOD.replace(&GOOD[GOOD.find("illuminance_lx").unwrap()..], "preset = \"indoor\"\n");
+    let error = &errors(&text, &["lighting.diffuse=0.7"])[0];
+    let shown = error.to_string();
+    assert!(error.place.to_string().starts_with("--set #1:1:18"), "{shown}");
+    assert!(shown.contains("lighting.directed.0.share=0.3 would make it 1"), "{shown}");
+    assert!(
+        resolve(&text, Path::new(""), &["lighting.diffuse=0.7", "lighting.directed.0.share=0.3"]).is_ok()
+    );
+    let shown = errors(&text, &["lighting.directed.1={ theta_deg = 10, share = 0.2 }"])[0].to_string();
+    assert!(shown.contains("lighting.directed.0.share=0.3 would make it 1"), "{shown}");
+    // Nothing from 0 to 1 would do: no advice.
+    let sets = ["lighting.directed.1={ theta_deg = 1, share = 0.9 }", "lighting.directed.0.share=0.9"];
+    let shown = errors(&text, &[sets[0], sets[1], "lighting.diffuse=0.9"])[0].to_string();
+    assert!(shown.contains("sum to 2.7") && !shown.contains("would make"), "{shown}");
+}
+
+#[test]
+fn what_is_no_scenario_is_told_so_once() {
+    for text in ["nm,R\n380,0.1\n390,0.1\n400,0.1\n", "{\"a\": 1,\n\"b\": 2}\n", "Dear reader,\n\nhello.\n"] {
+        let (_, shown) = only(errors(text, &[]));
+        assert!(shown.contains("does not look like a scenario (TOML)"), "{shown}");
+    }
+    let (_, shown) = only(errors("", &[]));
+    assert!(shown.contains("= expected a table") && !shown.contains("expected: expected"), "{shown}");
+    let wrong = papilio_scenario::Scenario::load(Path::new("none.toml"), &[]).unwrap_err().to_string();
+    assert!(wrong.contains("no such file") && !wrong.contains("relative"), "{wrong}");
 }
 
 #[test]

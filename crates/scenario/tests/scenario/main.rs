@@ -11,5 +11,6 @@ mod bad_input;
 mod common;
 mod examples;
 mod hostile;
+mod remarks;
 mod schema;
 mod set_and_presets;

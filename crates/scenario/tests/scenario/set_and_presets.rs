@@ -44,6 +44,21 @@ fn set_changes_and_makes_keys() {
 }
 
 #[test]
+fn set_takes_numbers_as_shells_write_them() {
+    let straight = |value: &str| {
+        let resolved =
+            set(&["display.diffuser.haze=.5", &format!("display.diffuser.straight_through={value}")]);
+        resolved.scene.display.diffuser.unwrap().straight_through
+    };
+    for (value, expected) in [(".25", 0.25), (" +.25", 0.25), ("2.5e-1", 0.25), ("0.", 0.0), ("00.25", 0.25)]
+    {
+        assert_eq!(straight(value), expected, "{value}");
+    }
+    // Words remain words.
+    assert_eq!(set(&["title=infinity"]).title.as_deref(), Some("infinity"));
+}
+
+#[test]
 fn the_last_set_wins() {
     assert_eq!(set(&["viewer.theta_deg=1", "viewer.theta_deg=2"]).scene.viewer.theta_deg, [2.0]);
 }
@@ -96,7 +111,7 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
     // What the preset gives must still make sense with what is overridden.
     let text = format!("{BARE}[lighting]\npreset = \"indoor\"\ndiffuse = 0.3\n");
     let errors = resolve(&text, Path::new(""), &[]).unwrap_err();
-    assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((6, 10)));
+    assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((7, 11)));
 }
 
 /// K-correlation lobe truncated at the hemisphere: T = TIS/(1 - b/sqrt(1 + b^2)); with a straight-through share only the rest is truncated.
