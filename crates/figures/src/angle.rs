@@ -6,7 +6,7 @@ use crate::axis::Axis;
 use crate::labels::{EndLabel, end_labels, labels_inside};
 use crate::panel::Panel;
 use crate::style::{INK, degrees, joined, state_stroke};
-use crate::svg::{Point, Stroke, Svg};
+use crate::svg::{Point, Stroke, Svg, finite};
 
 /// What is drawn against the viewing angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +54,6 @@ impl AngleMetric {
 const WIDE: f64 = 30.0;
 /// A peak does not move so far (nm) between neighbouring angles: it is another one that has become the highest.
 const OTHER_ORDER_NM: f64 = 40.0;
-
 /// A u'v' distance below this is hardly seen: a display of constant colour is a flat line, not its rounding errors.
 const UNSEEN_SHIFT: f64 = 0.005;
 
@@ -174,8 +173,9 @@ fn pieces<'a>(points: &'a [Point], values: &[f64], metric: AngleMetric) -> Vec<&
 /// Where a curve is named: the end of its longest piece, and whether the curve goes on to the last angle.
 fn end_of(points: &[Point], pieces: &[&[Point]]) -> (Point, bool) {
     let longest = pieces.iter().max_by_key(|piece| piece.len());
-    let end = longest.and_then(|piece| piece.last()).copied().unwrap_or((f64::NAN, f64::NAN));
-    (end, points.last() == Some(&end))
+    let drawn = longest.and_then(|piece| piece.iter().rev().find(|point| finite(**point)));
+    let end = drawn.copied().unwrap_or((f64::NAN, f64::NAN));
+    (end, points.last().is_some_and(|last| last.0 == end.0))
 }
 
 fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
