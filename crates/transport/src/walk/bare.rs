@@ -101,7 +101,9 @@ impl<'a> Bare<'a> {
                 self.spread(beta, room);
             }
             self.leave(beta, sums, room);
-            if self.stack.single_pass || !Self::goes_on(numbers.roulette(pass), sums, room) {
+            // Over a mirror the roulette alone is random.
+            let u = if self.specular { numbers.independent(pass) } else { numbers.event(pass, 1)[0] };
+            if self.stack.single_pass || !Self::goes_on(u, sums, room) {
                 return;
             }
         }

@@ -72,10 +72,11 @@ impl PathNumbers<'_> {
         self.field()
     }
 
-    /// Whether a path over a bare panel goes on: independent numbers, since the counts that
-    /// stratified ones give may agree in all replicates and hide the error.
+    /// A number that is independent from path to path: for a decision that is the only
+    /// random one, since the counts that stratified numbers give may agree in all replicates
+    /// and hide the error.
     #[inline]
-    fn roulette(&self, pass: u32) -> f64 {
+    fn independent(&self, pass: u32) -> f64 {
         self.numbers.block(self.path, PLANNED_BLOCKS + 3 * pass)[3]
     }
 

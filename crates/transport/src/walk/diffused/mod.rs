@@ -57,11 +57,12 @@ impl<'a> Diffused<'a> {
         let sent_back = diffuser.transmittance.zip_map(&stack.front.reflectance_below, |t, r| t * t * r);
         let goes_on = !stack.single_pass && stack.front.transmittance.max() > 0.0;
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };
-        let survival = if left > 0.0 { left.clamp(LEAST_SURVIVAL, MOST_SURVIVAL) } else { 0.0 };
+        let directed = sources.iter().any(|source| *source != Source::Diffuse);
+        let least = if directed && left > 0.0 { LEAST_SURVIVAL } else { left.min(MOST_SURVIVAL) };
+        let survival = left.clamp(least, MOST_SURVIVAL);
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
-        let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let discs = sources.iter().any(|source| matches!(source, Source::Disc(_)));
         Self { stack, diffuser, view, sources, survival, between_passes, specular, directed, discs }
     }
