@@ -29,8 +29,8 @@ fn lines_that_fall_through_the_grid_are_told() {
 
     let coarse = said(&["lighting.spectrum=lamp.csv"]);
     assert_eq!(coarse.len(), 1);
-    // On the grid only the continuum is left, x = y = 1/3 within the ends of the range.
-    let words = ["lighting.spectrum changes faster", "x 0.333", "; set spectrum.step_nm = 1"];
+    // On the grid only the continuum is left: u' = 4/19, v' = 9/19 but for the ends of the range.
+    let words = ["lighting.spectrum changes faster", "u' 0.210", "v' 0.473", "; set spectrum.step_nm = 1"];
     assert!(words.iter().all(|words| coarse[0].contains(words)), "{coarse:?}");
     assert!(said(&["lighting.spectrum=lamp.csv", "spectrum.step_nm=1"]).is_empty());
     let directed = said(&["lighting.directed.0.spectrum=lamp.csv"]);
