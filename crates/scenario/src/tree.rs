@@ -42,13 +42,14 @@ impl Node {
     /// Parses a whole document; syntax errors go to `errors`.
     pub(crate) fn parse_document(text: &str, errors: &mut Errors) -> Self {
         let (table, found) = DeTable::parse_recoverable(text);
-        let most = if text.lines().any(is_toml) { MOST_SYNTAX_ERRORS } else { 1 };
-        for error in found.iter().take(most) {
+        let is_scenario = text.lines().any(is_toml);
+        for error in found.iter().take(if is_scenario { MOST_SYNTAX_ERRORS } else { 1 }) {
             let span = error.span().unwrap_or(0..text.len());
             let origin = Origin { source: 0, start: span.start, end: span.end.max(span.start + 1) };
-            let problem = match most {
-                1 => Problem::NotAScenario,
-                _ => Problem::Syntax { message: error.message().to_owned() },
+            let problem = if is_scenario {
+                Problem::Syntax { message: error.message().to_owned() }
+            } else {
+                Problem::NotAScenario
             };
             errors.push(origin, problem);
         }
@@ -65,10 +66,10 @@ impl Node {
     /// (`.5`, `5.`). A text that is no value is a string, unless it begins as an array, a table or a quoted string does.
     pub(crate) fn parse_value(text: &str, at: usize, source: usize, errors: &mut Errors) -> Self {
         let rest = text.get(at..).unwrap_or_default();
-        let value = match DeValue::parse(rest) {
-            Ok(value) => Value::from_value(value.get_ref(), source, at),
-            Err(_) if shell_number(rest).is_some() => Value::Float(shell_number(rest).unwrap_or_default()),
-            Err(error) => {
+        let value = match (DeValue::parse(rest), shell_number(rest)) {
+            (Ok(value), _) => Value::from_value(value.get_ref(), source, at),
+            (Err(_), Some(number)) => Value::Float(number),
+            (Err(error), None) => {
                 if rest.trim_start().starts_with(['{', '[', '"', '\'']) {
                     let span = error.span().unwrap_or(0..rest.len());
                     let problem = Problem::Syntax { message: error.message().to_owned() };
@@ -187,6 +188,6 @@ fn is_toml(line: &str) -> bool {
 /// A number as other languages spell it: `.5`, `5.`, `+.5`.
 fn shell_number(text: &str) -> Option<f64> {
     let text = text.trim();
-    // Without this, "inf" and "nan" would be numbers.
-    text.contains(|c: char| c.is_ascii_digit()).then(|| text.parse().ok())?
+    // Words such as "inf" have no point, and remain words.
+    if text.contains('.') { text.parse().ok() } else { None }
 }
