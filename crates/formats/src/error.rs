@@ -43,20 +43,34 @@ pub enum Problem {
     /// The bytes are not UTF-8.
     #[error("this is not a text file in UTF-8")]
     NotUtf8,
-    /// No data rows.
-    #[error("there are no data rows")]
-    Empty,
+    /// Fewer rows than a table needs.
+    #[error("there are {}", match .rows { 0 => "no rows of data", _ => "too few rows of data" })]
+    TooFew {
+        /// How many there are.
+        rows: usize,
+    },
     /// A row with the wrong number of columns.
-    #[error("this row has {found} columns")]
+    #[error("this row has {found} {}", if *.found == 1 { "column" } else { "columns" })]
     Columns {
+        /// How many there should be.
+        count: usize,
         /// What a row should look like.
         expected: &'static str,
         /// How many there are.
         found: usize,
     },
+    /// A quote that is not closed, or closed before the end of its cell.
+    #[error("the quotes of this cell do not match")]
+    Quotes,
+    /// A name that would spoil the tables.
+    #[error("this is not a name")]
+    BadName,
     /// The first row of a pixel table must name its columns.
     #[error("this is not the header of a pixel table")]
     Header,
+    /// Nothing where a number should be.
+    #[error("this cell is empty")]
+    EmptyCell,
     /// A cell that is not a number.
     #[error("`{found}` is not a number")]
     NotANumber {
@@ -136,6 +150,9 @@ pub enum Problem {
     Spectra(#[from] SpectraError),
 }
 
+/// What [`is_name`](crate::is_name) takes.
+const GOOD_NAME: &str = "expected 1 to 64 characters, no control characters, no blanks at the ends";
+
 /// What a negative k usually means.
 const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
 
@@ -143,10 +160,11 @@ impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<&'static str> {
         Some(match self {
-            Self::Empty => "expected at least two rows of numbers",
+            Self::TooFew { .. } => "expected at least two wavelengths",
+            Self::BadName => GOOD_NAME,
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
             Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",
-            Self::NotANumber { .. } | Self::NotFinite { .. } => "expected a number",
+            Self::EmptyCell | Self::NotANumber { .. } | Self::NotFinite { .. } => "expected a number",
             Self::OutOfOrder { .. } => "expected wavelengths that rise, or fall, from row to row",
             Self::Hole { .. } => "expected every wavelength at every angle of every state",
             Self::NoNormal { .. } => "expected 0 deg to be the first angle",
@@ -161,14 +179,22 @@ impl Problem {
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::NotUtf8 => "save it as plain text in UTF-8",
-            Self::Columns { .. } => "separate the columns with commas, semicolons, tabs or blanks",
+            Self::Columns { count, found, .. } if found < count => {
+                "separate the columns with commas, semicolons, tabs or blanks"
+            }
+            Self::Columns { .. } => {
+                "leave out what is too much; a name or number holds no separators outside quotes"
+            }
+            Self::Quotes => "a quoted cell begins and ends with a double quote; a quote inside it is doubled",
             Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {
                 "decimal commas are not read: write decimals with a point, and part all columns alike"
             }
             Self::Micrometres => "give wavelengths in nm: multiply the first column by 1000",
             Self::OutOfOrder { .. } => "sort the rows by wavelength and leave one row for each",
             Self::NotFinite { .. } => "leave the row out, or give its value",
-            Self::OutOfRange { what: "reflectance", .. } => "reflectances are shares of 1, not percent",
+            Self::OutOfRange { what: "reflectance" | "the share", value, .. } if *value > 1.0 => {
+                "shares are of 1, not percent"
+            }
             Self::OutOfRange { what: "k", .. } => SIGN_OF_K,
             Self::Spectra(SpectraError::NoIndex { k, .. }) if *k < 0.0 => SIGN_OF_K,
             _ => return None,

@@ -27,11 +27,12 @@ impl DataFile {
     pub fn open(path: &Path, name: &str) -> Result<Self, FormatError> {
         let error = |problem| FormatError { place: Place::whole(name), problem };
         let unreadable = |e: io::Error| error(Problem::Unreadable { reason: in_words(&e) });
-        let file = File::open(path).map_err(unreadable)?;
-        let kind = file.metadata().map_err(unreadable)?;
+        // Looked at before it is opened: opening a pipe waits for its other end.
+        let kind = fs::metadata(path).map_err(unreadable)?;
         if !kind.is_file() {
             return Err(error(Problem::Unreadable { reason: "it is not a regular file".to_owned() }));
         }
+        let file = File::open(path).map_err(unreadable)?;
         let mut bytes = Vec::new();
         file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
         if bytes.len() as u64 > LARGEST_FILE {
@@ -118,6 +119,16 @@ mod tests {
         let missing = DataFile::open(&folder.path().join("none"), "none").unwrap_err();
         assert_eq!(missing.problem, Problem::Unreadable { reason: "there is no such file".to_owned() });
         assert!(DataFile::open(folder.path(), "folder").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_refused_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let refused = DataFile::open(&pipe, "pipe").unwrap_err().problem;
+        assert_eq!(refused, Problem::Unreadable { reason: "it is not a regular file".to_owned() });
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! | in | from |
 //! |---|---|
 //! | [`read_spectrum`] | two columns: wavelength in nm, value |
+//! | [`read_shares`], [`read_light`] | the same, with the range of shares, or of a light |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //!
@@ -18,8 +19,7 @@
 //! that they read back as they were, bit for bit.
 //!
 //! **Out of scope**: BSDF files, light maps, binary results. Readers check what a
-//! file says, not what it is for: whether a reflectance covers a grid or exceeds 1
-//! is the caller's question (pixel tables excepted).
+//! file says, not what it is for: whether a spectrum covers a grid is the caller's question.
 //!
 //! ```
 //! use papilio_formats::{DataFile, read_index};
@@ -46,7 +46,7 @@ pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
 pub use json::write_json;
-pub use pixel_table::{PIXEL_COLUMNS, PixelTable, read_pixel_table};
+pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use place::{Place, Remark, Spot};
 pub use result::{ResultFile, result_schema, write_spectra, write_states};
-pub use spectrum::read_spectrum;
+pub use spectrum::{read_light, read_shares, read_spectrum};

@@ -6,11 +6,12 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
+use csv::QuoteStyle;
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::rows::{Row, Table};
+use crate::rows::{Cell, Row, Table};
 
 /// The columns of `pixel.csv`.
 pub const PIXEL_COLUMNS: [&str; 4] = ["state", "theta_deg", "wavelength_nm", "reflectance"];
@@ -42,7 +43,10 @@ impl PixelTable {
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
-        let mut csv = csv::Writer::from_writer(out);
+        // Unquoted, blanks around a name would be lost, and semicolons would part columns.
+        let needs_quotes = self.states.iter().any(|(name, _)| name.trim() != name || name.contains(';'));
+        let style = if needs_quotes { QuoteStyle::Always } else { QuoteStyle::Necessary };
+        let mut csv = csv::WriterBuilder::new().quote_style(style).from_writer(out);
         csv.write_record(PIXEL_COLUMNS)?;
         for (state, values) in &self.states {
             let points =
@@ -60,12 +64,13 @@ impl PixelTable {
 /// # Errors
 /// With line and column: cells that are not numbers, reflectances outside 0 to
 /// 1, angles outside 0 to 90 deg, a point given twice or not at all (every
-/// state has the same angles and wavelengths), angles that do not begin at 0.
+/// state has the same angles and wavelengths), angles that do not begin at 0,
+/// states whose names are not [names](is_name).
 pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
     let table = Table::new(file)?;
-    let mut rows = table.rows();
-    let header = rows.next().ok_or_else(|| table.error(Problem::Empty))?;
-    if !header.cells.iter().map(|cell| cell.text).eq(PIXEL_COLUMNS) {
+    let mut rows = table.rows().filter(|row| !is_comment(row));
+    let header = rows.next().ok_or_else(|| table.error(Problem::TooFew { rows: 0 }))?;
+    if !header.cells.iter().map(|cell| &cell.text).eq(PIXEL_COLUMNS) {
         return Err(header.error(Problem::Header));
     }
     let mut points = Points::default();
@@ -73,6 +78,19 @@ pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
         points.push(&row)?;
     }
     points.into_table(table)
+}
+
+/// True if a state or sub-pixel may be called so: 1 to 64 characters, none of them
+/// control characters, no blanks at the ends.
+pub fn is_name(text: &str) -> bool {
+    let length = text.chars().count();
+    (1..=64).contains(&length) && text.trim() == text && !text.chars().any(char::is_control)
+}
+
+/// A state may be called `#1`: a row that begins so is a comment unless it could be a point.
+fn is_comment(row: &Row<'_>) -> bool {
+    row.begins_with_hash()
+        && !(row.cells.len() == PIXEL_COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
 }
 
 /// The rows as they come.
@@ -98,9 +116,10 @@ struct Point {
 impl Points {
     fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
         row.expect_cells(4, "expected four: state, theta_deg, wavelength_nm, reflectance")?;
-        let name = row.cells[0].text;
+        let name: &str = &row.cells[0].text;
         let state = match self.by_name.get(name) {
             Some(&state) => state,
+            None if !is_name(name) => return Err(row.cell_error(0, Problem::BadName)),
             None => {
                 self.by_name.insert(name.to_owned(), self.names.len());
                 self.names.push(name.to_owned());
@@ -129,7 +148,7 @@ impl Points {
             Some(&first) if first > 0.0 => {
                 return Err(table.error(Problem::NoNormal { theta_deg: first }));
             }
-            _ => return Err(table.error(Problem::Empty)),
+            _ => return Err(table.error(Problem::TooFew { rows: wavelength_nm.len() })),
         }
         let size = theta_deg.len() * wavelength_nm.len();
         let values = self.points.chunks(size).map(|state| state.iter().map(|p| p.reflectance).collect());

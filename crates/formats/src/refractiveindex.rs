@@ -92,7 +92,12 @@ impl Entry {
             if numbers.len() != N + 1 {
                 let expected =
                     if N == 2 { "expected three: um, n, k" } else { "expected two: um and the value" };
-                return Err(at_row(file, data, row, Problem::Columns { expected, found: numbers.len() }));
+                return Err(at_row(
+                    file,
+                    data,
+                    row,
+                    Problem::Columns { expected, count: N + 1, found: numbers.len() },
+                ));
             }
             let values = std::array::from_fn(|i| numbers[i + 1]);
             let added = columns.add(nm_from_um(numbers[0]), values);

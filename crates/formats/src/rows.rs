@@ -1,10 +1,16 @@
 //! Rows and cells of a text table, each with its place.
+//!
+//! A line is a row. A cell may stand in double quotes, where separators part
+//! nothing, blanks count and `""` is a quote, as CSV writers have it.
+
+use std::borrow::Cow;
+use std::ops::Range;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::place::Place;
 
-/// A text whose lines are rows; blank lines and `#` comments are no rows.
+/// A text whose lines are rows; blank lines are no rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Table<'a> {
     pub(crate) name: &'a str,
@@ -17,11 +23,14 @@ pub(crate) struct Row<'a> {
     pub(crate) cells: Vec<Cell<'a>>,
 }
 
-/// A cell: its text without blanks or quotes, and where that begins.
-#[derive(Clone, Copy)]
+/// A cell: what it says, and where it stands.
 pub(crate) struct Cell<'a> {
-    pub(crate) text: &'a str,
-    start: usize,
+    /// Without quotes; without blanks around it where it has no quotes.
+    pub(crate) text: Cow<'a, str>,
+    /// Bytes of the file.
+    place: Range<usize>,
+    /// A quote was opened and not closed, or something follows the closing one.
+    spoilt: bool,
 }
 
 impl<'a> Table<'a> {
@@ -29,14 +38,14 @@ impl<'a> Table<'a> {
         Ok(Self { name: &file.name, text: file.text()? })
     }
 
-    /// The rows, their cells parted by semicolons, or else commas, or else blanks.
+    /// The rows, comments included; their cells parted by semicolons, or else commas, or else blanks.
     pub(crate) fn rows(self) -> impl Iterator<Item = Row<'a>> {
         let lines = self.text.split_inclusive('\n').scan(0, |next, line| {
             let start = *next;
             *next += line.len();
             Some((start, line))
         });
-        let lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
+        let lines = lines.filter(|(_, line)| !line.trim().is_empty());
         lines.map(move |(start, line)| Row { table: self, cells: cells(start, line) })
     }
 
@@ -52,17 +61,21 @@ impl<'a> Table<'a> {
 }
 
 impl Cell<'_> {
+    pub(crate) fn is_number(&self) -> bool {
+        self.text.parse::<f64>().is_ok()
+    }
+
     /// Where it begins in the file, in bytes.
     pub(crate) fn start(&self) -> usize {
-        self.start
+        self.place.start
     }
 }
 
 impl Row<'_> {
     /// An error about the whole row.
     pub(crate) fn error(&self, problem: Problem) -> FormatError {
-        let start = self.cells.first().map_or(0, |cell| cell.start);
-        let end = self.cells.last().map_or(0, |cell| cell.start + cell.text.len());
+        let start = self.cells.first().map_or(0, |cell| cell.place.start);
+        let end = self.cells.last().map_or(0, |cell| cell.place.end);
         FormatError { place: Place::in_text(self.table.name, self.table.text, start..end), problem }
     }
 
@@ -70,8 +83,8 @@ impl Row<'_> {
     pub(crate) fn cell_error(&self, i: usize, problem: Problem) -> FormatError {
         match self.cells.get(i) {
             Some(cell) => {
-                let range = cell.start..cell.start + cell.text.len();
-                FormatError { place: Place::in_text(self.table.name, self.table.text, range), problem }
+                let place = Place::in_text(self.table.name, self.table.text, cell.place.clone());
+                FormatError { place, problem }
             }
             None => self.error(problem),
         }
@@ -79,25 +92,35 @@ impl Row<'_> {
 
     /// The finite number in cell `i`.
     pub(crate) fn number(&self, i: usize) -> Result<f64, FormatError> {
-        let found = || self.cells.get(i).map_or_else(String::new, |cell| clip(cell.text));
-        match self.cells.get(i).and_then(|cell| cell.text.parse::<f64>().ok()) {
-            Some(value) if value.is_finite() => Ok(value),
-            Some(_) => Err(self.cell_error(i, Problem::NotFinite { found: found() })),
-            None => Err(self.cell_error(i, Problem::NotANumber { found: found() })),
-        }
+        let text = self.cells.get(i).map_or("", |cell| &cell.text);
+        let problem = match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => return Ok(value),
+            Ok(_) => Problem::NotFinite { found: clip(text) },
+            Err(_) if text.is_empty() => Problem::EmptyCell,
+            Err(_) => Problem::NotANumber { found: clip(text) },
+        };
+        Err(self.cell_error(i, problem))
     }
 
-    /// True if the first cell is not a number: the names of the columns.
+    /// True if no cell is a number: the names of the columns.
     pub(crate) fn is_header(&self) -> bool {
-        self.cells.first().is_none_or(|cell| cell.text.parse::<f64>().is_err())
+        !self.cells.iter().any(Cell::is_number)
     }
 
-    /// Fails unless there are exactly `count` cells.
+    /// True if the row begins with `#`. Where names may begin so, that does not make it a comment.
+    pub(crate) fn begins_with_hash(&self) -> bool {
+        self.cells.first().is_some_and(|cell| self.table.text[cell.place.clone()].starts_with('#'))
+    }
+
+    /// Fails unless there are exactly `count` cells, with all their quotes closed.
     pub(crate) fn expect_cells(&self, count: usize, expected: &'static str) -> Result<(), FormatError> {
+        if let Some(i) = self.cells.iter().position(|cell| cell.spoilt) {
+            return Err(self.cell_error(i, Problem::Quotes));
+        }
         if self.cells.len() == count {
             return Ok(());
         }
-        Err(self.error(Problem::Columns { expected, found: self.cells.len() }))
+        Err(self.error(Problem::Columns { expected, count, found: self.cells.len() }))
     }
 }
 
@@ -110,31 +133,74 @@ fn clip(text: &str) -> String {
 }
 
 fn cells(line_start: usize, line: &str) -> Vec<Cell<'_>> {
-    // What stands in quotes parts nothing. A comma beside semicolons is a decimal one.
-    let bare: String = line.split('"').step_by(2).collect();
-    let separator = [';', ','].into_iter().find(|&c| bare.contains(c));
+    let line = line.trim_end_matches(['\n', '\r']);
+    let separator = separator(line);
+    let ends = |c: char| separator.map_or(c.is_whitespace(), |s| c == s);
     let mut cells = Vec::new();
     let mut start = 0;
-    let mut quoted = false;
-    for (i, c) in line.char_indices().chain([(line.len(), '\n')]) {
-        quoted ^= c == '"';
-        let ends = i == line.len() || (!quoted && separator.map_or(c.is_whitespace(), |s| c == s));
-        if ends {
-            let text = line[start..i].trim();
-            if separator.is_some() || !text.is_empty() {
-                let offset = start + (line[start..i].len() - line[start..i].trim_start().len());
-                cells.push(unquoted(line_start + offset, text));
-            }
-            start = (i + c.len_utf8()).min(line.len());
+    loop {
+        let end = cell_end(line, start, ends);
+        let range = trimmed(line, start..end);
+        if separator.is_some() || !range.is_empty() {
+            cells.push(cell(line_start, line, range));
+        }
+        match line[end..].chars().next() {
+            Some(c) => start = end + c.len_utf8(),
+            None => return cells,
         }
     }
-    cells
 }
 
-fn unquoted(start: usize, text: &str) -> Cell<'_> {
-    match text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
-        Some(inner) => Cell { text: inner, start: start + 1 },
-        None => Cell { text, start },
+/// What parts the cells: semicolons if there are any, or else commas; `None`: blanks.
+fn separator(line: &str) -> Option<char> {
+    let (mut at_start, mut is_quoted, mut inside) = (true, false, false);
+    let mut found = None;
+    for c in line.chars() {
+        is_quoted |= at_start && c == '"';
+        inside ^= is_quoted && c == '"';
+        at_start &= c.is_whitespace();
+        match c {
+            // A comma beside semicolons is a decimal one.
+            ';' if !inside => return Some(';'),
+            ',' if !inside => (found, at_start, is_quoted) = (Some(','), true, false),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Where the cell from `start` ends: at the first separator outside quotes.
+fn cell_end(line: &str, start: usize, ends: impl Fn(char) -> bool) -> usize {
+    let is_quoted = line[start..].trim_start().starts_with('"');
+    let mut inside = false;
+    let end = line[start..].char_indices().find(|&(_, c)| {
+        // A doubled quote closes and opens again.
+        inside ^= is_quoted && c == '"';
+        !inside && ends(c)
+    });
+    end.map_or(line.len(), |(i, _)| start + i)
+}
+
+/// A range of `line` without the blanks at its ends.
+fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
+    let text = &line[range.clone()];
+    let start = range.end - text.trim_start().len();
+    start..start + text.trim().len()
+}
+
+fn cell(line_start: usize, line: &str, range: Range<usize>) -> Cell<'_> {
+    let text = &line[range.clone()];
+    let place = line_start + range.start..line_start + range.end;
+    let Some(rest) = text.strip_prefix('"') else {
+        return Cell { text: text.into(), place, spoilt: false };
+    };
+    match rest.strip_suffix('"') {
+        Some(inner) => {
+            let spoilt = inner.replace("\"\"", "").contains('"');
+            let text = if inner.contains('"') { inner.replace("\"\"", "\"").into() } else { inner.into() };
+            Cell { text, place: place.start + 1..place.end - 1, spoilt }
+        }
+        None => Cell { text: rest.into(), place, spoilt: true },
     }
 }
 
@@ -142,16 +208,16 @@ fn unquoted(start: usize, text: &str) -> Cell<'_> {
 mod tests {
     use super::*;
 
-    fn split(text: &str) -> Vec<Vec<&str>> {
+    fn split(text: &str) -> Vec<Vec<Cow<'_, str>>> {
         let table = Table { name: "t", text };
-        table.rows().map(|row| row.cells.iter().map(|cell| cell.text).collect()).collect()
+        table.rows().map(|row| row.cells.into_iter().map(|cell| cell.text).collect()).collect()
     }
 
     #[test]
     fn separators() {
         assert_eq!(
-            split("# c\n1, 2\r\n\n3;4\n5\t6\n 7   8 "),
-            [["1", "2"], ["3", "4"], ["5", "6"], ["7", "8"]]
+            split("1, 2\r\n\n3;4\n5\t6\n 7   8 \n\"9\" 10"),
+            [["1", "2"], ["3", "4"], ["5", "6"], ["7", "8"], ["9", "10"]]
         );
         assert_eq!(split("1,,2,\n"), [["1", "", "2", ""]]);
         assert_eq!(split("\"a, b\",1\n\"a; b\",2"), [["a, b", "1"], ["a; b", "2"]]);
@@ -159,9 +225,23 @@ mod tests {
     }
 
     #[test]
+    fn quotes() {
+        assert_eq!(split("\"q\"\"x\"\"\",\" a \", b "), [["q\"x\"", " a ", "b"]]);
+        assert_eq!(split("5\" glass,1"), [["5\" glass", "1"]]);
+        let spoilt = |text| Table { name: "t", text }.rows().any(|row| row.expect_cells(2, "two").is_err());
+        assert!(!spoilt("\"\"\"\",1"));
+        for text in ["\"a,1", "\"a\"b\",1", "\"a\"b,1", "\",1", "1,\"2"] {
+            assert!(spoilt(text), "{text}");
+        }
+    }
+
+    #[test]
     fn a_cell_knows_its_place() {
         let table = Table { name: "t", text: "# c\n550,  \"nan\"\n" };
-        let row = table.rows().next().unwrap();
+        let row = table.rows().nth(1).unwrap();
         assert_eq!(row.number(1).unwrap_err().place.line_column(), Some((2, 8)));
+        let last = Table { name: "t", text: "500,\r\n600,1\n" }.rows().next().unwrap();
+        let error = last.number(1).unwrap_err();
+        assert_eq!((error.place.line_column(), error.problem), (Some((1, 5)), Problem::EmptyCell));
     }
 }

@@ -1,14 +1,20 @@
 //! Two-column spectra: wavelength in nm, value.
 
+use std::ops::RangeInclusive;
+
 use papilio_spectra::Tabulated;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::rows::{Row, Table};
 
+/// What the largest value of a light's spectrum may be: its scale means nothing, but
+/// the squares of its values must remain numbers.
+const LIGHT: RangeInclusive<f64> = 1e-30..=1e30;
+
 /// Reads a two-column spectrum: wavelength in nm, value.
 ///
-/// One header row and `#` comments may stand there; columns are parted by
+/// One header row (no cell of it a number) and `#` comments may stand there; columns are parted by
 /// commas, semicolons, tabs or blanks; wavelengths rise or fall.
 ///
 /// # Errors
@@ -22,19 +28,66 @@ use crate::rows::{Row, Table};
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_spectrum(file: &DataFile) -> Result<Tabulated, FormatError> {
+    read_checked(file, |_, _| Ok(()))
+}
+
+/// Reads a spectrum of shares of the light, each 0 to 1: a reflectance, an absorptance, a transmittance.
+///
+/// # Errors
+/// As [`read_spectrum`], and for values out of range, with their line.
+pub fn read_shares(file: &DataFile) -> Result<Tabulated, FormatError> {
+    read_checked(file, |row, value| within(row, value, 0.0..=1.0, "the share", "expected 0 to 1"))
+}
+
+/// Reads the relative spectrum of a light: values of 0 or more, the largest between 1e-30 and 1e30.
+///
+/// # Errors
+/// As [`read_spectrum`], and for values out of range, with their line.
+pub fn read_light(file: &DataFile) -> Result<Tabulated, FormatError> {
+    let light = read_checked(file, |row, value| {
+        within(row, value, 0.0..=*LIGHT.end(), "the light", "expected 0 to 1e30")
+    })?;
+    let largest = light.values().iter().copied().fold(0.0, f64::max);
+    if LIGHT.contains(&largest) {
+        return Ok(light);
+    }
+    let expected = "expected a largest value between 1e-30 and 1e30";
+    Err(Table::new(file)?.error(Problem::OutOfRange { what: "the largest value", value: largest, expected }))
+}
+
+fn read_checked(
+    file: &DataFile,
+    check: impl Fn(&Row<'_>, f64) -> Result<(), FormatError>,
+) -> Result<Tabulated, FormatError> {
     let table = Table::new(file)?;
     let mut columns = Columns::default();
     for row in data_rows(table) {
         row.expect_cells(2, "expected two: wavelength in nm, value")?;
         columns.push(&row)?;
+        check(&row, row.number(1)?)?;
     }
     let [value] = columns.finish(table)?;
     Ok(value)
 }
 
-/// The rows below the header, if there is one.
+/// Fails, at the second cell, on a value outside `range`.
+fn within(
+    row: &Row<'_>,
+    value: f64,
+    range: RangeInclusive<f64>,
+    what: &'static str,
+    expected: &'static str,
+) -> Result<(), FormatError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(row.cell_error(1, Problem::OutOfRange { what, value, expected }))
+}
+
+/// The rows of numbers: no comments, nor the header, if there is one.
 pub(crate) fn data_rows(table: Table<'_>) -> impl Iterator<Item = Row<'_>> {
-    table.rows().enumerate().filter(|(i, row)| *i > 0 || !row.is_header()).map(|(_, row)| row)
+    let rows = table.rows().filter(|row| !row.begins_with_hash());
+    rows.enumerate().filter(|(i, row)| *i > 0 || !row.is_header()).map(|(_, row)| row)
 }
 
 /// Wavelengths and `N` columns of values.
@@ -99,12 +152,12 @@ impl<const N: usize> Columns<N> {
             self.values.iter_mut().for_each(|column| column.reverse());
         }
         if self.nm.len() < 2 {
-            return Err(Problem::Empty);
+            return Err(Problem::TooFew { rows: self.nm.len() });
         }
         let mut tables = Vec::with_capacity(N);
         for column in self.values {
             tables.push(Tabulated::new(self.nm.clone(), column)?);
         }
-        tables.try_into().map_err(|_| Problem::Empty)
+        tables.try_into().map_err(|_| Problem::TooFew { rows: 0 })
     }
 }

@@ -8,7 +8,8 @@
 )]
 
 use papilio_formats::{
-    DataFile, FormatError, PixelTable, Problem, read_index, read_pixel_table, read_spectrum,
+    DataFile, FormatError, PixelTable, Problem, is_name, read_index, read_light, read_pixel_table,
+    read_shares, read_spectrum,
 };
 use papilio_spectra::{Grid, material};
 
@@ -48,8 +49,8 @@ fn wrong_spectra_say_where() {
     );
     assert_eq!(bad("0.5,1\n0.4,2\n"), (None, Problem::Micrometres));
     assert_eq!(bad("0.4,1\n0.5,2\n"), (None, Problem::Micrometres));
-    assert_eq!(bad(""), (None, Problem::Empty));
-    assert_eq!(bad("nm,R\n400,1\n"), (None, Problem::Empty));
+    assert_eq!(bad(""), (None, Problem::TooFew { rows: 0 }));
+    assert_eq!(bad("nm,R\n400,1\n"), (None, Problem::TooFew { rows: 1 }));
     assert!(matches!(bad("-400,1\n500,1\n"), (Some((1, 1)), Problem::OutOfRange { .. })));
 }
 
@@ -63,11 +64,45 @@ fn an_error_shows_the_line_and_what_to_do() {
 
 #[test]
 fn decimal_commas_are_named() {
-    for (text, place) in [("nm;R\n380;0\n390;0,5\n", (3, 5)), ("380\t0,1\n390\t0,5\n", (2, 1))] {
+    for (text, place) in [("nm;R\n380;0\n390;0,5\n", (3, 5)), ("380\t0,1\n390\t0,5\n", (1, 1))] {
         let error = read_spectrum(&file(text)).unwrap_err();
         assert_eq!(error.place.line_column(), Some(place));
         assert!(error.to_string().contains("decimal commas are not read"), "{error}");
     }
+}
+
+/// A header has no number: a mistyped first row is an error, not a header.
+#[test]
+fn a_mistyped_first_row_is_no_header() {
+    let bad = |text: &str| place(read_spectrum(&file(text)));
+    let mistyped = Problem::NotANumber { found: "36O".to_owned() };
+    assert_eq!(bad("36O,0.9\n380,1\n780,1\n"), (Some((1, 1)), mistyped));
+    assert_eq!(bad(",0.5\n380,1\n780,1\n"), (Some((1, 1)), Problem::EmptyCell));
+    assert_eq!(bad("380,1\n500,\n780,1\n"), (Some((2, 5)), Problem::EmptyCell));
+}
+
+#[test]
+fn wrong_numbers_of_columns_and_rows_in_words() {
+    let shown = |text: &str| read_spectrum(&file(text)).unwrap_err().to_string();
+    assert!(
+        shown("380\n").contains("this row has 1 column\n") && shown("380\n").contains("separate the columns")
+    );
+    assert!(shown("380,1,2\n").contains("leave out what is too much"));
+    assert!(shown("380,1\n").contains("too few rows of data") && shown("380,1\n").contains("at least two"));
+    assert!(shown("380,\"1\n").contains("the quotes of this cell do not match"));
+}
+
+#[test]
+fn values_out_of_range_are_shown_in_their_row() {
+    let shares = |text: &str| place(read_shares(&file(text)));
+    let (at, problem) = shares("nm,R\n380,0.1\n780,20\n");
+    assert!(matches!(problem, Problem::OutOfRange { what: "the share", value: 20.0, .. }));
+    assert_eq!(at, Some((3, 5)));
+    let light = |text: &str| place(read_light(&file(text)));
+    assert!(matches!(light("380,1\n780,-2\n"), (Some((2, 5)), Problem::OutOfRange { value: -2.0, .. })));
+    assert!(matches!(light("380,1\n780,2e30\n"), (Some((2, 5)), Problem::OutOfRange { .. })));
+    assert!(matches!(light("380,1e-31\n780,1e-40\n"), (None, Problem::OutOfRange { .. })));
+    assert_eq!(read_light(&file("380,0\n780,1e-30\n")).unwrap().values(), [0.0, 1e-30]);
 }
 
 #[test]
@@ -183,6 +218,51 @@ fn numbers_of_a_pixel_table_keep_every_bit() {
     assert_eq!(read_pixel_table(&DataFile { name: "t".to_owned(), bytes: text }).unwrap(), table);
 }
 
+/// Whatever a state may be called, the table that names it reads back.
+#[test]
+fn odd_names_read_back() {
+    let names =
+        ["#1", "# c", "q\"x\"", "\"", "\"\"", "a, b", "a; b", "it's 5\"", "a\tb", " white ", "white", "0"];
+    let states = names.map(|name| (name.to_owned(), vec![0.25, 0.5]));
+    let write = |states: &[(String, Vec<f64>)]| {
+        let table =
+            PixelTable { theta_deg: vec![0.0], wavelength_nm: vec![400.0, 500.0], states: states.to_vec() };
+        let mut bytes = Vec::new();
+        table.write(&mut bytes).unwrap();
+        (table, DataFile { name: "t".to_owned(), bytes })
+    };
+    for state in &states {
+        let (table, file) = write(std::slice::from_ref(state));
+        match is_name(&state.0) {
+            true => assert_eq!(read_pixel_table(&file).unwrap(), table),
+            false => {
+                assert_eq!(place(read_pixel_table(&file)), (Some((2, place_of(&file))), Problem::BadName))
+            }
+        }
+    }
+    let good: Vec<_> = states.into_iter().filter(|(name, _)| is_name(name)).collect();
+    assert_eq!(good.len(), 10);
+    let (table, file) = write(&good);
+    assert_eq!(read_pixel_table(&file).unwrap(), table);
+}
+
+/// Column of the first name below the header: behind its quote, if it has one.
+fn place_of(file: &DataFile) -> usize {
+    let text = file.text().unwrap();
+    1 + usize::from(text.lines().nth(1).unwrap().starts_with('"'))
+}
+
+#[test]
+fn comments_of_a_pixel_table_are_no_points() {
+    let commented =
+        format!("# made, by, a, tool\n{}", PIXEL.replace("white,0,400", "# half way\nwhite,0,400"));
+    assert_eq!(read_pixel_table(&file(&commented)).unwrap(), read_pixel_table(&file(PIXEL)).unwrap());
+    let mistyped = PIXEL.replace("white,0,400", "#white,0,4OO");
+    assert_eq!(place(read_pixel_table(&file(&mistyped))).0, Some((3, 10)));
+    let empty = PIXEL.replace("white,0,400,0.1", "white,0,400,");
+    assert_eq!(place(read_pixel_table(&file(&empty))), (Some((3, 13)), Problem::EmptyCell));
+}
+
 #[test]
 fn wrong_pixel_tables_say_where() {
     let bad = |from: &str, to: &str| place(read_pixel_table(&file(&PIXEL.replace(from, to))));
@@ -200,10 +280,10 @@ fn wrong_pixel_tables_say_where() {
     let (_, normal) = bad(",0,", ",5,");
     assert_eq!(normal, Problem::NoNormal { theta_deg: 5.0 });
     assert!(matches!(bad("30,400,0.3", "91,400,0.3"), (Some((2, 7)), Problem::OutOfRange { .. })));
-    assert_eq!(place(read_pixel_table(&file(""))).1, Problem::Empty);
+    assert_eq!(place(read_pixel_table(&file(""))).1, Problem::TooFew { rows: 0 });
     assert_eq!(
         place(read_pixel_table(&file("state,theta_deg,wavelength_nm,reflectance\n"))).1,
-        Problem::Empty
+        Problem::TooFew { rows: 0 }
     );
 }
 

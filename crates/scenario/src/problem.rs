@@ -188,6 +188,16 @@ pub enum Problem {
         /// Wavelength.
         nm: f64,
     },
+    /// An index that no film has.
+    #[error("this index is {n} + {k}i at {nm} nm")]
+    NoFilm {
+        /// n.
+        n: f64,
+        /// k.
+        k: f64,
+        /// Wavelength.
+        nm: f64,
+    },
     /// Angles in glass of a panel that they make no sense for.
     #[error("angles in glass need {0}")]
     AnglesInGlass(&'static str),
@@ -236,18 +246,6 @@ pub enum Problem {
     /// A table in air angles under a stack that holds trapped light.
     #[error("angles in air do not reach the light beyond total internal reflection")]
     TableInAir,
-    /// A value of a spectrum file outside its range.
-    #[error("`{what}` has the value {value} at {nm} nm")]
-    SpectrumValue {
-        /// The file.
-        what: String,
-        /// The value.
-        value: f64,
-        /// Where.
-        nm: f64,
-        /// The range, in words.
-        expected: &'static str,
-    },
     /// A light without light.
     #[error("this light is dark between {} and {} nm", .range_nm.0, .range_nm.1)]
     NoLight {
@@ -269,9 +267,6 @@ pub enum Problem {
         /// Why.
         why: String,
     },
-    /// A name that would spoil the tables.
-    #[error("this is not a name")]
-    BadName,
     /// Something about spectral data.
     #[error(transparent)]
     Spectra(#[from] SpectraError),
@@ -287,9 +282,7 @@ impl Problem {
             Self::MissingKey { expected, .. } | Self::WrongType { expected, .. } => {
                 format!("expected {expected}")
             }
-            Self::OutOfRange { expected, .. }
-            | Self::Sum { expected, .. }
-            | Self::SpectrumValue { expected, .. } => format!("expected {expected}"),
+            Self::OutOfRange { expected, .. } | Self::Sum { expected, .. } => format!("expected {expected}"),
             Self::UnknownChoice { choices, .. } => format!("expected {}", listed(choices)),
             Self::LightShares { .. } => "expected 1".to_owned(),
             Self::ExactlyOne { keys, .. } => format!("expected exactly one of {keys}"),
@@ -298,6 +291,7 @@ impl Problem {
             Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
             Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
             Self::NoGlass { .. } => "expected n from 1 to 10 and k below 1e-6".to_owned(),
+            Self::NoFilm { .. } => "expected n and k up to 1000, and |n + ik| of .001 or more".to_owned(),
             Self::Trapped { limit_deg, .. } => {
                 format!("expected less than {limit_deg:.2} deg, field and radius included")
             }
@@ -308,7 +302,6 @@ impl Problem {
             Self::TableInAir => "expected angles = \"glass\"".to_owned(),
             Self::Invisible { .. } => "expected a part of 380 to 780 nm".to_owned(),
             Self::SetWithoutValue => "expected for example display.glass.index=1.52".to_owned(),
-            Self::BadName => "expected 1 to 64 characters, none of them control characters".to_owned(),
             Self::Data(problem) => problem.expected()?.to_owned(),
             _ => return None,
         })
@@ -348,6 +341,9 @@ impl Problem {
             }
             Self::LightShares { remedy, value, .. } if (0.0..=1.0).contains(value) => {
                 format!("{remedy}={} would make it 1", tidy(*value))
+            }
+            Self::TooMany { what, .. } if what.contains("wavelengths") => {
+                "take a larger spectrum.step_nm, or fewer of the others".to_owned()
             }
             Self::NotWith { key, .. } => format!("leave `{key}` out"),
             Self::LobeAboveOne { limit, .. } => {

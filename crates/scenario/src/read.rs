@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Deref;
 
+use papilio_formats::is_name;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Serialize, Serializer};
 
@@ -227,7 +228,7 @@ impl<T: Read> Read for Named<T> {
         };
         let item = |entry: &Entry| {
             if !is_name(&entry.key) {
-                errors.push(entry.key_origin, Problem::BadName);
+                errors.push(entry.key_origin, papilio_formats::Problem::BadName.into());
                 return None;
             }
             let value = At::read(&entry.node, errors)?;
@@ -236,11 +237,6 @@ impl<T: Read> Read for Named<T> {
         let items: Vec<Option<Item<T>>> = entries.iter().map(item).collect();
         items.into_iter().collect::<Option<_>>().map(Self)
     }
-}
-
-/// True if a state or sub-pixel may be called so.
-pub(crate) fn is_name(text: &str) -> bool {
-    (1..=64).contains(&text.chars().count()) && !text.chars().any(char::is_control)
 }
 
 impl<T: Serialize> Serialize for Named<T> {

@@ -48,7 +48,7 @@ table! {
         /// ASTM D1003 haze, between 0 and 1: the share of the transmitted light beyond 2.5 deg,
         /// straight-through included. `k-correlation` takes this or `width`.
         haze: Option<InnerShare>,
-        /// Width b of the k-correlation lobe, in direction cosines.
+        /// Width b of the k-correlation lobe, in direction cosines, 1e-6 to 100.
         width: Option<Width>,
         /// Transmittance that a datasheet gives (hemispherical, air to air, normal incidence): 0 to 1,
         /// or a spectrum file. This or `transmittance`.

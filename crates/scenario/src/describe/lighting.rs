@@ -1,6 +1,8 @@
 //! `[lighting]`: diffuse and directed light.
 
-use super::numbers::{AngularRadius, Azimuth, Inclination, Kelvin, Lux, Share, Wavelength, Weight};
+use super::numbers::{
+    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Lux, Share, Wavelength, Weight,
+};
 use crate::grammar::{choice, forms, table};
 use crate::read::At;
 
@@ -9,7 +11,7 @@ table! {
     Lighting later ["environment", "front_light"] {
         /// "indoor", "sunny" or "overcast": fills lighting and viewer; keys that are given override it. Default: none.
         preset: Option<Preset>,
-        /// Illuminance that the shares refer to, in the display plane, lx. Default 500.
+        /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx. Default 500.
         illuminance_lx: Lux = Lux(500.0),
         /// Relative spectrum of all light that has none of its own. Default "D65".
         spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
@@ -71,7 +73,7 @@ table! {
         /// Width of the LED, nm: 1/.92 of its full width at half maximum.
         width_nm: Option<Wavelength>,
         /// Correlated colour temperature of CIE daylight, K, 4000 to 25000.
-        daylight_K: Option<Kelvin>,
+        daylight_K: Option<DaylightKelvin>,
         /// Temperature of a black body, K, 500 to 100000.
         planck_K: Option<Kelvin>,
         /// Weight in a list. Default 1.

@@ -22,10 +22,13 @@ number!(
     PositiveShare, "a number above 0, at most 1", |v| v > 0.0 && v <= 1.0,
     { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
 );
+/// The narrowest lobe, in direction cosines: a fifth of a second of arc, where haze is 2e-5.
+pub(crate) const NARROWEST_LOBE: f64 = 1e-6;
+
 number!(
     /// A width in direction cosines.
-    Width, "a number above 0, at most 100 (direction cosines)", |v| v > 0.0 && v <= 100.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 100 }
+    Width, "a number from 1e-6 to 100 (direction cosines)", |v| (NARROWEST_LOBE..=100.0).contains(&v),
+    { "type": "number", "minimum": 1e-6, "maximum": 100 }
 );
 number!(
     /// A length of films, nm.
@@ -39,13 +42,13 @@ number!(
 );
 number!(
     /// A refractive index.
-    Index, "a number above 0, at most 100 (refractive index)", |v| v > 0.0 && v <= 100.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 100 }
+    Index, "a number above 0, at most 1000 (refractive index)", |v| v > 0.0 && v <= 1e3,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1000 }
 );
 number!(
     /// An extinction coefficient.
-    Extinction, "a number from 0 to 100 (extinction coefficient k)", |v| (0.0..=100.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 100 }
+    Extinction, "a number from 0 to 1000 (extinction coefficient k)", |v| (0.0..=1e3).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1000 }
 );
 number!(
     /// An inclination from the display's normal, degrees.
@@ -74,13 +77,18 @@ number!(
 );
 number!(
     /// An illuminance, lx.
-    Lux, "a number above 0, at most 1e9 (lx)", |v| v > 0.0 && v <= 1e9,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e9 }
+    Lux, "a number from 1e-6 to 1e9 (lx)", |v| (1e-6..=1e9).contains(&v),
+    { "type": "number", "minimum": 1e-6, "maximum": 1e9 }
 );
 number!(
-    /// A temperature, K.
+    /// The temperature of a black body, K.
     Kelvin, "a number from 500 to 100000 (K)", |v| (500.0..=1e5).contains(&v),
     { "type": "number", "minimum": 500, "maximum": 1e5 }
+);
+number!(
+    /// The correlated colour temperature of CIE daylight, K.
+    DaylightKelvin, "a number from 4000 to 25000 (K)", |v| (4000.0..=25e3).contains(&v),
+    { "type": "number", "minimum": 4000, "maximum": 25000 }
 );
 number!(
     /// A weight in a mixture.
@@ -98,7 +106,7 @@ number!(
 pub(crate) struct Count<const LEAST: u64, const MOST: u64>(pub(crate) u64);
 
 /// How many paths a run may trace for each view.
-pub(crate) type Paths = Count<1, 1_000_000_000_000>;
+pub(crate) type Paths = Count<1, { 1 << 40 }>;
 
 /// Seed of the random numbers: what a TOML integer holds.
 pub(crate) type Seed = Count<0, { i64::MAX as u64 }>;

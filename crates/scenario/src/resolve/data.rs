@@ -1,8 +1,8 @@
 //! Files, share spectra and materials.
 
 use num_complex::Complex64;
-use papilio_formats::{DataFile, read_index, read_spectrum};
-use papilio_spectra::{Dispersion, SpectraError, Spectrum, Tabulated, material, material_names};
+use papilio_formats::{DataFile, FormatError, read_index, read_shares};
+use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_names};
 use sha2::{Digest, Sha256};
 
 use super::Resolver;
@@ -10,6 +10,11 @@ use crate::describe::display::{MaterialSpec, ShareSpectrum};
 use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
+
+/// n and k of a film are at most this.
+const LARGEST_INDEX: f64 = 1e3;
+/// And |n + ik| is at least this: far beyond any material, and films stay computable.
+const SMALLEST_INDEX: f64 = 1e-3;
 
 impl Resolver<'_> {
     /// Reads a file of the scenario's and notes its SHA-256.
@@ -33,11 +38,16 @@ impl Resolver<'_> {
         looks_so || self.folder.join(text).is_file()
     }
 
-    /// The two-column file `name`, as a table.
-    pub(super) fn table(&mut self, name: &str, origin: Origin) -> Option<Tabulated> {
+    /// What `read` makes of the file `name`.
+    pub(super) fn data<T>(
+        &mut self,
+        name: &str,
+        origin: Origin,
+        read: fn(&DataFile) -> Result<T, FormatError>,
+    ) -> Option<T> {
         let file = self.open(name, origin)?;
-        match read_spectrum(&file) {
-            Ok(table) => Some(table),
+        match read(&file) {
+            Ok(data) => Some(data),
             Err(error) => {
                 self.errors.push_data(origin, error);
                 None
@@ -51,25 +61,8 @@ impl Resolver<'_> {
             ShareSpectrum::Constant(share) => return Some(Spectrum::constant(&self.grid, share.0)),
             ShareSpectrum::File(name) => name,
         };
-        let table = self.table(name, share.origin)?;
-        self.check_values(name, share.origin, &table, |v| (0.0..=1.0).contains(&v), "a share from 0 to 1")?;
-        let on_grid = table.on(&self.grid);
+        let on_grid = self.data(name, share.origin, read_shares)?.on(&self.grid);
         self.sampled(name, share.origin, on_grid)
-    }
-
-    /// Fails on the first value of a table that `accepts` does not take.
-    pub(super) fn check_values(
-        &mut self,
-        name: &str,
-        origin: Origin,
-        table: &Tabulated,
-        accepts: fn(f64) -> bool,
-        expected: &'static str,
-    ) -> Option<()> {
-        let mut points = table.wavelengths_nm().iter().zip(table.values());
-        let Some((&nm, &value)) = points.find(|(_, value)| !accepts(**value)) else { return Some(()) };
-        self.errors.push(origin, Problem::SpectrumValue { what: name.to_owned(), value, nm, expected });
-        None
     }
 
     /// What a table or model gives on the grid; says what is missing where it does not cover it.
@@ -102,7 +95,7 @@ impl Resolver<'_> {
         };
         let dispersion = match dispersion {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
-                self.index_file(name, spec.origin)?
+                self.data(name, spec.origin, read_index)?
             }
             Err(SpectraError::UnknownName { kind, .. }) => {
                 let names = material_names().to_vec();
@@ -112,18 +105,15 @@ impl Resolver<'_> {
             other => self.sampled(name, spec.origin, other)?,
         };
         let on_grid = dispersion.on(&self.grid);
-        self.sampled(name, spec.origin, on_grid)
-    }
-
-    fn index_file(&mut self, name: &str, origin: Origin) -> Option<Dispersion> {
-        let file = self.open(name, origin)?;
-        match read_index(&file) {
-            Ok(dispersion) => Some(dispersion),
-            Err(error) => {
-                self.errors.push_data(origin, error);
-                None
-            }
+        let index = self.sampled(name, spec.origin, on_grid)?;
+        let is_film =
+            |index: &Complex64| index.re.max(index.im) <= LARGEST_INDEX && index.norm() >= SMALLEST_INDEX;
+        if let Some(i) = index.iter().position(|index| !is_film(index)) {
+            let Complex64 { re: n, im: k } = index[i];
+            self.err(spec, Problem::NoFilm { n, k, nm: self.grid.wavelength_nm(i) });
+            return None;
         }
+        Some(index)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Film pixels: layers, sub-pixels and drive states.
 
+use std::collections::HashSet;
+
 use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, Thickness};
 
 use super::Resolver;
@@ -170,6 +172,21 @@ impl Resolver<'_> {
             }
         }
     }
+}
+
+/// How many different gaps the states of a film ask for.
+pub(super) fn distinct_gaps(film: &FilmPixel) -> usize {
+    let mut gaps = HashSet::new();
+    for (drive, sub_pixel) in film.states.iter().flat_map(|state| state.drives.iter().zip(&film.sub_pixels)) {
+        let (own, dark) = match drive {
+            Drive::Share(share) => {
+                ((*share > 0.0).then_some(sub_pixel.gap_nm), film.dark_gap_nm.filter(|_| *share < 1.0))
+            }
+            Drive::Gap(gap) => (Some(*gap), None),
+        };
+        gaps.extend(own.into_iter().chain(dark).map(f64::to_bits));
+    }
+    gaps.len()
 }
 
 /// The eight named states, if there are sub-pixels red, green and blue; any others stay dark.

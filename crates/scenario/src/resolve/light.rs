@@ -1,5 +1,6 @@
 //! The spectrum of a light: by name, from a file, or by models.
 
+use papilio_formats::read_light;
 use papilio_spectra::{
     Grid, SpectraError, Spectrum, Tabulated, daylight, illuminant, illuminant_names, ohno_led, planck,
 };
@@ -12,6 +13,9 @@ use crate::source::Origin;
 
 /// Where daylight and black bodies have the value 1, nm.
 const UNIT_NM: f64 = 560.0;
+
+/// A light whose largest value is below this is dark: its squares are no numbers any more.
+const DARKEST: f64 = 1e-30;
 
 /// One of the parts that a light adds up from.
 struct Part {
@@ -65,7 +69,7 @@ impl Resolver<'_> {
         };
         let sampled: Vec<_> = parts.iter().map(sampled).collect();
         let spectrum = sum(&self.grid, sampled.into_iter().collect::<Option<Vec<_>>>()?);
-        if spectrum.max() <= 0.0 {
+        if spectrum.max() < DARKEST {
             let range_nm = (self.grid.start_nm(), self.grid.stop_nm());
             self.err(light, Problem::NoLight { range_nm });
             return None;
@@ -84,8 +88,7 @@ impl Resolver<'_> {
         let part = |source| Part { name: name.to_owned(), origin: light.origin, weight: 1.0, source };
         match illuminant(name, &self.grid) {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
-                let table = self.table(name, light.origin)?;
-                self.check_values(name, light.origin, &table, |v| v >= 0.0, "0 or more")?;
+                let table = self.data(name, light.origin, read_light)?;
                 Some(part(Source::Table(table)))
             }
             Err(SpectraError::UnknownName { .. }) => {

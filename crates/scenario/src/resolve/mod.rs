@@ -32,6 +32,12 @@ const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
 /// The largest result, and the largest pixel table: 80 MB for each quantity.
 const MOST_NUMBERS: usize = 10_000_000;
 
+/// States x wavelengths x (directed sources + 8): what a path carries, and a worker adds up.
+const MOST_WORK: usize = 8_000_000;
+
+/// Distinct film gaps x wavelengths: the films are tabulated at up to 1025 angles each.
+const MOST_FILMS: usize = 100_000;
+
 /// A scene and what was found on the way to it.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
@@ -126,8 +132,17 @@ impl Resolver<'_> {
             scene::Pixel::Table(table) => table.states.len(),
             scene::Pixel::Uniform(uniform) => uniform.states.len(),
         };
+        let sources = scene.lighting.directed.len();
+        let bins = scene.grid.len();
+        let work = states.saturating_mul(bins).saturating_mul(sources + 8);
+        let what = "states x wavelengths x (directed sources + 8)";
+        self.limit(&file.spectrum.step_nm, what, work, MOST_WORK);
+        if let scene::Pixel::Film(film) = &scene.display.pixel {
+            let gaps = film::distinct_gaps(film).saturating_mul(bins);
+            self.limit(&file.spectrum.step_nm, "film gaps x wavelengths", gaps, MOST_FILMS);
+        }
         let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
-        let count = views.saturating_mul(states).saturating_mul(scene.grid.len());
+        let count = views.saturating_mul(states).saturating_mul(bins);
         self.limit(&file.viewer.theta_deg, "numbers (views x states x wavelengths)", count, MOST_NUMBERS);
     }
 

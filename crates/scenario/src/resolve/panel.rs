@@ -7,6 +7,7 @@ use papilio_spectra::Spectrum;
 use super::Resolver;
 use crate::describe::File;
 use crate::describe::display::{self as describe, DiffuserModel};
+use crate::describe::numbers::NARROWEST_LOBE;
 use crate::problem::Problem;
 use crate::read::At;
 
@@ -79,7 +80,8 @@ impl Resolver<'_> {
 
     fn lobe_from_haze(&mut self, haze: f64, diffuser: &describe::Diffuser) -> Option<Lobe> {
         let straight_through = diffuser.straight_through.0;
-        let Some(width) = width_from_haze(haze, straight_through) else {
+        let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
+        let Some(width) = width else {
             let limit = largest_haze(straight_through);
             self.err(&diffuser.haze, Problem::NoWidth { haze, straight_through, limit });
             return None;

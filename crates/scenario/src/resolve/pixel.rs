@@ -9,7 +9,7 @@ use super::{MOST_NUMBERS, Resolver};
 use crate::describe::File;
 use crate::describe::pixel as describe;
 use crate::problem::Problem;
-use crate::read::{At, is_name};
+use crate::read::At;
 
 impl Resolver<'_> {
     pub(super) fn pixel(&mut self, pixel: &At<describe::Pixel>) -> Option<Pixel> {
@@ -37,22 +37,12 @@ impl Resolver<'_> {
     }
 
     fn table_pixel(&mut self, pixel: &describe::TablePixel) -> Option<TablePixel> {
-        let file = self.open(&pixel.file, pixel.file.origin)?;
-        let table = match read_pixel_table(&file) {
-            Ok(table) => table,
-            Err(error) => {
-                self.errors.push_data(pixel.file.origin, error);
-                return None;
-            }
-        };
+        let table = self.data(&pixel.file, pixel.file.origin, read_pixel_table)?;
         let size = table.states.len().saturating_mul(table.theta_deg.len()).saturating_mul(self.grid.len());
         self.limit(&pixel.file, "numbers (states x angles x wavelengths)", size, MOST_NUMBERS)?;
         self.limit(&pixel.file, "states", table.states.len(), 256)?;
         let mut states = Vec::with_capacity(table.states.len());
         for (i, (name, _)) in table.states.iter().enumerate() {
-            if !is_name(name) {
-                self.err(&pixel.file, Problem::BadName);
-            }
             let spectra = table.spectra(i, &self.grid);
             let reflectance = self.sampled(&pixel.file, pixel.file.origin, spectra)?;
             states.push(TableState { name: name.clone(), reflectance });

@@ -8,6 +8,7 @@
 )]
 
 mod bad_input;
+mod bounds;
 mod common;
 mod examples;
 mod hostile;

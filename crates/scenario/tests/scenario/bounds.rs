@@ -1,0 +1,82 @@
+//! How large a computation may be, and which quantities it can hold.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use crate::common::{GOOD, changed, resolve};
+use papilio_scenario::Problem;
+
+fn problems(text: &str, folder: &Path, sets: &[&str]) -> Vec<Problem> {
+    match resolve(text, folder, sets) {
+        Ok(_) => Vec::new(),
+        Err(errors) => errors.iter().map(|error| error.problem.clone()).collect(),
+    }
+}
+
+/// `GOOD` with `states` states, each with a gap of its own or shares alone, and `sources` lamps.
+fn large(states: usize, own_gaps: bool, sources: usize) -> String {
+    let (mut drives, mut lamps) = (String::new(), String::new());
+    for i in 0..states {
+        let drive = if own_gaps { format!("{{ gap_nm = {} }}", 100 + i) } else { "0.5".to_owned() };
+        writeln!(drives, "s{i} = {{ red = {drive} }}").unwrap();
+    }
+    for _ in 1..sources {
+        lamps += "[[lighting.directed]]\ntheta_deg = 5\nshare = 0\n";
+    }
+    let text = GOOD.replace("[lighting]", &format!("[display.pixel.states]\n{drives}[lighting]"));
+    text.replace("[viewer]", &format!("{lamps}[viewer]"))
+}
+
+#[test]
+fn the_work_is_bounded() {
+    let step = |nm: f64| format!("spectrum.step_nm={nm}");
+    // 258 states x 301 wavelengths x (95 + 8) = 7 998 774; one lamp more is 8 076 432.
+    let bare = Path::new("");
+    assert_eq!(problems(&large(250, false, 95), bare, &[&step(1.0)]), []);
+    let refused = resolve(&large(250, false, 96), bare, &[&step(1.0)]).unwrap_err().to_string();
+    for words in
+        ["these are 8076432 states x wavelengths", "at most 8000000", "a larger spectrum.step_nm", "--set #1"]
+    {
+        assert!(refused.contains(words), "{refused}");
+    }
+    // Red's, green's, blue's and dark's gap and 96 more, at 1001 wavelengths: 100 100.
+    let text = large(96, true, 1);
+    assert_eq!(problems(&text, bare, &[&step(0.3125)]), []);
+    let [Problem::TooMany { what, count, .. }] = problems(&text, bare, &[&step(0.3)])[..] else { panic!() };
+    assert_eq!((what, count), ("film gaps x wavelengths", 100_100.0));
+}
+
+#[test]
+fn quantities_that_no_arithmetic_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file("large.csv", "380,1001,0\n780,1001,0\n");
+    file("opaque.csv", "380,1,1001\n780,1,1001\n");
+    file("none.csv", "380,0.0009,0\n780,0.0009,0\n");
+    file("bright.csv", "380,1\n780,1e31\n");
+    file("faint.csv", "380,1e-31\n780,1e-31\n");
+    file("elsewhere.csv", "380,1e-40\n720,1e-40\n780,1\n");
+    let refused = |from: &str, to: &str| problems(&changed(&[(from, to)]), folder.path(), &[]);
+    for material in ["\"large.csv\"", "\"opaque.csv\"", "\"none.csv\"", "{ n = 5e-4, k = 5e-4 }", "1e-4"] {
+        let found = refused("\"Cr:Johnson\"", material);
+        assert!(matches!(found[..], [Problem::NoFilm { .. }]), "{material}: {found:?}");
+    }
+    assert_eq!(refused("\"Cr:Johnson\"", "{ n = 1e-9, k = 1000 }"), []);
+    assert!(matches!(refused("\"Cr:Johnson\"", "1001")[..], [Problem::OutOfRange { .. }]));
+    for light in ["bright", "faint"] {
+        let found = refused("\"D65\"", &format!("\"{light}.csv\""));
+        assert!(matches!(found[..], [Problem::Data(_)]), "{light}: {found:?}");
+    }
+    assert!(matches!(refused("\"D65\"", "\"elsewhere.csv\"")[..], [Problem::NoLight { .. }]));
+    for (from, to) in [
+        ("illuminance_lx = 500", "illuminance_lx = 9e-7"),
+        ("haze = 0.78", "width = 9e-7"),
+        ("\"D65\"", "{ daylight_K = 3999 }"),
+        ("\"D65\"", "{ daylight_K = 25001 }"),
+    ] {
+        assert!(matches!(refused(from, to)[..], [Problem::OutOfRange { .. }]), "{to}");
+    }
+    assert!(matches!(refused("haze = 0.78", "haze = 1e-6")[..], [Problem::NoWidth { .. }]));
+    assert_eq!(refused("haze = 0.78", "width = 1e-6"), []);
+}
