@@ -9,7 +9,11 @@ use crate::source::{Origin, Sources};
 
 /// Everything that is wrong with a scenario; never empty.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ScenarioErrors(Vec<ScenarioError>);
+pub struct ScenarioErrors {
+    errors: Vec<ScenarioError>,
+    /// How many more there are.
+    more: usize,
+}
 
 /// One thing that is wrong. Prints as compilers do, with the line and a caret below it.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,15 +27,15 @@ pub struct ScenarioError {
 }
 
 impl ScenarioErrors {
-    /// The errors, in the order of the text.
+    /// The errors, in the order of the text; the first 50 that were found.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
-        self.0.iter()
+        self.errors.iter()
     }
 }
 
 impl From<ScenarioError> for ScenarioErrors {
     fn from(error: ScenarioError) -> Self {
-        Self(vec![error])
+        Self { errors: vec![error], more: 0 }
     }
 }
 
@@ -61,13 +65,16 @@ impl From<FormatError> for ScenarioError {
 
 impl fmt::Display for ScenarioErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, error) in self.0.iter().enumerate() {
+        for (i, error) in self.errors.iter().enumerate() {
             if i > 0 {
                 f.write_str("\n\n")?;
             }
             error.fmt(f)?;
         }
-        Ok(())
+        match self.more {
+            0 => Ok(()),
+            more => write!(f, "\n\nerror: there are {more} more errors, not shown"),
+        }
     }
 }
 
@@ -100,7 +107,10 @@ const MOST_ERRORS: usize = 50;
 
 /// Errors as they are found.
 #[derive(Debug, Default)]
-pub(crate) struct Errors(Vec<(Origin, Problem, Option<Place>)>);
+pub(crate) struct Errors {
+    found: Vec<(Origin, Problem, Option<Place>)>,
+    more: usize,
+}
 
 impl Errors {
     /// An error at a place of the scenario.
@@ -114,22 +124,24 @@ impl Errors {
     }
 
     fn add(&mut self, origin: Origin, problem: Problem, file: Option<Place>) {
-        if self.0.len() < MOST_ERRORS {
-            self.0.push((origin, problem, file));
+        if self.found.len() < MOST_ERRORS {
+            self.found.push((origin, problem, file));
+        } else {
+            self.more += 1;
         }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.found.is_empty()
     }
 
     /// `value`, or all errors in the order of the text.
     pub(crate) fn finish<T>(mut self, value: Option<T>, sources: &Sources) -> Result<T, ScenarioErrors> {
         match value {
-            Some(value) if self.0.is_empty() => return Ok(value),
+            Some(value) if self.found.is_empty() => return Ok(value),
             _ => {}
         }
-        self.0.sort_by_key(|(origin, ..)| *origin);
+        self.found.sort_by_key(|(origin, ..)| *origin);
         let error = |(origin, problem, file): (Origin, Problem, Option<Place>)| {
             let place = sources.place(origin);
             match file {
@@ -137,7 +149,7 @@ impl Errors {
                 None => ScenarioError { place, problem, asked_for_at: None },
             }
         };
-        Err(ScenarioErrors(self.0.into_iter().map(error).collect()))
+        Err(ScenarioErrors { errors: self.found.into_iter().map(error).collect(), more: self.more })
     }
 
     /// Fails with what has been found so far, if anything.

@@ -129,7 +129,8 @@ macro_rules! number {
                 };
                 let accepts: fn(f64) -> bool = $accepts;
                 if value.is_finite() && accepts(value) {
-                    return Some(Self(value));
+                    // Adding 0 makes -0 a 0: they are one view, and one scenario.
+                    return Some(Self(value + 0.0));
                 }
                 errors.push(node.origin, $crate::problem::Problem::OutOfRange { value, expected: $words });
                 None

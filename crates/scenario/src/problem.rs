@@ -13,6 +13,15 @@ pub enum Problem {
         /// The parser's words.
         message: String,
     },
+    /// A word or something else where a value should be.
+    #[error("this is not a value")]
+    NotAValue,
+    /// A number with its unit, or a percent sign.
+    #[error("this number has `{0}` behind it")]
+    NumberWithUnit(String),
+    /// A number with a decimal comma.
+    #[error("this number has a comma")]
+    DecimalComma,
     /// No line of it looks like TOML.
     #[error("this does not look like a scenario (TOML)")]
     NotAScenario,
@@ -95,9 +104,21 @@ pub enum Problem {
         /// The sub-pixel.
         sub_pixel: String,
     },
+    /// A gap beside the sub-pixels of a state, not under one.
+    #[error("`gap_nm` is given for a whole state")]
+    GapOfAState,
+    /// The pixel has no sub-pixels.
+    #[error("this pixel has no sub-pixels")]
+    NoSubPixels,
     /// The pixel has no states.
     #[error("this pixel has no states")]
-    NoStates,
+    NoStates {
+        /// How to give it one.
+        remedy: &'static str,
+    },
+    /// Control characters in a text that is shown.
+    #[error("this text has control characters")]
+    ControlCharacters,
     /// Of several keys exactly one must be there.
     #[error("{} of {keys} is given", if *.given == 0 { "none" } else { "more than one" })]
     ExactlyOne {
@@ -143,6 +164,12 @@ pub enum Problem {
         count: f64,
         /// How many there may be.
         limit: usize,
+    },
+    /// An item that its list has already.
+    #[error("{value} is in this list twice")]
+    Twice {
+        /// The item.
+        value: f64,
     },
     /// A list without items.
     #[error("this list is empty")]
@@ -287,6 +314,10 @@ impl Problem {
             Self::LightShares { .. } => "expected 1".to_owned(),
             Self::ExactlyOne { keys, .. } => format!("expected exactly one of {keys}"),
             Self::TooMany { limit, .. } => format!("expected at most {limit}"),
+            Self::NotAValue => "expected a number, true, false, or a string in double quotes".to_owned(),
+            Self::NumberWithUnit(_) | Self::DecimalComma => "expected a number alone".to_owned(),
+            Self::ControlCharacters => "expected one line of plain text".to_owned(),
+            Self::NoSubPixels => "expected a share for each, such as { red = 0.5, green = 0.5 }".to_owned(),
             Self::EmptyList => "expected at least one item".to_owned(),
             Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
             Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
@@ -320,9 +351,19 @@ impl Problem {
             {
                 "write numbers with digits on both sides of the point and no more: 0.50, 5.0".to_owned()
             }
-            Self::Syntax { message } if message.contains("boolean") || message.contains("quoted") => {
-                "a string stands in double quotes".to_owned()
+            Self::Syntax { message } if message.contains("basic string") => {
+                "a string ends with the double quote that it begins with".to_owned()
             }
+            Self::NotAValue => "a string stands in double quotes".to_owned(),
+            Self::NumberWithUnit(unit) if unit == "%" => "shares are of 1: write 78 % as 0.78".to_owned(),
+            Self::NumberWithUnit(_) => {
+                "numbers stand without a unit: the unit is in the key's name".to_owned()
+            }
+            Self::DecimalComma => "write decimals with a point: 0.5".to_owned(),
+            Self::GapOfAState => {
+                "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }".to_owned()
+            }
+            Self::Twice { .. } => "leave one of them out".to_owned(),
             Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
             Self::UnknownChoice { found, choices } => {
                 format!("did you mean `{}`?", nearest(found, choices.iter().map(String::as_str))?)
@@ -336,9 +377,7 @@ impl Problem {
             }
             Self::NotInThisVersion { .. } => "leave it out".to_owned(),
             Self::NoDarkGap { .. } => "add `dark = 20.0`, in nm, to `gap_nm`".to_owned(),
-            Self::NoStates => {
-                "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue".to_owned()
-            }
+            Self::NoStates { remedy } => (*remedy).to_owned(),
             Self::LightShares { remedy, value, .. } if (0.0..=1.0).contains(value) => {
                 format!("{remedy}={} would make it 1", tidy(*value))
             }
@@ -354,7 +393,9 @@ impl Problem {
             Self::NoWidth { limit, .. } if *limit <= 0.0 => {
                 "light that goes straight through is no haze".to_owned()
             }
-            Self::NoWidth { haze, limit, .. } if haze < limit => "so little haze is none".to_owned(),
+            Self::NoWidth { haze, limit, .. } if haze < limit => {
+                "so little haze is none: give more, or leave the diffuser out".to_owned()
+            }
             Self::NoWidth { limit, .. } => {
                 let limit = (limit * 1e4).floor() / 1e4;
                 format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
@@ -373,10 +414,11 @@ impl Problem {
                                  `papilio pixel FILE --angles glass`"
                 .to_owned(),
             Self::WrongType { found: "a string", expected } if expected.starts_with("a number") => {
-                "numbers stand without quotes and without a unit: the unit is in the key's name".to_owned()
+                "numbers stand without quotes, units and percent signs: the unit is in the key's name, and shares are of 1"
+                    .to_owned()
             }
-            Self::OutOfRange { expected, value } if expected.contains("0 to 1") && *value > 1.0 => {
-                "shares are of 1, not percent".to_owned()
+            Self::OutOfRange { expected, value } if *value > 1.0 && SHARES.contains(expected) => {
+                "this is a share of 1, not percent".to_owned()
             }
             Self::OutOfRange { expected, value } if expected.contains("coefficient k") && *value < 0.0 => {
                 "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data".to_owned()
@@ -386,6 +428,9 @@ impl Problem {
         })
     }
 }
+
+/// Ranges in words that end at 1.
+const SHARES: [&str; 3] = ["a number from 0 to 1", "a number between 0 and 1", "a number above 0, at most 1"];
 
 fn suggestion<'a>(wrong: &str, known: impl Iterator<Item = &'a str>, what: &str) -> String {
     let known: Vec<&str> = known.collect();
@@ -408,7 +453,7 @@ fn cover_hint(have: (f64, f64), needed: (f64, f64)) -> String {
 
 /// A sum of decimal fractions as a reader writes it: to a millionth.
 pub(crate) fn tidy(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
+    (value * 1e6).round() / 1e6 + 0.0
 }
 
 fn listed(words: &[String]) -> String {

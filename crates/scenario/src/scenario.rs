@@ -102,7 +102,14 @@ impl Scenario {
         }
         let canonical = sorted(canonical);
         let hash = resolve::hex(&Sha256::digest(canonical.to_string()));
-        Ok(Resolved { scene, title: self.file.title.value.clone(), warnings, notes, canonical, hash })
+        Ok(Resolved {
+            scene,
+            title: self.file.title.as_ref().map(|title| title.0.clone()),
+            warnings,
+            notes,
+            canonical,
+            hash,
+        })
     }
 }
 

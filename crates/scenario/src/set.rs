@@ -73,7 +73,7 @@ fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Ori
 const RIVALS: [[&str; 2]; 3] =
     [["relative_error", "paths"], ["haze", "width"], ["transmittance", "total_transmittance"]];
 
-/// Takes the rival of `key` out of a table, where the file (not another `--set`) gave it.
+/// Takes the rival of `key` out of a table, where its value is the file's and not that of another `--set`.
 fn drop_rival(table: &mut Node, key: &str) {
     let rival = RIVALS.iter().find_map(|[a, b]| match key {
         _ if key == *a => Some(*b),
@@ -81,7 +81,7 @@ fn drop_rival(table: &mut Node, key: &str) {
         _ => None,
     });
     if let (Value::Table(entries), Some(rival)) = (&mut table.value, rival) {
-        entries.retain(|entry| entry.key != rival || entry.key_origin.source != Origin::FILE.source);
+        entries.retain(|entry| entry.key != rival || entry.node.origin.source != Origin::FILE.source);
     }
 }
 

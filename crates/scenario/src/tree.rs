@@ -1,5 +1,7 @@
 //! A TOML document whose every key and value knows where it stands.
 
+use std::ops::Range;
+
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, de::DeString};
 
@@ -46,12 +48,15 @@ impl Node {
         for error in found.iter().take(if is_scenario { MOST_SYNTAX_ERRORS } else { 1 }) {
             let span = error.span().unwrap_or(0..text.len());
             let origin = Origin { source: 0, start: span.start, end: span.end.max(span.start + 1) };
-            let problem = if is_scenario {
-                Problem::Syntax { message: error.message().to_owned() }
-            } else {
-                Problem::NotAScenario
+            let (origin, problem) = match is_scenario {
+                true => syntax(text, origin, error.message()),
+                false => (origin, Problem::NotAScenario),
             };
+            let is_clear = !matches!(problem, Problem::Syntax { .. });
             errors.push(origin, problem);
+            if is_clear {
+                break;
+            }
         }
         let value = Value::from_table(table.get_ref(), 0, 0);
         Self { origin: Origin::FILE, value }
@@ -172,8 +177,50 @@ impl Entry {
     }
 }
 
-fn origin(span: std::ops::Range<usize>, source: usize, offset: usize) -> Origin {
+fn origin(span: Range<usize>, source: usize, offset: usize) -> Origin {
     Origin { source, start: span.start + offset, end: span.end + offset }
+}
+
+/// What a syntax error means and where it is, where the parser's words mislead.
+fn syntax(text: &str, origin: Origin, message: &str) -> (Origin, Problem) {
+    let start = text.get(..origin.start).and_then(|before| before.rfind('\n')).map_or(0, |i| i + 1);
+    let before = text.get(start..origin.start).unwrap_or_default();
+    let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
+    // The parser points at the unit alone, or at the number too.
+    let found = text.get(origin.start..origin.end).unwrap_or_default();
+    let begun = before.rsplit(['=', '[', '{', ',']).next().unwrap_or_default();
+    if let Some(unit) = unit_of(format!("{begun}{found}").trim()) {
+        return (origin, Problem::NumberWithUnit(unit.to_owned()));
+    }
+    if let Some(number) = decimal_comma(line) {
+        let number = Origin { start: start + number.start, end: start + number.end, ..origin };
+        return (number, Problem::DecimalComma);
+    }
+    if message.contains("boolean") || message.contains("quoted") {
+        return (origin, Problem::NotAValue);
+    }
+    (origin, Problem::Syntax { message: message.to_owned() })
+}
+
+/// The letters or percent sign behind a number, if there is nothing else.
+fn unit_of(text: &str) -> Option<&str> {
+    let number_ends = text.find(|c: char| !c.is_ascii_digit() && !"+-._".contains(c))?;
+    let (number, unit) = (&text[..number_ends], text[number_ends..].trim());
+    let is_unit =
+        unit.chars().count() <= 12 && unit.chars().all(|c| c.is_alphabetic() || "%°/²2".contains(c));
+    (number.parse::<f64>().is_ok() && is_unit).then_some(unit)
+}
+
+/// Where a value such as `0,493` stands in a line.
+fn decimal_comma(line: &str) -> Option<Range<usize>> {
+    let mut values = line.match_indices('=').filter_map(|(i, _)| line.get(i + 1..));
+    values.find_map(|rest| {
+        let value = rest.trim_start();
+        let (whole, behind) = value.split_once(',')?;
+        let digits = behind.len() - behind.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let start = line.len() - value.len();
+        (digits > 0 && whole.parse::<f64>().is_ok()).then_some(start..start + whole.len() + 1 + digits)
+    })
 }
 
 /// True if a line is a key with its value, or the head of a table.

@@ -10,15 +10,18 @@ pub(crate) mod pixel;
 pub(crate) mod solver;
 pub(crate) mod viewer;
 
+use crate::error::Errors;
 use crate::grammar::table;
-use crate::read::At;
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::tree::Node;
 use numbers::Wavelength;
 
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
     File later ["sweep", "optimize", "tolerance", "measure", "study"] {
         /// A title for tables and figures. Default: none.
-        title: Option<String>,
+        title: Option<Title>,
         /// The wavelengths of the computation.
         spectrum: Spectrum,
         /// The panel, from the front of screen to the pixel.
@@ -39,6 +42,37 @@ table! {
         range_nm: Vec<At<Wavelength>> = vec![At::at_large(Wavelength(380.0)), At::at_large(Wavelength(780.0))],
         /// Distance of neighbours, nm; a whole number of steps must fit. Default 5.
         step_nm: Wavelength = Wavelength(5.0),
+    }
+}
+
+/// A line of text.
+#[derive(Debug, Clone, serde::Serialize)]
+pub(crate) struct Title(pub(crate) String);
+
+impl Read for Title {
+    fn in_words() -> String {
+        "one line of text".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let text = String::read(node, errors)?;
+        if text.chars().any(char::is_control) {
+            errors.push(node.origin, Problem::ControlCharacters);
+            return None;
+        }
+        Some(Self(text))
+    }
+}
+
+impl schemars::JsonSchema for Title {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Title".into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "string" })
+    }
+    fn inline_schema() -> bool {
+        true
     }
 }
 

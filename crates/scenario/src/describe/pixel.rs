@@ -8,6 +8,7 @@ use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
+use crate::problem::Problem;
 use crate::read::{At, Named, Read};
 use crate::tree::{Node, Value};
 
@@ -90,7 +91,7 @@ table! {
         /// Reflectance of the inactive rest: 0 to 1, or a spectrum file. Default 0.
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
         /// Drive states of your own; one with the name of a default state replaces it.
-        states: Named<Named<DriveSpec>> = Named(Vec::new()),
+        states: Named<StateSpec> = Named(Vec::new()),
         /// White, black, red, green, blue, cyan, magenta and yellow, where those three sub-pixels exist. Default true.
         default_states: bool = true,
     }
@@ -145,6 +146,38 @@ impl JsonSchema for Gap {
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         schemars::json_schema!({ "const": "gap" })
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+}
+
+/// What each sub-pixel does in a state.
+#[derive(Debug, Clone, serde::Serialize)]
+#[serde(transparent)]
+pub(crate) struct StateSpec(pub(crate) Named<DriveSpec>);
+
+impl Read for StateSpec {
+    fn in_words() -> String {
+        Named::<DriveSpec>::in_words()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        // A sub-pixel may have this name; then it has a share, which is 1 at most.
+        if node.get("gap_nm").and_then(Node::number).is_some_and(|value| value > 1.0) {
+            errors.push(node.origin, Problem::GapOfAState);
+            return None;
+        }
+        Named::read(node, errors).map(Self)
+    }
+}
+
+impl JsonSchema for StateSpec {
+    fn schema_name() -> Cow<'static, str> {
+        Named::<DriveSpec>::schema_name()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Named::<DriveSpec>::json_schema(generator)
     }
     fn inline_schema() -> bool {
         true

@@ -72,17 +72,17 @@ impl Resolver<'_> {
         origin: Origin,
         on_grid: Result<T, SpectraError>,
     ) -> Option<T> {
+        let mut at = origin;
         let problem = match on_grid {
             Ok(values) => return Some(values),
-            Err(SpectraError::OutsideTable { first, last, .. }) => Problem::NotCovered {
-                what: name.to_owned(),
-                first,
-                last,
-                needed_nm: (self.grid.start_nm(), self.grid.stop_nm()),
-            },
+            Err(SpectraError::OutsideTable { first, last, .. }) => {
+                at = origin.or_set([self.range]);
+                let needed_nm = (self.grid.start_nm(), self.grid.stop_nm());
+                Problem::NotCovered { what: name.to_owned(), first, last, needed_nm }
+            }
             Err(error) => error.into(),
         };
-        self.errors.push(origin, problem);
+        self.errors.push(at, problem);
         None
     }
 

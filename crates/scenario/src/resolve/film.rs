@@ -6,9 +6,9 @@ use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, T
 
 use super::Resolver;
 use crate::describe::pixel as describe;
-use crate::describe::pixel::DriveSpec;
+use crate::describe::pixel::{DriveSpec, StateSpec};
 use crate::problem::{Problem, tidy};
-use crate::read::{Item, Named};
+use crate::read::Item;
 
 /// The default states: which of red, green and blue are at their colour.
 const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
@@ -67,7 +67,8 @@ impl Resolver<'_> {
             layers.push(self.material(&layer.material).map(|index| FilmLayer { index, thickness }));
         }
         if gaps != 1 {
-            self.err(&pixel.film, Problem::GapLayers { found: gaps });
+            let thicknesses = pixel.film.iter().map(|layer| layer.thickness_nm.origin);
+            self.errors.push(pixel.film.origin.or_set(thicknesses), Problem::GapLayers { found: gaps });
         }
         layers.into_iter().collect()
     }
@@ -78,27 +79,33 @@ impl Resolver<'_> {
         for gap in &gap_nm.0 {
             self.check_nm(&format!("gap_nm.{}", gap.name), gap.value.0);
         }
+        if area.0.is_empty() {
+            self.err(&pixel.area, Problem::NoSubPixels);
+            return None;
+        }
         let mut sub_pixels = Vec::with_capacity(area.0.len());
         for Item { name, name_origin, value } in &area.0 {
             match gap_nm.get(name) {
                 _ if name == DARK => self.errors.push(*name_origin, Problem::DarkIsNoSubPixel),
                 Some(gap) => sub_pixels.push(SubPixel { name: name.clone(), area: value.0, gap_nm: gap.0 }),
                 None => {
+                    let at = name_origin.or_set([pixel.gap_nm.origin]);
                     let known = gap_nm.names();
-                    self.errors
-                        .push(*name_origin, Problem::NoSubPixel { name: name.clone(), of: "gap_nm", known });
+                    self.errors.push(at, Problem::NoSubPixel { name: name.clone(), of: "gap_nm", known });
                 }
             }
         }
         for Item { name, name_origin, .. } in gap_nm.0.iter().filter(|item| item.name != DARK) {
             if area.get(name).is_none() {
+                let at = name_origin.or_set([pixel.area.origin]);
                 let known = area.names();
-                self.errors.push(*name_origin, Problem::NoSubPixel { name: name.clone(), of: "area", known });
+                self.errors.push(at, Problem::NoSubPixel { name: name.clone(), of: "area", known });
             }
         }
         let sum: f64 = area.0.iter().map(|item| item.value.0).sum();
         if (sum - 1.0).abs() > 1e-3 {
-            self.err(&pixel.area, Problem::Sum { what: "the areas", sum, expected: "1 within .001" });
+            let at = pixel.area.origin.or_set(area.0.iter().map(|item| item.value.origin));
+            self.errors.push(at, Problem::Sum { what: "the areas", sum, expected: "1 within .001" });
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
                 .push(format!("the areas of the sub-pixels sum to {}, and are taken as they are", tidy(sum)));
@@ -116,7 +123,9 @@ impl Resolver<'_> {
             }
         }
         if states.is_empty() {
-            self.err(&pixel.states, Problem::NoStates);
+            let at = pixel.states.origin.or_set([pixel.default_states.origin, pixel.area.origin]);
+            let remedy = "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue";
+            self.errors.push(at, Problem::NoStates { remedy });
         }
         if pixel.gap_nm.get(DARK).is_none() {
             self.check_no_dark(pixel, &states, sub_pixels);
@@ -125,9 +134,9 @@ impl Resolver<'_> {
     }
 
     /// What each sub-pixel does in a state of the user's; those not named are dark.
-    fn drives(&mut self, state: &Item<Named<DriveSpec>>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
+    fn drives(&mut self, state: &Item<StateSpec>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
         let mut drives = vec![Drive::Share(0.0); sub_pixels.len()];
-        for item in &state.value.0 {
+        for item in &state.value.0.0 {
             let drive = match &item.value.value {
                 DriveSpec::Share(share) => Drive::Share(share.0),
                 DriveSpec::Gap(gap) => {
@@ -168,7 +177,9 @@ impl Resolver<'_> {
                 state.drives.iter().position(|drive| matches!(drive, Drive::Share(share) if *share < 1.0));
             if let Some(i) = dark {
                 let (state, sub_pixel) = (state.name.clone(), sub_pixels[i].name.clone());
-                return self.err(&pixel.gap_nm, Problem::NoDarkGap { state, sub_pixel });
+                let drives = pixel.states.0.iter().flat_map(|state| &state.value.0.0);
+                let at = pixel.gap_nm.origin.or_set(drives.map(|drive| drive.value.origin));
+                return self.errors.push(at, Problem::NoDarkGap { state, sub_pixel });
             }
         }
     }

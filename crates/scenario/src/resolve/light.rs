@@ -7,8 +7,9 @@ use papilio_spectra::{
 
 use super::{Resolver, sampling};
 use crate::describe::lighting::{LightModel, LightSpectrum};
+use crate::describe::numbers::Wavelength;
 use crate::problem::Problem;
-use crate::read::At;
+use crate::read::{At, Read};
 use crate::source::Origin;
 
 /// Where daylight and black bodies have the value 1, nm.
@@ -71,7 +72,7 @@ impl Resolver<'_> {
         let spectrum = sum(&self.grid, sampled.into_iter().collect::<Option<Vec<_>>>()?);
         if spectrum.max() < DARKEST {
             let range_nm = (self.grid.start_nm(), self.grid.stop_nm());
-            self.err(light, Problem::NoLight { range_nm });
+            self.errors.push(light.origin.or_set([self.range]), Problem::NoLight { range_nm });
             return None;
         }
         let all_on = |grid: &Grid| {
@@ -108,13 +109,24 @@ impl Resolver<'_> {
                 }
                 (None, None, Some(cct), None) => ("daylight", Source::Daylight { cct_k: cct.0 }),
                 (None, None, None, Some(t)) => ("the black body", Source::BlackBody { temperature_k: t.0 }),
-                (led, _, daylight, planck) => {
-                    let given = [led.is_some(), daylight.is_some(), planck.is_some()];
+                (led, width, None, None) if led.is_some() != width.is_some() => {
+                    let key = if led.is_some() { "width_nm" } else { "led_nm" };
+                    let problem =
+                        Problem::MissingKey { key: key.to_owned(), expected: Wavelength::in_words() };
+                    self.errors.push(origin, problem);
+                    return None;
+                }
+                (led, width, daylight, planck) => {
+                    let given = [led.is_some() || width.is_some(), daylight.is_some(), planck.is_some()];
                     let given = given.into_iter().filter(|given| *given).count();
                     let keys = "`led_nm` with `width_nm`, `daylight_K` and `planck_K`";
-                    // An LED without its width, or a width alone, is none of them.
-                    let given = if given > 1 { given } else { 0 };
-                    self.errors.push(origin, Problem::ExactlyOne { keys, given });
+                    let keys_at = [
+                        model.led_nm.origin,
+                        model.width_nm.origin,
+                        model.daylight_K.origin,
+                        model.planck_K.origin,
+                    ];
+                    self.errors.push(origin.or_set(keys_at), Problem::ExactlyOne { keys, given });
                     return None;
                 }
             };

@@ -34,7 +34,8 @@ impl Resolver<'_> {
         let radius_deg = source.radius_deg.map(|radius| radius.0);
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
         if radius_deg.is_some() && reach >= 90.0 {
-            self.err(&source.radius_deg, Problem::BelowHorizon { theta_deg: reach });
+            let at = source.radius_deg.origin.or_set([source.theta_deg.origin]);
+            self.errors.push(at, Problem::BelowHorizon { theta_deg: reach });
         }
         let spectrum = match &source.spectrum.value {
             Some(own) => {

@@ -22,7 +22,7 @@ use crate::describe::solver::{self, Solver};
 use crate::error::{Errors, ScenarioErrors};
 use crate::problem::Problem;
 use crate::read::At;
-use crate::source::Sources;
+use crate::source::{Origin, Sources};
 
 /// Wavelengths that the standard observer sees, nm.
 const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
@@ -38,6 +38,9 @@ const MOST_WORK: usize = 8_000_000;
 /// Distinct film gaps x wavelengths: the films are tabulated at up to 1025 angles each.
 const MOST_FILMS: usize = 100_000;
 
+/// A view has 32 replicates of at least one path each.
+const FEWEST_PATHS: u64 = 32;
+
 /// A scene and what was found on the way to it.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
@@ -50,6 +53,8 @@ pub(crate) struct Found {
 /// The state of the work: the grid, and what has been found so far.
 struct Resolver<'a> {
     grid: Grid,
+    /// Where the first and last wavelength stand.
+    range: Origin,
     folder: &'a Path,
     errors: Errors,
     warnings: Vec<String>,
@@ -64,6 +69,7 @@ pub(crate) fn resolve(file: &File, folder: &Path, sources: &Sources) -> Result<F
     let grid = errors.finish(grid, sources)?;
     let mut resolver = Resolver {
         grid,
+        range: file.spectrum.range_nm.origin.or_set(file.spectrum.range_nm.iter().map(|end| end.origin)),
         folder,
         errors: Errors::default(),
         warnings: Vec::new(),
@@ -89,7 +95,8 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
             None
         }
         Err(error) => {
-            let at = if first.0 < last.0 { file.spectrum.step_nm.origin } else { range.origin };
+            let step = file.spectrum.step_nm.origin;
+            let at = if first.0 < last.0 { step.or_set([range.origin]) } else { range.origin };
             errors.push(at, error.into());
             None
         }
@@ -104,7 +111,7 @@ impl Resolver<'_> {
                 .push(format!("colours are taken over {start} to {stop} nm only, not the visible range"));
         }
         // Each part reports its own errors; all are looked at before giving up.
-        let solver = solver(&file.solver, &mut self.errors);
+        let solver = self.solver(&file.solver);
         let display = self.display(file);
         let lighting = self.lighting(&file.lighting);
         let viewer = self.viewer(&file.viewer);
@@ -125,63 +132,87 @@ impl Resolver<'_> {
         None
     }
 
-    /// The whole result must be of a size that can be held and opened.
+    /// Neither the work nor the result may be of a size that cannot be held.
     fn check_size(&mut self, file: &File, scene: &Scene) {
         let states = match &scene.display.pixel {
             scene::Pixel::Film(film) => film.states.len(),
             scene::Pixel::Table(table) => table.states.len(),
             scene::Pixel::Uniform(uniform) => uniform.states.len(),
         };
-        let sources = scene.lighting.directed.len();
         let bins = scene.grid.len();
-        let work = states.saturating_mul(bins).saturating_mul(sources + 8);
-        let what = "states x wavelengths x (directed sources + 8)";
-        self.limit(&file.spectrum.step_nm, what, work, MOST_WORK);
+        let (step, views_at) = (file.spectrum.step_nm.origin, file.viewer.theta_deg.origin);
+        let (step, views_at) = (step.or_set([self.range]), views_at.or_set([file.viewer.phi_deg.origin]));
+        let mut limit = |at, what, factors: &[usize], limit| {
+            let count = factors.iter().fold(1, |product: usize, factor| product.saturating_mul(*factor));
+            if count > limit {
+                self.errors.push(at, Problem::TooMany { what, count: count as f64, limit });
+            }
+        };
+        let sources = scene.lighting.directed.len() + 8;
+        limit(step, "states x wavelengths x (directed sources + 8)", &[states, bins, sources], MOST_WORK);
         if let scene::Pixel::Film(film) = &scene.display.pixel {
-            let gaps = film::distinct_gaps(film).saturating_mul(bins);
-            self.limit(&file.spectrum.step_nm, "film gaps x wavelengths", gaps, MOST_FILMS);
+            limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film), bins], MOST_FILMS);
         }
         let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
-        let count = views.saturating_mul(states).saturating_mul(bins);
-        self.limit(&file.viewer.theta_deg, "numbers (views x states x wavelengths)", count, MOST_NUMBERS);
+        let what = "numbers (views x states x wavelengths)";
+        limit(views_at.or_set([step]), what, &[views, states, bins], MOST_NUMBERS);
     }
 
     fn err<T>(&mut self, at: &At<T>, problem: Problem) {
         self.errors.push(at.origin, problem);
     }
-}
 
-fn solver(solver: &Solver, errors: &mut Errors) -> Option<scene::Solver> {
-    let stop = match (solver.relative_error.value, solver.paths.value) {
-        (Some(_), Some(_)) => {
-            let problem = Problem::ExactlyOne { keys: "`relative_error` and `paths`", given: 2 };
-            errors.push(solver.paths.origin, problem);
-            return None;
+    fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
+        let stop = self.stop(solver)?;
+        let solver::Method::Walk = solver.method.value;
+        let solver::Scattering::Kernel = solver.scattering.value;
+        Some(scene::Solver {
+            method: scene::Method::Walk,
+            stop,
+            sampler: match solver.sampler.value {
+                solver::Sampler::Sobol => scene::Sampler::Sobol,
+                solver::Sampler::Random => scene::Sampler::Random,
+            },
+            approximation: match solver.approximation.value {
+                solver::Approximation::None => scene::Approximation::None,
+                solver::Approximation::SinglePass => scene::Approximation::SinglePass,
+            },
+            angle_medium: match solver.angle_medium.value {
+                solver::AngleMedium::Air => scene::AngleMedium::Air,
+                solver::AngleMedium::Glass => scene::AngleMedium::Glass,
+                solver::AngleMedium::Unrefracted => scene::AngleMedium::Unrefracted,
+            },
+            seed: solver.seed.0,
+        })
+    }
+
+    fn stop(&mut self, solver: &Solver) -> Option<scene::Stop> {
+        match (solver.relative_error.value, solver.paths.value) {
+            (Some(_), Some(_)) => {
+                let at = solver.paths.origin.or_set([solver.relative_error.origin]);
+                let problem = Problem::ExactlyOne { keys: "`relative_error` and `paths`", given: 2 };
+                self.errors.push(at, problem);
+                None
+            }
+            (None, Some(paths)) => {
+                if solver.every_bin.value {
+                    self.warnings.push(
+                        "solver.every_bin says how far relative_error reaches; beside solver.paths it does nothing"
+                            .to_owned(),
+                    );
+                }
+                if paths.0 < FEWEST_PATHS {
+                    self.notes.push(format!(
+                        "solver.paths is {}, and is taken as {FEWEST_PATHS}: standard errors need as many",
+                        paths.0
+                    ));
+                }
+                Some(scene::Stop::Paths(paths.0))
+            }
+            (target, None) => Some(scene::Stop::RelativeError {
+                target: target.map_or(0.001, |target| target.0),
+                every_bin: solver.every_bin.value,
+            }),
         }
-        (None, Some(paths)) => scene::Stop::Paths(paths.0),
-        (target, None) => scene::Stop::RelativeError {
-            target: target.map_or(0.001, |target| target.0),
-            every_bin: solver.every_bin.value,
-        },
-    };
-    let solver::Method::Walk = solver.method.value;
-    let solver::Scattering::Kernel = solver.scattering.value;
-    Some(scene::Solver {
-        method: scene::Method::Walk,
-        stop,
-        sampler: match solver.sampler.value {
-            solver::Sampler::Sobol => scene::Sampler::Sobol,
-            solver::Sampler::Random => scene::Sampler::Random,
-        },
-        approximation: match solver.approximation.value {
-            solver::Approximation::None => scene::Approximation::None,
-            solver::Approximation::SinglePass => scene::Approximation::SinglePass,
-        },
-        angle_medium: match solver.angle_medium.value {
-            solver::AngleMedium::Air => scene::AngleMedium::Air,
-            solver::AngleMedium::Glass => scene::AngleMedium::Glass,
-            solver::AngleMedium::Unrefracted => scene::AngleMedium::Unrefracted,
-        },
-        seed: solver.seed.0,
-    })
+    }
 }

@@ -37,7 +37,8 @@ impl Resolver<'_> {
         // A tolerance for sums such as .7 + .3 of decimal files.
         if sum > 1.0 + 1e-12 {
             let what = "reflectance and absorptance";
-            self.err(component, Problem::Sum { what, sum, expected: "at most 1" });
+            let at = component.origin.or_set([component.reflectance.origin, component.absorptance.origin]);
+            self.errors.push(at, Problem::Sum { what, sum, expected: "at most 1" });
             return None;
         }
         Some(FrontComponent { reflectance, absorptance })
@@ -65,6 +66,7 @@ impl Resolver<'_> {
             } else {
                 ("width", diffuser.width.origin)
             };
+            let at = at.or_set([diffuser.model.origin]);
             self.errors.push(at, Problem::NotWith { key, beside: "model = \"lambertian\"" });
             return None;
         }
@@ -72,7 +74,8 @@ impl Resolver<'_> {
             (Some(haze), None) => self.lobe_from_haze(haze.0, diffuser),
             (None, Some(width)) => Some(Lobe::KCorrelation { width: width.0 }),
             _ => {
-                self.err(&diffuser.width, Problem::ExactlyOne { keys: "`haze` and `width`", given });
+                let at = diffuser.width.origin.or_set([diffuser.haze.origin, diffuser.model.origin]);
+                self.errors.push(at, Problem::ExactlyOne { keys: "`haze` and `width`", given });
                 None
             }
         }
@@ -83,7 +86,8 @@ impl Resolver<'_> {
         let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
         let Some(width) = width else {
             let limit = largest_haze(straight_through);
-            self.err(&diffuser.haze, Problem::NoWidth { haze, straight_through, limit });
+            let at = diffuser.haze.origin.or_set([diffuser.straight_through.origin]);
+            self.errors.push(at, Problem::NoWidth { haze, straight_through, limit });
             return None;
         };
         if haze > HAZE_SCOPE {
@@ -112,14 +116,20 @@ impl Resolver<'_> {
             (whole_given, _) => {
                 let given = if whole_given.is_some() { 2 } else { 0 };
                 let keys = "`transmittance` and `total_transmittance`";
-                self.err(whole, Problem::ExactlyOne { keys, given });
+                self.errors.push(whole.origin.or_set([total.origin]), Problem::ExactlyOne { keys, given });
                 return None;
             }
         };
         let transmittance = self.share(&spec)?.map(|t| t / share);
         let lobe = transmittance.max();
         if lobe > 1.0 + 1e-12 {
-            self.err(&spec, Problem::LobeAboveOne { lobe, limit: share });
+            let causes = [
+                diffuser.width.origin,
+                diffuser.haze.origin,
+                diffuser.straight_through.origin,
+                diffuser.model.origin,
+            ];
+            self.errors.push(spec.origin.or_set(causes), Problem::LobeAboveOne { lobe, limit: share });
             return None;
         }
         Some(transmittance.map(|t| t.min(1.0)))
@@ -128,7 +138,8 @@ impl Resolver<'_> {
     fn glass(&mut self, display: &describe::Display) -> Option<Glass> {
         let glass = &display.glass;
         if display.diffuser.is_some() && glass.surface.value == Some(describe::Surface::Fresnel) {
-            self.err(&glass.surface, Problem::SurfaceUnderDiffuser);
+            let at = glass.surface.origin.or_set([display.diffuser.origin]);
+            self.errors.push(at, Problem::SurfaceUnderDiffuser);
         }
         let index = self.material(&glass.index)?;
         let lossless = |n: f64, k: f64| (1.0..=10.0).contains(&n) && k <= 1e-6;
@@ -160,22 +171,28 @@ impl Resolver<'_> {
         } else {
             return self.check_trapped(file, scene);
         };
-        self.err(&file.solver.angle_medium, Problem::AnglesInGlass(needs));
+        let display = &file.display;
+        let causes = [display.diffuser.origin, display.glass.index.origin, display.glass.surface.origin];
+        let at = file.solver.angle_medium.origin.or_set(causes);
+        self.errors.push(at, Problem::AnglesInGlass(needs));
     }
 
     /// What is seen or shines at |beta| >= 1 is light that the glass holds.
     fn check_trapped(&mut self, file: &File, scene: &Scene) {
         let limit_deg = (1.0 / scene.display.glass.index[0]).asin().to_degrees();
+        let causes = [file.solver.angle_medium.origin, file.display.glass.index.origin];
         let half_field = 0.5 * scene.viewer.field_deg;
         let edges = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + half_field);
         let edge = edges.fold(0.0, f64::max);
         if edge >= limit_deg {
-            self.err(&file.viewer.theta_deg, Problem::Trapped { theta_deg: edge, limit_deg });
+            let at = file.viewer.theta_deg.origin.or_set(causes).or_set([file.viewer.field_deg.origin]);
+            self.errors.push(at, Problem::Trapped { theta_deg: edge, limit_deg });
         }
         for source in file.lighting.directed.iter() {
             let theta_deg = source.theta_deg.0.abs() + source.radius_deg.map_or(0.0, |radius| radius.0);
             if theta_deg >= limit_deg {
-                self.err(&source.theta_deg, Problem::Trapped { theta_deg, limit_deg });
+                let at = source.theta_deg.origin.or_set(causes).or_set([source.radius_deg.origin]);
+                self.errors.push(at, Problem::Trapped { theta_deg, limit_deg });
             }
         }
     }

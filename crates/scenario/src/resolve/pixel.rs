@@ -23,7 +23,8 @@ impl Resolver<'_> {
     fn uniform(&mut self, pixel: &describe::UniformPixel) -> Option<UniformPixel> {
         self.limit(&pixel.reflectance, "states", pixel.reflectance.0.len(), 256)?;
         if pixel.reflectance.0.is_empty() {
-            self.err(&pixel.reflectance, Problem::NoStates);
+            let remedy = "name a state with its reflectance: reflectance = { white = 0.45 }";
+            self.err(&pixel.reflectance, Problem::NoStates { remedy });
         }
         let states = pixel.reflectance.0.iter();
         let states: Vec<_> = states.map(|item| Some((item.name.clone(), self.share(&item.value)?))).collect();
@@ -65,12 +66,19 @@ impl Resolver<'_> {
         else {
             return;
         };
+        let diffuser = &file.display.diffuser;
+        let causes = [
+            diffuser.origin,
+            diffuser.as_ref().map_or(diffuser.origin, |diffuser| diffuser.model.origin),
+            file.display.glass.index.origin,
+            file.solver.angle_medium.origin,
+        ];
         let lobe = scene.display.diffuser.as_ref().map(|diffuser| diffuser.lobe);
         let fills_glass = matches!(lobe, Some(Lobe::KCorrelation { .. }))
             || scene.solver.angle_medium == AngleMedium::Unrefracted;
         let (medium, needed_deg) = match table.angles {
             TableAngles::Air if fills_glass => {
-                return self.err(&described.angles, Problem::TableInAir);
+                return self.errors.push(described.angles.origin.or_set(causes), Problem::TableInAir);
             }
             TableAngles::Air => ("air", 90.0),
             TableAngles::Glass if fills_glass => ("glass", 90.0),
@@ -78,7 +86,8 @@ impl Resolver<'_> {
         };
         let last_deg = table.theta_deg.last().copied().unwrap_or_default();
         if last_deg < needed_deg {
-            self.err(&described.file, Problem::TableTooShort { last_deg, medium, needed_deg });
+            let at = described.file.origin.or_set(causes).or_set([described.angles.origin]);
+            self.errors.push(at, Problem::TableTooShort { last_deg, medium, needed_deg });
         }
     }
 }

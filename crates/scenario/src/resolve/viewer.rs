@@ -1,10 +1,13 @@
 //! Where the reader looks from.
 
+use std::collections::HashSet;
+
 use papilio_display::scene::Viewer;
 
 use super::Resolver;
 use crate::describe::viewer::{self as describe, AngleRange, Azimuths, Inclinations};
-use crate::problem::Problem;
+use crate::problem::{Problem, tidy};
+use crate::read::At;
 use crate::source::Origin;
 
 /// More views than this make a result that nobody can open.
@@ -12,37 +15,42 @@ const MOST_VIEWS: usize = 5000;
 
 impl Resolver<'_> {
     pub(super) fn viewer(&mut self, viewer: &describe::Viewer) -> Option<Viewer> {
-        let origin = viewer.theta_deg.origin;
         let theta_deg = match &viewer.theta_deg.value {
             Inclinations::One(theta) => Some(vec![theta.0]),
-            Inclinations::List(list) => self.listed(list.iter().map(|theta| theta.0).collect(), origin),
-            Inclinations::Range(range) => self.inclinations(range, origin),
+            Inclinations::List(list) => self.listed(list, |theta| theta.0, viewer.theta_deg.origin),
+            Inclinations::Range(range) => self.inclinations(range, viewer.theta_deg.origin),
         };
-        let origin = viewer.phi_deg.origin;
         let phi_deg = match &viewer.phi_deg.value {
             Azimuths::One(phi) => Some(vec![phi.0]),
-            Azimuths::List(list) => self.listed(list.iter().map(|phi| phi.0).collect(), origin),
-            Azimuths::Range(range) => self.spaced(range, origin),
+            Azimuths::List(list) => self.listed(list, |phi| phi.0, viewer.phi_deg.origin),
+            Azimuths::Range(range) => self.spaced("phi_deg", range, viewer.phi_deg.origin),
         };
         let (theta_deg, phi_deg) = (theta_deg?, phi_deg?);
         let count = theta_deg.len() * phi_deg.len();
         if count > MOST_VIEWS {
-            self.err(&viewer.theta_deg, too_many(count as f64));
+            let at = viewer.theta_deg.origin.or_set([viewer.phi_deg.origin]);
+            self.errors.push(at, too_many(count as f64));
         }
         let field_deg = viewer.field_deg.0;
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
         if reach >= 90.0 {
-            self.err(&viewer.field_deg, Problem::BelowHorizon { theta_deg: reach });
+            let at = viewer.field_deg.origin.or_set([viewer.theta_deg.origin]);
+            self.errors.push(at, Problem::BelowHorizon { theta_deg: reach });
         }
         Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })
     }
 
-    fn listed(&mut self, angles: Vec<f64>, origin: Origin) -> Option<Vec<f64>> {
-        if angles.is_empty() {
+    /// The angles of a list, each there once.
+    fn listed<T>(&mut self, list: &[At<T>], angle: fn(&T) -> f64, origin: Origin) -> Option<Vec<f64>> {
+        if list.is_empty() {
             self.errors.push(origin, Problem::EmptyList);
             return None;
         }
-        Some(angles)
+        let mut seen = HashSet::new();
+        for item in list.iter().filter(|item| !seen.insert(angle(item).to_bits())) {
+            self.err(item, Problem::Twice { value: angle(item) });
+        }
+        Some(list.iter().map(|item| angle(item)).collect())
     }
 
     fn inclinations(&mut self, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
@@ -53,12 +61,13 @@ impl Resolver<'_> {
                 return None;
             }
         }
-        self.spaced(range, origin)
+        self.spaced("theta_deg", range, origin)
     }
 
     /// `from`, `from + step`, ... up to `to`, with a millionth of a step to spare.
-    fn spaced(&mut self, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
+    fn spaced(&mut self, key: &str, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
         let (from, to, step) = (range.from.0, range.to.0, range.step.0);
+        let origin = origin.or_set([range.from.origin, range.to.origin, range.step.origin]);
         if from > to {
             self.errors.push(origin, Problem::Range { from, to, step });
             return None;
@@ -67,6 +76,13 @@ impl Resolver<'_> {
         if steps + 1.0 > MOST_VIEWS as f64 {
             self.errors.push(origin, too_many(steps + 1.0));
             return None;
+        }
+        let last = (from + step * steps).min(to);
+        if to - last > 1e-6 * step {
+            self.notes.push(format!(
+                "viewer.{key}: steps of {step} deg from {from} deg end at {} deg, before {to} deg",
+                tidy(last)
+            ));
         }
         Some((0..=steps as usize).map(|i| (from + step * i as f64).min(to)).collect())
     }

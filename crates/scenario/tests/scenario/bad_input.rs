@@ -101,7 +101,7 @@ const NAMES_AND_CHOICES: &[Case] = &[
     ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["contains its faces"]),
     ("[viewer]", "[solver]\nangle_medium = \"glass\"\n[viewer]", (38, 16), &["a panel without diffuser"]),
     ("[viewer]", "[solver]\npaths = 10\nrelative_error = 0.1\n[viewer]", (38, 9), &["more than one of"]),
-    ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["none of `led_nm` with `width_nm`"]),
+    ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["`width_nm` is missing"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["dark between 400 and 700 nm"]),
 ];
 
@@ -114,6 +114,39 @@ const ADVICE: &[Case] = &[
     ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
     ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make it 1"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["set spectrum.step_nm = 1"]),
+];
+
+const WRITTEN_OTHERWISE: &[Case] = &[
+    ("theta_deg = 8", "theta_deg = 8 deg", (38, 13), &["`deg` behind it", "the unit is in the key's name"]),
+    ("thickness_nm = 12 ", "thickness_nm = 12 nm ", (25, 45), &["`nm` behind it"]),
+    ("illuminance_lx = 500", "illuminance_lx = 500lx", (30, 18), &["`lx` behind it"]),
+    ("haze = 0.78", "haze = 78 %", (13, 8), &["`%` behind it", "write 78 % as 0.78"]),
+    ("haze = 0.78", "haze = 78%", (13, 8), &["`%` behind it", "write 78 % as 0.78"]),
+    ("haze = 0.78", "haze = 78", (13, 8), &["share of 1, not percent"]),
+    ("haze = 0.78", "haze = 0,78", (13, 8), &["has a comma", "with a point"]),
+    ("red = 0.5", "red = 0,5", (22, 16), &["has a comma", "with a point"]),
+    (
+        "title = \"Test\"",
+        "title = Test",
+        (1, 9),
+        &["this is not a value", "a string stands in double quotes"],
+    ),
+    ("title = \"Test\"", "title = \"Test", (1, 14), &["a string ends with the double quote"]),
+    ("title = \"Test\"", "title = \"Te\\u001bst\"", (1, 9), &["control characters", "one line"]),
+    ("red = 0.5", "\"r\\u0007\" = 0.5", (22, 10), &["not a name", "no control characters"]),
+    ("red = 0.5", "\"red \" = 0.5", (22, 10), &["not a name", "no blanks at the ends"]),
+    ("haze = 0.78", "haze = 1e-9", (13, 8), &["so little haze is none: give more"]),
+    ("red = 0.5, green = 0.3, blue = 0.2", "", (22, 8), &["has no sub-pixels", "a share for each"]),
+    ("\"D65\"", "\"\"", (31, 12), &["no light named ``", "the names are"]),
+    (
+        "[lighting]",
+        "[display.pixel.states]\nx = { gap_nm = 100 }\n[lighting]",
+        (30, 5),
+        &["under a sub-pixel"],
+    ),
+    ("theta_deg = 8", "theta_deg = [8, 20, 8.0]", (38, 21), &["8 is in this list twice"]),
+    ("theta_deg = 8", "phi_deg = [0, -0.0]", (38, 15), &["0 is in this list twice"]),
+    ("[viewer]", "[solver]\npaths = 1099511627777\n[viewer]", (38, 9), &["from 1 to 1099511627776"]),
 ];
 
 const NOT_IN_THIS_VERSION: &[Case] = &[
@@ -145,7 +178,7 @@ const NOT_IN_THIS_VERSION: &[Case] = &[
 fn every_mistake_is_shown_where_it_is() {
     let mut wrong = Vec::new();
     for (from, to, place, says) in
-        [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, ADVICE, NOT_IN_THIS_VERSION].concat()
+        [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, ADVICE, WRITTEN_OTHERWISE, NOT_IN_THIS_VERSION].concat()
     {
         let errors = errors(&changed(&[(from, to)]), &[]);
         let (at, shown) = (errors[0].place.line_column(), errors[0].to_string());
@@ -215,6 +248,51 @@ fn mistakes_in_set_name_it_and_its_position() {
     assert_eq!(errors(GOOD, &[&long]).len(), 1);
 }
 
+/// The file was right before the `--set`: that is where the error is, whichever value it is about.
+#[test]
+fn what_a_set_spoils_is_shown_at_the_set() {
+    let bare = {
+        let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
+        format!("{}{}", &GOOD[..start], &GOOD[end..])
+    };
+    let coated = bare.replace("index = 1.5", "index = 1.5\nsurface = \"fresnel\"");
+    let in_glass = format!("{bare}[solver]\nangle_medium = \"glass\"\n");
+    let with_range = changed(&[("theta_deg = 8", "theta_deg = { from = 0, to = 9, step = 1 }")]);
+    let diffuser = "display.diffuser={ model = \"lambertian\", transmittance = 1 }";
+    let cases: [(&str, &str, &str); 16] = [
+        (GOOD, "display.pixel.area.red=0.9", "the areas sum to 1.4"),
+        (GOOD, "display.pixel.film.0.thickness_nm=gap", "2 layers of this film"),
+        (GOOD, "display.pixel.gap_nm={ red = 200 }", "in `gap_nm`"),
+        (GOOD, "display.pixel.area={ red = 1 }", "in `area`"),
+        (GOOD, "display.diffuser.width=2", "transmittance of the whole lobe"),
+        (GOOD, "display.diffuser.straight_through=0.9", "no lobe has a haze"),
+        (GOOD, "display.diffuser.model=lambertian", "`haze` means nothing"),
+        (GOOD, "display.front.0.reflectance=0.999", "reflectance and absorptance sum"),
+        (GOOD, "spectrum.range_nm=[340, 700]", "`Cr:Johnson` reaches from"),
+        (GOOD, "spectrum.step_nm=7", "not a grid"),
+        (GOOD, "viewer.theta_deg=89.99", "this cone reaches"),
+        (&coated, diffuser, "contains its faces"),
+        (&in_glass, diffuser, "a panel without diffuser"),
+        (&in_glass, "display.glass.index=9", "never leaves it"),
+        (&with_range, "viewer.theta_deg.to=-1", "has no end"),
+        (GOOD, "display.pixel.default_states=false", "no states"),
+    ];
+    for (text, set, says) in cases {
+        let errors = errors(text, &[set]);
+        assert!(errors.iter().any(|error| error.to_string().contains(says)), "{set}: {errors:#?}");
+        let elsewhere = errors.iter().find(|error| error.place.name != "--set #1");
+        assert!(elsewhere.is_none(), "{set}: {elsewhere:#?}");
+    }
+}
+
+#[test]
+fn what_is_cut_is_counted() {
+    let keys: String = (0..73).map(|i| format!("k{i} = 1\n")).collect();
+    let errors = resolve(&format!("{keys}{GOOD}"), Path::new(""), &[]).unwrap_err();
+    assert_eq!(errors.iter().count(), 50);
+    assert!(errors.to_string().ends_with("error: there are 23 more errors, not shown"));
+}
+
 #[test]
 fn shares_that_do_not_fit_a_preset() {
     let text = GOOD.replace(&GOOD[GOOD.find("illuminance_lx").unwrap()..], "preset = \"indoor\"\n");
@@ -239,6 +317,11 @@ fn what_is_no_scenario_is_told_so_once() {
         let (_, shown) = only(errors(text, &[]));
         assert!(shown.contains("does not look like a scenario (TOML)"), "{shown}");
     }
+    let (_, shown) = only(errors("title = 0,5\n", &[]));
+    assert!(shown.contains("has a comma"), "{shown}");
+    let empty = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = {}\n";
+    let (_, shown) = only(errors(empty, &[]));
+    assert!(shown.contains("reflectance = { white = 0.45 }"), "{shown}");
     let (_, shown) = only(errors("", &[]));
     assert!(shown.contains("= expected a table") && !shown.contains("expected: expected"), "{shown}");
     let wrong = papilio_scenario::Scenario::load(Path::new("none.toml"), &[]).unwrap_err().to_string();

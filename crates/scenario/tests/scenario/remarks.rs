@@ -81,6 +81,23 @@ fn named_lights_pass() {
 }
 
 #[test]
+fn what_is_taken_otherwise_than_it_was_given() {
+    let resolved = |sets: &[&str]| resolve(GOOD, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"));
+    let says = |notes: &[String], words: &str| notes.iter().any(|note| note.contains(words));
+    let uneven = resolved(&["viewer.theta_deg={ from = 0, to = 60, step = 7 }"]);
+    assert!(says(&uneven.notes, "viewer.theta_deg: steps of 7 deg from 0 deg end at 56 deg, before 60 deg"));
+    let even = resolved(&["viewer.phi_deg={ from = 0, to = 0.3, step = 0.1 }"]);
+    assert!(!says(&even.notes, "steps"), "{:?}", even.notes);
+    assert!(says(&resolved(&["solver.paths=31"]).notes, "solver.paths is 31, and is taken as 32"));
+    assert!(!says(&resolved(&["solver.paths=32"]).notes, "solver.paths"));
+    let ignored = resolved(&["solver.paths=64", "solver.every_bin=true"]);
+    assert!(says(&ignored.warnings, "beside solver.paths it does nothing"));
+    // -0 is 0, in the result and in the hash.
+    let [minus, plus] = ["viewer.theta_deg=-0.0", "viewer.theta_deg=0"].map(|set| resolved(&[set]));
+    assert!(minus.scene.viewer.theta_deg[0].is_sign_positive() && minus.hash == plus.hash);
+}
+
+#[test]
 fn lengths_that_look_like_micrometres_are_told() {
     let text = changed(&[
         ("thickness_nm = 12", "thickness_nm = 0.012"),

@@ -58,6 +58,24 @@ fn set_takes_numbers_as_shells_write_them() {
     assert_eq!(set(&["title=infinity"]).title.as_deref(), Some("infinity"));
 }
 
+/// A set key replaces the file's rival of it, and not that of another `--set`.
+#[test]
+fn rivals_of_two_sets_are_an_error_in_both_orders() {
+    let sets = ["solver.relative_error=0.1", "solver.paths=100"];
+    let rivals = [["display.diffuser.haze=0.5", "display.diffuser.width=0.1"], sets];
+    for text in [GOOD.to_owned(), format!("{GOOD}[solver]\npaths = 64\n")] {
+        for [a, b] in rivals {
+            assert!(
+                resolve(&text, Path::new(""), &[a]).is_ok() && resolve(&text, Path::new(""), &[b]).is_ok()
+            );
+            for both in [[a, b], [b, a]] {
+                let wrong = resolve(&text, Path::new(""), &both).unwrap_err().to_string();
+                assert!(wrong.contains("more than one of") && wrong.contains("--> --set"), "{wrong}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_last_set_wins() {
     assert_eq!(set(&["viewer.theta_deg=1", "viewer.theta_deg=2"]).scene.viewer.theta_deg, [2.0]);
