@@ -183,7 +183,7 @@ impl Problem {
                 "separate the columns with commas, semicolons, tabs or blanks"
             }
             Self::Columns { .. } => {
-                "leave out what is too much; a name or number holds no separators outside quotes"
+                "leave out what is too much; write decimals with a point, and names that hold separators in double quotes"
             }
             Self::Quotes => "a quoted cell begins and ends with a double quote; a quote inside it is doubled",
             Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {

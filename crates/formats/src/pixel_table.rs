@@ -45,7 +45,7 @@ impl PixelTable {
     pub fn write(&self, out: impl Write) -> io::Result<()> {
         // Unquoted, blanks around a name would be lost, and semicolons would part columns.
         let needs_quotes = self.states.iter().any(|(name, _)| name.trim() != name || name.contains(';'));
-        let style = if needs_quotes { QuoteStyle::Always } else { QuoteStyle::Necessary };
+        let style = if needs_quotes { QuoteStyle::NonNumeric } else { QuoteStyle::Necessary };
         let mut csv = csv::WriterBuilder::new().quote_style(style).from_writer(out);
         csv.write_record(PIXEL_COLUMNS)?;
         for (state, values) in &self.states {

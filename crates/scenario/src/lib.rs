@@ -15,8 +15,9 @@
 //! - The [hash](Resolved::hash) names the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
-//! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, and ten
-//! million numbers for each quantity of the result; nothing a file says makes the
+//! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, ten million
+//! numbers for each quantity of the result, eight million states x wavelengths x
+//! (directed sources + 8), and 100 000 film gaps x wavelengths; nothing a file says makes the
 //! program panic or take memory without bound. **Out of scope**: sweeps, and
 //! any computation with light.
 //!

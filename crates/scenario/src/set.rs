@@ -2,7 +2,7 @@
 //!
 //! The path is dotted; arrays are indexed from 0, and the index one beyond the
 //! last appends. Of two keys that exclude each other (`haze` and `width`) a set one
-//! replaces the file's. VALUE is TOML, or else a string. What is not there is made;
+//! replaces the file's; two set ones are an error. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
 use crate::error::Errors;

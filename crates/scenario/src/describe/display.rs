@@ -53,9 +53,11 @@ table! {
         /// Transmittance that a datasheet gives (hemispherical, air to air, normal incidence): 0 to 1,
         /// or a spectrum file. This or `transmittance`.
         total_transmittance: Option<ShareSpectrum>,
-        /// Transmittance T of the whole lobe, over the whole plane of direction cosines: 0 to 1, or a spectrum file.
+        /// Transmittance T over the whole plane of direction cosines, straight-through included: 0 to 1, or a spectrum file.
         transmittance: Option<ShareSpectrum>,
-        /// Share of the transmitted light that is not scattered, 0 to 1. Default 0.
+        /// Share s of T that is not scattered, 0 to 1: T splits into s T unscattered and (1 - s) T of the lobe over
+        /// the whole plane of direction cosines. So `total_transmittance` is T ((1 - s) f + s), f the lobe's share
+        /// within |beta| <= 1 at normal incidence. Default 0.
         straight_through: Share = Share(0.0),
     }
 }

@@ -20,7 +20,7 @@ use numbers::Wavelength;
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
     File later ["sweep", "optimize", "tolerance", "measure", "study"] {
-        /// A title for tables and figures. Default: none.
+        /// A title for tables and figures, one line. Default: none.
         title: Option<Title>,
         /// The wavelengths of the computation.
         spectrum: Spectrum,

@@ -82,7 +82,8 @@ table! {
         film: Vec<At<FilmLayer>>,
         /// The opaque, semi-infinite substrate: a material.
         substrate: MaterialSpec,
-        /// Share of the active area for each sub-pixel, 0 to 1; sum 1 within .001. Names are free, except `dark`.
+        /// Share of the active area for each sub-pixel, 0 to 1; sum 1 within .001. Names are free, except `dark`: 1 to 64 characters, no
+        /// control characters, no blanks at the ends.
         area: Named<Share>,
         /// Gap of each sub-pixel at its own colour, nm, and of `dark`.
         gap_nm: Named<Nanometres>,

@@ -11,9 +11,9 @@ table! {
         method: Method = Method::Walk,
         /// Stop at this relative standard error of Y, largest over states and views, 1e-6 to 1. Default 0.001.
         relative_error: Option<RelativeError>,
-        /// Stop after this many paths for each view instead.
+        /// Stop after this many paths for each view instead, 1 to 2^40, rounded up to a multiple of 32.
         paths: Option<Paths>,
-        /// Apply `relative_error` to every wavelength too, against the spectrum's maximum. Default false.
+        /// Apply `relative_error` to every wavelength too, against the spectrum's maximum; nothing beside `paths`. Default false.
         every_bin: bool = false,
         /// Where the walk's numbers come from. Default "sobol".
         sampler: Sampler = Sampler::Sobol,
@@ -80,7 +80,8 @@ choice! {
         Air = "air",
         /// In glass, for a bare panel.
         Glass = "glass",
-        /// In air, the pixel looked up at the air angle as if it were the angle in glass.
+        /// In air, the pixel looked up at the air angle as if it were the angle in glass; a diffuser's
+        /// lobe, too, is cut at |beta| = 1 below.
         Unrefracted = "unrefracted",
     }
 }

@@ -203,7 +203,7 @@ impl Resolver<'_> {
                 }
                 if paths.0 < FEWEST_PATHS {
                     self.notes.push(format!(
-                        "solver.paths is {}, and is taken as {FEWEST_PATHS}: standard errors need as many",
+                        "solver.paths is {}, and is rounded up to {FEWEST_PATHS}: standard errors need as many",
                         paths.0
                     ));
                 }
