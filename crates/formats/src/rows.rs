@@ -132,21 +132,23 @@ fn clip(text: &str) -> String {
     }
 }
 
+/// No row that is read has as many cells; what lies beyond is not split.
+const MOST_CELLS: usize = 1000;
+
 fn cells(line_start: usize, line: &str) -> Vec<Cell<'_>> {
     let line = line.trim_end_matches(['\n', '\r']);
     let separator = separator(line);
-    let ends = |c: char| separator.map_or(c.is_whitespace(), |s| c == s);
     let mut cells = Vec::new();
     let mut start = 0;
     loop {
-        let end = cell_end(line, start, ends);
+        let end = cell_end(line, start, separator);
         let range = trimmed(line, start..end);
         if separator.is_some() || !range.is_empty() {
             cells.push(cell(line_start, line, range));
         }
         match line[end..].chars().next() {
-            Some(c) => start = end + c.len_utf8(),
-            None => return cells,
+            Some(c) if cells.len() < MOST_CELLS => start = end + c.len_utf8(),
+            _ => return cells,
         }
     }
 }
@@ -170,10 +172,13 @@ fn separator(line: &str) -> Option<char> {
 }
 
 /// Where the cell from `start` ends: at the first separator outside quotes.
-fn cell_end(line: &str, start: usize, ends: impl Fn(char) -> bool) -> usize {
-    let is_quoted = line[start..].trim_start().starts_with('"');
+fn cell_end(line: &str, start: usize, separator: Option<char>) -> usize {
+    let rest = &line[start..];
+    let begins = if separator.is_some() { rest.trim_start() } else { rest };
+    let is_quoted = begins.starts_with('"');
+    let ends = |c: char| separator.map_or(c.is_whitespace(), |s| c == s);
     let mut inside = false;
-    let end = line[start..].char_indices().find(|&(_, c)| {
+    let end = rest.char_indices().find(|&(_, c)| {
         // A doubled quote closes and opens again.
         inside ^= is_quoted && c == '"';
         !inside && ends(c)

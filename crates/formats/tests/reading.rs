@@ -287,6 +287,18 @@ fn wrong_pixel_tables_say_where() {
     );
 }
 
+/// A line of separators alone takes time in proportion to its length, and little memory.
+#[test]
+fn a_long_line_of_nothing_is_soon_refused() {
+    for byte in [b' ', b',', b';', b'"', b'\t', b'#'] {
+        let bytes = [&b"1 "[..], &vec![byte; 4 << 20], b" 1"].concat();
+        let file = DataFile { name: "x".to_owned(), bytes };
+        assert!(
+            read_spectrum(&file).is_err() && read_pixel_table(&file).is_err() && read_index(&file).is_err()
+        );
+    }
+}
+
 /// Every reader survives every single-byte change of a good file, and never grows memory.
 #[test]
 fn no_bytes_make_a_reader_panic() {

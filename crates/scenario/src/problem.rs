@@ -359,7 +359,7 @@ impl Problem {
             Self::NumberWithUnit(_) => {
                 "numbers stand without a unit: the unit is in the key's name".to_owned()
             }
-            Self::DecimalComma => "write decimals with a point: 0.5".to_owned(),
+            Self::DecimalComma => "write decimals with a point: 0.5; and lists in brackets: [8, 20]".to_owned(),
             Self::GapOfAState => {
                 "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }".to_owned()
             }

@@ -205,9 +205,10 @@ fn syntax(text: &str, origin: Origin, message: &str) -> (Origin, Problem) {
 /// The letters or percent sign behind a number, if there is nothing else.
 fn unit_of(text: &str) -> Option<&str> {
     let number_ends = text.find(|c: char| !c.is_ascii_digit() && !"+-._".contains(c))?;
-    let (number, unit) = (&text[..number_ends], text[number_ends..].trim());
-    let is_unit =
-        unit.chars().count() <= 12 && unit.chars().all(|c| c.is_alphabetic() || "%°/²2".contains(c));
+    let (number, unit) = (text[..number_ends].replace('_', ""), text[number_ends..].trim());
+    let is_unit = unit.chars().count() <= 12
+        && unit.starts_with(|c: char| c.is_alphabetic() || "%°".contains(c))
+        && unit.chars().all(|c| c.is_alphanumeric() || "%°/".contains(c));
     (number.parse::<f64>().is_ok() && is_unit).then_some(unit)
 }
 
