@@ -56,19 +56,8 @@ fn plain(film: &Film, nm: f64, beta: f64) -> f64 {
     0.5 * (of(Polarisation::S) + of(Polarisation::P))
 }
 
-/// How far the plain road moves if beta and wavelength change in their last bits: what
-/// rounding alone may do. Next to a resonance (a light guide behind an evanescent barrier has
-/// a finesse of 1e5 and more) that is far above 1e-16.
-fn rounding(film: &Film, nm: f64, beta: f64) -> f64 {
-    let here = plain(film, nm, beta);
-    let bits = 1e-15;
-    let moved = [(1.0 + bits, 1.0), (1.0 - bits, 1.0), (1.0, 1.0 + bits), (1.0, 1.0 - bits)];
-    moved.iter().map(|(a, b)| (plain(film, nm * a, beta * b) - here).abs()).fold(0.0, f64::max)
-}
-
-/// The largest difference between the roads, in units of what is allowed: 1e-12 and 30
-/// times what rounding alone may do. Over 11 wavelengths (more than a register holds, and not
-/// a multiple), all gaps and SIMD levels.
+/// The largest difference between the roads, over 11 wavelengths (more than a register
+/// holds, and not a multiple), all gaps and SIMD levels.
 fn largest_difference(case: &Case) -> f64 {
     let wavelengths: Vec<f64> = (0..11).map(|i| 380.0 + 40.0 * f64::from(i)).collect();
     let count = wavelengths.len();
@@ -92,8 +81,7 @@ fn largest_difference(case: &Case) -> f64 {
             for (&fast, &nm) in out.iter().zip(&wavelengths) {
                 let difference = (fast - plain(&film, nm, case.beta)).abs();
                 assert!(!difference.is_nan(), "{level:?}, {gap_nm} nm, {nm} nm: {fast}");
-                let allowed = 1e-12 + 30.0 * rounding(&film, nm, case.beta);
-                largest = largest.max(difference / allowed);
+                largest = largest.max(difference);
             }
         }
     }
@@ -103,16 +91,20 @@ fn largest_difference(case: &Case) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, rng_seed: RngSeed::Fixed(0), ..Default::default() })]
 
-    /// Layers of a display's size, up to 88 deg in the incidence medium.
+    /// Layers of a display's size, up to 88 deg in the incidence medium. All but a few in a
+    /// hundred thousand agree to 1e-12. Those few lie next to a guided mode behind an evanescent
+    /// barrier: the fast road carries the amplitudes of the incidence medium down through the
+    /// barrier, where they all but cancel against the mode, and keeps 1e-16 over the relative
+    /// distance to it (the case below). The bound is that of the comparison with `tmm`.
     #[test]
     fn roads_are_equal(case in case(prop_oneof![Just(0.0), 0.0..0.999_f64], prop_oneof![Just(0.0), 0.0..500.0_f64])) {
         let difference = largest_difference(&case);
-        prop_assert!(difference < 1.0, "{difference}");
+        prop_assert!(difference < 1e-10, "{difference:e}");
     }
 
-    /// Anything: 100 um of glass, grazing incidence, no light at all. Here the bound is one of
-    /// size: between grazing incidence and a thick light guide the last bits of the phase
-    /// (1e3 rad) count 1e-16 * 1e3 * a finesse of 1e5.
+    /// Anything: 100 um of glass, grazing incidence, no light at all. Between grazing
+    /// incidence and a thick light guide the finesse reaches 1e5, so that the last bits
+    /// of the phase (1e3 rad) count 1e-16 * 1e3 * 1e5.
     #[test]
     fn roads_are_equal_in_resonators_too(
         case in case(
@@ -121,14 +113,13 @@ proptest! {
         ),
     ) {
         let difference = largest_difference(&case);
-        prop_assert!(difference < 1e4, "{difference}");
+        prop_assert!(difference < 1e-8, "{difference:e}");
     }
 }
 
-/// A light guide behind an evanescent barrier, close to resonance: the roads differ by 5e-12,
-/// which is what the last bits of beta do to either.
+/// A light guide 1e-5 from a mode behind an evanescent barrier: one of the hardest of many random films.
 #[test]
-fn a_resonance_amplifies_rounding_and_no_more() {
+fn next_to_a_guided_mode_the_roads_still_agree() {
     let layer = |n: f64, thickness_nm| Layer { index: Complex64::new(n, 0.0), thickness_nm };
     let case = Case {
         above: vec![layer(0.7, 409.86431620061734), layer(1.0, 248.54892670531905)],
@@ -139,5 +130,6 @@ fn a_resonance_amplifies_rounding_and_no_more() {
         beta: 1.506256826439489,
         gaps_nm: vec![356.5346759164047],
     };
-    assert!(largest_difference(&case) < 1.0);
+    let difference = largest_difference(&case);
+    assert!(difference < 1e-11, "{difference:e}");
 }
