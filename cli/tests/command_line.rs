@@ -66,6 +66,22 @@ fn a_run_writes_its_results_and_a_table() {
     assert_eq!(rows.lines().count(), 9);
 }
 
+/// What the README says that its first command prints.
+#[test]
+fn the_readme_shows_what_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = run("indoor", &["--out", folder.path().to_str().unwrap()]).stdout;
+    let printed = String::from_utf8(printed).unwrap();
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
+    let (_, block) = readme.split_once("```\nIndoor reading\n").unwrap();
+    let (block, _) = block.split_once("```").unwrap();
+    let shown: Vec<&str> = block.lines().filter(|line| !line.is_empty() && line.trim() != "...").collect();
+    assert!(shown.len() > 4);
+    for line in shown {
+        assert!(printed.contains(line), "{line}\nis not in\n{printed}");
+    }
+}
+
 #[test]
 fn several_views_have_figures_against_angle() {
     let folder = tempfile::tempdir().unwrap();
@@ -246,15 +262,14 @@ fn a_folder_that_cannot_be_made_is_the_users_mistake() {
     assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
 }
 
-/// Ctrl-C ends a run that would take for ever, with what is there.
+/// The result and the messages of a long run of the indoor scenario that gets Ctrl-C.
 #[cfg(unix)]
-#[test]
-fn an_interrupted_run_saves_what_is_done() {
+fn interrupted(set: &str) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().unwrap();
     let child = papilio()
         .arg("run")
         .arg(scenario("indoor"))
-        .args(["--set", "solver.relative_error=1e-6", "--out"])
+        .args(["--set", set, "--out"])
         .arg(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -266,8 +281,15 @@ fn an_interrupted_run_saves_what_is_done() {
     let output = child.wait_with_output().unwrap();
     assert!(stopped.elapsed() < Duration::from_secs(10), "it went on for {:?}", stopped.elapsed());
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    let result: serde_json::Value =
-        serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    let result = serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    (result, stderr(&output))
+}
+
+/// Ctrl-C ends a run that would take for ever, with what is there.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_saves_what_is_done() {
+    let (result, _) = interrupted("solver.relative_error=1e-6");
     assert_eq!(result["solver"]["interrupted"], true);
     assert!(result["solver"]["paths"].as_u64().unwrap() > 8192);
 }
@@ -276,23 +298,8 @@ fn an_interrupted_run_saves_what_is_done() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_scan_saves_the_views_that_are_done() {
-    let folder = tempfile::tempdir().unwrap();
-    let child = papilio()
-        .arg("run")
-        .arg(scenario("indoor"))
-        .args(["--set", "viewer.theta_deg={ from = -80, to = 80, step = 0.05 }", "--out"])
-        .arg(folder.path())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(Duration::from_millis(1500));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    let result: serde_json::Value =
-        serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    let (result, messages) = interrupted("viewer.theta_deg={ from = -80, to = 80, step = 0.05 }");
     let views = result["views"].as_array().unwrap().len();
     assert!((1..3201).contains(&views), "{views} views");
-    assert!(stderr(&output).contains(" of 3201 views"), "{}", stderr(&output));
+    assert!(messages.contains(" of 3201 views"), "{messages}");
 }

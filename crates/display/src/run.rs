@@ -2,7 +2,8 @@
 //!
 //! Each view has [`REPLICATES`] replicates with numbers of their own. A round adds the
 //! same number of paths to each; replicates never share sums, so the result does not
-//! depend on which thread ran what. Views that have reached the target rest.
+//! depend on which thread ran what. Views are computed one after the other: the sums of
+//! one are in memory.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -91,8 +91,8 @@ fn largest_difference(case: &Case) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, rng_seed: RngSeed::Fixed(0), ..Default::default() })]
 
-    /// Layers of a display's size, up to 88 deg in the incidence medium. All but a few in a
-    /// hundred thousand agree to 1e-12. Those few lie next to a guided mode behind an evanescent
+    /// Layers of a display's size, up to 88 deg in the incidence medium. All but
+    /// about one in a hundred thousand agree to 1e-12. That one lies next to a guided mode behind an evanescent
     /// barrier: the fast road carries the amplitudes of the incidence medium down through the
     /// barrier, where they all but cancel against the mode, and keeps 1e-16 over the relative
     /// distance to it (the case below). The bound is that of the comparison with `tmm`.
