@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
 
 use papilio_display::result::RunResult;
+use papilio_display::scene::Layers;
 use papilio_validation::{run, scenario, state};
 
 fn overcast(overrides: &[&str]) -> RunResult {
@@ -12,8 +13,9 @@ fn overcast(overrides: &[&str]) -> RunResult {
 fn bare(overrides: &[&str]) -> RunResult {
     let scenario = scenario("overcast", overrides).unwrap();
     let mut scene = scenario.scene;
-    scene.display.diffuser = None;
-    scene.display.front.clear();
+    let Layers::Panel(panel) = &mut scene.display.layers else { panic!("an ordinary panel") };
+    panel.diffuser = None;
+    panel.front.clear();
     run(&scene).unwrap()
 }
 

@@ -45,14 +45,14 @@ fn lobe(width: f64, d2: f64) -> f64 {
 
 /// The k-correlation diffuser of a scene: width and T.
 fn diffuser(scene: &Scene) -> (f64, f64) {
-    let diffuser = scene.display.diffuser.as_ref().unwrap();
+    let diffuser = scene.display.panel().unwrap().diffuser.as_ref().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("a k-correlation diffuser") };
     (width, diffuser.transmittance[0])
 }
 
 /// Front of screen to first order: transmittance and reflectance.
 fn front(scene: &Scene) -> (f64, f64) {
-    let component = &scene.display.front[0];
+    let component = &scene.display.panel().unwrap().front[0];
     (1.0 - component.reflectance[0] - component.absorptance[0], component.reflectance[0])
 }
 

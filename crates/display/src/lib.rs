@@ -20,9 +20,11 @@
 //! let scene = Scene {
 //!     grid,
 //!     display: Display {
-//!         front: vec![],
-//!         diffuser: None,
-//!         glass: Glass { index: constant(1.5), surface: Surface::Fresnel },
+//!         layers: Layers::Panel(Panel {
+//!             front: vec![],
+//!             diffuser: None,
+//!             glass: Glass { index: constant(1.5), surface: Surface::Fresnel },
+//!         }),
 //!         pixel: Pixel::Uniform(paint),
 //!     },
 //!     lighting: Lighting {

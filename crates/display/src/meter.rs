@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use papilio_colour::{LUMENS_PER_WATT, Xyz};
 use papilio_spectra::Grid;
-use papilio_transport::walk::Estimate;
+use papilio_transport::Estimate;
 
 use crate::metrics::{Reference, Scalars, ViewScalars};
 use crate::prepare::{Prepared, ViewPoint};
@@ -74,13 +74,14 @@ impl<'a> Meter<'a> {
         Sample(sample)
     }
 
-    fn add_ledger(&self, ledger: &papilio_transport::walk::Ledger, sample: &mut [f64]) {
+    fn add_ledger(&self, ledger: &papilio_transport::Ledger, sample: &mut [f64]) {
         let y = self.white.iter().zip(self.y_bar());
         let luminous: Vec<f64> = y.map(|(l, y)| l * y / self.white_xyz.y).collect();
         let parts: [&[f64]; Layout::LEDGER] = [
             &ledger.returned,
             &ledger.front,
             &ledger.diffuser,
+            &ledger.glass,
             &ledger.pixel,
             &ledger.inactive,
             &ledger.unaccounted,
@@ -265,11 +266,16 @@ fn over(xyz: Xyz, y: f64) -> Xyz {
     Xyz { x: xyz.x / y, y: xyz.y / y, z: xyz.z / y }
 }
 
-/// In the order of [`Layout::LEDGER`]. The glass absorbs nothing: its index is real.
+/// In the order of [`Layout::LEDGER`].
 fn ledger_parts(shares: &[f64]) -> (f64, Absorbed, f64) {
-    let absorbed =
-        Absorbed { front: shares[1], diffuser: shares[2], glass: 0.0, pixel: shares[3], inactive: shares[4] };
-    (shares[0], absorbed, shares[5])
+    let absorbed = Absorbed {
+        front: shares[1],
+        diffuser: shares[2],
+        glass: shares[3],
+        pixel: shares[4],
+        inactive: shares[5],
+    };
+    (shares[0], absorbed, shares[6])
 }
 
 /// All three, or none.

@@ -50,7 +50,7 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
 /// If the film cannot be.
 pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError> {
     let pixel = &scene.display.pixel;
-    let index = &scene.display.glass.index;
+    let index = scene.display.index_above_pixel();
     let in_air = scene.solver.angle_medium == AngleMedium::Air;
     let sines: Vec<f64> = theta_deg.iter().map(|theta| theta.to_radians().sin()).collect();
     let bins = scene.grid.len();
@@ -90,7 +90,7 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
 /// The pixel as the base of a stack.
 pub(crate) fn base(scene: &Scene) -> Result<Base, DisplayError> {
     match &scene.display.pixel {
-        Pixel::Film(film) => film_base(film, &scene.grid, &scene.display.glass.index),
+        Pixel::Film(film) => film_base(film, &scene.grid, scene.display.index_above_pixel()),
         Pixel::Table(table) => Ok(table_base(table, scene.grid.len())),
         Pixel::Uniform(uniform) => Ok(uniform_base(uniform, scene.grid.len())),
     }

@@ -2,10 +2,14 @@
 
 use papilio_colour::Observer;
 use papilio_optics::Beta;
+use papilio_optics::film::Coating;
+use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
-use papilio_transport::{Cone, Diffuser, Front, Medium, Source, Stack, Top};
+use papilio_transport::{
+    Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Source, Stack, Top,
+};
 
-use crate::scene::{AngleMedium, Approximation, Display, Scene, Surface};
+use crate::scene::{self, AngleMedium, Approximation, Layers, Scene, Surface};
 use crate::{DisplayError, pixel};
 
 /// A scene, ready for light.
@@ -51,7 +55,7 @@ impl Prepared {
 
 /// The index of the medium that the scene's angles are in.
 pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
-    let index = &scene.display.glass.index;
+    let index = scene.display.index_above_pixel();
     match scene.solver.angle_medium {
         AngleMedium::Air | AngleMedium::Unrefracted => Ok(1.0),
         AngleMedium::Glass if index.is_constant() => Ok(index[0]),
@@ -60,32 +64,81 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 }
 
 fn stack(scene: &Scene) -> Result<Stack, DisplayError> {
-    let display = &scene.display;
+    let base = pixel::base(scene)?;
+    match &scene.display.layers {
+        Layers::Panel(panel) => Ok(Stack::Panel(self::panel(scene, panel, base))),
+        Layers::General(layers) => Ok(Stack::Layered(Layered { layers: general(scene, layers)?, base })),
+    }
+}
+
+fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
     let single_pass = scene.solver.approximation == Approximation::SinglePass;
-    let components = display.front.iter().map(|c| (&*c.reflectance, &*c.absorptance));
+    let components = panel.front.iter().map(|c| (&*c.reflectance, &*c.absorptance));
     let bins = scene.grid.len();
     let front =
         if single_pass { Front::first_order(bins, components) } else { Front::exact(bins, components) };
-    let (medium, base) = (medium(scene), pixel::base(scene)?);
-    Ok(Stack { front, top: top(display), medium, base, single_pass })
+    Panel { front, top: top(panel), medium: medium(scene), base, single_pass }
+}
+
+fn general(scene: &Scene, layers: &[scene::Layer]) -> Result<Vec<Layer>, DisplayError> {
+    let air = Spectrum::constant(&scene.grid, 1.0);
+    let mut above = &air;
+    let mut made = Vec::with_capacity(layers.len());
+    for layer in layers {
+        let interface = interface(scene, &layer.interface, above, &layer.medium.index)?;
+        above = &layer.medium.index;
+        let medium = Medium::new(above.clone()).with_transmittance(layer.medium.transmittance.clone());
+        let medium = match &layer.medium.scattering {
+            Some(scattering) => medium.with_scattering(scattering.clone()),
+            None => medium,
+        };
+        made.push(Layer { interface, medium });
+    }
+    Ok(made)
+}
+
+fn interface(
+    scene: &Scene,
+    interface: &scene::Interface,
+    above: &Spectrum,
+    below: &Spectrum,
+) -> Result<Interface, DisplayError> {
+    Ok(match interface {
+        scene::Interface::Open => Interface::Open,
+        scene::Interface::Coated => Interface::Coated,
+        scene::Interface::Fresnel => Interface::Fresnel,
+        scene::Interface::Sheet(sheet) => Interface::Sheet {
+            reflectance: sheet.reflectance.clone(),
+            absorptance: sheet.absorptance.clone(),
+        },
+        scene::Interface::Coating(films) => {
+            Interface::Coating(Coating::new(&scene.grid.wavelengths_nm(), above, films, below)?)
+        }
+        scene::Interface::Diffuser(diffuser) => Interface::Diffuser(self::diffuser(diffuser)),
+        scene::Interface::Rough { alpha } => Interface::Rough(Rough::new(*alpha, above[0], below[0])),
+    })
+}
+
+fn diffuser(diffuser: &scene::Diffuser) -> Diffuser {
+    Diffuser {
+        lobe: diffuser.lobe,
+        transmittance: diffuser.transmittance.clone(),
+        straight_through: diffuser.straight_through,
+    }
 }
 
 /// The medium above the pixel; without refraction, the glass is as wide as the air.
 pub(crate) fn medium(scene: &Scene) -> Medium {
-    let index = &scene.display.glass.index;
+    let index = scene.display.index_above_pixel();
     let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
     Medium::new(if unrefracted { index.map(|_| 1.0) } else { index.clone() })
 }
 
-fn top(display: &Display) -> Top {
-    match (&display.diffuser, display.glass.surface) {
-        (Some(diffuser), _) => Top::Diffuser(Diffuser {
-            lobe: diffuser.lobe,
-            transmittance: diffuser.transmittance.clone(),
-            straight_through: diffuser.straight_through,
-        }),
+fn top(panel: &scene::Panel) -> Top {
+    match (&panel.diffuser, panel.glass.surface) {
+        (Some(diffuser), _) => Top::Diffuser(self::diffuser(diffuser)),
         (None, Surface::Coated) => Top::Coated,
-        (None, Surface::Fresnel) => Top::Fresnel(display.glass.index.clone()),
+        (None, Surface::Fresnel) => Top::Fresnel(panel.glass.index.clone()),
     }
 }
 

@@ -8,8 +8,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_sampling::Numbers;
-use papilio_transport::Source;
-use papilio_transport::walk::{Replicate, Walk, specular_image};
+use papilio_transport::walk::{Replicate, Walk};
+use papilio_transport::{Source, specular_image};
 use rayon::prelude::*;
 
 use crate::DisplayError;

@@ -52,8 +52,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Shares in a ledger: returned, front, diffuser, pixel, inactive, unaccounted.
-    pub(crate) const LEDGER: usize = 6;
+    /// Shares in a ledger: returned, front, diffuser, glass, pixel, inactive, unaccounted.
+    pub(crate) const LEDGER: usize = 7;
 
     fn per_state(&self) -> usize {
         2 * self.bins + self.lights + 1 + Self::LEDGER

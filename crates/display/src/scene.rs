@@ -9,6 +9,7 @@ pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
+pub use papilio_transport::Scattering;
 
 /// One computation, complete.
 #[derive(Debug, Clone)]
@@ -25,17 +26,94 @@ pub struct Scene {
     pub solver: Solver,
 }
 
-/// The layers, top to bottom: front, surface or diffuser, glass, pixel.
+/// The layers and the pixel under them.
 #[derive(Debug, Clone)]
 pub struct Display {
+    /// What light passes on its way to the pixel.
+    pub layers: Layers,
+    /// The pixel array under the last layer.
+    pub pixel: Pixel,
+}
+
+/// The layers above the pixel, in either form.
+#[derive(Debug, Clone)]
+pub enum Layers {
+    /// The ordinary panel, for which both solvers are fastest.
+    Panel(Panel),
+    /// Any layers, top to bottom, from the air to the pixel; at least one.
+    General(Vec<Layer>),
+}
+
+impl Display {
+    /// The ordinary panel, if it is one.
+    pub fn panel(&self) -> Option<&Panel> {
+        match &self.layers {
+            Layers::Panel(panel) => Some(panel),
+            Layers::General(_) => None,
+        }
+    }
+
+    /// Index of the medium above the pixel.
+    pub fn index_above_pixel(&self) -> &Spectrum {
+        match &self.layers {
+            Layers::Panel(panel) => &panel.glass.index,
+            // A stack without layers has no pixel under it; its makers see to that.
+            Layers::General(layers) => &layers[layers.len() - 1].medium.index,
+        }
+    }
+}
+
+/// An interface and the medium below it.
+#[derive(Debug, Clone)]
+pub struct Layer {
+    /// Between the medium above (air over the first layer) and `medium`.
+    pub interface: Interface,
+    /// Below the interface.
+    pub medium: Medium,
+}
+
+/// What stands between two media.
+#[derive(Debug, Clone)]
+pub enum Interface {
+    /// Nothing: the media have the same index.
+    Open,
+    /// A perfect antireflection face: what both media can carry passes whole, the rest is reflected whole.
+    Coated,
+    /// A bare face.
+    Fresnel,
+    /// A component that mirrors and absorbs at all angles alike; the media have the same index.
+    Sheet(FrontComponent),
+    /// Coherent thin films of fixed thickness, top to bottom.
+    Coating(Vec<FilmLayer>),
+    /// A diffuser given by its BTDF.
+    Diffuser(Diffuser),
+    /// A rough face (GGX) between media of constant index.
+    Rough {
+        /// Roughness: the largest slopes are about this.
+        alpha: f64,
+    },
+}
+
+/// A homogeneous medium.
+#[derive(Debug, Clone)]
+pub struct Medium {
+    /// Refractive index, at least 1.
+    pub index: Spectrum,
+    /// Internal transmittance along the normal, 0 to 1.
+    pub transmittance: Spectrum,
+    /// Scattering in its bulk; the index must then be constant.
+    pub scattering: Option<Scattering>,
+}
+
+/// The ordinary panel, top to bottom: front, surface or diffuser, clear glass.
+#[derive(Debug, Clone)]
+pub struct Panel {
     /// Front-of-screen components in air, outermost first.
     pub front: Vec<FrontComponent>,
     /// The diffuser between air and glass, its faces included; `None`: a bare panel.
     pub diffuser: Option<Diffuser>,
     /// The glass.
     pub glass: Glass,
-    /// The pixel array under the glass.
-    pub pixel: Pixel,
 }
 
 /// A front-of-screen component, alike from both sides and at all angles.

@@ -35,6 +35,7 @@
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6;
 //! A. Macleod, "Thin-Film Optical Filters", 4th ed., chapter 2.
 
+mod coating;
 mod coherent;
 mod forms;
 mod gap;
@@ -43,6 +44,7 @@ mod kernel;
 mod lanes;
 mod media;
 
+pub use coating::{Coating, CoatingPart};
 pub use coherent::{Coherent, Field, Film, Layer, Polarisation, coherent};
 pub use gap::{GapFilm, SpectralLayer, Thickness};
 pub use lanes::SimdLevel;

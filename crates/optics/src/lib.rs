@@ -34,6 +34,8 @@ mod error;
 pub mod film;
 pub mod interface;
 pub mod lobe;
+pub mod phase;
+pub mod rough;
 
 pub use direction::Beta;
 pub use error::OpticsError;

@@ -1,6 +1,6 @@
 //! Light through the layered display: the stack and the Monte Carlo walk.
 //!
-//! - [`Stack`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
+//! - [`Panel`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
 //! - [`Source`] and [`Cone`]: where light comes from and where it is looked at, as
 //!   directions alone; a source's spectrum and illuminance are the caller's.
@@ -14,18 +14,20 @@
 //! ```
 //! use papilio_sampling::{Numbers, Sampler};
 //! use papilio_transport::walk::Walk;
-//! use papilio_transport::{AngularTable, Base, Cone, Front, Medium, Nodes, Reflector, Source, Stack, Top};
+//! use papilio_transport::{
+//!     AngularTable, Base, Cone, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+//! };
 //!
 //! // Bare glass of index 1.5 over a mirror of 50 %, one state, one wavelength.
 //! let mirror =
 //!     AngularTable { nodes: Nodes::Constant, basis: vec![0.5], mixture: vec![1.0], common: vec![0.0] };
-//! let stack = Stack {
+//! let stack = Stack::Panel(Panel {
 //!     front: Front::none(1),
 //!     top: Top::Fresnel(vec![1.5].into()),
 //!     medium: Medium::new(vec![1.5].into()),
 //!     base: Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() },
 //!     single_pass: false,
-//! };
+//! });
 //! let normal = Cone::new(0.0, 0.0, 0.0, 1.0);
 //! let walk = Walk::new(&stack, normal, &[Source::Diffuse]);
 //! let mut replicate = walk.replicate();
@@ -40,13 +42,24 @@
 //!
 //! **Out of scope.** Threads, files, spectra of light, colours.
 
+pub mod adding;
 mod angular;
+mod base;
+mod estimate;
 mod front;
+mod layered;
 mod light;
-mod stack;
+mod medium;
+mod panel;
+mod specular;
 pub mod walk;
 
 pub use angular::{AngularTable, Nodes};
+pub use base::{Base, Reflector};
+pub use estimate::{Estimate, Ledger, Rho};
 pub use front::Front;
+pub use layered::{Diffuser, Interface, Layer, Layered, Stack};
 pub use light::{Cone, Source};
-pub use stack::{Base, Diffuser, Medium, Reflector, Stack, Top};
+pub use medium::{Medium, Scattering};
+pub use panel::{Panel, Top};
+pub use specular::{Image, specular_image};

@@ -6,8 +6,8 @@ use common::*;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::{Sampler, warp};
-use papilio_transport::walk::specular_image;
-use papilio_transport::{Cone, Diffuser, Front, Medium, Reflector, Source, Stack, Top};
+use papilio_transport::specular_image;
+use papilio_transport::{Cone, Diffuser, Front, Medium, Panel, Reflector, Source, Stack, Top};
 
 fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Top {
     let lobe = Lobe::KCorrelation { width };
@@ -15,7 +15,7 @@ fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Top {
 }
 
 /// `rho` under the last source, over seeds, against the truth.
-fn check(what: &str, stack: &Stack, view: Cone, sources: &[Source], paths: u64, truth: f64) {
+fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, truth: f64) {
     for sampler in [Sampler::Random, Sampler::Sobol] {
         let what = format!("{what}, {sampler:?}");
         assert_unbiased(&what, truth, 0.05, |seed| {
@@ -76,7 +76,7 @@ fn straight_through_light_joins_the_double_pass() {
     let scattered = 2.0 * s * (1.0 - s) * density(width) + (1.0 - s).powi(2) * density(2.0 * width);
     let truth = std::f64::consts::PI * t * t * 0.7 * scattered;
     check("straight-through", &stack, view(8.0), &[Source::Beam(beam)], 256, truth);
-    let image = specular_image(&stack, beam);
+    let image = specular_image(&Stack::Panel(stack.clone()), beam);
     assert!((image.base[0] - (s * t).powi(2) * 0.7).abs() < 1e-15 && image.front[0] == 0.0);
 }
 

@@ -1,6 +1,8 @@
 //! The panel: front of screen, diffuser, glass; and whether the angles make sense for it.
 
-use papilio_display::scene::{self, AngleMedium, Diffuser, Display, FrontComponent, Glass, Lobe, Scene};
+use papilio_display::scene::{
+    self, AngleMedium, Diffuser, Display, FrontComponent, Glass, Layers, Lobe, Panel, Scene,
+};
 use papilio_optics::lobe::{largest_haze, width_from_haze};
 use papilio_spectra::Spectrum;
 
@@ -26,7 +28,8 @@ impl Resolver<'_> {
         let glass = self.glass(display);
         let pixel = self.pixel(&display.pixel);
         let front = front.into_iter().collect::<Option<Vec<_>>>();
-        Some(Display { front: front?, diffuser: diffuser?, glass: glass?, pixel: pixel? })
+        let panel = Panel { front: front?, diffuser: diffuser?, glass: glass? };
+        Some(Display { layers: Layers::Panel(panel), pixel: pixel? })
     }
 
     fn front(&mut self, component: &At<describe::FrontComponent>) -> Option<FrontComponent> {
@@ -162,11 +165,12 @@ impl Resolver<'_> {
         if scene.solver.angle_medium != AngleMedium::Glass {
             return;
         }
-        let needs = if scene.display.diffuser.is_some() {
+        let panel = scene.display.panel();
+        let needs = if panel.is_none_or(|panel| panel.diffuser.is_some()) {
             "a panel without diffuser"
-        } else if !scene.display.glass.index.is_constant() {
+        } else if !scene.display.index_above_pixel().is_constant() {
             "a glass of the same index at all wavelengths"
-        } else if scene.display.glass.surface != scene::Surface::Coated {
+        } else if panel.is_some_and(|panel| panel.glass.surface != scene::Surface::Coated) {
             "surface = \"coated\""
         } else {
             return self.check_trapped(file, scene);
@@ -179,7 +183,7 @@ impl Resolver<'_> {
 
     /// What is seen or shines at |beta| >= 1 is light that the glass holds.
     fn check_trapped(&mut self, file: &File, scene: &Scene) {
-        let limit_deg = (1.0 / scene.display.glass.index[0]).asin().to_degrees();
+        let limit_deg = (1.0 / scene.display.index_above_pixel()[0]).asin().to_degrees();
         let causes = [file.solver.angle_medium.origin, file.display.glass.index.origin];
         let half_field = 0.5 * scene.viewer.field_deg;
         let edges = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + half_field);

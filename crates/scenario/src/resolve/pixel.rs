@@ -4,6 +4,7 @@ use papilio_display::scene::{
     self, AngleMedium, Lobe, Pixel, Scene, TableAngles, TablePixel, TableState, UniformKind, UniformPixel,
 };
 use papilio_formats::read_pixel_table;
+use papilio_spectra::Spectrum;
 
 use super::{MOST_NUMBERS, Resolver};
 use crate::describe::File;
@@ -73,16 +74,15 @@ impl Resolver<'_> {
             file.display.glass.index.origin,
             file.solver.angle_medium.origin,
         ];
-        let lobe = scene.display.diffuser.as_ref().map(|diffuser| diffuser.lobe);
-        let fills_glass = matches!(lobe, Some(Lobe::KCorrelation { .. }))
-            || scene.solver.angle_medium == AngleMedium::Unrefracted;
+        let fills_glass =
+            fills_glass(&scene.display.layers) || scene.solver.angle_medium == AngleMedium::Unrefracted;
         let (medium, needed_deg) = match table.angles {
             TableAngles::Air if fills_glass => {
                 return self.errors.push(described.angles.origin.or_set(causes), Problem::TableInAir);
             }
             TableAngles::Air => ("air", 90.0),
             TableAngles::Glass if fills_glass => ("glass", 90.0),
-            TableAngles::Glass => ("glass", critical_deg(&scene.display.glass)),
+            TableAngles::Glass => ("glass", critical_deg(scene.display.index_above_pixel())),
         };
         let last_deg = table.theta_deg.last().copied().unwrap_or_default();
         if last_deg < needed_deg {
@@ -93,6 +93,23 @@ impl Resolver<'_> {
 }
 
 /// The largest angle in glass of light with |beta| <= 1, over the wavelengths, degrees.
-fn critical_deg(glass: &scene::Glass) -> f64 {
-    (1.0 / glass.index.min()).asin().to_degrees()
+fn critical_deg(index: &Spectrum) -> f64 {
+    (1.0 / index.min()).asin().to_degrees()
+}
+
+/// True if something scatters light beyond |beta| = 1.
+fn fills_glass(layers: &scene::Layers) -> bool {
+    let wide = |diffuser: &scene::Diffuser| matches!(diffuser.lobe, Lobe::KCorrelation { .. });
+    let layer = |layer: &scene::Layer| {
+        layer.medium.scattering.is_some()
+            || match &layer.interface {
+                scene::Interface::Diffuser(diffuser) => wide(diffuser),
+                scene::Interface::Rough { .. } => true,
+                _ => false,
+            }
+    };
+    match layers {
+        scene::Layers::Panel(panel) => panel.diffuser.as_ref().is_some_and(wide),
+        scene::Layers::General(layers) => layers.iter().any(layer),
+    }
 }

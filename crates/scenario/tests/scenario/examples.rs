@@ -37,8 +37,8 @@ fn the_flagship_is_the_reference_display() {
     let note = "haze 0.78 means a lobe of width 0.05667 (b, direction cosines); above 30 % haze is outside \
                 ASTM D1003's scope, see ASTM E2387";
     assert_eq!(resolved.notes, [note]);
-    assert_eq!(scene.display.front.len(), 1);
-    let diffuser = scene.display.diffuser.as_ref().unwrap();
+    assert_eq!(scene.display.panel().unwrap().front.len(), 1);
+    let diffuser = scene.display.panel().unwrap().diffuser.as_ref().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };
     // Truncated at the hemisphere, haze .78 is b = .05667; T from the total transmittance .90 by the truncation of that lobe.
     assert!((width - 0.05667).abs() < 5e-6);

@@ -40,7 +40,10 @@ fn set_changes_and_makes_keys() {
         (&[0.0, 20.0][..], &[0.0, 45.0, 90.0][..])
     );
     assert_eq!((scene.solver.seed, scene.solver.sampler), (7, Sampler::Random));
-    assert_eq!((scene.display.front.len(), scene.display.front[1].reflectance[3]), (2, 0.02));
+    assert_eq!(
+        (scene.display.panel().unwrap().front.len(), scene.display.panel().unwrap().front[1].reflectance[3]),
+        (2, 0.02)
+    );
 }
 
 #[test]
@@ -48,7 +51,7 @@ fn set_takes_numbers_as_shells_write_them() {
     let straight = |value: &str| {
         let resolved =
             set(&["display.diffuser.haze=.5", &format!("display.diffuser.straight_through={value}")]);
-        resolved.scene.display.diffuser.unwrap().straight_through
+        resolved.scene.display.panel().unwrap().diffuser.clone().unwrap().straight_through
     };
     for (value, expected) in [(".25", 0.25), (" +.25", 0.25), ("2.5e-1", 0.25), ("0.", 0.0), ("00.25", 0.25)]
     {
@@ -89,8 +92,13 @@ fn defaults() {
     let resolved = resolve(BARE, Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
     let scene = &resolved.scene;
     assert_eq!((scene.grid.start_nm(), scene.grid.stop_nm(), scene.grid.step_nm()), (380.0, 780.0, 5.0));
-    assert_eq!((scene.display.glass.index[0], scene.display.glass.surface), (1.5, Surface::Coated));
-    assert!(scene.display.diffuser.is_none() && scene.display.front.is_empty());
+    assert_eq!(
+        (scene.display.panel().unwrap().glass.index[0], scene.display.panel().unwrap().glass.surface),
+        (1.5, Surface::Coated)
+    );
+    assert!(
+        scene.display.panel().unwrap().diffuser.is_none() && scene.display.panel().unwrap().front.is_empty()
+    );
     assert_eq!((scene.lighting.illuminance_lx, scene.lighting.diffuse), (500.0, 1.0));
     assert_eq!((&scene.viewer.theta_deg[..], &scene.viewer.phi_deg[..]), (&[0.0][..], &[0.0][..]));
     assert_eq!((scene.viewer.field_deg, scene.viewer.distance_mm), (0.1, 500.0));
@@ -137,14 +145,14 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
 fn the_two_transmittances_of_a_diffuser() {
     let diffuser = |sets: &[&str]| {
         let more = ["display.diffuser={ model = \"k-correlation\", width = 0.1, total_transmittance = 0.8 }"];
-        set(&[&more[..], sets].concat()).scene.display.diffuser.unwrap()
+        set(&[&more[..], sets].concat()).scene.display.panel().unwrap().diffuser.clone().unwrap()
     };
     let share = 1.0 - 0.1 / 1.01_f64.sqrt();
     assert!((diffuser(&[]).transmittance[0] - 0.8 / share).abs() < 1e-12);
     let half = diffuser(&["display.diffuser.straight_through=0.5"]);
     assert!((half.transmittance[0] - 0.8 / (0.5 * share + 0.5)).abs() < 1e-12);
     let lambertian = set(&["display.diffuser={ model = \"lambertian\", total_transmittance = 0.8 }"]);
-    let lambertian = lambertian.scene.display.diffuser.unwrap();
+    let lambertian = lambertian.scene.display.panel().unwrap().diffuser.clone().unwrap();
     assert_eq!((lambertian.lobe, lambertian.transmittance[0]), (Lobe::Lambertian, 0.8));
 }
 

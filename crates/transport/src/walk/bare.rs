@@ -8,15 +8,14 @@
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
-use super::specular::FlatTop;
-use super::tally::{Estimate, Ledger, Rho};
 use super::{PathNumbers, Target, add_rows_times, add_scaled, scale_rows};
-use crate::stack::Reflector;
-use crate::{Cone, Source, Stack};
+use crate::Reflector;
+use crate::specular::FlatTop;
+use crate::{Cone, Estimate, Ledger, Panel, Rho, Source};
 
 #[derive(Debug)]
 pub(super) struct Bare<'a> {
-    stack: &'a Stack,
+    stack: &'a Panel,
     view: Cone,
     sources: &'a [Source],
     specular: bool,
@@ -58,7 +57,7 @@ struct Room {
 }
 
 impl<'a> Bare<'a> {
-    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(stack: &'a Panel, view: Cone, sources: &'a [Source]) -> Self {
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         Self { stack, view, sources, specular }
     }

@@ -7,14 +7,13 @@
 
 use std::f64::consts::PI;
 
-use super::specular::{Image, specular_image};
-use super::tally::Rho;
-use crate::{Cone, Reflector, Source, Stack, Top};
+use crate::specular::{Image, panel_image as specular_image};
+use crate::{Cone, Estimate, Panel, Reflector, Source, Top};
 
 /// The images of all sources in one field of view.
 #[derive(Debug)]
 pub(super) struct Images<'a> {
-    stack: &'a Stack,
+    stack: &'a Panel,
     view: Cone,
     /// For each source that may be seen: its number, its mirrored cone, the overlap, and
     /// the weight of a point of it.
@@ -36,7 +35,7 @@ struct Seen {
 pub(super) struct Sums(Vec<Image>);
 
 impl<'a> Images<'a> {
-    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &[Source]) -> Self {
+    pub(super) fn new(stack: &'a Panel, view: Cone, sources: &[Source]) -> Self {
         let seen = sources.iter().enumerate().filter_map(|(source, light)| {
             let Source::Disc(disc) = light else { return None };
             let mirrored = disc.mirrored();
@@ -70,16 +69,18 @@ impl<'a> Images<'a> {
     }
 
     /// Adds the mean images to what else is seen of the sources.
-    pub(super) fn add_to(&self, rho: &mut [Rho], sums: &Sums, scale: f64) {
+    pub(super) fn add_to(&self, mut estimate: Estimate, sums: &Sums, scale: f64) -> Estimate {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
-            super::add_scaled(&mut rho[seen.source].front, &sum.front, scale);
-            super::add_scaled(&mut rho[seen.source].base, &sum.base, scale);
+            let rho = &mut estimate.rho[seen.source];
+            super::add_scaled(&mut rho.front, &sum.front, scale);
+            super::add_scaled(&mut rho.base, &sum.base, scale);
         }
+        estimate
     }
 }
 
 /// Whether any light comes back unscattered.
-fn mirrors(stack: &Stack) -> bool {
+fn mirrors(stack: &Panel) -> bool {
     let reaches_base = match &stack.top {
         Top::Diffuser(diffuser) => diffuser.straight_through > 0.0,
         Top::Coated => true,

@@ -33,18 +33,17 @@
 mod bare;
 mod diffused;
 mod images;
-mod specular;
+mod layered;
 mod tally;
 
 use papilio_optics::Beta;
 use papilio_sampling::{Numbers, PLANNED_BLOCKS};
 
-use crate::{Cone, Source, Stack, Top};
+use crate::{Cone, Estimate, Panel, Source, Stack, Top};
 use bare::Bare;
 use diffused::Diffused;
 use images::Images;
-pub use specular::{Image, specular_image};
-pub use tally::{Estimate, Ledger, Rho};
+use layered::Layered;
 
 /// Numbers of one path: blocks 0 to 3 serve the field of view and the first pass.
 struct PathNumbers<'a> {
@@ -91,32 +90,41 @@ impl PathNumbers<'_> {
 #[derive(Debug)]
 pub struct Walk<'a> {
     kind: Kind<'a>,
-    images: Images<'a>,
 }
 
 #[derive(Debug)]
 enum Kind<'a> {
-    Bare(Bare<'a>),
-    Diffused(Diffused<'a>),
+    Bare(Bare<'a>, Images<'a>),
+    Diffused(Diffused<'a>, Images<'a>),
+    Layered(Layered<'a>),
 }
 
 impl<'a> Walk<'a> {
     /// `view` is the cone of directions (in air) that the viewer's field covers.
     pub fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
-        let kind = match &stack.top {
-            Top::Diffuser(diffuser) => Kind::Diffused(Diffused::new(stack, diffuser, view, sources)),
-            Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(stack, view, sources)),
+        let kind = match stack {
+            Stack::Panel(panel) => Self::panel(panel, view, sources),
+            Stack::Layered(layered) => Kind::Layered(Layered::new(layered, view, sources)),
         };
-        Self { kind, images: Images::new(stack, view, sources) }
+        Self { kind }
+    }
+
+    fn panel(panel: &'a Panel, view: Cone, sources: &'a [Source]) -> Kind<'a> {
+        let images = Images::new(panel, view, sources);
+        match &panel.top {
+            Top::Diffuser(diffuser) => Kind::Diffused(Diffused::new(panel, diffuser, view, sources), images),
+            Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
+        }
     }
 
     /// An empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> Replicate {
         let tally = match &self.kind {
-            Kind::Bare(bare) => TallyKind::Bare(bare.tally()),
-            Kind::Diffused(diffused) => TallyKind::Diffused(diffused.tally()),
+            Kind::Bare(bare, images) => Tally::Bare(bare.tally(), images.sums()),
+            Kind::Diffused(diffused, images) => Tally::Diffused(diffused.tally(), images.sums()),
+            Kind::Layered(layered) => Tally::Layered(layered.tally()),
         };
-        Replicate { paths: 0, tally, images: self.images.sums() }
+        Replicate { paths: 0, tally }
     }
 
     /// Traces `count` further paths of a replicate. The result depends on the
@@ -124,10 +132,16 @@ impl<'a> Walk<'a> {
     pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
         for path in replicate.paths..replicate.paths + count {
             let numbers = PathNumbers { numbers, path, start: numbers.block(path, 0) };
-            self.images.path(numbers.image(), &mut replicate.images);
             match (&self.kind, &mut replicate.tally) {
-                (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.path(&numbers, tally),
-                (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.path(&numbers, tally),
+                (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
+                    images.path(numbers.image(), sums);
+                    bare.path(&numbers, tally);
+                }
+                (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
+                    images.path(numbers.image(), sums);
+                    diffused.path(&numbers, tally);
+                }
+                (Kind::Layered(layered), Tally::Layered(tally)) => layered.path(&numbers, tally),
                 // A replicate of another walk: its numbers would mean nothing here.
                 _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
             }
@@ -138,13 +152,16 @@ impl<'a> Walk<'a> {
     /// The means over a replicate's paths; it must have traced at least one.
     pub fn estimate(&self, replicate: &Replicate) -> Estimate {
         let scale = 1.0 / replicate.paths as f64;
-        let mut estimate = match (&self.kind, &replicate.tally) {
-            (Kind::Bare(bare), TallyKind::Bare(tally)) => bare.estimate(tally, scale),
-            (Kind::Diffused(diffused), TallyKind::Diffused(tally)) => diffused.estimate(tally, scale),
-            _ => return Estimate::default(),
-        };
-        self.images.add_to(&mut estimate.rho, &replicate.images, scale);
-        estimate
+        match (&self.kind, &replicate.tally) {
+            (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
+                images.add_to(bare.estimate(tally, scale), sums, scale)
+            }
+            (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
+                images.add_to(diffused.estimate(tally, scale), sums, scale)
+            }
+            (Kind::Layered(layered), Tally::Layered(tally)) => layered.estimate(tally, scale),
+            _ => Estimate::default(),
+        }
     }
 }
 
@@ -152,8 +169,7 @@ impl<'a> Walk<'a> {
 #[derive(Debug, Clone)]
 pub struct Replicate {
     paths: u64,
-    tally: TallyKind,
-    images: images::Sums,
+    tally: Tally,
 }
 
 impl Replicate {
@@ -164,9 +180,10 @@ impl Replicate {
 }
 
 #[derive(Debug, Clone)]
-enum TallyKind {
-    Bare(bare::Tally),
-    Diffused(diffused::Tally),
+enum Tally {
+    Bare(bare::Tally, images::Sums),
+    Diffused(diffused::Tally, images::Sums),
+    Layered(layered::Tally),
 }
 
 /// A point of a source to connect to, and its density over direction cosines

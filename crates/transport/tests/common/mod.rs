@@ -2,8 +2,10 @@
 
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
-use papilio_transport::walk::{Estimate, Walk};
-use papilio_transport::{AngularTable, Base, Cone, Front, Medium, Nodes, Reflector, Source, Stack, Top};
+use papilio_transport::walk::Walk;
+use papilio_transport::{
+    AngularTable, Base, Cone, Estimate, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+};
 
 pub(crate) const REPLICATES: u64 = 32;
 
@@ -27,8 +29,8 @@ pub(crate) fn lambertian(reflectance: f64) -> Base {
 }
 
 /// A panel in glass of index 1.5 without front.
-pub(crate) fn panel(top: Top, base: Base) -> Stack {
-    Stack { front: Front::none(1), top, medium: Medium::new(one(1.5)), base, single_pass: false }
+pub(crate) fn panel(top: Top, base: Base) -> Panel {
+    Panel { front: Front::none(1), top, medium: Medium::new(one(1.5)), base, single_pass: false }
 }
 
 /// Front of screen from components (R, A).
@@ -43,14 +45,15 @@ pub(crate) fn view(theta_deg: f64) -> Cone {
 
 /// The estimates of 32 replicates.
 pub(crate) fn replicates(
-    stack: &Stack,
+    stack: &Panel,
     view: Cone,
     sources: &[Source],
     seed: u64,
     paths: u64,
     sampler: Sampler,
 ) -> Vec<Estimate> {
-    let walk = Walk::new(stack, view, sources);
+    let stack = Stack::Panel(stack.clone());
+    let walk = Walk::new(&stack, view, sources);
     (0..REPLICATES)
         .map(|stream| {
             let mut replicate = walk.replicate();

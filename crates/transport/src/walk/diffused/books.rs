@@ -4,8 +4,9 @@ use papilio_optics::Beta;
 
 use super::Diffused;
 use crate::Source;
-use crate::walk::tally::{Channel, Estimate, Incident, Ledger, Rho};
-use crate::walk::{scale_rows, specular};
+use crate::walk::scale_rows;
+use crate::walk::tally::{Channel, Incident};
+use crate::{Estimate, Ledger, Rho, specular};
 
 /// The sums of a replicate, and room to work in.
 #[derive(Debug, Clone)]

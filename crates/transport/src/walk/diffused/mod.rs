@@ -15,8 +15,8 @@ use papilio_sampling::warp;
 use super::tally::Reflected;
 use super::{PathNumbers, scale_rows};
 use crate::angular::Stencil;
-use crate::stack::{Diffuser, Reflector};
-use crate::{Cone, Source, Stack};
+use crate::{Cone, Panel, Source};
+use crate::{Diffuser, Reflector};
 pub(super) use books::Tally;
 use books::{Room, Sums};
 
@@ -29,7 +29,7 @@ const LEAST_SURVIVAL: f64 = 0.05;
 
 #[derive(Debug)]
 pub(super) struct Diffused<'a> {
-    stack: &'a Stack,
+    stack: &'a Panel,
     diffuser: &'a Diffuser,
     view: Cone,
     sources: &'a [Source],
@@ -53,7 +53,7 @@ struct Upward {
 }
 
 impl<'a> Diffused<'a> {
-    pub(super) fn new(stack: &'a Stack, diffuser: &'a Diffuser, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(stack: &'a Panel, diffuser: &'a Diffuser, view: Cone, sources: &'a [Source]) -> Self {
         let sent_back = diffuser.transmittance.zip_map(&stack.front.reflectance_below, |t, r| t * t * r);
         let goes_on = !stack.single_pass && stack.front.transmittance.max() > 0.0;
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };

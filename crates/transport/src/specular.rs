@@ -4,8 +4,7 @@ use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 
 use crate::front::Flat;
-use crate::stack::{Diffuser, Reflector};
-use crate::{Stack, Top};
+use crate::{Diffuser, Layered, Panel, Reflector, Stack, Top};
 
 /// What a mirror image holds, in parts of the source's own radiance.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,6 +18,19 @@ pub struct Image {
 /// The specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
 pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
+    match stack {
+        Stack::Panel(panel) => panel_image(panel, beta),
+        Stack::Layered(layered) => layered_image(layered, beta),
+    }
+}
+
+fn layered_image(stack: &Layered, _beta: Beta) -> Image {
+    let base = &stack.base;
+    Image { front: vec![0.0; base.bins()], base: vec![0.0; base.states() * base.bins()] }
+}
+
+/// [`specular_image`] of a panel.
+pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
     let base = &stack.base;
     let mut flat_top = FlatTop::new(base.bins());
     flat_top.set(stack, beta.squared());
@@ -43,13 +55,13 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
 }
 
 /// All orders of a round trip that keeps this share of the light.
-fn round_trip(stack: &Stack, share: f64) -> f64 {
+fn round_trip(stack: &Panel, share: f64) -> f64 {
     if stack.single_pass { 1.0 } else { 1.0 / (1.0 - share) }
 }
 
 /// All orders of `front from below, straight down, base, straight up`, as a factor on
 /// a beam that arrives at the diffuser; `r` is the base's reflectance of the beam.
-pub(super) fn round_trips(stack: &Stack, diffuser: &Diffuser, r: &[f64]) -> Vec<f64> {
+pub(crate) fn round_trips(stack: &Panel, diffuser: &Diffuser, r: &[f64]) -> Vec<f64> {
     let bins = diffuser.transmittance.len();
     let one = |(k, r): (usize, &f64)| {
         let bin = k % bins;
@@ -61,15 +73,15 @@ pub(super) fn round_trips(stack: &Stack, diffuser: &Diffuser, r: &[f64]) -> Vec<
 
 /// Front and face of a bare panel as one flat part, at one angle.
 #[derive(Debug, Clone)]
-pub(super) struct FlatTop {
+pub(crate) struct FlatTop {
     /// Shape `[wavelength]`, as in [`Flat`].
-    pub(super) t: Vec<f64>,
-    pub(super) above: Vec<f64>,
-    pub(super) below: Vec<f64>,
+    pub(crate) t: Vec<f64>,
+    pub(crate) above: Vec<f64>,
+    pub(crate) below: Vec<f64>,
 }
 
 impl FlatTop {
-    pub(super) fn new(bins: usize) -> Self {
+    pub(crate) fn new(bins: usize) -> Self {
         Self { t: vec![0.0; bins], above: vec![0.0; bins], below: vec![0.0; bins] }
     }
 
@@ -78,7 +90,7 @@ impl FlatTop {
     }
 
     /// The stack's front and face at this angle.
-    pub(super) fn set(&mut self, stack: &Stack, beta_squared: f64) {
+    pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
         let alike = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
         let first = face(stack, beta_squared, 0);
         for bin in 0..self.t.len() {
@@ -92,7 +104,7 @@ impl FlatTop {
 
 /// The face of a bare panel at one angle and wavelength.
 #[inline]
-fn face(stack: &Stack, beta_squared: f64, bin: usize) -> Flat {
+fn face(stack: &Panel, beta_squared: f64, bin: usize) -> Flat {
     match &stack.top {
         Top::Fresnel(index) if beta_squared <= 1.0 => {
             let r = fresnel_reflectance(1.0, index[bin], beta_squared.sqrt());

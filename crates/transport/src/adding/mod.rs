@@ -1,0 +1,78 @@
+//! *adding*: the deterministic solver.
+//!
+//! A [`Kernel`] holds what depends neither on the pixel nor on spectra, for one stack of layers,
+//! its views and its sources, at one level of discretisation. An [`Estimate`] through it costs
+//! little: new pixels, states, spectra and (of a panel) new fronts of screen.
+//!
+//! Levels are nested in accuracy: the difference between the estimates of two levels is the
+//! coarser one's discretisation error.
+
+mod layered;
+mod panel;
+
+use crate::{Cone, Estimate, Source, Stack};
+
+/// The finest level.
+pub const FINEST: u32 = 6;
+
+/// Prepared angular kernels of one level.
+#[derive(Debug, Clone)]
+pub struct Kernel {
+    level: u32,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    Empty,
+    Panel(panel::Kernel),
+    Layered(Box<layered::Kernel>),
+}
+
+impl Kernel {
+    /// An empty kernel of this level, 0 (coarsest) to [`FINEST`].
+    pub fn new(level: u32) -> Self {
+        Self { level, kind: Kind::Empty }
+    }
+
+    /// Makes it ready for these layers, views (cones of directions in air) and sources. What
+    /// was prepared before and still serves is kept.
+    pub fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source]) {
+        match (stack, &mut self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources),
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.prepare(layered, views, sources),
+            (Stack::Panel(panel), kind) => {
+                let mut kernel = panel::Kernel::new(self.level);
+                kernel.prepare(panel, views, sources);
+                *kind = Kind::Panel(kernel);
+            }
+            (Stack::Layered(layered), kind) => {
+                let mut kernel = layered::Kernel::new(self.level);
+                kernel.prepare(layered, views, sources);
+                *kind = Kind::Layered(Box::new(kernel));
+            }
+        }
+    }
+
+    /// What is seen from view number `view`; the stack's layers, the views and the sources are
+    /// those it was prepared for, its base and spectra may be others.
+    pub fn estimate(&self, stack: &Stack, view: usize) -> Estimate {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.estimate(layered, view),
+            _ => {
+                debug_assert!(false, "a kernel is prepared before it is used");
+                Estimate::default()
+            }
+        }
+    }
+
+    /// Directions at which light is followed: radial nodes, over all views and sources.
+    pub fn nodes(&self) -> usize {
+        match &self.kind {
+            Kind::Empty => 0,
+            Kind::Panel(kernel) => kernel.nodes(),
+            Kind::Layered(kernel) => kernel.nodes(),
+        }
+    }
+}

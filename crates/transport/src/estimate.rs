@@ -1,0 +1,53 @@
+//! What a solver answers: reflectance factors under each source alone, and a ledger of energy.
+
+/// What a solver answers for one view.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Estimate {
+    /// For each source, in the order they were given.
+    pub rho: Vec<Rho>,
+    /// Where a unit beam from the view direction ends.
+    pub ledger: Ledger,
+}
+
+/// Reflectance factor under one source alone.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Rho {
+    /// Light that met the base; shape `[state][wavelength]`.
+    pub base: Vec<f64>,
+    /// Light mirrored before it met the base, alike in all states; shape `[wavelength]`.
+    pub front: Vec<f64>,
+}
+
+/// Shares of a unit beam, per state and wavelength (shape `[state][wavelength]`).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ledger {
+    /// Back into the room.
+    pub returned: Vec<f64>,
+    /// Absorbed in the front of screen.
+    pub front: Vec<f64>,
+    /// Absorbed in the diffuser, or beyond its lobe's reach.
+    pub diffuser: Vec<f64>,
+    /// Absorbed in the glass and other clear layers, coatings included.
+    pub glass: Vec<f64>,
+    /// Absorbed in the active pixel.
+    pub pixel: Vec<f64>,
+    /// Absorbed in the inactive share of the panel.
+    pub inactive: Vec<f64>,
+    /// Not followed to its end.
+    pub unaccounted: Vec<f64>,
+}
+
+impl Ledger {
+    pub(crate) fn zeros(len: usize) -> Self {
+        let zeros = || vec![0.0; len];
+        Self {
+            returned: zeros(),
+            front: zeros(),
+            diffuser: zeros(),
+            glass: zeros(),
+            pixel: zeros(),
+            inactive: zeros(),
+            unaccounted: zeros(),
+        }
+    }
+}
