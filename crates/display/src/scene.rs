@@ -323,21 +323,24 @@ pub struct Solver {
 /// The solvers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
+    /// Deterministic, without noise.
+    Adding,
     /// Unbiased Monte Carlo.
     Walk,
 }
 
-/// When the walk stops.
+/// When the solver stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stop {
-    /// At this relative standard error of Y, largest over states and views.
+    /// At this relative error of Y, largest over states and views: the walk's standard error,
+    /// adding's discretisation error.
     RelativeError {
         /// For example 0.001.
         target: f64,
         /// Over every wavelength too, against the spectrum's maximum.
         every_bin: bool,
     },
-    /// After this many paths for each view.
+    /// After this many paths for each view (the walk alone).
     Paths(u64),
 }
 
