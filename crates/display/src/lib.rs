@@ -58,6 +58,8 @@
 //! **Limits.** The display is uniform over the field of view. **Out of scope.** Files, TOML,
 //! printing.
 
+mod brdf;
+mod cone;
 mod error;
 mod meter;
 mod metrics;
@@ -68,5 +70,7 @@ mod run;
 mod sample;
 pub mod scene;
 
+pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
+pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use error::DisplayError;
 pub use run::{Control, Progress, run};
