@@ -34,7 +34,7 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
         text,
         "\n{}: {} paths, relative error {:.2} %, {seconds:.2} s. 0.123(4) means 0.123 with a standard error of 0.004.\n",
         solver.method,
-        solver.paths,
+        solver.paths.unwrap_or_default(),
         100.0 * solver.relative_error_reached
     );
     text
@@ -87,7 +87,7 @@ const COLUMNS: [Column; 9] = [
 fn in_full(view: &View, in_glass: bool) -> String {
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(COLUMNS.iter().map(|(title, ..)| (*title).to_owned()));
-    for (name, State { value, standard_error }) in view.states.iter() {
+    for (name, State { value, standard_error, .. }) in view.states.iter() {
         let cells =
             COLUMNS.iter().map(|(_, decimals, get)| measured(get(value), get(standard_error), *decimals));
         rows.push(std::iter::once(name.to_owned()).chain(cells).collect());

@@ -146,6 +146,7 @@ impl<'a> Meter<'a> {
             State {
                 value: self.state(s, &mean.0, &scalars.states[s], specular[s].clone()),
                 standard_error: self.state(s, &errors, &scalar_errors.states[s], none),
+                discretisation_error: None,
             }
         };
         View {
@@ -160,6 +161,7 @@ impl<'a> Meter<'a> {
                 gamut_percent_srgb: scalar_errors.gamut_srgb,
                 gamut_percent_ebu: scalar_errors.gamut_ebu,
             },
+            discretisation_error: None,
             ledger: self.by_name(|s| self.ledger(s, &mean.0, &errors)),
         }
     }
@@ -244,7 +246,7 @@ impl<'a> Meter<'a> {
         let (e_returned, e_absorbed, e_unaccounted) = ledger_parts(&errors[at]);
         let standard_error =
             LedgerError { returned: e_returned, absorbed: e_absorbed, unaccounted: e_unaccounted };
-        Ledger { returned, absorbed, unaccounted, standard_error }
+        Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error: None }
     }
 
     /// Luminance factors of the directed sources' images, shape `[state][light]`.

@@ -25,13 +25,18 @@ pub struct RunResult {
 /// How the numbers were computed.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SolverReport {
-    /// `walk`.
+    /// `adding` or `walk`.
     pub method: String,
-    /// Paths traced, over all views.
-    pub paths: u64,
-    /// Independent replicates less one: the degrees of freedom of every standard error.
+    /// Paths traced, over all views (walk).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paths: Option<u64>,
+    /// Directions at which light was followed, over all views, at the level that is reported (adding).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<u64>,
+    /// Independent replicates less one: the degrees of freedom of every standard error; 0 without noise.
     pub degrees_of_freedom: u64,
-    /// The largest SE(Y)/Y over states and views (and wavelengths, with `every_bin`).
+    /// The largest relative error of Y over states and views (and wavelengths, with `every_bin`):
+    /// the standard error of the walk, the discretisation error of adding.
     pub relative_error_reached: f64,
     /// True if the run was stopped before it reached its target.
     pub interrupted: bool,
@@ -67,14 +72,17 @@ pub struct View {
     pub gamut_percent_srgb: Option<f64>,
     /// The same, % of EBU's.
     pub gamut_percent_ebu: Option<f64>,
-    /// One sigma of the three above.
+    /// One sigma of the three above (0 where there is no noise).
     pub standard_error: ViewError,
+    /// Discretisation errors of the same three (adding).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discretisation_error: Option<ViewError>,
     /// Where a unit beam that enters from the view direction ends.
     pub ledger: Named<Ledger>,
 }
 
-/// One sigma of a view's metrics.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+/// Errors of a view's metrics.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ViewError {
     /// Of `contrast_ratio`.
     pub contrast_ratio: Option<f64>,
@@ -90,11 +98,14 @@ pub struct State {
     /// The values.
     #[serde(flatten)]
     pub value: StateValues,
-    /// One sigma of each of them, from independent replicates.
+    /// One sigma of each of them, from independent replicates (0 where there is no noise).
     pub standard_error: StateValues,
+    /// How far each of them is from that of the next coarser discretisation (adding).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discretisation_error: Option<StateValues>,
 }
 
-/// The numbers of a state, or their standard errors.
+/// The numbers of a state, or their errors.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "the field's own letters, as result.json spells them")]
 pub struct StateValues {
@@ -164,11 +175,14 @@ pub struct Ledger {
     pub absorbed: Absorbed,
     /// What was not followed to its end.
     pub unaccounted: f64,
-    /// One sigma of the above.
+    /// One sigma of the above (0 where there is no noise).
     pub standard_error: LedgerError,
+    /// Discretisation errors of the above (adding).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discretisation_error: Option<LedgerError>,
 }
 
-/// One sigma of a ledger's shares.
+/// Errors of a ledger's shares.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LedgerError {
     /// Of `returned`.

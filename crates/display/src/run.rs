@@ -34,11 +34,11 @@ const MOST_PATHS: u64 = 1 << 31;
 /// How far a run has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Paths traced, over all views so far.
-    pub paths: u64,
+    /// Paths traced, over all views so far (walk).
+    pub paths: Option<u64>,
     /// The part of the current view's paths that is done, where that is known.
     pub share_of_paths: Option<f64>,
-    /// The largest relative standard error of the current view.
+    /// The largest relative error of Y in the current view.
     pub relative_error: f64,
     /// The target, where there is one.
     pub target: Option<f64>,
@@ -213,7 +213,7 @@ impl<'a> Runner<'a> {
         };
         let views = done.views.len() + usize::from(self.is_enough(work));
         Progress {
-            paths: done.paths + work.paths,
+            paths: Some(done.paths + work.paths),
             share_of_paths,
             relative_error: work.relative_error,
             target,
@@ -225,7 +225,8 @@ impl<'a> Runner<'a> {
         RunResult {
             solver: SolverReport {
                 method: "walk".to_owned(),
-                paths: done.paths,
+                paths: Some(done.paths),
+                nodes: None,
                 degrees_of_freedom: REPLICATES - 1,
                 relative_error_reached: done.relative_error,
                 interrupted,

@@ -37,8 +37,18 @@ fn values(start: f64) -> StateValues {
 fn result() -> RunResult {
     let absorbed = || Absorbed { front: 0.1, diffuser: 0.2, glass: 0.0, pixel: 0.3, inactive: 0.1 };
     let standard_error = LedgerError { returned: 0.01, absorbed: absorbed(), unaccounted: 0.0 };
-    let ledger = Ledger { returned: 0.3, absorbed: absorbed(), unaccounted: 0.0, standard_error };
-    let state = |start| State { value: values(start), standard_error: values(0.001) };
+    let ledger = Ledger {
+        returned: 0.3,
+        absorbed: absorbed(),
+        unaccounted: 0.0,
+        standard_error,
+        discretisation_error: None,
+    };
+    let state = |start| State {
+        value: values(start),
+        standard_error: values(0.001),
+        discretisation_error: None,
+    };
     let view = View {
         theta_deg: -8.5,
         phi_deg: 0.0,
@@ -54,12 +64,14 @@ fn result() -> RunResult {
             gamut_percent_srgb: None,
             gamut_percent_ebu: None,
         },
+        discretisation_error: None,
         ledger: Named(vec![("white, bright".to_owned(), ledger.clone()), ("black".to_owned(), ledger)]),
     };
     RunResult {
         solver: SolverReport {
             method: "walk".to_owned(),
-            paths: 1024,
+            paths: Some(1024),
+            nodes: None,
             degrees_of_freedom: 15,
             relative_error_reached: 1e-3,
             interrupted: false,

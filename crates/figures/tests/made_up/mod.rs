@@ -30,7 +30,8 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
     RunResult {
         solver: SolverReport {
             method: "walk".to_owned(),
-            paths: 65_536,
+            paths: Some(65_536),
+            nodes: None,
             degrees_of_freedom: 15,
             relative_error_reached: relative_error,
             interrupted: false,
@@ -81,6 +82,7 @@ fn view(grid: &Grid, observer: &Observer, white: &Spectrum, theta_deg: f64, erro
             gamut_percent_srgb: Some(2.0 * error * srgb),
             gamut_percent_ebu: Some(2.0 * error * ebu),
         },
+        discretisation_error: None,
         ledger: Named(vec![]),
         states,
     }
@@ -124,5 +126,5 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         peak_nm: value.peak_nm.map(|_| 40.0 * share),
         ..value.clone()
     };
-    State { standard_error: scaled(error), value }
+    State { standard_error: scaled(error), discretisation_error: None, value }
 }
