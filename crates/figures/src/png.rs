@@ -1,0 +1,59 @@
+//! PNG: our own SVG, rasterised.
+//!
+//! The letters are those of `fonts/` and no others, so that a figure has the same pixels on
+//! every machine; a character that they lack is left out.
+
+use std::sync::{Arc, OnceLock};
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{self, fontdb};
+
+/// Why a figure could not be rasterised.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// The text is not SVG.
+    #[error("this is not an SVG figure: {0}")]
+    NotSvg(#[from] usvg::Error),
+    /// More pixels than there is memory for.
+    #[error("a picture of {width} x {height} pixels is too large")]
+    TooLarge {
+        /// px.
+        width: f32,
+        /// px.
+        height: f32,
+    },
+    /// The pixels could not be packed.
+    #[error("the picture cannot be encoded: {0}")]
+    Encoding(String),
+}
+
+/// No picture is larger than this many pixels either way.
+const LARGEST: f32 = 16_384.0;
+
+/// A figure as PNG, `scale` pixels for each px of its SVG (2 suits paper and screens alike).
+///
+/// # Errors
+/// If `svg` is not SVG, or the picture would be larger than 16384 pixels either way.
+pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
+    let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
+    let tree = usvg::Tree::from_str(svg, &options)?;
+    let (width, height) = ((scale * tree.size().width()).ceil(), (scale * tree.size().height()).ceil());
+    let fits = |length: f32| (1.0..=LARGEST).contains(&length);
+    let pixmap = (fits(width) && fits(height)).then(|| Pixmap::new(width as u32, height as u32)).flatten();
+    let mut pixmap = pixmap.ok_or(PngError::TooLarge { width, height })?;
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
+    pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
+}
+
+/// The font database, filled once.
+fn fonts() -> Arc<fontdb::Database> {
+    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
+    let fill = || {
+        let mut fonts = fontdb::Database::new();
+        fonts.load_font_data(include_bytes!("../fonts/Roboto-Regular.ttf").to_vec());
+        fonts.load_font_data(include_bytes!("../fonts/Roboto-Bold.ttf").to_vec());
+        fonts.set_sans_serif_family("Roboto");
+        Arc::new(fonts)
+    };
+    Arc::clone(FONTS.get_or_init(fill))
+}
