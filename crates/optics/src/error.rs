@@ -43,6 +43,18 @@ pub enum OpticsError {
         /// How many there are.
         found: usize,
     },
+    /// A coating's layers have fixed thicknesses.
+    #[error("a layer of a coating has the gap's thickness (expected a thickness in nm)")]
+    CoatingGap,
+    /// A coating's fringes over direction are too many to tabulate.
+    #[error(
+        "the coating's interference fringes at {nm} nm are too many (expected films of 0.1 mm in all at \
+         most; a thicker layer does not interfere, and is a layer of its own)"
+    )]
+    Fringes {
+        /// The wavelength.
+        nm: f64,
+    },
     /// Two arrays do not fit each other.
     #[error("{what}: {found} values (expected {expected})")]
     Length {

@@ -29,6 +29,7 @@
 //! **Out of scope.** Stacks of layers that exchange light (`transport`), colour
 //! (`colour`), where the indices come from (`spectra`), files and threads.
 
+mod chebyshev;
 mod direction;
 mod error;
 pub mod film;

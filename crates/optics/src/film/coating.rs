@@ -1,43 +1,185 @@
 //! A coherent coating between two transparent media, seen from both sides.
 //!
-//! Reflectances and transmittance (mean of s and p) are tabulated over direction once, so
-//! that a look-up costs a few multiplications.
+//! **What.** Reflectances and transmittance, mean of s and p, of flat coherent layers that
+//! stand between two media, such as an antireflection film on a cover glass. They are
+//! tabulated over direction once, so that a look-up costs a few dozen multiplications.
+//!
+//! **Parameters.** Layers as in [`film`](super), 0 to about 0.1 mm in all; media of real index,
+//! per wavelength. `beta` is conserved through the whole: `beta < n` is light in a medium of
+//! index n. The transmittance is a share of power, alike from both sides (reciprocity), and as
+//! such what happens to basic radiance.
+//!
+//! **Beyond the smaller index** nothing is transmitted, and there is light on the denser side
+//! alone. Between dense media on both sides a thin gap of air does pass light beyond its own
+//! critical angle: it tunnels.
+//!
+//! **How.** The fields' admittances hold `q = sqrt(n^2 - beta^2)` of the two media, so that as
+//! functions of beta the quantities have square roots at both indices; layers in between add
+//! none. Below the smaller index l they are analytic in `q_l`. Between l and the larger one h
+//! both roots are rational in x, `sqrt(beta^2 - l^2) = D 2x/(1 + x^2)`,
+//! `q_h = D (1 - x^2)/(1 + x^2)`, `D^2 = h^2 - l^2`, so x runs from 0 to 1 without any root.
+//! Each of the two intervals holds Chebyshev series on pieces that are halved until, between
+//! their nodes, no quantity is off by more than 1e-9. A guided resonance narrower than the
+//! pieces' nodes could be missed; its share of the light is of the order of its width.
+//!
+//! **Validity.** That of [`coherent`], from which every node comes. A coating that absorbs may
+//! differ from its two sides; R + T <= 1 holds to rounding on both.
 
-use super::SpectralLayer;
+use super::coherent::{Film, Layer, Polarisation, coherent};
+use super::{SpectralLayer, Thickness, checked_incidence, checked_wavelength};
 use crate::OpticsError;
+use crate::chebyshev::Piecewise;
+
+/// The largest error between nodes.
+const TOLERANCE: f64 = 1e-9;
+
+/// Of each of the two intervals of a wavelength.
+const MOST_PIECES: usize = 256;
 
 /// A coating at every wavelength, ready for look-ups.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coating {}
+pub struct Coating {
+    bins: Vec<Table>,
+}
 
 /// What a flat part does to light of one wavelength and direction; basic radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoatingPart {
-    /// Transmittance, the same in both directions.
+    /// Transmittance, the same in both directions; 0 from the smaller index on.
     pub transmittance: f64,
-    /// Reflectance for light from above.
+    /// Reflectance for light from above; 0 where `|beta|` is not below the index there.
     pub above: f64,
-    /// Reflectance for light from below.
+    /// Reflectance for light from below; 0 where `|beta|` is not below the index there.
     pub below: f64,
+}
+
+/// One wavelength.
+#[derive(Debug, Clone, PartialEq)]
+struct Table {
+    above_squared: f64,
+    below_squared: f64,
+    /// Transmittance, reflectances from above and below; over `q/n` of the smaller index.
+    both: Piecewise<3>,
+    /// Reflectance from the denser side between the indices, where they differ.
+    denser: Option<Piecewise<1>>,
 }
 
 impl Coating {
     /// A coating of these layers (top to bottom, thicknesses fixed) between media of these
     /// indices, one for each wavelength (nm).
     ///
+    /// ```
+    /// use papilio_optics::film::{Coating, SpectralLayer, Thickness};
+    /// // A quarter wave of MgF2 (1.38) on glass.
+    /// let quarter = Thickness::Fixed(550.0 / (4.0 * 1.38));
+    /// let mgf2 = SpectralLayer { index: vec![1.38.into()], thickness: quarter };
+    /// let coating = Coating::new(&[550.0], &[1.0], &[mgf2], &[1.52])?;
+    /// assert!((coating.part(0.0, 0).above - 0.0126).abs() < 1e-4);
+    /// // Light in the glass beyond the critical angle is reflected whole.
+    /// assert!((coating.part(1.2, 0).below - 1.0).abs() < 1e-12);
+    /// # Ok::<(), papilio_optics::OpticsError>(())
+    /// ```
+    ///
     /// # Errors
-    /// As [`GapFilm::new`](super::GapFilm::new).
+    /// As [`GapFilm::new`](super::GapFilm::new); if a thickness is the gap's; if the layers are
+    /// so thick, about 0.1 mm, that their fringes are too many.
     pub fn new(
-        _wavelengths_nm: &[f64],
-        _above: &[f64],
-        _layers: &[SpectralLayer],
-        _below: &[f64],
+        wavelengths_nm: &[f64],
+        above: &[f64],
+        layers: &[SpectralLayer],
+        below: &[f64],
     ) -> Result<Self, OpticsError> {
-        Ok(Self {})
+        let expected = wavelengths_nm.len();
+        let arrays =
+            [("indices of the medium above", above.len()), ("indices of the medium below", below.len())];
+        let of_layers = layers.iter().map(|layer| ("indices of a layer", layer.index.len()));
+        for (what, found) in arrays.into_iter().chain(of_layers) {
+            if found != expected {
+                return Err(OpticsError::Length { what, expected, found });
+            }
+        }
+        let table = |bin: usize| {
+            let layers = layers.iter().map(|layer| layer_at(layer, bin)).collect::<Result<_, _>>()?;
+            Table::new(wavelengths_nm[bin], above[bin], layers, below[bin])
+        };
+        Ok(Self { bins: (0..expected).map(table).collect::<Result<_, _>>()? })
     }
 
     /// What it does at `|beta|^2` to wavelength number `bin`.
-    pub fn part(&self, _beta_squared: f64, _bin: usize) -> CoatingPart {
-        CoatingPart { transmittance: 1.0, above: 0.0, below: 0.0 }
+    #[inline]
+    pub fn part(&self, beta_squared: f64, bin: usize) -> CoatingPart {
+        self.bins[bin].part(beta_squared)
     }
+}
+
+fn layer_at(layer: &SpectralLayer, bin: usize) -> Result<Layer, OpticsError> {
+    match layer.thickness {
+        Thickness::Fixed(thickness_nm) => Ok(Layer { index: layer.index[bin], thickness_nm }),
+        Thickness::Gap => Err(OpticsError::CoatingGap),
+    }
+}
+
+impl Table {
+    fn new(nm: f64, above: f64, layers: Vec<Layer>, below: f64) -> Result<Self, OpticsError> {
+        checked_wavelength(nm)?;
+        let (above, below) = (checked_incidence(above)?, checked_incidence(below)?);
+        let from_below = layers.iter().rev().copied().collect();
+        let down = Film { incidence: above, layers, substrate: below.into() };
+        let up = Film { incidence: below, layers: from_below, substrate: above.into() };
+        let (smaller, larger) = (above.min(below), above.max(below));
+
+        let both = Piecewise::new(TOLERANCE, MOST_PIECES, |x| {
+            let beta = smaller * ((1.0 - x) * (1.0 + x)).sqrt();
+            let [transmittance, above] = mean(&down, nm, beta)?;
+            Ok([transmittance, above, mean(&up, nm, beta)?[1]])
+        })?;
+        let gap = ((larger - smaller) * (larger + smaller)).sqrt();
+        let denser = |x: f64| {
+            let beta = smaller.hypot(gap * 2.0 * x / (1.0 + x * x));
+            let film = if above > below { &down } else { &up };
+            Ok([mean(film, nm, beta)?[1]])
+        };
+        let fringes = OpticsError::Fringes { nm };
+        let denser = match above == below {
+            true => None,
+            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or(fringes)?),
+        };
+        let both = both.ok_or(fringes)?;
+        Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })
+    }
+
+    fn part(&self, beta_squared: f64) -> CoatingPart {
+        let smaller = self.above_squared.min(self.below_squared);
+        if beta_squared < smaller {
+            let x = (1.0 - beta_squared / smaller).sqrt();
+            let [transmittance, above, below] = self.both.at(x);
+            // An error of interpolation may not make light.
+            let [above, below] = [above, below].map(|r| r.clamp(0.0, 1.0));
+            let transmittance = transmittance.clamp(0.0, 1.0 - above.max(below));
+            return CoatingPart { transmittance, above, below };
+        }
+        let larger = self.above_squared.max(self.below_squared);
+        let reflectance = match &self.denser {
+            Some(table) if beta_squared < larger => {
+                let (beyond, within) = ((beta_squared - smaller).sqrt(), (larger - beta_squared).sqrt());
+                let [r] = table.at(beyond / ((larger - smaller).sqrt() + within));
+                r.clamp(0.0, 1.0)
+            }
+            _ => 0.0,
+        };
+        let (above, below) =
+            if self.above_squared > self.below_squared { (reflectance, 0.0) } else { (0.0, reflectance) };
+        CoatingPart { transmittance: 0.0, above, below }
+    }
+}
+
+/// Transmittance and reflectance, mean of s and p; a ray along the layers is reflected whole.
+fn mean(film: &Film, nm: f64, beta: f64) -> Result<[f64; 2], OpticsError> {
+    if beta >= film.incidence {
+        return Ok([0.0, 1.0]);
+    }
+    let [s, p] =
+        [Polarisation::S, Polarisation::P].map(|polarisation| coherent(film, nm, beta, polarisation));
+    let (s, p) = (s?, p?);
+    Ok([0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)])
 }
