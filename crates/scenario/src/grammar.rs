@@ -1,6 +1,6 @@
 //! The words that the grammar of a scenario is written in.
 //!
-//! `table!`, `choice!`, `number!` and `forms!` declare what a scenario may hold, once:
+//! `table!`, `kinds!`, `choice!`, `number!` and `forms!` declare what a scenario may hold, once:
 //! the type, its reading, its defaults and its JSON Schema come from the same lines.
 //! The declarations themselves are in `describe`.
 
@@ -24,6 +24,12 @@ macro_rules! table {
             )*
         }
 
+        impl $crate::read::Table for $name {
+            fn keys() -> Vec<&'static str> {
+                vec![$(stringify!($field)),*]
+            }
+        }
+
         impl $crate::read::Read for $name {
             fn in_words() -> String {
                 concat!("a table with the keys", $(" ", stringify!($field)),*).to_owned()
@@ -31,7 +37,7 @@ macro_rules! table {
 
             #[allow(non_snake_case, reason = "as in the struct")]
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
-                node.known_entries(&[$(stringify!($field)),*], &[$($($later),*)?], errors)?;
+                node.known_entries(&<Self as $crate::read::Table>::keys(), &[$($($later),*)?], errors)?;
                 $( let $field = node.field::<$ty>(stringify!($field), $crate::grammar::table!(@default $($default)?), errors); )*
                 Some(Self { $($field: $field?),* })
             }
@@ -65,6 +71,69 @@ macro_rules! table {
     (@default $default:expr) => { Some($default) };
 }
 pub(crate) use table;
+
+/// Declares a table of several kinds, told apart by one key: each kind has keys of its own.
+macro_rules! kinds {
+    (
+        $(#[doc = $doc:literal])*
+        $name:ident by $tag:literal {
+            $( $(#[doc = $kind_doc:literal])* $variant:ident($ty:ty) = $word:literal ),* $(,)?
+        }
+        $(later [$($later:literal),* $(,)?])?
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, serde::Serialize)]
+        #[serde(tag = $tag)]
+        pub(crate) enum $name {
+            $( $(#[doc = $kind_doc])* #[serde(rename = $word)] $variant($crate::read::At<$ty>), )*
+        }
+
+        impl $crate::read::Table for $name {
+            fn keys() -> Vec<&'static str> {
+                let kinds = [$(<$ty as $crate::read::Table>::keys()),*];
+                std::iter::once($tag).chain(kinds.into_iter().flatten()).collect()
+            }
+        }
+
+        impl $crate::read::Read for $name {
+            fn in_words() -> String {
+                let kinds: &[&str] = &[$(concat!($tag, " = \"", $word, "\"")),*];
+                format!("a table with {}", kinds.join(" or "))
+            }
+
+            fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
+                let known = vec![$($crate::kinds::Kind {
+                    word: $word,
+                    named: concat!($tag, " = \"", $word, "\""),
+                    keys: <$ty as $crate::read::Table>::keys(),
+                }),*];
+                let kinds = $crate::kinds::Kinds { tag: $tag, known, later: &[$($($later),*)?] };
+                let $crate::tree::Value::Table(_) = &node.value else {
+                    return node.wrong_type(Self::in_words(), errors);
+                };
+                let (word, origin, rest) = kinds.split(node, errors)?;
+                match word {
+                    $( $word => <$ty as $crate::read::Read>::read(&rest, errors)
+                        .map(|value| Self::$variant($crate::read::At { value, origin })), )*
+                    _ => None,
+                }
+            }
+        }
+
+        impl schemars::JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let kinds = [$(
+                    $crate::schema::with_tag($tag, $word, <$ty as schemars::JsonSchema>::json_schema(generator))
+                ),*];
+                schemars::json_schema!({ "oneOf": kinds, "description": concat!($($doc, "\n"),*).trim() })
+            }
+        }
+    };
+}
+pub(crate) use kinds;
 
 /// Declares a closed set of words, and those that a later version will have.
 macro_rules! choice {

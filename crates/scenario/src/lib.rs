@@ -47,6 +47,7 @@
 mod describe;
 mod error;
 mod grammar;
+mod kinds;
 mod nearest;
 mod preset;
 mod problem;

@@ -1,5 +1,6 @@
 //! What can be wrong with a scenario, and what to do about it.
 
+use num_complex::Complex64;
 use papilio_spectra::SpectraError;
 
 use crate::nearest::nearest;
@@ -135,6 +136,54 @@ pub enum Problem {
         /// The other.
         beside: &'static str,
     },
+    /// A key that tables of another kind have.
+    #[error("`{key}` means nothing with {kind}")]
+    OfAnotherKind {
+        /// The key.
+        key: String,
+        /// The kind of this table, as it is written.
+        kind: &'static str,
+        /// The kinds that have the key.
+        of: Vec<&'static str>,
+    },
+    /// A key of the ordinary panel beside `layers`.
+    #[error("`{key}` stands beside `layers`, which says all that is over the pixel")]
+    BesideLayers {
+        /// `front`, `diffuser` or `glass`.
+        key: &'static str,
+        /// The layer that would be the same.
+        layer: &'static str,
+    },
+    /// Something that only the ordinary panel can have.
+    #[error("{what} is for the ordinary panel alone")]
+    NeedsPanel {
+        /// The key and its value.
+        what: &'static str,
+        /// The value that every display can have.
+        instead: &'static str,
+    },
+    /// A sheet between media of different index: which of them it is in makes a difference.
+    #[error("this sheet lies between media of different index")]
+    SheetAtFace,
+    /// A rough face without a step of the index.
+    #[error("the media on both sides of this face have the same index")]
+    NoFace,
+    /// A rough face beside a medium of dispersive index.
+    #[error("a medium beside this face has an index of {least} to {largest}")]
+    DispersiveFace {
+        /// Smallest index.
+        least: f64,
+        /// Largest index.
+        largest: f64,
+    },
+    /// A slab whose index depends on wavelength, or absorbs.
+    #[error("a slab has one real index, and this one is {least} to {largest}")]
+    SlabIndex {
+        /// Smallest index.
+        least: Complex64,
+        /// Largest index.
+        largest: Complex64,
+    },
     /// Shares that should make a whole and do not.
     #[error("{what} sum to {}", tidy(*.sum))]
     Sum {
@@ -202,10 +251,10 @@ pub enum Problem {
         /// The largest total transmittance of this lobe.
         limit: f64,
     },
-    /// A Fresnel face where a diffuser's own faces stand.
-    #[error("a diffuser given by its BTDF contains its faces")]
-    SurfaceUnderDiffuser,
-    /// An index of the glass that a lossless glass cannot have.
+    /// A face where a diffuser's own faces stand.
+    #[error("{0}")]
+    SurfaceUnderDiffuser(&'static str),
+    /// An index that no transparent medium has.
     #[error("this index is {n} + {k}i at {nm} nm")]
     NoGlass {
         /// n.
@@ -214,6 +263,8 @@ pub enum Problem {
         k: f64,
         /// Wavelength.
         nm: f64,
+        /// The largest k that such a medium may have.
+        largest_k: f64,
     },
     /// An index that no film has.
     #[error("this index is {n} + {k}i at {nm} nm")]
@@ -321,7 +372,12 @@ impl Problem {
             Self::EmptyList => "expected at least one item".to_owned(),
             Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
             Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
-            Self::NoGlass { .. } => "expected n from 1 to 10 and k below 1e-6".to_owned(),
+            Self::NoGlass { largest_k, .. } => format!("expected n from 1 to 10 and k below {largest_k:e}"),
+            Self::NeedsPanel { .. } => {
+                "expected front components, a face or a diffuser by its BTDF, and clear glass".to_owned()
+            }
+            Self::NoFace => "expected two media of different index".to_owned(),
+            Self::DispersiveFace { .. } => "expected the same index at all wavelengths".to_owned(),
             Self::NoFilm { .. } => "expected n and k up to 1000, and |n + ik| of .001 or more".to_owned(),
             Self::Trapped { limit_deg, .. } => {
                 format!("expected less than {limit_deg:.2} deg, field and radius included")
@@ -365,6 +421,9 @@ impl Problem {
             }
             Self::Twice { .. } => "leave one of them out".to_owned(),
             Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
+            Self::UnknownChoice { found, .. } if found == "slab" => {
+                "a slab is a layer of its own: kind = \"slab\"".to_owned()
+            }
             Self::UnknownChoice { found, choices } => {
                 format!("did you mean `{}`?", nearest(found, choices.iter().map(String::as_str))?)
             }
@@ -384,7 +443,28 @@ impl Problem {
             Self::TooMany { what, .. } if what.contains("wavelengths") => {
                 "take a larger spectrum.step_nm, or fewer of the others".to_owned()
             }
+            Self::NotWith { key: "paths", .. } => "give `relative_error`, or method = \"walk\"".to_owned(),
             Self::NotWith { key, .. } => format!("leave `{key}` out"),
+            Self::OfAnotherKind { key, of, .. } => {
+                format!("leave it out: `{key}` is a key of {}", of.join(" and "))
+            }
+            Self::BesideLayers { layer, .. } => format!("make it a layer, {layer}, or leave it out"),
+            Self::NeedsPanel { instead, .. } => format!("use {instead}"),
+            Self::SheetAtFace => "put what is below it in between: a face such as { kind = \"fresnel\" } leaves \
+                                  the sheet in the medium above, a { kind = \"medium\" } of the same index around it"
+                .to_owned(),
+            Self::NoFace => "put a { kind = \"medium\" } of another index below the face; or leave the face out".to_owned(),
+            Self::DispersiveFace { .. } => {
+                "give the index as a number, that at 550 nm for example".to_owned()
+            }
+            Self::SlabIndex { .. } => {
+                "give the index at 550 nm, as a number; what the slab absorbs is 1 - `albedo`".to_owned()
+            }
+            Self::NoGlass { n, k, largest_k, .. }
+                if (1.0..=10.0).contains(n) && *k > *largest_k && *k <= ABSORBING_K =>
+            {
+                "give `thickness_mm`, and k absorbs along the path".to_owned()
+            }
             Self::LobeAboveOne { limit, .. } => {
                 format!(
                     "a lobe so wide loses light beyond the hemisphere: total_transmittance can be {limit:.4} at most"
@@ -404,7 +484,7 @@ impl Problem {
                 "lines narrower than the grid's step are lost: set spectrum.step_nm = 1; or change range_nm"
                     .to_owned()
             }
-            Self::SurfaceUnderDiffuser => "leave `surface` out, or the diffuser".to_owned(),
+            Self::SurfaceUnderDiffuser(_) => "leave `surface` out, or the diffuser".to_owned(),
             Self::AnglesInGlass(_) => "use angle_medium = \"air\": Snell's law does the rest".to_owned(),
             Self::NotCovered { first, last, needed_nm, .. } => cover_hint((*first, *last), *needed_nm),
             Self::TableTooShort { .. } => {
@@ -428,6 +508,11 @@ impl Problem {
         })
     }
 }
+
+/// The k of a clear medium: at most this.
+pub(crate) const CLEAR_K: f64 = 1e-6;
+/// And of one that absorbs along a path that is given; beyond it Fresnel's real index is not enough.
+pub(crate) const ABSORBING_K: f64 = 1e-3;
 
 /// Ranges in words that end at 1.
 const SHARES: [&str; 3] = ["a number from 0 to 1", "a number between 0 and 1", "a number above 0, at most 1"];

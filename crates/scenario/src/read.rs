@@ -43,6 +43,11 @@ pub(crate) trait Read: Sized + JsonSchema {
     }
 }
 
+/// A table with a fixed set of keys.
+pub(crate) trait Table {
+    fn keys() -> Vec<&'static str>;
+}
+
 impl<T> Deref for At<T> {
     type Target = T;
     fn deref(&self) -> &T {
@@ -143,6 +148,21 @@ impl<T: Read> Read for Option<T> {
     }
     fn schema_of_value(generator: &mut SchemaGenerator) -> Schema {
         T::schema_of_value(generator)
+    }
+}
+
+impl<T: Read> Read for Box<T> {
+    fn in_words() -> String {
+        T::in_words()
+    }
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        T::read(node, errors).map(Self::new)
+    }
+}
+
+impl<T: Table> Table for Box<T> {
+    fn keys() -> Vec<&'static str> {
+        T::keys()
     }
 }
 

@@ -55,6 +55,27 @@ impl Keys {
     }
 }
 
+/// The schema of a table, or of several kinds of tables, with a key that says which kind it is.
+pub(crate) fn with_tag(tag: &str, word: &str, mut schema: Schema) -> Schema {
+    if let Some(rules) = schema.as_object_mut() {
+        add_tag(tag, word, rules);
+    }
+    schema
+}
+
+fn add_tag(tag: &str, word: &str, rules: &mut Map<String, Value>) {
+    if let Some(Value::Array(kinds)) = rules.get_mut("oneOf") {
+        kinds.iter_mut().filter_map(Value::as_object_mut).for_each(|kind| add_tag(tag, word, kind));
+        return;
+    }
+    if let Some(Value::Object(properties)) = rules.get_mut("properties") {
+        properties.insert(tag.to_owned(), json!({ "const": word }));
+    }
+    if let Some(Value::Array(required)) = rules.get_mut("required") {
+        required.insert(0, json!(tag));
+    }
+}
+
 /// A doc comment as running text.
 fn text(doc: &str) -> String {
     doc.lines().map(str::trim).collect::<Vec<_>>().join(" ").trim().to_owned()

@@ -70,8 +70,12 @@ fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Ori
 }
 
 /// Keys of which a table may have one: setting one means to replace the other.
-const RIVALS: [[&str; 2]; 3] =
-    [["relative_error", "paths"], ["haze", "width"], ["transmittance", "total_transmittance"]];
+const RIVALS: [[&str; 2]; 4] = [
+    ["relative_error", "paths"],
+    ["haze", "width"],
+    ["transmittance", "total_transmittance"],
+    ["internal_transmittance", "thickness_mm"],
+];
 
 /// Takes the rival of `key` out of a table, where its value is the file's and not that of another `--set`.
 fn drop_rival(table: &mut Node, key: &str) {

@@ -1,29 +1,43 @@
-//! `[display]`: front of screen, diffuser, glass.
+//! `[display]`: front of screen, diffuser, glass, or layers in any order.
 
-use super::numbers::{Extinction, Index, InnerShare, Share, Width};
+use super::diffuser::Diffuser;
+use super::layers::Layer;
+use super::numbers::{Extinction, Index, Share, Thickness};
 use super::pixel::Pixel;
 use crate::grammar::{choice, forms, table};
-use crate::read::At;
+use crate::read::{At, Read};
 
 table! {
-    /// The layers of the panel, top to bottom: front, surface or diffuser, glass, pixel.
-    Display later ["layers", "front_light"] {
+    /// The layers over the pixel, top to bottom: front, surface or diffuser, glass; or `layers` in any order.
+    Display later ["front_light"] {
+        /// Any layers in any order, top to bottom, from the air to the pixel: 1 to 64; in the place of
+        /// `front`, `diffuser` and `glass`. Default: none.
+        layers: Option<Vec<At<Layer>>>,
         /// Front-of-screen components in air, outermost first. Default: none.
-        front: Vec<At<FrontComponent>> = Vec::new(),
+        front: Option<Vec<At<FrontComponent>>>,
         /// The diffuser between air and glass. Default: none, a bare panel.
         diffuser: Option<Diffuser>,
-        /// The glass above the pixel.
-        glass: Glass,
+        /// The glass above the pixel. Default: clear, of index 1.5.
+        glass: Option<Glass>,
         /// The pixel array.
         pixel: Pixel,
     }
 }
 
 impl Display {
-    /// Fills in the face of a bare panel; under a diffuser there is none.
+    /// Fills in what a panel has without saying so; the general form says everything.
     pub(super) fn complete(&mut self) {
-        if self.diffuser.is_none() {
-            self.glass.value.surface.value.get_or_insert(Surface::Coated);
+        if self.layers.is_some() {
+            return;
+        }
+        self.front.value.get_or_insert_default();
+        let bare = self.diffuser.is_none();
+        if self.glass.is_none() {
+            self.glass.value = Glass::absent();
+        }
+        if let Some(glass) = self.glass.value.as_mut().filter(|_| bare) {
+            // Under a diffuser there is no face.
+            glass.surface.value.get_or_insert(Surface::Coated);
         }
     }
 }
@@ -39,46 +53,17 @@ table! {
 }
 
 table! {
-    /// A diffuser given by its BTDF; it stands for everything between air and glass, its faces included.
-    Diffuser later [
-        "optical_thickness", "anisotropy", "albedo", "index", "file", "transmission", "normalise", "mounting", "alpha",
-    ] {
-        /// The shape of its lobe.
-        model: DiffuserModel,
-        /// ASTM D1003 haze, between 0 and 1: the share of the transmitted light beyond 2.5 deg,
-        /// straight-through included. `k-correlation` takes this or `width`.
-        haze: Option<InnerShare>,
-        /// Width b of the k-correlation lobe, in direction cosines, 1e-6 to 100.
-        width: Option<Width>,
-        /// Transmittance that a datasheet gives (hemispherical, air to air, normal incidence): 0 to 1,
-        /// or a spectrum file. This or `transmittance`.
-        total_transmittance: Option<ShareSpectrum>,
-        /// Transmittance T over the whole plane of direction cosines, straight-through included: 0 to 1, or a spectrum file.
-        transmittance: Option<ShareSpectrum>,
-        /// Share s of T that is not scattered, 0 to 1: T splits into s T unscattered and (1 - s) T of the lobe over
-        /// the whole plane of direction cosines. So `total_transmittance` is T ((1 - s) f + s), f the lobe's share
-        /// within |beta| <= 1 at normal incidence. Default 0.
-        straight_through: Share = Share(0.0),
-    }
-}
-
-choice! {
-    /// The shape of a diffuser's lobe.
-    DiffuserModel {
-        /// Generalised Harvey-Shack with exponent 3/2.
-        KCorrelation = "k-correlation",
-        /// The same radiance in every direction of the air hemisphere.
-        Lambertian = "lambertian",
-    } later ["slab", "measured", "ward"]
-}
-
-table! {
     /// The glass between surface and pixel.
     Glass {
         /// Refractive index, real, 1 to 10: a number, a material or a file. Default 1.5.
         index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// The face between air and glass of a panel without diffuser. Default "coated".
         surface: Option<Surface>,
+        /// Internal transmittance along the normal: 0 to 1, or a spectrum file; oblique light passes more
+        /// of the glass. This or `thickness_mm`. Default: clear.
+        internal_transmittance: Option<ShareSpectrum>,
+        /// Thickness, mm, above 0, at most 1000: the index's k (up to 1e-3) absorbs along the path.
+        thickness_mm: Option<Thickness>,
     }
 }
 

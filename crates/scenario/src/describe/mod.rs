@@ -3,7 +3,9 @@
 //! These tables are the whole grammar. They know nothing of files, materials or
 //! grids; that is the business of `resolve`.
 
+pub(crate) mod diffuser;
 pub(crate) mod display;
+pub(crate) mod layers;
 pub(crate) mod lighting;
 pub(crate) mod numbers;
 pub(crate) mod pixel;

@@ -76,6 +76,26 @@ number!(
     { "type": "number", "exclusiveMinimum": 0, "maximum": 1e9 }
 );
 number!(
+    /// The thickness of a medium, mm.
+    Thickness, "a number above 0, at most 1000 (mm)", |v| v > 0.0 && v <= 1e3,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1000 }
+);
+number!(
+    /// Extinction along the normal.
+    OpticalThickness, "a number from 1e-6 to 1e6 (optical thickness)", |v| (1e-6..=1e6).contains(&v),
+    { "type": "number", "minimum": 1e-6, "maximum": 1e6 }
+);
+number!(
+    /// The mean cosine of a scattering angle.
+    Anisotropy, "a number from -.99 to .99 (mean cosine)", |v| v.abs() <= 0.99,
+    { "type": "number", "minimum": -0.99, "maximum": 0.99 }
+);
+number!(
+    /// The roughness of a face.
+    Roughness, "a number from .01 to 1 (roughness)", |v| (0.01..=1.0).contains(&v),
+    { "type": "number", "minimum": 0.01, "maximum": 1 }
+);
+number!(
     /// An illuminance, lx.
     Lux, "a number from 1e-6 to 1e9 (lx)", |v| (1e-6..=1e9).contains(&v),
     { "type": "number", "minimum": 1e-6, "maximum": 1e9 }

@@ -7,77 +7,26 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
-use crate::grammar::{choice, forms, table};
+use crate::grammar::{choice, forms, kinds, table};
 use crate::problem::Problem;
 use crate::read::{At, Named, Read};
 use crate::tree::{Node, Value};
 
-/// The pixel array; its keys depend on `model`.
-#[derive(Debug, Clone, serde::Serialize)]
-#[serde(untagged)]
-pub(crate) enum Pixel {
-    /// `model = "film"`.
-    Film(Box<FilmPixel>),
-    /// `model = "table"`.
-    Table(TablePixel),
-    /// `model = "uniform"`.
-    Uniform(UniformPixel),
-}
-
-choice! {
-    /// Kinds of pixels.
-    PixelModel {
+kinds! {
+    /// The pixel array; its keys depend on `model`.
+    Pixel by "model" {
         /// Thin-film sub-pixels with a gap.
-        Film = "film",
+        Film(Box<FilmPixel>) = "film",
         /// States from an angle x wavelength table.
-        Table = "table",
+        Table(TablePixel) = "table",
         /// States that reflect alike at all angles.
-        Uniform = "uniform",
+        Uniform(UniformPixel) = "uniform",
     } later ["measured"]
-}
-
-impl Read for Pixel {
-    fn in_words() -> String {
-        "a table with model = \"film\", \"table\" or \"uniform\"".to_owned()
-    }
-
-    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
-        if !matches!(node.value, Value::Table(_)) {
-            return node.wrong_type(Self::in_words(), errors);
-        }
-        match node.field::<PixelModel>("model", None, errors)?.value {
-            PixelModel::Film => FilmPixel::read(node, errors).map(|film| Self::Film(Box::new(film))),
-            PixelModel::Table => TablePixel::read(node, errors).map(Self::Table),
-            PixelModel::Uniform => UniformPixel::read(node, errors).map(Self::Uniform),
-        }
-    }
-}
-
-impl JsonSchema for Pixel {
-    fn schema_name() -> Cow<'static, str> {
-        "Pixel".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let [film, table, uniform] = [
-            generator.subschema_for::<FilmPixel>(),
-            generator.subschema_for::<TablePixel>(),
-            generator.subschema_for::<UniformPixel>(),
-        ];
-        let is = |model: &str| serde_json::json!({ "properties": { "model": { "const": model } } });
-        schemars::json_schema!({ "oneOf": [
-            { "allOf": [is("film"), film] },
-            { "allOf": [is("table"), table] },
-            { "allOf": [is("uniform"), uniform] },
-        ] })
-    }
 }
 
 table! {
     /// Thin-film sub-pixels that share one stack with a gap-dependent layer.
     FilmPixel {
-        /// "film".
-        model: PixelModel,
         /// Layers from the glass down; exactly one has `thickness_nm = "gap"`.
         film: Vec<At<FilmLayer>>,
         /// The opaque, semi-infinite substrate: a material.
@@ -206,8 +155,6 @@ table! {
 table! {
     /// Complete states (areas and fill factor included) from a table.
     TablePixel {
-        /// "table".
-        model: PixelModel,
         /// CSV with the columns state, theta_deg, wavelength_nm, reflectance.
         file: String,
         /// The medium of its angles.
@@ -228,8 +175,6 @@ choice! {
 table! {
     /// States that reflect alike at all angles.
     UniformPixel {
-        /// "uniform".
-        model: PixelModel,
         /// How it reflects.
         kind: ReflectionKind,
         /// Reflectance of each state: 0 to 1, or a spectrum file.

@@ -7,23 +7,24 @@ use crate::read::At;
 table! {
     /// How to compute, and how well.
     Solver {
-        /// "walk": unbiased Monte Carlo. Default "walk".
-        method: Method = Method::Walk,
-        /// Stop at this relative standard error of Y, largest over states and views, 1e-6 to 1. Default 0.001.
+        /// "adding": deterministic, without noise. "walk": unbiased Monte Carlo. Default "adding".
+        method: Method = Method::Adding,
+        /// Stop at this relative error of Y, largest over states and views, 1e-6 to 1: of the walk the standard
+        /// error, of adding that of its discretisation. Default 0.001.
         relative_error: Option<RelativeError>,
-        /// Stop after this many paths for each view instead, 1 to 2^40, rounded up to a multiple of 32.
+        /// The walk alone: stop after this many paths for each view instead, 1 to 2^40, rounded up to a multiple of 32.
         paths: Option<Paths>,
         /// Apply `relative_error` to every wavelength too, against the spectrum's maximum; nothing beside `paths`. Default false.
         every_bin: bool = false,
-        /// Where the walk's numbers come from. Default "sobol".
+        /// Where the walk's numbers come from; adding needs none. Default "sobol".
         sampler: Sampler = Sampler::Sobol,
-        /// How directions are drawn. Default "kernel".
+        /// How the walk draws directions. Default "kernel".
         scattering: Scattering = Scattering::Kernel,
         /// "none": all orders of reflection. "single-pass": Feng 2012, eq. 3-2, 3-3 and 3-5. Default "none".
         approximation: Approximation = Approximation::None,
         /// The medium of the angles of viewer, lights and pixel.csv. Default "air".
         angle_medium: AngleMedium = AngleMedium::Air,
-        /// Seed of the random numbers, 0 or more. Default 0.
+        /// Seed of the walk's random numbers, 0 or more. Default 0.
         seed: Seed = Count(0),
     }
 }
@@ -40,9 +41,11 @@ impl Solver {
 choice! {
     /// The solvers.
     Method {
+        /// Deterministic: the layers as operators on direction cosines.
+        Adding = "adding",
         /// Unbiased Monte Carlo path tracing.
         Walk = "walk",
-    } later ["adding"]
+    }
 }
 
 choice! {

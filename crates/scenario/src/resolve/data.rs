@@ -56,13 +56,13 @@ impl Resolver<'_> {
     }
 
     /// A share of the light on the grid, 0 to 1.
-    pub(super) fn share(&mut self, share: &At<ShareSpectrum>) -> Option<Spectrum> {
-        let name = match &share.value {
+    pub(super) fn share(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
+        let name = match share {
             ShareSpectrum::Constant(share) => return Some(Spectrum::constant(&self.grid, share.0)),
             ShareSpectrum::File(name) => name,
         };
-        let on_grid = self.data(name, share.origin, read_shares)?.on(&self.grid);
-        self.sampled(name, share.origin, on_grid)
+        let on_grid = self.data(name, origin, read_shares)?.on(&self.grid);
+        self.sampled(name, origin, on_grid)
     }
 
     /// What a table or model gives on the grid; says what is missing where it does not cover it.

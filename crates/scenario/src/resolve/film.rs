@@ -34,9 +34,9 @@ impl Resolver<'_> {
         self.limit(&pixel.area, "sub-pixels", pixel.area.0.len(), 64)?;
         self.limit(&pixel.gap_nm, "gaps", pixel.gap_nm.0.len(), 65)?;
         self.limit(&pixel.states, "states", pixel.states.0.len(), 256)?;
-        let layers = self.layers(pixel);
+        let layers = self.films(pixel);
         let substrate = self.material(&pixel.substrate);
-        let inactive_reflectance = self.share(&pixel.inactive_reflectance);
+        let inactive_reflectance = self.share(&pixel.inactive_reflectance, pixel.inactive_reflectance.origin);
         let sub_pixels = self.sub_pixels(pixel)?;
         let states = self.states(pixel, &sub_pixels);
         Some(FilmPixel {
@@ -50,13 +50,13 @@ impl Resolver<'_> {
         })
     }
 
-    fn layers(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<FilmLayer>> {
+    fn films(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<FilmLayer>> {
         let mut gaps = 0;
         let mut layers = Vec::with_capacity(pixel.film.len());
         for (i, layer) in pixel.film.iter().enumerate() {
             let thickness = match layer.thickness_nm.value {
                 describe::LayerThickness::Fixed(nm) => {
-                    self.check_nm(&format!("film.{i}.thickness_nm"), nm.0);
+                    self.check_nm(&format!("display.pixel.film.{i}.thickness_nm"), nm.0);
                     Thickness::Fixed(nm.0)
                 }
                 describe::LayerThickness::Gap(_) => {
@@ -77,7 +77,7 @@ impl Resolver<'_> {
     fn sub_pixels(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<SubPixel>> {
         let (area, gap_nm) = (&pixel.area.value, &pixel.gap_nm.value);
         for gap in &gap_nm.0 {
-            self.check_nm(&format!("gap_nm.{}", gap.name), gap.value.0);
+            self.check_nm(&format!("display.pixel.gap_nm.{}", gap.name), gap.value.0);
         }
         if area.0.is_empty() {
             self.err(&pixel.area, Problem::NoSubPixels);
@@ -140,7 +140,10 @@ impl Resolver<'_> {
             let drive = match &item.value.value {
                 DriveSpec::Share(share) => Drive::Share(share.0),
                 DriveSpec::Gap(gap) => {
-                    self.check_nm(&format!("states.{}.{}.gap_nm", state.name, item.name), gap.gap_nm.0);
+                    self.check_nm(
+                        &format!("display.pixel.states.{}.{}.gap_nm", state.name, item.name),
+                        gap.gap_nm.0,
+                    );
                     Drive::Gap(gap.gap_nm.0)
                 }
             };
@@ -162,12 +165,11 @@ impl Resolver<'_> {
     }
 
     /// Warns of a film or gap that was probably given in micrometres; no film at all may be meant.
-    fn check_nm(&mut self, key: &str, nm: f64) {
+    pub(super) fn check_nm(&mut self, key: &str, nm: f64) {
         if nm > 0.0 && nm < THINNEST_NM {
             let meant = tidy(1e3 * nm);
-            self.warnings.push(format!(
-                "display.pixel.{key} is {nm} nm, which looks like micrometres: {nm} um = {meant} nm"
-            ));
+            self.warnings
+                .push(format!("{key} is {nm} nm, which looks like micrometres: {nm} um = {meant} nm"));
         }
     }
 

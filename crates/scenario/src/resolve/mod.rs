@@ -1,12 +1,15 @@
 //! From words to numbers: materials, files and lights on the wavelength grid, everything checked.
 
 mod data;
+mod diffuser;
 mod film;
+mod layers;
 mod light;
 mod lighting;
 mod panel;
 mod pixel;
 mod sampling;
+mod stack;
 mod viewer;
 
 pub(crate) use data::hex;
@@ -117,7 +120,7 @@ impl Resolver<'_> {
         let viewer = self.viewer(&file.viewer);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
         let scene = Scene { grid: self.grid, display, lighting, viewer, solver };
-        self.check_angles(file, &scene);
+        self.check_panel(file, &scene);
         self.check_reach(file, &scene);
         self.check_size(file, &scene);
         Some(scene)
@@ -153,6 +156,13 @@ impl Resolver<'_> {
         if let scene::Pixel::Film(film) = &scene.display.pixel {
             limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film), bins], MOST_FILMS);
         }
+        if let scene::Layers::General(layers) = &scene.display.layers {
+            let films = layers.iter().map(|layer| match &layer.interface {
+                scene::Interface::Coating(films) => films.len(),
+                _ => 0,
+            });
+            limit(step, "coating films x wavelengths", &[films.sum(), bins], MOST_FILMS);
+        }
         let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
         let what = "numbers (views x states x wavelengths)";
         limit(views_at.or_set([step]), what, &[views, states, bins], MOST_NUMBERS);
@@ -164,10 +174,12 @@ impl Resolver<'_> {
 
     fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
         let stop = self.stop(solver)?;
-        let solver::Method::Walk = solver.method.value;
         let solver::Scattering::Kernel = solver.scattering.value;
         Some(scene::Solver {
-            method: scene::Method::Walk,
+            method: match solver.method.value {
+                solver::Method::Adding => scene::Method::Adding,
+                solver::Method::Walk => scene::Method::Walk,
+            },
             stop,
             sampler: match solver.sampler.value {
                 solver::Sampler::Sobol => scene::Sampler::Sobol,
@@ -192,6 +204,11 @@ impl Resolver<'_> {
                 let at = solver.paths.origin.or_set([solver.relative_error.origin]);
                 let problem = Problem::ExactlyOne { keys: "`relative_error` and `paths`", given: 2 };
                 self.errors.push(at, problem);
+                None
+            }
+            (None, Some(_)) if solver.method.value == solver::Method::Adding => {
+                let at = solver.paths.origin.or_set([solver.method.origin]);
+                self.errors.push(at, Problem::NotWith { key: "paths", beside: "method = \"adding\"" });
                 None
             }
             (None, Some(paths)) => {

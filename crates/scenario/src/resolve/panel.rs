@@ -1,40 +1,91 @@
-//! The panel: front of screen, diffuser, glass; and whether the angles make sense for it.
+//! The panel: front of screen, face or diffuser, glass; and what is for it alone.
 
 use papilio_display::scene::{
-    self, AngleMedium, Diffuser, Display, FrontComponent, Glass, Layers, Lobe, Panel, Scene,
+    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Interface, Layer, Layers, Medium,
+    Panel, Scene,
 };
-use papilio_optics::lobe::{largest_haze, width_from_haze};
-use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use super::stack::Stack;
 use crate::describe::File;
-use crate::describe::display::{self as describe, DiffuserModel};
-use crate::describe::numbers::NARROWEST_LOBE;
+use crate::describe::diffuser::Diffuser;
+use crate::describe::display as describe;
 use crate::problem::Problem;
 use crate::read::At;
+use crate::source::Origin;
 
-/// ASTM D1003 measures haze up to here.
-const HAZE_SCOPE: f64 = 0.30;
+/// What stands between air and glass.
+enum Top {
+    Face,
+    Btdf(scene::Diffuser),
+    Slab(Medium),
+}
 
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
-        self.limit(&display.front, "front components", display.front.len(), 32)?;
-        let front: Vec<_> = display.front.iter().map(|component| self.front(component)).collect();
-        let diffuser = match &display.diffuser.value {
-            Some(diffuser) => self.diffuser(diffuser).map(Some),
-            None => Some(None),
+        let layers = match &display.layers.value {
+            Some(layers) => self.layers(display, layers).map(Layers::General),
+            None => self.panel(display),
         };
-        let glass = self.glass(display);
         let pixel = self.pixel(&display.pixel);
-        let front = front.into_iter().collect::<Option<Vec<_>>>();
-        let panel = Panel { front: front?, diffuser: diffuser?, glass: glass? };
-        Some(Display { layers: Layers::Panel(panel), pixel: pixel? })
+        Some(Display { layers: layers?, pixel: pixel? })
     }
 
-    fn front(&mut self, component: &At<describe::FrontComponent>) -> Option<FrontComponent> {
-        let reflectance = self.share(&component.reflectance);
-        let absorptance = self.share(&component.absorptance);
+    /// Front, face or diffuser, glass: the ordinary panel, if nothing scatters in bulk and the glass is clear.
+    fn panel(&mut self, display: &describe::Display) -> Option<Layers> {
+        let front = display.front.as_deref().unwrap_or_default();
+        self.limit(&display.front, "front components", front.len(), 32)?;
+        let front: Vec<_> = front.iter().map(|component| self.sheet(component)).collect();
+        let top = match &display.diffuser.value {
+            Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(Top::Slab),
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Btdf),
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Btdf),
+            None => Some(Top::Face),
+        };
+        let glass = self.glass(display);
+        let front = front.into_iter().collect::<Option<Vec<_>>>()?;
+        let (top, (medium, surface)) = (top?, glass?);
+        let clear = medium.transmittance.min() == 1.0;
+        let diffuser = match top {
+            Top::Btdf(diffuser) => Some(diffuser),
+            Top::Face => None,
+            Top::Slab(slab) => {
+                return Some(Layers::General(self.stack_of(front, Interface::Fresnel, Some(slab), medium)));
+            }
+        };
+        if clear {
+            let glass = Glass { index: medium.index, surface };
+            return Some(Layers::Panel(Panel { front, diffuser, glass }));
+        }
+        let face = match (diffuser, surface) {
+            (Some(diffuser), _) => Interface::Diffuser(diffuser),
+            (None, scene::Surface::Coated) => Interface::Coated,
+            (None, scene::Surface::Fresnel) => Interface::Fresnel,
+        };
+        Some(Layers::General(self.stack_of(front, face, None, medium)))
+    }
+
+    /// The panel's parts in the general form.
+    fn stack_of(
+        &mut self,
+        front: Vec<FrontComponent>,
+        face: Interface,
+        slab: Option<Medium>,
+        glass: Medium,
+    ) -> Vec<Layer> {
+        let mut stack = Stack::new(&self.grid);
+        for sheet in front {
+            stack.put(Interface::Sheet(sheet), Origin::FILE);
+        }
+        stack.put(face, Origin::FILE);
+        slab.into_iter().chain([glass]).for_each(|medium| stack.fill(medium));
+        stack.finish(&mut self.errors)
+    }
+
+    pub(super) fn sheet(&mut self, component: &At<describe::FrontComponent>) -> Option<FrontComponent> {
+        let reflectance = self.share(&component.reflectance, component.reflectance.origin);
+        let absorptance = self.share(&component.absorptance, component.absorptance.origin);
         let (reflectance, absorptance) = (reflectance?, absorptance?);
         let sum = reflectance.zip_map(&absorptance, |r, a| r + a).max();
         // A tolerance for sums such as .7 + .3 of decimal files.
@@ -47,121 +98,60 @@ impl Resolver<'_> {
         Some(FrontComponent { reflectance, absorptance })
     }
 
-    fn diffuser(&mut self, diffuser: &describe::Diffuser) -> Option<Diffuser> {
-        let lobe = self.lobe(diffuser);
-        let transmittance = self.diffuser_transmittance(diffuser, lobe);
-        Some(Diffuser {
-            lobe: lobe?,
-            transmittance: transmittance?,
-            straight_through: diffuser.straight_through.0,
-        })
-    }
-
-    fn lobe(&mut self, diffuser: &describe::Diffuser) -> Option<Lobe> {
-        let given = usize::from(diffuser.haze.is_some()) + usize::from(diffuser.width.is_some());
-        let (haze, width) = (diffuser.haze.value, diffuser.width.value);
-        if diffuser.model.value == DiffuserModel::Lambertian {
-            if given == 0 {
-                return Some(Lobe::Lambertian);
+    /// The glass and its face.
+    fn glass(&mut self, display: &describe::Display) -> Option<(Medium, scene::Surface)> {
+        let glass = display.glass.as_ref()?;
+        let wrong = match (&display.diffuser.value, glass.surface.value) {
+            (Some(Diffuser::Slab(_)), Some(_)) => {
+                Some("a slab has faces of its own: Fresnel's, where the index changes")
             }
-            let (key, at) = if haze.is_some() {
-                ("haze", diffuser.haze.origin)
-            } else {
-                ("width", diffuser.width.origin)
-            };
-            let at = at.or_set([diffuser.model.origin]);
-            self.errors.push(at, Problem::NotWith { key, beside: "model = \"lambertian\"" });
-            return None;
-        }
-        match (haze, width) {
-            (Some(haze), None) => self.lobe_from_haze(haze.0, diffuser),
-            (None, Some(width)) => Some(Lobe::KCorrelation { width: width.0 }),
-            _ => {
-                let at = diffuser.width.origin.or_set([diffuser.haze.origin, diffuser.model.origin]);
-                self.errors.push(at, Problem::ExactlyOne { keys: "`haze` and `width`", given });
-                None
+            (Some(_), Some(describe::Surface::Fresnel)) => {
+                Some("a diffuser given by its BTDF contains its faces")
             }
-        }
-    }
-
-    fn lobe_from_haze(&mut self, haze: f64, diffuser: &describe::Diffuser) -> Option<Lobe> {
-        let straight_through = diffuser.straight_through.0;
-        let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
-        let Some(width) = width else {
-            let limit = largest_haze(straight_through);
-            let at = diffuser.haze.origin.or_set([diffuser.straight_through.origin]);
-            self.errors.push(at, Problem::NoWidth { haze, straight_through, limit });
-            return None;
+            _ => None,
         };
-        if haze > HAZE_SCOPE {
-            self.notes.push(format!(
-                "haze {haze} means a lobe of width {width:.5} (b, direction cosines); above 30 % haze is outside \
-                 ASTM D1003's scope, see ASTM E2387"
-            ));
+        if let Some(why) = wrong {
+            let model = display.diffuser.as_ref().map_or(display.diffuser.origin, Diffuser::model);
+            let at = glass.surface.origin.or_set([display.diffuser.origin, model]);
+            self.errors.push(at, Problem::SurfaceUnderDiffuser(why));
         }
-        Some(Lobe::KCorrelation { width })
-    }
-
-    /// T of the whole lobe, from itself or from the datasheet's total transmittance.
-    fn diffuser_transmittance(
-        &mut self,
-        diffuser: &describe::Diffuser,
-        lobe: Option<Lobe>,
-    ) -> Option<Spectrum> {
-        let (whole, total) = (&diffuser.transmittance, &diffuser.total_transmittance);
-        let (spec, share) = match (&whole.value, &total.value) {
-            (Some(spec), None) => (At { value: spec.clone(), origin: whole.origin }, 1.0),
-            (None, Some(spec)) => {
-                let straight = diffuser.straight_through.0;
-                let spec = At { value: spec.clone(), origin: total.origin };
-                (spec, (1.0 - straight) * lobe?.hemispherical_share() + straight)
-            }
-            (whole_given, _) => {
-                let given = if whole_given.is_some() { 2 } else { 0 };
-                let keys = "`transmittance` and `total_transmittance`";
-                self.errors.push(whole.origin.or_set([total.origin]), Problem::ExactlyOne { keys, given });
-                return None;
-            }
+        let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
+        let medium = self.medium("display.glass", &glass.index, absorption)?;
+        let surface = match glass.surface.value {
+            None | Some(describe::Surface::Coated) => scene::Surface::Coated,
+            Some(describe::Surface::Fresnel) => scene::Surface::Fresnel,
         };
-        let transmittance = self.share(&spec)?.map(|t| t / share);
-        let lobe = transmittance.max();
-        if lobe > 1.0 + 1e-12 {
-            let causes = [
-                diffuser.width.origin,
-                diffuser.haze.origin,
-                diffuser.straight_through.origin,
-                diffuser.model.origin,
-            ];
-            self.errors.push(spec.origin.or_set(causes), Problem::LobeAboveOne { lobe, limit: share });
-            return None;
-        }
-        Some(transmittance.map(|t| t.min(1.0)))
+        Some((medium, surface))
     }
 
-    fn glass(&mut self, display: &describe::Display) -> Option<Glass> {
-        let glass = &display.glass;
-        if display.diffuser.is_some() && glass.surface.value == Some(describe::Surface::Fresnel) {
-            let at = glass.surface.origin.or_set([display.diffuser.origin]);
-            self.errors.push(at, Problem::SurfaceUnderDiffuser);
+    /// Angles that are not in air, and one pass alone, are for the ordinary panel.
+    pub(super) fn check_panel(&mut self, file: &File, scene: &Scene) {
+        let Layers::General(_) = scene.display.layers else {
+            return self.check_angles(file, scene);
+        };
+        let (display, solver) = (&file.display, &file.solver);
+        let mut causes = vec![display.layers.origin, display.diffuser.origin, display.glass.origin];
+        causes.extend(display.diffuser.as_ref().map(Diffuser::model));
+        causes.extend(display.glass.as_ref().map(|glass| glass.internal_transmittance.origin));
+        causes.extend(display.glass.as_ref().map(|glass| glass.thickness_mm.origin));
+        let what = match scene.solver.angle_medium {
+            AngleMedium::Air => None,
+            AngleMedium::Glass => Some("angle_medium = \"glass\""),
+            AngleMedium::Unrefracted => Some("angle_medium = \"unrefracted\""),
+        };
+        if let Some(what) = what {
+            let at = solver.angle_medium.origin.or_set(causes.iter().copied());
+            self.errors.push(at, Problem::NeedsPanel { what, instead: "angle_medium = \"air\"" });
         }
-        let index = self.material(&glass.index)?;
-        let lossless = |n: f64, k: f64| (1.0..=10.0).contains(&n) && k <= 1e-6;
-        if let Some(i) = index.iter().position(|index| !lossless(index.re, index.im)) {
-            let nm = self.grid.wavelength_nm(i);
-            self.err(&glass.index, Problem::NoGlass { n: index[i].re, k: index[i].im, nm });
-            return None;
+        if scene.solver.approximation == Approximation::SinglePass {
+            let what = "approximation = \"single-pass\"";
+            let at = solver.approximation.origin.or_set(causes);
+            self.errors.push(at, Problem::NeedsPanel { what, instead: "approximation = \"none\"" });
         }
-        Some(Glass {
-            index: Spectrum::from_values(index.iter().map(|index| index.re).collect()),
-            surface: match glass.surface.value {
-                None | Some(describe::Surface::Coated) => scene::Surface::Coated,
-                Some(describe::Surface::Fresnel) => scene::Surface::Fresnel,
-            },
-        })
     }
 
     /// Angles in glass: for a bare panel of one index, and only for light that gets out.
-    pub(super) fn check_angles(&mut self, file: &File, scene: &Scene) {
+    fn check_angles(&mut self, file: &File, scene: &Scene) {
         if scene.solver.angle_medium != AngleMedium::Glass {
             return;
         }
@@ -176,7 +166,8 @@ impl Resolver<'_> {
             return self.check_trapped(file, scene);
         };
         let display = &file.display;
-        let causes = [display.diffuser.origin, display.glass.index.origin, display.glass.surface.origin];
+        let mut causes = vec![display.diffuser.origin, display.glass.origin];
+        causes.extend(display.glass.iter().flat_map(|glass| [glass.index.origin, glass.surface.origin]));
         let at = file.solver.angle_medium.origin.or_set(causes);
         self.errors.push(at, Problem::AnglesInGlass(needs));
     }
@@ -184,7 +175,8 @@ impl Resolver<'_> {
     /// What is seen or shines at |beta| >= 1 is light that the glass holds.
     fn check_trapped(&mut self, file: &File, scene: &Scene) {
         let limit_deg = (1.0 / scene.display.index_above_pixel()[0]).asin().to_degrees();
-        let causes = [file.solver.angle_medium.origin, file.display.glass.index.origin];
+        let glass = file.display.glass.as_ref().map_or(file.display.glass.origin, |glass| glass.index.origin);
+        let causes = [file.solver.angle_medium.origin, file.display.glass.origin, glass];
         let half_field = 0.5 * scene.viewer.field_deg;
         let edges = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + half_field);
         let edge = edges.fold(0.0, f64::max);

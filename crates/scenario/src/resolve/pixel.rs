@@ -8,6 +8,7 @@ use papilio_spectra::Spectrum;
 
 use super::{MOST_NUMBERS, Resolver};
 use crate::describe::File;
+use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
 use crate::problem::Problem;
 use crate::read::At;
@@ -28,7 +29,9 @@ impl Resolver<'_> {
             self.err(&pixel.reflectance, Problem::NoStates { remedy });
         }
         let states = pixel.reflectance.0.iter();
-        let states: Vec<_> = states.map(|item| Some((item.name.clone(), self.share(&item.value)?))).collect();
+        let states: Vec<_> = states
+            .map(|item| Some((item.name.clone(), self.share(&item.value, item.value.origin)?)))
+            .collect();
         Some(UniformPixel {
             kind: match pixel.kind.value {
                 describe::ReflectionKind::Mirror => UniformKind::Mirror,
@@ -67,13 +70,11 @@ impl Resolver<'_> {
         else {
             return;
         };
-        let diffuser = &file.display.diffuser;
-        let causes = [
-            diffuser.origin,
-            diffuser.as_ref().map_or(diffuser.origin, |diffuser| diffuser.model.origin),
-            file.display.glass.index.origin,
-            file.solver.angle_medium.origin,
-        ];
+        let display = &file.display;
+        let mut causes = vec![display.layers.origin, display.diffuser.origin, display.glass.origin];
+        causes.extend(display.diffuser.as_ref().map(Diffuser::model));
+        causes.extend(display.glass.as_ref().map(|glass| glass.index.origin));
+        causes.push(file.solver.angle_medium.origin);
         let fills_glass =
             fills_glass(&scene.display.layers) || scene.solver.angle_medium == AngleMedium::Unrefracted;
         let (medium, needed_deg) = match table.angles {

@@ -1,0 +1,86 @@
+//! `[display.diffuser]`: a lobe or a slab of particles.
+
+use super::display::{MaterialSpec, ShareSpectrum};
+use super::numbers::{Anisotropy, Index, InnerShare, OpticalThickness, Share, Width};
+use crate::grammar::{kinds, table};
+use crate::read::At;
+use crate::source::Origin;
+
+kinds! {
+    /// What scatters between air and glass, its faces included; its keys depend on `model`.
+    Diffuser by "model" {
+        /// Generalised Harvey-Shack with exponent 3/2, given by its BTDF.
+        KCorrelation(KCorrelation) = "k-correlation",
+        /// The same radiance in every direction of the air hemisphere, given by its BTDF.
+        Lambertian(Lambertian) = "lambertian",
+        /// Particles in a binder.
+        Slab(Slab) = "slab",
+    } later ["measured", "ward"]
+}
+
+impl Diffuser {
+    /// Where its model stands.
+    pub(crate) fn model(&self) -> Origin {
+        match self {
+            Self::KCorrelation(diffuser) => diffuser.origin,
+            Self::Lambertian(diffuser) => diffuser.origin,
+            Self::Slab(slab) => slab.origin,
+        }
+    }
+}
+
+kinds! {
+    /// A diffuser given by its BTDF; its keys depend on `model`.
+    Btdf by "model" {
+        /// Generalised Harvey-Shack with exponent 3/2.
+        KCorrelation(KCorrelation) = "k-correlation",
+        /// The same radiance in every direction of the air hemisphere.
+        Lambertian(Lambertian) = "lambertian",
+    } later ["measured", "ward"]
+}
+
+table! {
+    /// A lobe whose shape depends on the difference of direction cosines alone.
+    KCorrelation later ["file", "transmission", "normalise", "mounting", "alpha"] {
+        /// ASTM D1003 haze, between 0 and 1: the share of the transmitted light beyond 2.5 deg,
+        /// straight-through included. This or `width`.
+        haze: Option<InnerShare>,
+        /// Width b of the lobe, in direction cosines, 1e-6 to 100.
+        width: Option<Width>,
+        /// Transmittance that a datasheet gives (hemispherical, air to air, normal incidence): 0 to 1,
+        /// or a spectrum file. This or `transmittance`.
+        total_transmittance: Option<ShareSpectrum>,
+        /// Transmittance T over the whole plane of direction cosines, straight-through included: 0 to 1, or a spectrum file.
+        transmittance: Option<ShareSpectrum>,
+        /// Share s of T that is not scattered, 0 to 1: T splits into s T unscattered and (1 - s) T of the lobe over
+        /// the whole plane of direction cosines. So `total_transmittance` is T ((1 - s) f + s), f the lobe's share
+        /// within |beta| <= 1 at normal incidence. Default 0.
+        straight_through: Share = Share(0.0),
+    }
+}
+
+table! {
+    /// A lobe that does not depend on where the light comes from.
+    Lambertian later ["file", "transmission", "normalise", "mounting", "alpha"] {
+        /// Transmittance that a datasheet gives: 0 to 1, or a spectrum file. This or `transmittance`.
+        total_transmittance: Option<ShareSpectrum>,
+        /// Transmittance T, straight-through included: 0 to 1, or a spectrum file; the lobe loses nothing, and both are the same.
+        transmittance: Option<ShareSpectrum>,
+        /// Share of T that is not scattered, 0 to 1. Default 0.
+        straight_through: Share = Share(0.0),
+    }
+}
+
+table! {
+    /// Bulk scattering after Henyey and Greenstein in a medium of one index.
+    Slab {
+        /// Extinction along the normal, 1e-6 to 1e6: exp(-this) passes unscattered.
+        optical_thickness: OpticalThickness,
+        /// Mean cosine of the scattering angle, -.99 to .99: 0 isotropic, above 0 forwards.
+        anisotropy: Anisotropy,
+        /// Share of the extinguished light that is scattered, 0 to 1, or a spectrum file; the rest is absorbed. Default 1.
+        albedo: ShareSpectrum = ShareSpectrum::Constant(Share(1.0)),
+        /// Refractive index of the binder, real, 1 to 10, alike at all wavelengths. Default 1.5.
+        index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
+    }
+}

@@ -1,0 +1,62 @@
+//! Tables of several kinds, told apart by one key (`model`, `kind`).
+
+use crate::error::Errors;
+use crate::problem::Problem;
+use crate::read::unknown_word;
+use crate::source::Origin;
+use crate::tree::{Entry, Node, Value};
+
+/// The kinds that a table may be of, and the key that says which.
+pub(crate) struct Kinds {
+    pub(crate) tag: &'static str,
+    pub(crate) known: Vec<Kind>,
+    pub(crate) later: &'static [&'static str],
+}
+
+/// One kind of table.
+pub(crate) struct Kind {
+    /// The tag's value.
+    pub(crate) word: &'static str,
+    /// Tag and value, as they are written.
+    pub(crate) named: &'static str,
+    /// The keys besides the tag.
+    pub(crate) keys: Vec<&'static str>,
+}
+
+impl Kinds {
+    /// The kind of a table, where that is said, and the table with the keys that are left to read:
+    /// those of other kinds alone are reported here.
+    pub(crate) fn split(&self, node: &Node, errors: &mut Errors) -> Option<(&'static str, Origin, Node)> {
+        let words: Vec<&str> = self.known.iter().map(|kind| kind.word).collect();
+        let in_words = || words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ");
+        let Some(tag) = node.get(self.tag) else {
+            let problem = Problem::MissingKey { key: self.tag.to_owned(), expected: in_words() };
+            errors.push(node.origin, problem);
+            return None;
+        };
+        let Value::Text(word) = &tag.value else { return tag.wrong_type(in_words(), errors) };
+        let Some(kind) = self.known.iter().find(|kind| kind.word == word) else {
+            return unknown_word(tag, word, &words, self.later, errors);
+        };
+        let mut rest = node.clone();
+        if let Value::Table(entries) = &mut rest.value {
+            entries.retain(|entry| entry.key != self.tag && !self.is_alien(entry, kind, tag.origin, errors));
+        }
+        Some((kind.word, tag.origin, rest))
+    }
+
+    /// Reports a key that other kinds have and this one has not.
+    fn is_alien(&self, entry: &Entry, kind: &Kind, tag: Origin, errors: &mut Errors) -> bool {
+        if kind.keys.contains(&entry.key.as_str()) {
+            return false;
+        }
+        let others = self.known.iter().filter(|other| other.keys.contains(&entry.key.as_str()));
+        let of: Vec<&str> = others.map(|other| other.named).collect();
+        let alien = !of.is_empty();
+        if alien {
+            let problem = Problem::OfAnotherKind { key: entry.key.clone(), kind: kind.named, of };
+            errors.push(entry.node.origin.or_set([tag]), problem);
+        }
+        alien
+    }
+}

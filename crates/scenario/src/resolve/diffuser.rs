@@ -1,0 +1,110 @@
+//! Diffusers by their BTDF: lobes and transmittances.
+
+use papilio_display::scene::{Diffuser, Lobe};
+use papilio_optics::lobe::{largest_haze, width_from_haze};
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian};
+use crate::describe::display::ShareSpectrum;
+use crate::describe::numbers::{NARROWEST_LOBE, Share};
+use crate::problem::Problem;
+use crate::read::At;
+use crate::source::Origin;
+
+/// ASTM D1003 measures haze up to here.
+const HAZE_SCOPE: f64 = 0.30;
+
+/// What all BTDFs have besides their lobe.
+struct Whole<'a> {
+    transmittance: &'a At<Option<ShareSpectrum>>,
+    total_transmittance: &'a At<Option<ShareSpectrum>>,
+    straight_through: &'a At<Share>,
+}
+
+impl Resolver<'_> {
+    pub(super) fn btdf(&mut self, diffuser: &Btdf) -> Option<Diffuser> {
+        match diffuser {
+            Btdf::KCorrelation(lobe) => self.k_correlation(lobe),
+            Btdf::Lambertian(lobe) => self.lambertian(lobe),
+        }
+    }
+
+    pub(super) fn k_correlation(&mut self, diffuser: &At<KCorrelation>) -> Option<Diffuser> {
+        let lobe = self.lobe(diffuser);
+        let KCorrelation { transmittance, total_transmittance, straight_through, .. } = &diffuser.value;
+        let whole = Whole { transmittance, total_transmittance, straight_through };
+        let causes = [diffuser.width.origin, diffuser.haze.origin, diffuser.origin];
+        self.transmitting(lobe, &whole, causes)
+    }
+
+    pub(super) fn lambertian(&mut self, diffuser: &At<Lambertian>) -> Option<Diffuser> {
+        let Lambertian { transmittance, total_transmittance, straight_through } = &diffuser.value;
+        let whole = Whole { transmittance, total_transmittance, straight_through };
+        self.transmitting(Some(Lobe::Lambertian), &whole, [diffuser.origin; 3])
+    }
+
+    /// The width of a k-correlation lobe, from itself or from haze; `diffuser` stands where its model does.
+    fn lobe(&mut self, diffuser: &At<KCorrelation>) -> Option<Lobe> {
+        match (diffuser.haze.value, diffuser.width.value) {
+            (Some(haze), None) => self.lobe_from_haze(haze.0, diffuser),
+            (None, Some(width)) => Some(Lobe::KCorrelation { width: width.0 }),
+            (haze, _) => {
+                let at = diffuser.width.origin.or_set([diffuser.haze.origin, diffuser.origin]);
+                let given = if haze.is_some() { 2 } else { 0 };
+                self.errors.push(at, Problem::ExactlyOne { keys: "`haze` and `width`", given });
+                None
+            }
+        }
+    }
+
+    fn lobe_from_haze(&mut self, haze: f64, diffuser: &KCorrelation) -> Option<Lobe> {
+        let straight_through = diffuser.straight_through.0;
+        let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
+        let Some(width) = width else {
+            let limit = largest_haze(straight_through);
+            let at = diffuser.haze.origin.or_set([diffuser.straight_through.origin]);
+            self.errors.push(at, Problem::NoWidth { haze, straight_through, limit });
+            return None;
+        };
+        if haze > HAZE_SCOPE {
+            self.notes.push(format!(
+                "haze {haze} means a lobe of width {width:.5} (b, direction cosines); above 30 % haze is outside \
+                 ASTM D1003's scope, see ASTM E2387"
+            ));
+        }
+        Some(Lobe::KCorrelation { width })
+    }
+
+    /// T of the whole lobe, from itself or from the datasheet's total transmittance.
+    fn transmitting(
+        &mut self,
+        lobe: Option<Lobe>,
+        whole: &Whole<'_>,
+        causes: [Origin; 3],
+    ) -> Option<Diffuser> {
+        let straight_through = whole.straight_through.0;
+        let (spec, origin, share) = match (&whole.transmittance.value, &whole.total_transmittance.value) {
+            (Some(spec), None) => (spec, whole.transmittance.origin, 1.0),
+            (None, Some(spec)) => {
+                let share = (1.0 - straight_through) * lobe?.hemispherical_share() + straight_through;
+                (spec, whole.total_transmittance.origin, share)
+            }
+            (given, _) => {
+                let given = if given.is_some() { 2 } else { 0 };
+                let keys = "`transmittance` and `total_transmittance`";
+                let at = whole.transmittance.origin.or_set([whole.total_transmittance.origin]);
+                self.errors.push(at, Problem::ExactlyOne { keys, given });
+                return None;
+            }
+        };
+        let transmittance: Spectrum = self.share(spec, origin)?.map(|t| t / share);
+        let largest = transmittance.max();
+        if largest > 1.0 + 1e-12 {
+            let at = origin.or_set(causes).or_set([whole.straight_through.origin]);
+            self.errors.push(at, Problem::LobeAboveOne { lobe: largest, limit: share });
+            return None;
+        }
+        Some(Diffuser { lobe: lobe?, transmittance: transmittance.map(|t| t.min(1.0)), straight_through })
+    }
+}

@@ -1,0 +1,177 @@
+//! Layers in any order, and the media of all displays.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use papilio_display::scene::{FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use super::stack::Stack;
+use crate::describe::diffuser::Slab;
+use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
+use crate::describe::layers as describe;
+use crate::describe::numbers;
+use crate::problem::{ABSORBING_K, CLEAR_K, Problem, tidy};
+use crate::read::At;
+
+/// More layers than this are no display.
+const MOST_LAYERS: usize = 64;
+/// Nanometres in a millimetre.
+const NM_PER_MM: f64 = 1e6;
+
+/// An entry of the list.
+enum Part {
+    Medium(Medium),
+    Interface(Interface),
+}
+
+/// How a medium absorbs: by its internal transmittance, or by its thickness.
+type Absorption<'a> = (&'a At<Option<ShareSpectrum>>, &'a At<Option<numbers::Thickness>>);
+
+impl Resolver<'_> {
+    /// `[[display.layers]]`, which stands for everything over the pixel.
+    pub(super) fn layers(
+        &mut self,
+        display: &At<Display>,
+        layers: &[At<describe::Layer>],
+    ) -> Option<Vec<Layer>> {
+        let beside = [
+            ("front", display.front.is_some(), display.front.origin, "{ kind = \"sheet\", ... }"),
+            (
+                "diffuser",
+                display.diffuser.is_some(),
+                display.diffuser.origin,
+                "{ kind = \"diffuser\", ... } or { kind = \"slab\", ... }",
+            ),
+            ("glass", display.glass.is_some(), display.glass.origin, "{ kind = \"medium\", index = 1.5 }"),
+        ];
+        for (key, _, at, layer) in beside.into_iter().filter(|(_, given, ..)| *given) {
+            self.errors.push(at.or_set([display.layers.origin]), Problem::BesideLayers { key, layer });
+        }
+        if layers.is_empty() {
+            self.err(&display.layers, Problem::EmptyList);
+            return None;
+        }
+        self.limit(&display.layers, "layers", layers.len(), MOST_LAYERS)?;
+        let parts = layers.iter().enumerate();
+        let parts: Vec<_> =
+            parts.map(|(i, layer)| self.part(&format!("display.layers.{i}"), layer)).collect();
+        let parts = parts.into_iter().collect::<Option<Vec<_>>>()?;
+        let mut stack = Stack::new(&self.grid);
+        for (part, layer) in parts.into_iter().zip(layers) {
+            match part {
+                Part::Medium(medium) => stack.fill(medium),
+                Part::Interface(interface) => stack.put(interface, layer.origin),
+            }
+        }
+        Some(stack.finish(&mut self.errors))
+    }
+
+    /// One entry; `path` is the key that it stands under.
+    fn part(&mut self, path: &str, layer: &describe::Layer) -> Option<Part> {
+        Some(match layer {
+            describe::Layer::Medium(medium) => {
+                let absorption = (&medium.internal_transmittance, &medium.thickness_mm);
+                Part::Medium(self.medium(path, &medium.index, absorption)?)
+            }
+            describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?),
+            describe::Layer::Diffuser(diffuser) => Part::Interface(Interface::Diffuser(self.btdf(diffuser)?)),
+            describe::Layer::Sheet(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet)?)),
+            describe::Layer::Coating(coating) => {
+                Part::Interface(Interface::Coating(self.coating(path, coating)?))
+            }
+            describe::Layer::Coated(_) => Part::Interface(Interface::Coated),
+            describe::Layer::Fresnel(_) => Part::Interface(Interface::Fresnel),
+            describe::Layer::Rough(rough) => Part::Interface(Interface::Rough { alpha: rough.alpha.0 }),
+        })
+    }
+
+    /// A medium that does not scatter.
+    pub(super) fn medium(
+        &mut self,
+        path: &str,
+        index: &At<MaterialSpec>,
+        (transmittance, thickness_mm): Absorption<'_>,
+    ) -> Option<Medium> {
+        if transmittance.is_some() && thickness_mm.is_some() {
+            let at = thickness_mm.origin.or_set([transmittance.origin]);
+            let problem = Problem::NotWith { key: "thickness_mm", beside: "`internal_transmittance`" };
+            self.errors.push(at, problem);
+        }
+        let clear = transmittance.is_none() && thickness_mm.is_none();
+        let index = self.transparent(index, if clear { CLEAR_K } else { ABSORBING_K })?;
+        let transmittance = match (&transmittance.value, thickness_mm.value) {
+            (Some(share), _) => self.share(share, transmittance.origin)?,
+            (None, Some(thickness)) => self.beer_lambert(path, &index, thickness.0),
+            (None, None) => Spectrum::constant(&self.grid, 1.0),
+        };
+        let index = Spectrum::from_values(index.iter().map(|index| index.re).collect());
+        Some(Medium { index, transmittance, scattering: None })
+    }
+
+    /// exp(-4 pi k d / wavelength), k being that of `index`.
+    fn beer_lambert(&mut self, path: &str, index: &[Complex64], thickness_mm: f64) -> Spectrum {
+        if index.iter().all(|index| index.im == 0.0) {
+            self.notes
+                .push(format!("{path}.thickness_mm does nothing: its index has k = 0 at every wavelength"));
+        }
+        let depth = 4.0 * PI * NM_PER_MM * thickness_mm;
+        let transmittance = |(index, nm): (&Complex64, f64)| (-depth * index.im / nm).exp();
+        Spectrum::from_values(index.iter().zip(self.grid.wavelengths_nm()).map(transmittance).collect())
+    }
+
+    /// Particles in a binder.
+    pub(super) fn slab(&mut self, path: &str, slab: &Slab) -> Option<Medium> {
+        let index = self.transparent(&slab.index, ABSORBING_K);
+        let albedo = self.share(&slab.albedo.value, slab.albedo.origin);
+        let (index, albedo) = (index?, albedo?);
+        let by_n = |a: &&Complex64, b: &&Complex64| a.re.total_cmp(&b.re);
+        let (least, largest) = (*index.iter().min_by(by_n)?, *index.iter().max_by(by_n)?);
+        if least != largest || largest.im > CLEAR_K {
+            self.err(&slab.index, Problem::SlabIndex { least, largest });
+            return None;
+        }
+        let (optical_thickness, anisotropy) = (slab.optical_thickness.0, slab.anisotropy.0);
+        if anisotropy != 0.0 {
+            let reduced = tidy((1.0 - anisotropy) * optical_thickness);
+            self.notes.push(format!(
+                "{path}: an optical thickness of {optical_thickness} with anisotropy {anisotropy} turns light around \
+                 about as one of {reduced} with anisotropy 0 does (similarity)"
+            ));
+        }
+        Some(Medium {
+            index: Spectrum::constant(&self.grid, largest.re),
+            transmittance: Spectrum::constant(&self.grid, 1.0),
+            scattering: Some(Scattering { optical_thickness, anisotropy, albedo }),
+        })
+    }
+
+    fn coating(&mut self, path: &str, coating: &describe::Coating) -> Option<Vec<FilmLayer>> {
+        if coating.film.is_empty() {
+            self.err(&coating.film, Problem::EmptyList);
+            return None;
+        }
+        self.limit(&coating.film, "films", coating.film.len(), 256)?;
+        let mut films = Vec::with_capacity(coating.film.len());
+        for (i, film) in coating.film.iter().enumerate() {
+            let thickness_nm = film.thickness_nm.0;
+            self.check_nm(&format!("{path}.film.{i}.thickness_nm"), thickness_nm);
+            let index = self.material(&film.material);
+            films.push(index.map(|index| FilmLayer { index, thickness: Thickness::Fixed(thickness_nm) }));
+        }
+        films.into_iter().collect()
+    }
+
+    /// The index of a medium that light crosses: n from 1 to 10, k at most `largest_k`.
+    fn transparent(&mut self, spec: &At<MaterialSpec>, largest_k: f64) -> Option<Vec<Complex64>> {
+        let index = self.material(spec)?;
+        let is_transparent = |index: &Complex64| (1.0..=10.0).contains(&index.re) && index.im <= largest_k;
+        if let Some(i) = index.iter().position(|index| !is_transparent(index)) {
+            let nm = self.grid.wavelength_nm(i);
+            self.err(spec, Problem::NoGlass { n: index[i].re, k: index[i].im, nm, largest_k });
+            return None;
+        }
+        Some(index)
+    }
+}
