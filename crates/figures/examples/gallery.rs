@@ -1,10 +1,11 @@
-//! Writes every figure of a made-up run into a folder, to be looked at:
+//! Writes every figure of a made-up run into a folder, as SVG and PNG, to be looked at:
 //! `cargo run -p papilio-figures --example gallery -- DIR`.
 
 use std::path::PathBuf;
 
+use papilio_display::ConeGrid;
 use papilio_figures::{
-    AngleMetric, PixelScan, against_angle, chromaticity, overview, patches, pixel_scan, spectra,
+    AngleMetric, PixelScan, against_angle, chromaticity, cone, overview, patches, pixel_scan, png, spectra,
 };
 
 #[path = "../tests/made_up/mod.rs"]
@@ -16,7 +17,10 @@ const TITLE: &str = "Made-up display";
 fn main() -> std::io::Result<()> {
     let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
     std::fs::create_dir_all(&dir)?;
-    let write = |name: &str, svg: String| std::fs::write(dir.join(format!("{name}.svg")), svg);
+    let write = |name: &str, svg: String| {
+        std::fs::write(dir.join(format!("{name}.svg")), &svg)?;
+        std::fs::write(dir.join(format!("{name}.png")), png(&svg, 2.0).map_err(std::io::Error::other)?)
+    };
     for (suffix, error) in [("", 0.001), ("_noisy", 0.08)] {
         let run = made_up::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);
         for view in run.views.iter().take(1) {
@@ -30,6 +34,10 @@ fn main() -> std::io::Result<()> {
                 write(&format!("{}{suffix}", metric.name()), svg)?;
             }
         }
+    }
+    let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
+    if let Some(svg) = cone(&made_up::cone(&theta_deg, &phi_deg), TITLE) {
+        write("cone", svg)?;
     }
     write("pixel_scan", scan())
 }

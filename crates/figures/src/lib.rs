@@ -1,4 +1,4 @@
-//! Figures of the results, as SVG text.
+//! Figures of the results, as SVG text and PNG.
 //!
 //! | figure | shows |
 //! |---|---|
@@ -8,6 +8,7 @@
 //! | [`patches`] | the states as the reader would see them |
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
+//! | [`cone`] | polar maps over all viewing directions |
 //!
 //! Each takes the scenario's title (empty: none), which stands above the figure, and
 //! figures of a view say from where it is seen. Errors are one standard error, drawn where they are wider than a line.
@@ -16,13 +17,17 @@
 //!
 //! The SVG is written by a small module of our own: the u'v' diagram, names at the
 //! ends of curves and composed pages are most of the work, and plotting crates offer none
-//! of them. Text names generic fonts only, and nothing is measured with a font.
+//! of them. Text names generic fonts only, and nothing is measured with a font. [`png`] makes
+//! a picture of any of them.
 //!
-//! **Out of scope.** Files and names of files, PNG.
+//! **Out of scope.** Files and names of files.
 
 mod angle;
 mod axis;
 mod chromaticity;
+mod colour_map;
+mod cone;
+mod contour;
 mod labels;
 mod locus;
 mod marks;
@@ -33,12 +38,14 @@ mod patches;
 mod pixel_scan;
 mod place;
 mod png;
+mod polar;
 mod spectra;
 mod style;
 mod svg;
 
 pub use angle::{AngleMetric, against_angle};
 pub use chromaticity::chromaticity;
+pub use cone::cone;
 pub use overview::overview;
 pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};

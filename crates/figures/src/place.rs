@@ -75,6 +75,27 @@ impl Places {
         }
     }
 
+    /// Takes the place of a text if all of it is free and within `reach` px of `centre`; false if not.
+    pub(crate) fn take_in_disc(
+        &mut self,
+        at: Point,
+        text: &str,
+        size: f64,
+        (centre, reach): (Point, f64),
+    ) -> bool {
+        let wanted = Box::of_text(at, Anchor::Middle, text, size);
+        let corner = |x: f64, y: f64| (x - centre.0).hypot(y - centre.1) <= reach;
+        let inside = corner(wanted.left, wanted.top)
+            && corner(wanted.right, wanted.top)
+            && corner(wanted.left, wanted.bottom)
+            && corner(wanted.right, wanted.bottom);
+        let free = inside && self.taken.iter().all(|taken| taken.overlap(&wanted) == 0.0);
+        if free {
+            self.taken.push(wanted);
+        }
+        free
+    }
+
     /// The least crowded place for `name` beside its mark, or a little away from it, and takes it.
     pub(crate) fn find(&mut self, mark: Point, name: &str, size: f64) -> Place {
         let overlap = |wanted: &Box| self.taken.iter().map(|taken| taken.overlap(wanted)).sum::<f64>();

@@ -152,6 +152,23 @@ impl Svg {
         }
     }
 
+    /// What lies within an odd number of these loops; points that are not finite are left out.
+    pub(crate) fn area(&mut self, loops: &[Vec<Point>], fill: &str) {
+        let path: String = loops.iter().map(|points| format!("{}z", path(points))).collect();
+        if path.len() > loops.len() {
+            self.element(&format!(r#"<path d="{path}" fill="{fill}" fill-rule="evenodd"/>"#));
+        }
+    }
+
+    /// Lines of one stroke.
+    pub(crate) fn lines(&mut self, lines: &[Vec<Point>], stroke: &Stroke, opacity: f64) {
+        let path: String = lines.iter().map(|points| path(points)).collect();
+        if !path.is_empty() {
+            let (stroke, opacity) = (stroke.attributes(), number(opacity));
+            self.element(&format!(r#"<path d="{path}" {stroke} stroke-opacity="{opacity}"/>"#));
+        }
+    }
+
     /// A closed outline.
     pub(crate) fn outline(&mut self, points: &[Point], stroke: &Stroke) {
         if points.iter().all(|p| finite(*p)) {
@@ -260,6 +277,23 @@ pub(crate) fn finite((x, y): Point) -> bool {
 fn joined(points: &[Point]) -> String {
     let points: Vec<String> = points.iter().map(|(x, y)| format!("{},{}", number(*x), number(*y))).collect();
     points.join(" ")
+}
+
+/// Path data through points, to a tenth of a px and relative: maps have many points.
+fn path(points: &[Point]) -> String {
+    let tenths = |(x, y): Point| ((x.clamp(-1e5, 1e5) * 10.0).round(), (y.clamp(-1e5, 1e5) * 10.0).round());
+    let mut path = String::new();
+    let mut last = (0.0, 0.0);
+    for (x, y) in points.iter().filter(|point| finite(**point)).map(|point| tenths(*point)) {
+        let (command, dx, dy) = if path.is_empty() { ('M', x, y) } else { ('l', x - last.0, y - last.1) };
+        let (dx, dy) = (number(dx / 10.0), number(dy / 10.0));
+        // A minus parts two numbers as well as a comma does.
+        let comma = if dy.starts_with('-') { "" } else { "," };
+        // Writing to a String cannot fail.
+        let _ = write!(path, "{command}{dx}{comma}{dy}");
+        last = (x, y);
+    }
+    path
 }
 
 /// A coordinate to a hundredth of a px, without idle zeros.

@@ -2,6 +2,7 @@
 
 use papilio_colour::{D65_UV, GamutReference, Observer, gamut_percent, peak_nm};
 use papilio_display::result::*;
+use papilio_display::{ConeLight, ConeResult, ConeState, ConeView};
 use papilio_spectra::{Grid, Spectrum, illuminant};
 
 /// One sub-pixel: peak height, centre and width in nm.
@@ -45,6 +46,51 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
             u_prime: uv.u,
             v_prime: uv.v,
         },
+        warnings: vec![],
+    }
+}
+
+/// The same from all around, in a light from 20 degrees that a diffuser spreads.
+pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
+    let run = result(theta_deg, 0.0);
+    let states: Vec<String> = STATES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let direction = |theta: f64, phi: f64| {
+        let (sin, cos) = phi.to_radians().sin_cos();
+        (theta.to_radians().sin() * cos, theta.to_radians().sin() * sin)
+    };
+    let mirror = direction(20.0, 0.0);
+    let views =
+        phi_deg.iter().flat_map(|phi| run.views.iter().map(move |view| (view, *phi))).map(|(view, phi)| {
+            let (x, y) = direction(view.theta_deg, phi);
+            let lobe =
+                0.5 + 0.3 * 0.1 / ((x - mirror.0).powi(2) + (y - mirror.1).powi(2) + 0.01).powf(1.5) * 0.1;
+            let states = states.iter().map(|name| {
+                let (seen, normal) = (view.states.get(name).unwrap(), run.views[0].states.get(name).unwrap());
+                let (seen, normal) = (&seen.value, &normal.value);
+                let (u, v) = (seen.u_prime.unwrap(), seen.v_prime.unwrap());
+                ConeState {
+                    reflectance_factor_y: lobe * seen.Y,
+                    luminance_cd_m2: lobe * seen.luminance_cd_m2,
+                    u_prime: Some(u),
+                    v_prime: Some(v),
+                    uv_shift: Some((u - normal.u_prime.unwrap()).hypot(v - normal.v_prime.unwrap())),
+                }
+            });
+            ConeView {
+                contrast_ratio: view.contrast_ratio.map(|contrast| contrast * lobe.sqrt()),
+                gamut_percent_srgb: view.gamut_percent_srgb,
+                gamut_percent_ebu: view.gamut_percent_ebu,
+                states: states.collect(),
+            }
+        });
+    ConeResult {
+        theta_deg: theta_deg.to_vec(),
+        phi_deg: phi_deg.to_vec(),
+        views: views.collect(),
+        states: states.clone(),
+        lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.0 }],
+        nodes: 0,
+        discretisation_error: 0.0,
         warnings: vec![],
     }
 }
