@@ -42,6 +42,9 @@ pub enum DisplayError {
     /// A number overflowed: something in the scene is far outside of what displays are made of.
     #[error("a result is not a finite number: something in the scenario is far too small or far too large")]
     NotFinite,
+    /// A number of paths says nothing to a solver without paths.
+    #[error("adding traces no paths: it needs a relative error to stop at")]
+    NoPaths,
     /// The run was stopped before there was anything to report.
     #[error("stopped before the first estimate")]
     Interrupted,

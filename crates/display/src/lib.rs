@@ -51,9 +51,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Inside, data flows one way: `prepare` makes the stack, sources and views of a scene;
-//! `run` has the walk trace them on all threads; `meter` turns what replicates saw into
-//! numbers with standard errors, by the formulas of `metrics`.
+//! Many scenes that differ a little, as in a sweep or under a slider, are run through one
+//! [`Prepared`], which keeps what still serves.
+//!
+//! Inside, data flows one way: `setup` makes the stack, sources and views of a scene;
+//! `run` has a solver look at them; `meter` turns what it saw into numbers with errors.
 //!
 //! **Limits.** The display is uniform over the field of view. **Out of scope.** Files, TOML,
 //! printing.
@@ -62,15 +64,15 @@ mod brdf;
 mod cone;
 mod error;
 mod meter;
-mod metrics;
 pub mod pixel;
-mod prepare;
+mod prepared;
 pub mod result;
 mod run;
-mod sample;
 pub mod scene;
+mod setup;
 
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use error::DisplayError;
+pub use prepared::Prepared;
 pub use run::{Control, Progress, run};

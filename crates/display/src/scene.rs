@@ -12,7 +12,7 @@ use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::Scattering;
 
 /// One computation, complete.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The wavelengths of everything below.
     pub grid: Grid,
@@ -27,7 +27,7 @@ pub struct Scene {
 }
 
 /// The layers and the pixel under them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Display {
     /// What light passes on its way to the pixel.
     pub layers: Layers,
@@ -36,7 +36,7 @@ pub struct Display {
 }
 
 /// The layers above the pixel, in either form.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Layers {
     /// The ordinary panel, for which both solvers are fastest.
     Panel(Panel),
@@ -64,7 +64,7 @@ impl Display {
 }
 
 /// An interface and the medium below it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     /// Between the medium above (air over the first layer) and `medium`.
     pub interface: Interface,
@@ -73,7 +73,7 @@ pub struct Layer {
 }
 
 /// What stands between two media.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Interface {
     /// Nothing: the media have the same index.
     Open,
@@ -95,7 +95,7 @@ pub enum Interface {
 }
 
 /// A homogeneous medium.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Medium {
     /// Refractive index, at least 1.
     pub index: Spectrum,
@@ -106,7 +106,7 @@ pub struct Medium {
 }
 
 /// The ordinary panel, top to bottom: front, surface or diffuser, clear glass.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Front-of-screen components in air, outermost first.
     pub front: Vec<FrontComponent>,
@@ -117,7 +117,7 @@ pub struct Panel {
 }
 
 /// A front-of-screen component, alike from both sides and at all angles.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FrontComponent {
     /// Share of the light that it mirrors, 0 to 1.
     pub reflectance: Spectrum,
@@ -126,7 +126,7 @@ pub struct FrontComponent {
 }
 
 /// A diffuser given by its BTDF; it stands for everything between air and glass.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Diffuser {
     /// The angular shape of the scattered part.
     pub lobe: Lobe,
@@ -137,7 +137,7 @@ pub struct Diffuser {
 }
 
 /// The glass between surface and pixel.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Glass {
     /// Refractive index, at least 1.
     pub index: Spectrum,
@@ -155,7 +155,7 @@ pub enum Surface {
 }
 
 /// The pixel array: what each drive state reflects.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Pixel {
     /// Thin-film sub-pixels with a gap-dependent layer.
     Film(FilmPixel),
@@ -166,7 +166,7 @@ pub enum Pixel {
 }
 
 /// Interferometric sub-pixels that share one film stack.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FilmPixel {
     /// Layers from the glass down.
     pub layers: Vec<FilmLayer>,
@@ -185,7 +185,7 @@ pub struct FilmPixel {
 }
 
 /// One sub-pixel.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SubPixel {
     /// `red`, `green`, ...; free, except `dark`.
     pub name: String,
@@ -196,7 +196,7 @@ pub struct SubPixel {
 }
 
 /// A drive state: what each sub-pixel does, in the order of `sub_pixels`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FilmState {
     /// `white`, `black`, ... or the user's own.
     pub name: String,
@@ -214,7 +214,7 @@ pub enum Drive {
 }
 
 /// Complete states from a table (areas and fill factor included).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TablePixel {
     /// The medium that the angles are in.
     pub angles: TableAngles,
@@ -234,7 +234,7 @@ pub enum TableAngles {
 }
 
 /// One state of a table.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TableState {
     /// Its name.
     pub name: String,
@@ -243,7 +243,7 @@ pub struct TableState {
 }
 
 /// Angle-independent states.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct UniformPixel {
     /// How it reflects.
     pub kind: UniformKind,
@@ -261,7 +261,7 @@ pub enum UniformKind {
 }
 
 /// The room's light. `diffuse` and all shares sum to 1.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
     /// Illuminance that the shares refer to, lx.
     pub illuminance_lx: f64,
@@ -274,7 +274,7 @@ pub struct Lighting {
 }
 
 /// A directed source.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DirectedLight {
     /// Inclination, degrees in air (or glass, see `AngleMedium`); negative: towards phi + 180.
     pub theta_deg: f64,
@@ -291,7 +291,7 @@ pub struct DirectedLight {
 }
 
 /// The views: the product of all theta and phi, theta fastest.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Viewer {
     /// Inclinations, degrees.
     pub theta_deg: Vec<f64>,
@@ -304,7 +304,7 @@ pub struct Viewer {
 }
 
 /// How to compute.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Solver {
     /// Which solver.
     pub method: Method,

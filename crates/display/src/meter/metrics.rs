@@ -102,17 +102,36 @@ impl Scalars {
 }
 
 impl ViewScalars {
+    /// How far each number is from the other's; `None` where one of the two is missing.
+    pub(crate) fn difference(one: &Self, other: &Self) -> Self {
+        let both = [one.clone(), other.clone()];
+        Self::reduce(&both, &|values| match [values.next(), values.next()] {
+            [Some(Some(a)), Some(Some(b))] => Some((a - b).abs()),
+            _ => None,
+        })
+    }
+
+    /// 0 wherever there is a number.
+    pub(crate) fn zeros(&self) -> Self {
+        Self::reduce(std::slice::from_ref(self), &|values| values.next().flatten().map(|_| 0.0))
+    }
+
     /// Jackknife standard errors from the metrics with each replicate left out in turn.
     pub(crate) fn jackknife(left_out: &[Self]) -> Self {
-        let states = (0..left_out[0].states.len()).map(|state| {
-            let all: Vec<Scalars> = left_out.iter().map(|view| view.states[state]).collect();
-            Scalars::reduce(&all, &|values| jackknife(values))
+        Self::reduce(left_out, &|values| jackknife(values))
+    }
+
+    /// Combines the same number of several views, each by itself.
+    fn reduce(all: &[Self], combine: &impl Fn(&mut dyn Iterator<Item = Option<f64>>) -> Option<f64>) -> Self {
+        let states = (0..all[0].states.len()).map(|state| {
+            let states: Vec<Scalars> = all.iter().map(|view| view.states[state]).collect();
+            Scalars::reduce(&states, combine)
         });
         Self {
             states: states.collect(),
-            contrast_ratio: jackknife(&mut left_out.iter().map(|view| view.contrast_ratio)),
-            gamut_srgb: jackknife(&mut left_out.iter().map(|view| view.gamut_srgb)),
-            gamut_ebu: jackknife(&mut left_out.iter().map(|view| view.gamut_ebu)),
+            contrast_ratio: combine(&mut all.iter().map(|view| view.contrast_ratio)),
+            gamut_srgb: combine(&mut all.iter().map(|view| view.gamut_srgb)),
+            gamut_ebu: combine(&mut all.iter().map(|view| view.gamut_ebu)),
         }
     }
 }
@@ -136,7 +155,7 @@ mod tests {
         let x = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
         let total: f64 = x.iter().sum();
         let error = jackknife(&mut x.iter().map(|one| Some((total - one) / 7.0))).unwrap();
-        let (_, textbook) = crate::sample::spread(x.into_iter());
+        let (_, textbook) = crate::meter::sample::spread(x.into_iter());
         assert!((error - textbook).abs() < 1e-14);
         assert_eq!(jackknife(&mut [Some(1.0), None].into_iter()), None);
     }

@@ -25,8 +25,18 @@ impl Sample {
     }
 
     /// One sigma of the mean of each entry.
-    pub(crate) fn standard_errors(samples: &[Self]) -> Vec<f64> {
-        (0..samples[0].0.len()).map(|k| spread(samples.iter().map(|s| s.0[k])).1).collect()
+    pub(crate) fn standard_errors(samples: &[Self]) -> Self {
+        Self((0..samples[0].0.len()).map(|k| spread(samples.iter().map(|s| s.0[k])).1).collect())
+    }
+
+    /// How far each entry is from the other's.
+    pub(crate) fn difference(&self, other: &Self) -> Self {
+        Self(self.0.iter().zip(&other.0).map(|(a, b)| (a - b).abs()).collect())
+    }
+
+    /// As many zeros.
+    pub(crate) fn zeros(like: &Self) -> Self {
+        Self(vec![0.0; like.0.len()])
     }
 }
 

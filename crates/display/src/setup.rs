@@ -9,11 +9,17 @@ use papilio_transport::{
     Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Source, Stack, Top,
 };
 
+use crate::DisplayError;
+use crate::pixel::{self, FilmBasis};
 use crate::scene::{self, AngleMedium, Approximation, Layers, Scene, Surface};
-use crate::{DisplayError, pixel};
 
 /// A scene, ready for light.
-pub(crate) struct Prepared {
+#[derive(Debug)]
+pub(crate) struct Setup {
+    /// What everything else here was made for.
+    pub(crate) scene: Scene,
+    /// The reflectances of a film pixel, from which its states are mixed.
+    film: Option<FilmBasis>,
     pub(crate) stack: Stack,
     /// The diffuse light first, then the directed ones in the scene's order.
     pub(crate) lights: Vec<Light>,
@@ -24,6 +30,7 @@ pub(crate) struct Prepared {
 }
 
 /// A source's light in the display plane.
+#[derive(Debug)]
 pub(crate) struct Light {
     /// Spectral irradiance, W/(m2 nm).
     pub(crate) irradiance: Spectrum,
@@ -32,24 +39,64 @@ pub(crate) struct Light {
 }
 
 /// One view.
+#[derive(Debug)]
 pub(crate) struct ViewPoint {
     pub(crate) theta_deg: f64,
     pub(crate) phi_deg: f64,
     pub(crate) field: Cone,
 }
 
-impl Prepared {
+impl Setup {
     pub(crate) fn new(scene: &Scene) -> Result<Self, DisplayError> {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
+        let mut film = None;
+        let base = pixel::base(scene, &mut film)?;
         Ok(Self {
-            stack: stack(scene)?,
+            stack: stack(scene, base)?,
+            film,
             lights: lights(scene, &observer)?,
             sources: sources(scene, angle_index)?,
             views: views(scene, angle_index)?,
             observer,
             states: pixel::state_names(&scene.display.pixel),
+            scene: scene.clone(),
         })
+    }
+
+    /// The same as `new(scene)`, of parts of this one as far as they still serve.
+    pub(crate) fn renewed(mut self, scene: &Scene) -> Result<Self, DisplayError> {
+        let last = std::mem::replace(&mut self.scene, scene.clone());
+        let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
+            != (last.solver.angle_medium, last.solver.approximation);
+        if scene.grid != last.grid || solver_changed {
+            return Self::new(scene);
+        }
+        let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
+        if index_changed || scene.display.pixel != last.display.pixel {
+            *base_of(&mut self.stack) = pixel::base(scene, &mut self.film)?;
+            self.states = pixel::state_names(&scene.display.pixel);
+        }
+        if scene.display.layers != last.display.layers {
+            let base = base_of(&mut self.stack).clone();
+            self.stack = stack(scene, base)?;
+        }
+        let angle_index = angle_index(scene)?;
+        if scene.lighting != last.lighting || index_changed {
+            self.lights = lights(scene, &self.observer)?;
+            self.sources = sources(scene, angle_index)?;
+        }
+        if scene.viewer != last.viewer || index_changed {
+            self.views = views(scene, angle_index)?;
+        }
+        Ok(self)
+    }
+}
+
+fn base_of(stack: &mut Stack) -> &mut Base {
+    match stack {
+        Stack::Panel(panel) => &mut panel.base,
+        Stack::Layered(layered) => &mut layered.base,
     }
 }
 
@@ -63,8 +110,7 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     }
 }
 
-fn stack(scene: &Scene) -> Result<Stack, DisplayError> {
-    let base = pixel::base(scene)?;
+fn stack(scene: &Scene, base: Base) -> Result<Stack, DisplayError> {
     match &scene.display.layers {
         Layers::Panel(panel) => Ok(Stack::Panel(self::panel(scene, panel, base))),
         Layers::General(layers) => Ok(Stack::Layered(Layered { layers: general(scene, layers)?, base })),

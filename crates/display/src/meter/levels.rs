@@ -1,0 +1,49 @@
+//! Errors of adding: the difference between two levels of discretisation.
+//!
+//! The finer level's numbers are reported. Each level gains much on the one before, so the
+//! difference is nearly the coarser one's error, and bounds the finer one's from above.
+
+use super::Meter;
+use super::metrics::ViewScalars;
+use super::sample::{Sample, relative};
+use super::view::Numbers;
+use crate::result::View;
+use crate::setup::ViewPoint;
+
+impl Meter<'_> {
+    /// The largest relative difference of Y over the states; with `every_bin`, also of the
+    /// radiance at each wavelength, against the spectrum's maximum.
+    pub(crate) fn difference(&self, finer: &Sample, coarser: &Sample, every_bin: bool) -> f64 {
+        let mut worst = 0.0_f64;
+        for state in 0..self.layout.states {
+            let (y, before) = (self.luminous(state, finer), self.luminous(state, coarser));
+            worst = worst.max(relative((y, (y - before).abs())));
+            if every_bin {
+                let at = self.layout.radiance(state);
+                let (finer, coarser) = (&finer.0[at.clone()], &coarser.0[at]);
+                let most = finer.iter().copied().fold(0.0, f64::max);
+                let bins = finer.iter().zip(coarser).map(|(a, b)| relative((most, (a - b).abs())));
+                worst = bins.fold(worst, f64::max);
+            }
+        }
+        worst
+    }
+
+    /// A view's result from two levels; `specular` has shape `[state][light]`.
+    pub(crate) fn view_of_levels(
+        &self,
+        at: &ViewPoint,
+        finer: &Sample,
+        coarser: &Sample,
+        specular: &[Vec<f64>],
+    ) -> View {
+        let scalars = self.scalars(finer);
+        let discretisation = Numbers {
+            linear: finer.difference(coarser),
+            scalars: ViewScalars::difference(&scalars, &self.scalars(coarser)),
+        };
+        let noise = Numbers { linear: Sample::zeros(finer), scalars: scalars.zeros() };
+        let value = Numbers { linear: finer.clone(), scalars };
+        self.view(at, value, noise, Some(discretisation), specular)
+    }
+}

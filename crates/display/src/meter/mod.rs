@@ -1,0 +1,173 @@
+//! *measure*: from what a solver saw to what a meter would say, with errors.
+//!
+//! Everything linear in light is a [`Sample`]; colours and other metrics ([`ViewScalars`]) are
+//! computed from samples last. Where errors come from is the solver's: `replicates` (walk) and
+//! `levels` (adding); `view` writes values and errors down.
+
+mod levels;
+mod metrics;
+mod replicates;
+mod sample;
+mod view;
+
+use std::f64::consts::PI;
+
+use papilio_colour::{LUMENS_PER_WATT, Xyz};
+use papilio_spectra::Grid;
+use papilio_transport::Estimate;
+
+use crate::result::Illuminant;
+use crate::setup::{Light, Setup};
+use metrics::{Reference, ViewScalars};
+use sample::Layout;
+pub(crate) use sample::Sample;
+
+/// Turns estimates into samples and samples into results.
+pub(crate) struct Meter<'a> {
+    setup: &'a Setup,
+    grid: Grid,
+    layout: Layout,
+    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr).
+    white: Vec<f64>,
+    white_xyz: Xyz,
+    /// For each light alone.
+    lights: Vec<Weights>,
+}
+
+/// What a reflectance factor under one light alone adds to what is seen.
+struct Weights {
+    /// To the radiance: that of the perfect white; shape `[wavelength]`.
+    radiance: Vec<f64>,
+    /// To Y; shape `[wavelength]`.
+    luminous: Vec<f64>,
+    /// To the reflectance factor by shares of illuminance.
+    share: f64,
+}
+
+impl<'a> Meter<'a> {
+    pub(crate) fn new(setup: &'a Setup) -> Self {
+        let grid = setup.scene.grid;
+        let mut white = vec![0.0; grid.len()];
+        for light in &setup.lights {
+            white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
+        }
+        let layout = Layout { states: setup.states.len(), bins: grid.len(), lights: setup.lights.len() };
+        let white_xyz = setup.observer.xyz(&white);
+        let total: f64 = setup.lights.iter().map(|light| light.illuminance_lx).sum();
+        let y_bar = setup.observer.weights()[1];
+        let weights = |light: &Light| {
+            let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
+            let luminous = radiance.iter().zip(y_bar).map(|(l, y)| l * y / white_xyz.y).collect();
+            Weights { radiance, luminous, share: light.illuminance_lx / total }
+        };
+        let lights = setup.lights.iter().map(weights).collect();
+        Self { setup, grid, layout, white, white_xyz, lights }
+    }
+
+    /// ybar at each wavelength, nm.
+    fn y_bar(&self) -> &[f64] {
+        self.setup.observer.weights()[1]
+    }
+
+    /// A state's Y of a sample, W/(m2 sr).
+    fn luminous(&self, state: usize, sample: &Sample) -> f64 {
+        sample.0[self.layout.radiance(state)].iter().zip(self.y_bar()).map(|(l, y)| l * y).sum()
+    }
+
+    /// An estimate as a sample.
+    pub(crate) fn sample(&self, estimate: &Estimate) -> Sample {
+        let layout = &self.layout;
+        let mut sample = vec![0.0; layout.len()];
+        for (l, (light, rho)) in self.lights.iter().zip(&estimate.rho).enumerate() {
+            let from_front: f64 = rho.front.iter().zip(&light.luminous).map(|(front, y)| front * y).sum();
+            for state in 0..layout.states {
+                let base = &rho.base[state * layout.bins..][..layout.bins];
+                let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
+                let radiance = sample[layout.radiance(state)].iter_mut().zip(&light.radiance);
+                radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);
+                let factor = sample[layout.factor(state)].iter_mut();
+                factor.zip(both).for_each(|(sum, rho)| *sum += light.share * rho);
+                sample[layout.terms(state).start + l] =
+                    base.iter().zip(&light.luminous).map(|(base, y)| base * y).sum();
+                sample[layout.front_term(state)] += from_front;
+            }
+        }
+        self.add_ledger(&estimate.ledger, &mut sample);
+        Sample(sample)
+    }
+
+    fn add_ledger(&self, ledger: &papilio_transport::Ledger, sample: &mut [f64]) {
+        let y = self.white.iter().zip(self.y_bar());
+        let luminous: Vec<f64> = y.map(|(l, y)| l * y / self.white_xyz.y).collect();
+        let parts: [&[f64]; Layout::LEDGER] = [
+            &ledger.returned,
+            &ledger.front,
+            &ledger.diffuser,
+            &ledger.glass,
+            &ledger.pixel,
+            &ledger.inactive,
+            &ledger.unaccounted,
+        ];
+        for state in 0..self.layout.states {
+            for (slot, part) in self.layout.ledger(state).zip(parts) {
+                let row = &part[state * self.layout.bins..][..self.layout.bins];
+                sample[slot] = row.iter().zip(&luminous).map(|(a, b)| a * b).sum();
+            }
+        }
+    }
+
+    /// The perfect white under the scene's light.
+    pub(crate) fn illuminant(&self) -> Illuminant {
+        let (xy, uv) = (self.white_xyz.chromaticity(), self.white_xyz.uv_prime());
+        Illuminant {
+            radiance_of_white: self.white.clone(),
+            x: xy.map_or(f64::NAN, |c| c.x),
+            y: xy.map_or(f64::NAN, |c| c.y),
+            u_prime: uv.map_or(f64::NAN, |c| c.u),
+            v_prime: uv.map_or(f64::NAN, |c| c.v),
+        }
+    }
+
+    fn scalars(&self, mean: &Sample) -> ViewScalars {
+        let relative = |state: usize| {
+            let xyz = self.setup.observer.xyz(&mean.0[self.layout.radiance(state)]);
+            over(xyz, self.white_xyz.y)
+        };
+        let xyz: Vec<Xyz> = (0..self.layout.states).map(relative).collect();
+        let factors: Vec<Vec<f64>> =
+            (0..self.layout.states).map(|s| self.reflectance_factor(s, &mean.0)).collect();
+        let factors: Vec<&[f64]> = factors.iter().map(Vec::as_slice).collect();
+        let reference = Reference {
+            names: &self.setup.states,
+            grid: &self.grid,
+            white: over(self.white_xyz, self.white_xyz.y),
+            white_luminance: LUMENS_PER_WATT * self.white_xyz.y,
+        };
+        reference.view(&xyz, &factors)
+    }
+
+    /// Also of standard errors: both radiance and factor are linear in light.
+    fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Vec<f64> {
+        let (radiance, by_share) = (&linear[self.layout.radiance(state)], &linear[self.layout.factor(state)]);
+        let bins = radiance.iter().zip(by_share).zip(&self.white);
+        bins.map(|((l, share), white)| if *white > 0.0 { l / white } else { *share }).collect()
+    }
+
+    /// Luminance factors of the directed sources' images, shape `[state][light]`.
+    pub(crate) fn specular(&self, images: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let lights = &self.setup.lights[1..];
+        let one = |state: usize, (light, image): (&Light, &Vec<f64>)| {
+            let row = &image[state * self.layout.bins..][..self.layout.bins];
+            let seen: Vec<f64> = row.iter().zip(light.irradiance.iter()).map(|(r, e)| r * e).collect();
+            let source = self.setup.observer.luminance(&light.irradiance);
+            if source > 0.0 { self.setup.observer.luminance(&seen) / source } else { 0.0 }
+        };
+        (0..self.layout.states)
+            .map(|s| lights.iter().zip(images).map(|pair| one(s, pair)).collect())
+            .collect()
+    }
+}
+
+fn over(xyz: Xyz, y: f64) -> Xyz {
+    Xyz { x: xyz.x / y, y: xyz.y / y, z: xyz.z / y }
+}

@@ -1,0 +1,48 @@
+//! Errors of the walk: from the spread of its replicates.
+//!
+//! Standard errors come from the jackknife (Efron 1982): metrics of the mean with one
+//! replicate left out, for each in turn. For linear quantities this is the textbook
+//! standard error; for ratios and colour coordinates it carries all correlations between
+//! wavelengths and states.
+
+use super::Meter;
+use super::metrics::ViewScalars;
+use super::sample::{Sample, relative, spread};
+use super::view::Numbers;
+use crate::result::View;
+use crate::setup::ViewPoint;
+
+impl Meter<'_> {
+    /// The largest relative standard error of Y over the states; with `every_bin`, also of
+    /// the radiance at each wavelength, against the spectrum's maximum.
+    pub(crate) fn standard_error(&self, samples: &[Sample], every_bin: bool) -> f64 {
+        let mut worst = 0.0_f64;
+        for state in 0..self.layout.states {
+            let y = |sample: &Sample| self.luminous(state, sample);
+            worst = worst.max(relative(spread(samples.iter().map(y))));
+            if every_bin {
+                let at = self.layout.radiance(state);
+                let bins: Vec<(f64, f64)> = at.map(|k| spread(samples.iter().map(|s| s.0[k]))).collect();
+                let most = bins.iter().map(|(mean, _)| *mean).fold(0.0, f64::max);
+                worst = bins.iter().map(|(_, error)| relative((most, *error))).fold(worst, f64::max);
+            }
+        }
+        worst
+    }
+
+    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`.
+    pub(crate) fn view_of_replicates(
+        &self,
+        at: &ViewPoint,
+        samples: &[Sample],
+        specular: &[Vec<f64>],
+    ) -> View {
+        let mean = Sample::mean(samples, None);
+        let left_out: Vec<ViewScalars> =
+            (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)))).collect();
+        let errors =
+            Numbers { linear: Sample::standard_errors(samples), scalars: ViewScalars::jackknife(&left_out) };
+        let value = Numbers { scalars: self.scalars(&mean), linear: mean };
+        self.view(at, value, errors, None, specular)
+    }
+}

@@ -1,0 +1,146 @@
+//! Values and their errors, written down as results.
+
+use super::Meter;
+use super::metrics::{Scalars, ViewScalars};
+use super::sample::Sample;
+use crate::result::{Absorbed, Ledger, LedgerError, Named, State, StateValues, Terms, View, ViewError};
+use crate::setup::ViewPoint;
+
+/// A spectrum whose extremes differ by less than this many of its largest error is flat.
+const FLAT: f64 = 10.0;
+
+/// Values of a view, or errors of them.
+pub(super) struct Numbers {
+    pub(super) linear: Sample,
+    pub(super) scalars: ViewScalars,
+}
+
+impl Meter<'_> {
+    /// A view's result; without noise `standard` is 0 and `discretisation` is there.
+    pub(super) fn view(
+        &self,
+        at: &ViewPoint,
+        mut value: Numbers,
+        mut standard: Numbers,
+        mut discretisation: Option<Numbers>,
+        specular: &[Vec<f64>],
+    ) -> View {
+        for s in 0..self.layout.states {
+            let errors = discretisation.as_ref().unwrap_or(&standard);
+            let peak = value.scalars.states[s].peak_nm.filter(|_| !self.is_flat(s, &value, errors));
+            value.scalars.states[s].peak_nm = peak;
+            for errors in [Some(&mut standard), discretisation.as_mut()].into_iter().flatten() {
+                let error = &mut errors.scalars.states[s].peak_nm;
+                *error = peak.and(*error);
+            }
+        }
+        let state = |s: usize| {
+            let error = |errors: &Numbers| self.state(s, errors, vec![0.0; specular[s].len()]);
+            State {
+                value: self.state(s, &value, specular[s].clone()),
+                standard_error: error(&standard),
+                discretisation_error: discretisation.as_ref().map(error),
+            }
+        };
+        View {
+            theta_deg: at.theta_deg,
+            phi_deg: at.phi_deg,
+            states: self.by_name(state),
+            contrast_ratio: value.scalars.contrast_ratio,
+            gamut_percent_srgb: value.scalars.gamut_srgb,
+            gamut_percent_ebu: value.scalars.gamut_ebu,
+            standard_error: together(&standard),
+            discretisation_error: discretisation.as_ref().map(together),
+            ledger: self.by_name(|s| self.ledger(s, &value, &standard, discretisation.as_ref())),
+        }
+    }
+
+    fn by_name<T>(&self, one: impl Fn(usize) -> T) -> Named<T> {
+        Named(self.setup.states.iter().enumerate().map(|(s, name)| (name.clone(), one(s))).collect())
+    }
+
+    /// A spectrum that varies by no more than its own error has no peak.
+    fn is_flat(&self, state: usize, value: &Numbers, errors: &Numbers) -> bool {
+        let [factor, error] =
+            [value, errors].map(|numbers| self.reflectance_factor(state, &numbers.linear.0));
+        let (mut least, mut most, mut noise) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        for (bin, (factor, error)) in factor.into_iter().zip(error).enumerate() {
+            if (400.0..=700.0).contains(&self.grid.wavelength_nm(bin)) {
+                (least, most, noise) = (least.min(factor), most.max(factor), noise.max(error));
+            }
+        }
+        most - least < FLAT * noise
+    }
+
+    fn state(&self, state: usize, numbers: &Numbers, specular: Vec<f64>) -> StateValues {
+        let linear = &numbers.linear.0;
+        let scalars: &Scalars = &numbers.scalars.states[state];
+        let terms = &linear[self.layout.terms(state)];
+        let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
+        StateValues {
+            radiance: linear[self.layout.radiance(state)].to_vec(),
+            reflectance_factor: self.reflectance_factor(state, linear),
+            X: x,
+            Y: y,
+            Z: z,
+            x: scalars.chromaticity[0],
+            y: scalars.chromaticity[1],
+            z: scalars.chromaticity[2],
+            u_prime: scalars.uv_prime[0],
+            v_prime: scalars.uv_prime[1],
+            L_star: scalars.lab[0],
+            a_star: scalars.lab[1],
+            b_star: scalars.lab[2],
+            luminance_cd_m2: scalars.luminance.unwrap_or_default(),
+            contrast: scalars.contrast,
+            peak_nm: scalars.peak_nm,
+            distance_from_white_uv: scalars.from_white,
+            distance_from_d65_uv: scalars.from_d65,
+            hue_rgb: all(scalars.hue_rgb),
+            terms: Terms {
+                diffuse: terms[0],
+                directed: terms[1..].to_vec(),
+                front_reflection: linear[self.layout.front_term(state)],
+            },
+            specular,
+        }
+    }
+
+    fn ledger(
+        &self,
+        state: usize,
+        value: &Numbers,
+        standard: &Numbers,
+        discretisation: Option<&Numbers>,
+    ) -> Ledger {
+        let parts = |numbers: &Numbers| ledger_parts(&numbers.linear.0[self.layout.ledger(state)]);
+        let LedgerError { returned, absorbed, unaccounted } = parts(value);
+        let (standard_error, discretisation_error) = (parts(standard), discretisation.map(parts));
+        Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error }
+    }
+}
+
+fn together(errors: &Numbers) -> ViewError {
+    ViewError {
+        contrast_ratio: errors.scalars.contrast_ratio,
+        gamut_percent_srgb: errors.scalars.gamut_srgb,
+        gamut_percent_ebu: errors.scalars.gamut_ebu,
+    }
+}
+
+/// Shares in the order of a sample's ledger, or their errors.
+fn ledger_parts(shares: &[f64]) -> LedgerError {
+    let absorbed = Absorbed {
+        front: shares[1],
+        diffuser: shares[2],
+        glass: shares[3],
+        pixel: shares[4],
+        inactive: shares[5],
+    };
+    LedgerError { returned: shares[0], absorbed, unaccounted: shares[6] }
+}
+
+/// All three, or none.
+fn all([r, g, b]: [Option<f64>; 3]) -> Option<[f64; 3]> {
+    Some([r?, g?, b?])
+}

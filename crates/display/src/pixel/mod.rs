@@ -1,0 +1,120 @@
+//! Pixels: what each drive state reflects, as the base of a stack or as an angle scan.
+//!
+//! A film pixel's states are mixtures of the reflectances at a few gaps. They are
+//! tabulated over cos(theta) in the glass, in which a film's reflectance is analytic, as
+//! densely as interpolation to [`TABLE_ERROR`] needs.
+
+mod film;
+
+use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
+
+pub(crate) use film::FilmBasis;
+pub use film::TABLE_ERROR;
+use film::{Beta, Mixture, film_basis};
+
+use crate::scene::{AngleMedium, Pixel, Scene, TableAngles, TablePixel, UniformKind, UniformPixel};
+use crate::{DisplayError, setup};
+
+/// The reflectance of every state against angle, in the scene's angle medium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelScan {
+    /// Angles, degrees.
+    pub theta_deg: Vec<f64>,
+    /// Wavelengths, nm.
+    pub wavelength_nm: Vec<f64>,
+    /// Name and reflectance of each state, shape `[angle][wavelength]`.
+    pub states: Vec<(String, Vec<f64>)>,
+}
+
+/// The names of a pixel's states, in order.
+pub fn state_names(pixel: &Pixel) -> Vec<String> {
+    match pixel {
+        Pixel::Film(film) => film.states.iter().map(|state| state.name.clone()).collect(),
+        Pixel::Table(table) => table.states.iter().map(|state| state.name.clone()).collect(),
+        Pixel::Uniform(uniform) => uniform.states.iter().map(|(name, _)| name.clone()).collect(),
+    }
+}
+
+/// The pixel alone, without front, surface or diffuser, at these angles (0 to 90 deg) in
+/// the scene's angle medium.
+///
+/// # Errors
+/// If the film cannot be.
+pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError> {
+    let pixel = &scene.display.pixel;
+    let index = scene.display.index_above_pixel();
+    let in_air = scene.solver.angle_medium == AngleMedium::Air;
+    let sines: Vec<f64> = theta_deg.iter().map(|theta| theta.to_radians().sin()).collect();
+    let bins = scene.grid.len();
+    let mut states: Vec<(String, Vec<f64>)> =
+        state_names(pixel).into_iter().map(|name| (name, Vec::new())).collect();
+    let count = states.len();
+    let mut keep = |at_angle: &[f64]| {
+        states.iter_mut().zip(at_angle.chunks_exact(bins)).for_each(|((_, all), row)| all.extend(row));
+    };
+    if let Pixel::Film(film) = pixel {
+        let mixture = Mixture::new(film)?;
+        let beta = if in_air { Beta::Air } else { Beta::InGlass };
+        let basis = film_basis(film, &scene.grid, index, &mixture.gaps_nm, &sines, beta)?;
+        for one in basis.chunks_exact(mixture.gaps_nm.len() * bins) {
+            let table = mixture.table(Nodes::Constant, one.to_vec(), film);
+            let mut out = vec![0.0; count * bins];
+            table.reflectance(0.0, &Medium::new(index.clone()), &mut out);
+            keep(&out);
+        }
+    } else {
+        let base = base(scene, &mut None)?;
+        let medium = setup::medium(scene);
+        let scale = setup::angle_index(scene)?;
+        for sine in sines {
+            let mut out = vec![0.0; count * bins];
+            base.reflectance((scale * sine).powi(2), &medium, &mut out);
+            keep(&out);
+        }
+    }
+    if states.iter().any(|(_, values)| values.iter().any(|value| !value.is_finite())) {
+        return Err(DisplayError::NotFinite);
+    }
+    let wavelength_nm = scene.grid.wavelengths_nm();
+    Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
+}
+
+/// The pixel as the base of a stack. A film's reflectances are taken from `film` if they still
+/// serve, and kept there.
+pub(crate) fn base(scene: &Scene, film: &mut Option<FilmBasis>) -> Result<Base, DisplayError> {
+    match &scene.display.pixel {
+        Pixel::Film(pixel) => film::base(pixel, &scene.grid, scene.display.index_above_pixel(), film),
+        Pixel::Table(table) => Ok(table_base(table, scene.grid.len())),
+        Pixel::Uniform(uniform) => Ok(uniform_base(uniform, scene.grid.len())),
+    }
+}
+
+fn uniform_base(pixel: &UniformPixel, bins: usize) -> Base {
+    let values: Vec<f64> = pixel.states.iter().flat_map(|(_, r)| r.iter().copied()).collect();
+    let reflector = match pixel.kind {
+        UniformKind::Lambertian => Reflector::Lambertian(values),
+        UniformKind::Mirror => {
+            Reflector::Specular(states_as_table(Nodes::Constant, values, pixel.states.len(), bins))
+        }
+    };
+    Base { reflector, inactive_absorptance: vec![0.0; bins].into() }
+}
+
+fn table_base(pixel: &TablePixel, bins: usize) -> Base {
+    let radians = pixel.theta_deg.iter().map(|theta| theta.to_radians()).collect();
+    let nodes = match pixel.angles {
+        TableAngles::Air => Nodes::AnglesInAir(radians),
+        TableAngles::Glass => Nodes::AnglesInMedium(radians),
+    };
+    let rows =
+        |angle: usize| pixel.states.iter().flat_map(move |state| state.reflectance[angle].iter().copied());
+    let values = (0..pixel.theta_deg.len()).flat_map(rows).collect();
+    let table = states_as_table(nodes, values, pixel.states.len(), bins);
+    Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; bins].into() }
+}
+
+/// A table whose basis is the states themselves.
+fn states_as_table(nodes: Nodes, basis: Vec<f64>, states: usize, bins: usize) -> AngularTable {
+    let unit = |k: usize| if k / states == k % states { 1.0 } else { 0.0 };
+    AngularTable { nodes, basis, mixture: (0..states * states).map(unit).collect(), common: vec![0.0; bins] }
+}

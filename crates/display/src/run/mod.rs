@@ -1,0 +1,187 @@
+//! Runs a scene: what both solvers have in common. `walk` adds rounds of paths, `adding`
+//! goes from level to level, until the numbers are good enough.
+
+mod adding;
+mod walk;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use papilio_optics::Beta;
+use papilio_transport::{Source, specular_image};
+use rayon::ThreadPool;
+
+pub(crate) use adding::Kernels;
+
+use crate::meter::Meter;
+use crate::result::{RunResult, SolverReport, View};
+use crate::scene::{Method, Scene, Stop};
+use crate::setup::{Setup, ViewPoint};
+use crate::{DisplayError, Prepared};
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Paths traced, over all views so far (walk).
+    pub paths: Option<u64>,
+    /// The part of the current view's paths that is done, where that is known.
+    pub share_of_paths: Option<f64>,
+    /// The largest relative error of Y in the current view.
+    pub relative_error: f64,
+    /// The target, where there is one.
+    pub target: Option<f64>,
+    /// Views that are done, of how many.
+    pub views_done: (usize, usize),
+}
+
+/// How a run talks to its caller.
+pub struct Control<'a> {
+    /// Worker threads; `None`: one for each processor.
+    pub threads: Option<usize>,
+    /// Called after each round or level; from several threads, where views are computed in parallel.
+    pub progress: &'a (dyn Fn(Progress) + Sync),
+    /// Set it to end the run with what is there.
+    pub stop: &'a AtomicBool,
+}
+
+impl Control<'_> {
+    fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// Runs a scene. To run many that differ a little, keep a [`Prepared`].
+///
+/// Interrupted, it reports the views that are done and, if it has been seen at all, the one
+/// in work.
+///
+/// # Errors
+/// If the scene cannot be, or was stopped before there was anything to report.
+pub fn run(scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+    Prepared::new(scene)?.run(scene, control)
+}
+
+/// Worker threads, kept as long as as many are wanted.
+#[derive(Debug)]
+pub(crate) struct Workers {
+    threads: usize,
+    pool: ThreadPool,
+}
+
+impl Workers {
+    /// The pool of so many threads (0: one for each processor), from `kept` if it is there.
+    pub(crate) fn wanted(kept: &mut Option<Self>, threads: usize) -> Result<&ThreadPool, DisplayError> {
+        let workers = match kept.take() {
+            Some(workers) if workers.threads == threads => workers,
+            _ => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                Self { threads, pool: pool.map_err(|_| DisplayError::Threads { threads })? }
+            }
+        };
+        Ok(&kept.insert(workers).pool)
+    }
+}
+
+/// Runs what is set up.
+pub(crate) fn run_setup(
+    setup: &Setup,
+    control: &Control<'_>,
+    kernels: &mut Kernels,
+    workers: &mut Option<Workers>,
+) -> Result<RunResult, DisplayError> {
+    let meter = Meter::new(setup);
+    let run = Run { scene: &setup.scene, control, setup, meter: &meter };
+    let threads = control.threads.unwrap_or(0);
+    match setup.scene.solver.method {
+        Method::Walk => {
+            let pool = Workers::wanted(workers, threads)?;
+            pool.install(|| walk::run(&run))
+        }
+        // Threads cost more than one view does.
+        Method::Adding if threads == 1 || setup.views.len() == 1 => adding::run(&run, kernels, None),
+        Method::Adding => adding::run(&run, kernels, Some(Workers::wanted(workers, threads)?)),
+    }
+}
+
+/// What a solver works with.
+pub(crate) struct Run<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) control: &'a Control<'a>,
+    pub(crate) setup: &'a Setup,
+    pub(crate) meter: &'a Meter<'a>,
+}
+
+impl Run<'_> {
+    /// The specular reflectance for each directed source, shape `[state][light]`.
+    fn specular(&self) -> Vec<Vec<f64>> {
+        let images: Vec<Vec<f64>> = self.setup.sources[1..].iter().map(|source| self.image(source)).collect();
+        self.meter.specular(&images)
+    }
+
+    /// The specular reflectance for a directed source (for a disc, at its middle).
+    fn image(&self, source: &Source) -> Vec<f64> {
+        let beta = match source {
+            Source::Diffuse => Beta::default(),
+            Source::Beam(beta) => *beta,
+            Source::Disc(cone) => -cone.axis_towards(),
+        };
+        let image = specular_image(&self.setup.stack, beta);
+        image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
+    }
+
+    /// What is reported; `unreached` explains why a target would not be reached.
+    fn result(
+        &self,
+        views: Vec<View>,
+        solver: SolverReport,
+        specular: &[Vec<f64>],
+        unreached: &str,
+    ) -> RunResult {
+        let mut warnings = self.mirror_images(specular);
+        let reached = solver.relative_error_reached;
+        if solver.interrupted {
+            warnings.push(format!(
+                "interrupted: {} of {} views, the last one not finished",
+                views.len(),
+                self.setup.views.len()
+            ));
+        } else if let Stop::RelativeError { target, .. } = self.scene.solver.stop
+            && reached > target
+        {
+            warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: {unreached}"));
+        }
+        RunResult {
+            solver,
+            wavelength_nm: self.scene.grid.wavelengths_nm(),
+            illuminant: self.meter.illuminant(),
+            views,
+            warnings,
+        }
+    }
+
+    /// Warnings of views that look into the mirror image of a beam.
+    fn mirror_images(&self, specular: &[Vec<f64>]) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for (light, directed) in self.scene.lighting.directed.iter().enumerate() {
+            let mirrored = specular.iter().any(|by_light| by_light[light] > 0.0);
+            if directed.radius_deg.is_some() || !mirrored {
+                continue;
+            }
+            for view in &self.setup.views {
+                if looks_into(view, &self.setup.sources[light + 1]) {
+                    warnings.push(format!(
+                        "the view at theta {} deg, phi {} deg looks into the mirror image of directed source {light} \
+                         (theta {} deg): a source without radius_deg has no radiance, its image is not part of the \
+                         luminance; see `specular`, or give the source a radius_deg",
+                        view.theta_deg, view.phi_deg, directed.theta_deg
+                    ));
+                }
+            }
+        }
+        warnings
+    }
+}
+
+/// True if the mirror image of a beam lies in the field of view.
+fn looks_into(view: &ViewPoint, source: &Source) -> bool {
+    matches!(source, Source::Beam(beta) if view.field.holds(*beta))
+}
