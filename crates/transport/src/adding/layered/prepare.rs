@@ -1,0 +1,324 @@
+//! What is prepared of a stack before its base is known.
+
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+
+use super::algebra::Operator;
+use super::base::Above;
+use super::elements::{Element, elements};
+use super::grid::{Density, Grid};
+use super::part::{Absorbed, Part, nothing};
+use crate::adding::quadrature::{Point, cone_points, disc_points};
+use crate::front::Flat;
+use crate::{Cone, Interface, Layered, Source};
+
+/// What a level stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Precision {
+    /// Natural digits of lobes, fields of view and round sources.
+    pub(super) digits: f64,
+    /// Nodes between two indices, besides those that lobes ask for.
+    nodes: usize,
+    /// Natural digits of the forward peak beyond the Legendre terms that are kept.
+    terms: f64,
+    /// Of orders of azimuth and of iterations.
+    pub(super) tolerance: f64,
+}
+
+impl Precision {
+    pub(super) fn new(level: u32) -> Self {
+        let level = f64::from(level);
+        Self {
+            digits: 7.0 + 2.0 * level,
+            nodes: 8 + (4.0 * level) as usize,
+            terms: 3.0 + 1.5 * level,
+            tolerance: 1e-6 * (-2.0 * level).exp(),
+        }
+    }
+
+    fn legendre_terms(&self, anisotropy: f64) -> usize {
+        let g = anisotropy.abs();
+        if g < 1e-9 {
+            return 1;
+        }
+        // Wide phase functions cost little: they are kept whole.
+        let few = 2 * self.nodes;
+        ((self.terms / -g.ln()).ceil() as usize).max(few.min((-25.0 / g.ln()).ceil() as usize)).max(2)
+    }
+}
+
+/// A direction of a view or a source: the number of its node, its azimuth, its weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ray {
+    pub(super) node: usize,
+    pub(super) turn: f64,
+    pub(super) weight: f64,
+}
+
+/// The directions of all views and sources: they share nodes where they have `|beta|` in common.
+/// Numbers of nodes count from the first extra node.
+#[derive(Debug, Clone)]
+pub(super) struct Directions {
+    pub(super) beta: Vec<f64>,
+    pub(super) views: Vec<Vec<Ray>>,
+    pub(super) sources: Vec<Vec<Ray>>,
+}
+
+impl Directions {
+    pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
+        let (scale, digits) = (smoothness(stack), precision.digits);
+        let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };
+        for view in views {
+            let rays = directions.rays(&cone_points(view, scale, digits));
+            directions.views.push(rays);
+        }
+        for source in sources {
+            let points = match source {
+                Source::Diffuse => Vec::new(),
+                Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
+                Source::Disc(cone) => disc_points(cone, scale, digits),
+            };
+            let rays = directions.rays(&points);
+            directions.sources.push(rays);
+        }
+        directions
+    }
+
+    fn rays(&mut self, points: &[Point]) -> Vec<Ray> {
+        points
+            .iter()
+            .map(|Point { beta, weight }| Ray {
+                node: self.node(*beta),
+                turn: beta.y.atan2(beta.x),
+                weight: *weight,
+            })
+            .collect()
+    }
+
+    fn node(&mut self, beta: Beta) -> usize {
+        // Grazing light has no use for the last digits; it must stay within the air.
+        let length = beta.length().min(1.0 - 1e-12);
+        self.beta.iter().position(|known| (known - length).abs() < 1e-13).unwrap_or_else(|| {
+            self.beta.push(length);
+            self.beta.len() - 1
+        })
+    }
+}
+
+/// The distance in direction cosines over which what is seen changes.
+fn smoothness(stack: &Layered) -> f64 {
+    // Films and faces, whatever scatters.
+    let mut scale = 0.3_f64;
+    for layer in &stack.layers {
+        match &layer.interface {
+            Interface::Diffuser(diffuser) => {
+                if let Lobe::KCorrelation { width } = diffuser.lobe {
+                    scale = scale.min(width);
+                }
+            }
+            Interface::Rough(_) => {}
+            _ => {}
+        }
+        if let Some(scattering) = layer.medium.scattering() {
+            // The phase function's pole lies at this imaginary angle.
+            scale = scale.min(-scattering.anisotropy.abs().max(1e-9).ln());
+        }
+    }
+    scale
+}
+
+/// Wavelengths at which the layers above the base are alike, and what these do.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    pub(super) bins: Vec<usize>,
+    pub(super) grid: Grid,
+    /// Index of the medium above the base.
+    pub(super) index: f64,
+    pub(super) orders: Vec<Order>,
+    /// Nodes of the sources' rays.
+    pub(super) light_nodes: Vec<usize>,
+    /// Of light that rises from the base at each node, the share that leaves.
+    pub(super) leaving: Vec<f64>,
+    /// Of light from above, the share that leaves without having met the base.
+    pub(super) leaving_front: Vec<f64>,
+    /// Absorbed shares of light from above and of light that rises from the base.
+    pub(super) absorbed: [Absorbed; 2],
+}
+
+/// One azimuthal order.
+#[derive(Debug, Clone)]
+pub(super) struct Order {
+    pub(super) above: Above,
+    /// Light from above that is sent back above the base.
+    pub(super) front: Operator,
+}
+
+/// All groups, with prepared.
+pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Precision) -> Vec<Group> {
+    let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
+    for bin in 0..stack.base.bins() {
+        let key = optics(stack, bin);
+        match kinds.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, bins)) => bins.push(bin),
+            None => kinds.push((key, vec![bin])),
+        }
+    }
+    kinds.into_iter().map(|(_, bins)| group(stack, bins, directions, precision)).collect()
+}
+
+/// Everything that the layers above the base depend on at a wavelength.
+fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
+    let mut key = Vec::new();
+    for layer in &stack.layers {
+        match &layer.interface {
+            Interface::Sheet { reflectance, absorptance } => {
+                key.extend([reflectance[bin].to_bits(), absorptance[bin].to_bits()]);
+            }
+            Interface::Coating(_) => key.push(bin as u64),
+            Interface::Diffuser(diffuser) => key.push(diffuser.transmittance[bin].to_bits()),
+            Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Rough(_) => {}
+        }
+        key.push(layer.medium.index()[bin].to_bits());
+        key.extend(layer.medium.transmittance().map(|t| t[bin].to_bits()));
+        key.extend(layer.medium.scattering().map(|s| s.albedo[bin].to_bits()));
+    }
+    key
+}
+
+fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
+    let mut density = Density { least: precision.nodes, spacing: f64::INFINITY, angle: None };
+    for layer in &stack.layers {
+        if let Interface::Diffuser(diffuser) = &layer.interface {
+            if let Lobe::KCorrelation { width } = diffuser.lobe {
+                density.spacing = density.spacing.min(2.0 * std::f64::consts::PI * width / precision.digits);
+            }
+        }
+        if let Some(scattering) = layer.medium.scattering() {
+            let terms = precision.legendre_terms(scattering.anisotropy) as f64;
+            let spacing = std::f64::consts::PI / terms;
+            let index = layer.medium.index()[bin];
+            if density.angle.is_none_or(|(_, known)| spacing < known) {
+                density.angle = Some((index, spacing));
+            }
+        }
+    }
+    density
+}
+
+fn group(stack: &Layered, bins: Vec<usize>, directions: &Directions, precision: &Precision) -> Group {
+    let bin = bins[0];
+    let mut indices: Vec<f64> = stack.layers.iter().map(|layer| layer.medium.index()[bin]).collect();
+    indices.push(1.0);
+    indices.sort_by(f64::total_cmp);
+    indices.dedup();
+    let grid = Grid::new(&indices, density(stack, bin, precision), &directions.beta);
+    let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[bin]);
+    let mut group = Group {
+        bins,
+        index,
+        orders: Vec::new(),
+        light_nodes: Vec::new(),
+        leaving: Vec::new(),
+        leaving_front: Vec::new(),
+        absorbed: [nothing(grid.len()), nothing(grid.len())],
+        grid,
+    };
+    group.light_nodes = group.nodes_of(&directions.sources);
+    let view_nodes = group.nodes_of(&directions.views);
+    let mut elements = elements(stack, bin, &group.grid, |g| precision.legendre_terms(g));
+    let mut grid = group.grid.clone();
+    let mut convergence = Convergence::new(view_nodes, group.light_nodes.clone());
+    let scattering = elements.iter().map(Element::orders).max().unwrap_or(0);
+    for order in 0.. {
+        if order == scattering.max(1) {
+            elements = elements.into_iter().map(|element| element.extras(&grid)).collect();
+            grid = grid.extras();
+        }
+        let part = compose(&mut elements, order, &grid);
+        if let Some(absorbed) = &part.absorbed {
+            let air = grid.below(1.0);
+            group.leaving = part.down.transposed().pull_back(&air, &grid.scale);
+            group.leaving_front = part.above.pull_back(&air, &grid.scale);
+            group.absorbed = absorbed.clone();
+        }
+        let done = convergence.reached(&part, group.grid.len() - grid.len(), precision.tolerance);
+        let above = Above { down: part.down, below: part.below };
+        group.orders.push(Order { above, front: part.above });
+        if done {
+            break;
+        }
+    }
+    group
+}
+
+impl Group {
+    /// The node of a direction.
+    pub(super) fn node(&self, ray: &Ray) -> usize {
+        self.grid.regular + ray.node
+    }
+
+    fn nodes_of(&self, rays: &[Vec<Ray>]) -> Vec<usize> {
+        let mut nodes: Vec<usize> = rays.iter().flatten().map(|ray| self.node(ray)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+}
+
+/// Whether the orders of azimuth so far suffice between any view and any source.
+struct Convergence {
+    views: Vec<usize>,
+    lights: Vec<usize>,
+    /// Sums of what each order can hold, by view and light.
+    sums: Vec<f64>,
+    /// Orders in a row that added next to nothing.
+    quiet: usize,
+    order: usize,
+}
+
+impl Convergence {
+    fn new(views: Vec<usize>, lights: Vec<usize>) -> Self {
+        Self { sums: vec![0.0; views.len() * lights.len()], views, lights, quiet: 0, order: 0 }
+    }
+
+    /// Adds an order, with the number of nodes that it leaves out.
+    fn reached(&mut self, part: &Part, skipped: usize, tolerance: f64) -> bool {
+        let mut quiet = true;
+        // Orders fall geometrically, some e^14 from the first to the last: what is left
+        // after this one.
+        let rest = 1.0 + self.order as f64 / 14.0;
+        let pairs = self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (v - skipped, l - skipped)));
+        for ((v, l), sum) in pairs.zip(&mut self.sums) {
+            let size = most(part, v, l);
+            *sum += size;
+            quiet &= size * rest <= tolerance * *sum;
+        }
+        self.quiet = if quiet { self.quiet + 1 } else { 0 };
+        self.order += 1;
+        self.quiet >= 3 || self.sums.is_empty()
+    }
+}
+
+/// What light between two extra nodes can be in this order, over a white base.
+fn most(part: &Part, v: usize, l: usize) -> f64 {
+    let Part { above, below, down, .. } = part;
+    let between: f64 = (0..down.regular).map(|i| (down.at(i, v) * down.at(i, l)).abs()).sum();
+    let [straight_v, straight_l] = [v, l].map(|node| down.straight[node]);
+    above.at(v, l).abs()
+        + between
+        + straight_v * down.at(v, l).abs()
+        + straight_l * down.at(l, v).abs()
+        + straight_v * straight_l * below.at(v, l).abs()
+}
+
+fn compose(elements: &mut [Element<'_>], order: usize, grid: &Grid) -> Part {
+    let air = |beta: f64| Flat { t: if beta < 1.0 { 1.0 } else { 0.0 }, above: 0.0, below: 0.0 };
+    let mut whole = Part::flat(grid, air);
+    if order == 0 {
+        whole.absorbed = Some([nothing(grid.len()), nothing(grid.len())]);
+    }
+    for element in elements {
+        whole = whole.over(&element.part(order, grid), grid);
+    }
+    whole
+}
