@@ -48,11 +48,46 @@ impl<const K: usize> Piecewise<K> {
         Ok(Some(table))
     }
 
+    /// Where each piece begins and ends.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.starts.iter().zip(&self.scales).map(|(start, scale)| (*start, start + 2.0 / scale))
+    }
+
     /// The functions at x, 0 to 1.
     #[inline]
     pub(crate) fn at(&self, x: f64) -> [f64; K] {
         let piece = self.starts.partition_point(|&start| start <= x).saturating_sub(1);
         clenshaw(&self.series[piece], (x - self.starts[piece]) * self.scales[piece] - 1.0)
+    }
+}
+
+impl Piecewise<1> {
+    /// The integral of `x f(x)` from where the piece begins, as a function of x within it.
+    pub(crate) fn first_moment(&self, piece: usize) -> impl Fn(f64) -> f64 {
+        let (start, scale) = (self.starts[piece], self.scales[piece]);
+        let half = 1.0 / scale;
+        let f = |term: usize| if term < TERMS { self.series[piece][term][0] } else { 0.0 };
+        // x f, by t T_k = (T_(k-1) + T_(k+1))/2, t T_0 = T_1.
+        let mut product = [0.0; TERMS + 2];
+        for (term, value) in product.iter_mut().enumerate() {
+            let below = if term == 1 {
+                2.0 * f(0)
+            } else if term > 1 {
+                f(term - 1)
+            } else {
+                0.0
+            };
+            *value = (start + half) * f(term) + 0.5 * half * (below + f(term + 1));
+        }
+        // Its integral, by that of T_k: T_(k+1)/(2k + 2) - T_(k-1)/(2k - 2).
+        let mut integral = [[0.0]; TERMS + 2];
+        for term in 1..TERMS + 2 {
+            let below = if term == 1 { 2.0 * product[0] } else { product[term - 1] };
+            let above = product.get(term + 1).unwrap_or(&0.0);
+            integral[term][0] = half * (below - above) / (2.0 * term as f64);
+        }
+        let at_start = clenshaw(&integral, -1.0)[0];
+        move |x| clenshaw(&integral, (x - start) * scale - 1.0)[0] - at_start
     }
 }
 
@@ -88,7 +123,7 @@ fn misses_by<const K: usize, E>(
 }
 
 #[inline]
-fn clenshaw<const K: usize>(series: &[[f64; K]; TERMS], x: f64) -> [f64; K] {
+fn clenshaw<const K: usize>(series: &[[f64; K]], x: f64) -> [f64; K] {
     let (mut last, mut before) = ([0.0; K], [0.0; K]);
     for coefficients in series[1..].iter().rev() {
         let next = std::array::from_fn(|k| coefficients[k] + 2.0 * x * last[k] - before[k]);
@@ -113,6 +148,18 @@ mod tests {
             let x = f64::from(step) / 10_000.0;
             let (found, exact) = (table.at(x), peak(x));
             assert!((found[0] - exact[0]).abs() < 1e-9 && (found[1] - exact[1]).abs() < 1e-9, "{x}");
+        }
+    }
+
+    #[test]
+    fn first_moments_are_integrals() {
+        let table = table(1e-12, |x| [(3.0 * x).cos()]).unwrap();
+        let integral = |x: f64| x * (3.0 * x).sin() / 3.0 + (3.0 * x).cos() / 9.0;
+        for (piece, (start, end)) in table.pieces().enumerate() {
+            let moment = table.first_moment(piece);
+            for x in [start, 0.7 * start + 0.3 * end, end] {
+                assert!((moment(x) - (integral(x) - integral(start))).abs() < 1e-12, "{x}");
+            }
         }
     }
 

@@ -48,7 +48,7 @@ pub enum OpticsError {
     CoatingGap,
     /// A coating's fringes over direction are too many to tabulate.
     #[error(
-        "the coating's interference fringes at {nm} nm are too many (expected films of 0.1 mm in all at \
+        "the coating's interference fringes at {nm} nm are too many (expected films of 0.05 mm in all at \
          most; a thicker layer does not interfere, and is a layer of its own)"
     )]
     Fringes {

@@ -1,4 +1,57 @@
 //! A rough face between two transparent media (GGX), nothing lost.
+//!
+//! **What.** A face whose microfacets each reflect and refract by Fresnel's law: etched or
+//! sandblasted glass, an antiglare surface, the faces of a diffuser film. Light is scattered to
+//! both sides.
+//!
+//! **Parameters.** The two indices, real, above 0 and different, and the roughness alpha, .01 to
+//! 1: the slopes' distribution is `D(h) = alpha^2 / (pi (alpha^2 h_z^2 + |h_t|^2)^2)` per
+//! steradian of normals (GGX, or Trowbridge-Reitz). Half of the face is steeper than
+//! `atan alpha`. Antiglare has .02 to .1, ground glass .3 to .6.
+//!
+//! **One microfacet.** In direction cosines, wave vectors over k0 `p = (beta, q)`,
+//! `q = sqrt(n^2 - |beta|^2)`, every kernel is symmetric. With `v = p_i + p_o` (both pointing
+//! away from the face), `h = +-v/|v|`, `c = |p.h|` and F, unpolarised, of the microfacet,
+//!
+//! `k_reflected = F D(h) G / (4 q_i q_o)`,
+//! `k_refracted = (1 - F) D(h) G c_i c_o / (q_i q_o |v|^2)`,
+//!
+//! which are Walter's eq. 20 and 21 over `n_o^2` and `cos_o`; G is Smith's shadowing and
+//! masking, separable, `G1 = 2q / (q + sqrt(q^2 + alpha^2 |beta|^2))`.
+//!
+//! **Several microfacets.** What G takes away does not vanish: it meets further microfacets. Of
+//! light that arrives with a, one microfacet loses the share d(a). That light is given back as
+//! Kulla and Conty do for one side, here over both:
+//!
+//! `k(a -> b) = k1(a -> b) + d(a) d(b) / integral of d`
+//!
+//! is symmetric, and over both sides it integrates to one. So a rough face over a white mirror
+//! loses nothing, where one microfacet alone loses 6.3 % at alpha = .2, n = 1.5.
+//!
+//! **Intuition.** At alpha = .2 and n = 1.5 one microfacet loses .5 % of light that comes from
+//! the air along the normal, 4.5 % of light from the glass; two thirds of grazing light at
+//! alpha = 1.
+//!
+//! **Accuracy.** d is within 1e-5 of its integral, and so is the integral of k over both sides
+//! of one; sampling follows k but for that.
+//!
+//! **Validity.** Geometric optics: features larger than the wavelength, no diffraction, no
+//! speckle, no straight-through light. Slopes are independent of heights, and there is no slope
+//! correlation between neighbours. Where light goes after several microfacets is a model, how
+//! much of it there is is not; what of it belongs to which side follows from reciprocity only in
+//! the sum. Light is unpolarised at each facet.
+//!
+//! Sources: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR
+//! 2007, eq. 20, 21, 33, 34; E. Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT
+//! 7:4 (2018); C. Kulla, A. Conty, "Revisiting Physically Based Shading at Imageworks",
+//! SIGGRAPH courses 2017.
+
+mod again;
+mod deficit;
+mod microfacets;
+
+use again::Deficits;
+use microfacets::Microfacets;
 
 use crate::Beta;
 
@@ -11,24 +64,100 @@ pub enum Side {
     Below,
 }
 
+impl Side {
+    /// The one across the face.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Above => Self::Below,
+            Self::Below => Self::Above,
+        }
+    }
+}
+
 /// A rough face.
+///
+/// ```
+/// use papilio_optics::Beta;
+/// use papilio_optics::rough::{Rough, Side};
+/// let face = Rough::new(0.2, 1.0, 1.5);
+/// let (down, up) = (Beta { x: 0.3, y: 0.0 }, Beta { x: -0.2, y: 0.4 });
+/// let there = face.density(Side::Above, down, Side::Below, up);
+/// let back = face.density(Side::Below, up, Side::Above, down);
+/// assert!(there > 0.0 && (there / back - 1.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rough {}
+pub struct Rough {
+    facets: Microfacets,
+    deficits: Deficits,
+}
 
 impl Rough {
-    /// A face of this roughness between media of these indices.
-    pub fn new(_alpha: f64, _above: f64, _below: f64) -> Self {
-        Self {}
+    /// A face of roughness alpha, .01 to 1, between media of these indices, above 0 and different.
+    ///
+    /// Takes some tens of milliseconds: it tabulates what one microfacet alone would lose.
+    pub fn new(alpha: f64, above: f64, below: f64) -> Self {
+        let facets = Microfacets { alpha, above, below };
+        Self { facets, deficits: Deficits::new(&facets) }
+    }
+
+    /// The roughness.
+    pub fn alpha(&self) -> f64 {
+        self.facets.alpha
+    }
+
+    /// The index of the medium on this side.
+    pub fn index(&self, side: Side) -> f64 {
+        self.facets.index(side)
     }
 
     /// Density per unit area of `beta_o` on side `to`, for light that arrives with `beta_i` on
-    /// side `from`: over both sides it integrates to one. Symmetric.
-    pub fn density(&self, _from: Side, _beta_i: Beta, _to: Side, _beta_o: Beta) -> f64 {
-        0.0
+    /// side `from`: over both sides it integrates to one. Both are of propagation, so that
+    /// `beta_o = beta_i` is the mirror's direction on the same side, straight on across the face.
+    ///
+    /// Symmetric: light that retraces its way has the same density. 0 where `|beta|` is not
+    /// below the index of its side.
+    pub fn density(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
+        let (Some(i), Some(o)) = (self.cosine(from, beta_i), self.cosine(to, beta_o)) else {
+            return 0.0;
+        };
+        let again = self.deficits.at(from, i) * self.deficits.at(to, o) / self.deficits.total;
+        self.facets.single(from, beta_i, to, beta_o) + again
     }
 
-    /// A side and direction drawn with [`Self::density`].
-    pub fn sample(&self, from: Side, beta_i: Beta, _u: [f64; 4]) -> (Side, Beta) {
-        (from, beta_i)
+    /// The part of [`Self::density`] that met one microfacet; symmetric as well.
+    pub fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
+        self.facets.single(from, beta_i, to, beta_o)
+    }
+
+    /// The share of light from this side that meets more than one microfacet: one less the
+    /// integral of [`Self::single`] over both sides. `beta_length` is below the side's index.
+    pub fn deficit(&self, side: Side, beta_length: f64) -> f64 {
+        let beta = Beta { x: beta_length, y: 0.0 };
+        self.cosine(side, beta).map_or(0.0, |cosine| self.deficits.at(side, cosine))
+    }
+
+    /// A side and direction drawn with [`Self::density`], weight one, from four uniform numbers;
+    /// |beta_i| is below the index of its side.
+    pub fn sample(&self, from: Side, beta_i: Beta, u: [f64; 4]) -> (Side, Beta) {
+        let meeting = self.facets.meet(from, beta_i, [u[0], u[1]]);
+        let reflectance = meeting.reflectance;
+        let reflected = u[2] < reflectance;
+        let mut again = u[3];
+        if let Some(leaving) = self.facets.leave(&meeting, reflected) {
+            if again < leaving.unshadowed {
+                return (leaving.side, leaving.beta);
+            }
+            again = (again - leaving.unshadowed) / (1.0 - leaving.unshadowed);
+        }
+        // Both choices leave what is uniform among the numbers that led to them.
+        let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
+        self.deficits.sample(&self.facets, [again, turn])
+    }
+
+    /// Cosine to the face's normal of light that exists on this side.
+    fn cosine(&self, side: Side, beta: Beta) -> Option<f64> {
+        let n = self.facets.index(side);
+        let squared = 1.0 - beta.squared() / (n * n);
+        (squared > 0.0).then(|| squared.sqrt())
     }
 }

@@ -4,7 +4,7 @@
 //! stand between two media, such as an antireflection film on a cover glass. They are
 //! tabulated over direction once, so that a look-up costs a few dozen multiplications.
 //!
-//! **Parameters.** Layers as in [`film`](super), 0 to about 0.1 mm in all; media of real index,
+//! **Parameters.** Layers as in [`film`](super), 0 to .05 mm in all; media of real index,
 //! per wavelength. `beta` is conserved through the whole: `beta < n` is light in a medium of
 //! index n. The transmittance is a share of power, alike from both sides (reciprocity), and as
 //! such what happens to basic radiance.
@@ -82,7 +82,7 @@ impl Coating {
     ///
     /// # Errors
     /// As [`GapFilm::new`](super::GapFilm::new); if a thickness is the gap's; if the layers are
-    /// so thick, about 0.1 mm, that their fringes are too many.
+    /// so thick, above 0.05 mm, that their fringes are too many.
     pub fn new(
         wavelengths_nm: &[f64],
         above: &[f64],
