@@ -55,9 +55,13 @@ pub fn uniform_disc_density(radius: f64) -> f64 {
 /// density [`uniform_cone_density`]. `axis` is a unit vector.
 pub fn uniform_cone(axis: [f64; 3], half_angle: f64, u: [f64; 2]) -> [f64; 3] {
     // 1 - cos without cancellation: fields of a tenth of a degree are the rule.
-    let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2) * u[0];
-    let sin = (one_minus_cos * (2.0 - one_minus_cos)).sqrt();
-    let (x, y) = polar(sin, u[1]);
+    deflected(axis, 2.0 * (0.5 * half_angle).sin().powi(2) * u[0], u[1])
+}
+
+/// The unit vector at an angle of this `1 - cos` to the unit vector `axis`, at azimuth `2 pi v`.
+pub fn deflected(axis: [f64; 3], one_minus_cos: f64, v: f64) -> [f64; 3] {
+    let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
+    let (x, y) = polar(sin, v);
     let z = 1.0 - one_minus_cos;
     let (tangent, bitangent) = frame(axis);
     std::array::from_fn(|i| x * tangent[i] + y * bitangent[i] + z * axis[i])

@@ -51,6 +51,7 @@ mod layered;
 mod light;
 mod medium;
 mod panel;
+mod skeleton;
 mod specular;
 pub mod walk;
 

@@ -4,6 +4,7 @@ use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 
 use crate::front::Flat;
+use crate::skeleton::{Ray, Skeleton};
 use crate::{Diffuser, Layered, Panel, Reflector, Stack, Top};
 
 /// What a mirror image holds, in parts of the source's own radiance.
@@ -24,9 +25,15 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     }
 }
 
-fn layered_image(stack: &Layered, _beta: Beta) -> Image {
-    let base = &stack.base;
-    Image { front: vec![0.0; base.bins()], base: vec![0.0; base.states() * base.bins()] }
+/// [`specular_image`] of any layers: what their flat skeleton sends back.
+fn layered_image(stack: &Layered, beta: Beta) -> Image {
+    let mut skeleton = Skeleton::new(stack);
+    skeleton.set(stack, beta.squared());
+    let mut field = skeleton.field();
+    skeleton.emit(Ray::ENTERING, &mut field);
+    let (front, risen) = field.at(Ray::LEAVING);
+    let base = field.rising.iter().enumerate().map(|(k, rising)| rising * risen[k % risen.len()]);
+    Image { front: front.to_vec(), base: base.collect() }
 }
 
 /// [`specular_image`] of a panel.

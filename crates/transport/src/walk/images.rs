@@ -7,13 +7,13 @@
 
 use std::f64::consts::PI;
 
-use crate::specular::{Image, panel_image as specular_image};
-use crate::{Cone, Estimate, Panel, Reflector, Source, Top};
+use crate::specular::{Image, specular_image};
+use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
 
 /// The images of all sources in one field of view.
 #[derive(Debug)]
 pub(super) struct Images<'a> {
-    stack: &'a Panel,
+    stack: &'a Stack,
     view: Cone,
     /// For each source that may be seen: its number, its mirrored cone, the overlap, and
     /// the weight of a point of it.
@@ -35,7 +35,7 @@ struct Seen {
 pub(super) struct Sums(Vec<Image>);
 
 impl<'a> Images<'a> {
-    pub(super) fn new(stack: &'a Panel, view: Cone, sources: &[Source]) -> Self {
+    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &[Source]) -> Self {
         let seen = sources.iter().enumerate().filter_map(|(source, light)| {
             let Source::Disc(disc) = light else { return None };
             let mirrored = disc.mirrored();
@@ -48,7 +48,7 @@ impl<'a> Images<'a> {
     }
 
     pub(super) fn sums(&self) -> Sums {
-        let base = &self.stack.base;
+        let base = self.stack.base();
         let empty = || Image { front: vec![0.0; base.bins()], base: vec![0.0; base.states() * base.bins()] };
         Sums(self.seen.iter().map(|_| empty()).collect())
     }
@@ -80,7 +80,15 @@ impl<'a> Images<'a> {
 }
 
 /// Whether any light comes back unscattered.
-fn mirrors(stack: &Panel) -> bool {
+fn mirrors(stack: &Stack) -> bool {
+    match stack {
+        Stack::Panel(panel) => panel_mirrors(panel),
+        // Some angle may, and what does not is cheap.
+        Stack::Layered(_) => true,
+    }
+}
+
+fn panel_mirrors(stack: &Panel) -> bool {
     let reaches_base = match &stack.top {
         Top::Diffuser(diffuser) => diffuser.straight_through > 0.0,
         Top::Coated => true,

@@ -39,7 +39,7 @@ mod tally;
 use papilio_optics::Beta;
 use papilio_sampling::{Numbers, PLANNED_BLOCKS};
 
-use crate::{Cone, Estimate, Panel, Source, Stack, Top};
+use crate::{Cone, Estimate, Source, Stack, Top};
 use bare::Bare;
 use diffused::Diffused;
 use images::Images;
@@ -71,6 +71,12 @@ impl PathNumbers<'_> {
         self.field()
     }
 
+    /// For the points of round sources.
+    #[inline]
+    fn on_discs(&self) -> [f64; 2] {
+        [self.start[2], self.start[3]]
+    }
+
     /// A number that is independent from path to path: for a decision that is the only
     /// random one, since the counts that stratified numbers give may agree in all replicates
     /// and hide the error.
@@ -96,25 +102,23 @@ pub struct Walk<'a> {
 enum Kind<'a> {
     Bare(Bare<'a>, Images<'a>),
     Diffused(Diffused<'a>, Images<'a>),
-    Layered(Layered<'a>),
+    Layered(Layered<'a>, Images<'a>),
 }
 
 impl<'a> Walk<'a> {
     /// `view` is the cone of directions (in air) that the viewer's field covers.
     pub fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
+        let images = Images::new(stack, view, sources);
         let kind = match stack {
-            Stack::Panel(panel) => Self::panel(panel, view, sources),
-            Stack::Layered(layered) => Kind::Layered(Layered::new(layered, view, sources)),
+            Stack::Layered(layered) => Kind::Layered(Layered::new(layered, view, sources), images),
+            Stack::Panel(panel) => match &panel.top {
+                Top::Diffuser(diffuser) => {
+                    Kind::Diffused(Diffused::new(panel, diffuser, view, sources), images)
+                }
+                Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
+            },
         };
         Self { kind }
-    }
-
-    fn panel(panel: &'a Panel, view: Cone, sources: &'a [Source]) -> Kind<'a> {
-        let images = Images::new(panel, view, sources);
-        match &panel.top {
-            Top::Diffuser(diffuser) => Kind::Diffused(Diffused::new(panel, diffuser, view, sources), images),
-            Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
-        }
     }
 
     /// An empty replicate, to be filled by [`Self::trace`].
@@ -122,7 +126,7 @@ impl<'a> Walk<'a> {
         let tally = match &self.kind {
             Kind::Bare(bare, images) => Tally::Bare(bare.tally(), images.sums()),
             Kind::Diffused(diffused, images) => Tally::Diffused(diffused.tally(), images.sums()),
-            Kind::Layered(layered) => Tally::Layered(layered.tally()),
+            Kind::Layered(layered, images) => Tally::Layered(Box::new(layered.tally()), images.sums()),
         };
         Replicate { paths: 0, tally }
     }
@@ -141,7 +145,10 @@ impl<'a> Walk<'a> {
                     images.path(numbers.image(), sums);
                     diffused.path(&numbers, tally);
                 }
-                (Kind::Layered(layered), Tally::Layered(tally)) => layered.path(&numbers, tally),
+                (Kind::Layered(layered, images), Tally::Layered(tally, sums)) => {
+                    images.path(numbers.image(), sums);
+                    layered.path(&numbers, tally);
+                }
                 // A replicate of another walk: its numbers would mean nothing here.
                 _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
             }
@@ -159,7 +166,9 @@ impl<'a> Walk<'a> {
             (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
                 images.add_to(diffused.estimate(tally, scale), sums, scale)
             }
-            (Kind::Layered(layered), Tally::Layered(tally)) => layered.estimate(tally, scale),
+            (Kind::Layered(layered, images), Tally::Layered(tally, sums)) => {
+                images.add_to(layered.estimate(tally, scale), sums, scale)
+            }
             _ => Estimate::default(),
         }
     }
@@ -183,7 +192,7 @@ impl Replicate {
 enum Tally {
     Bare(bare::Tally, images::Sums),
     Diffused(diffused::Tally, images::Sums),
-    Layered(layered::Tally),
+    Layered(Box<layered::Tally>, images::Sums),
 }
 
 /// A point of a source to connect to, and its density over direction cosines

@@ -1,5 +1,7 @@
 //! Small stacks, and statistics over many seeds.
 
+#![allow(dead_code, reason = "each file of tests uses its part")]
+
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_transport::walk::Walk;
@@ -52,8 +54,19 @@ pub(crate) fn replicates(
     paths: u64,
     sampler: Sampler,
 ) -> Vec<Estimate> {
-    let stack = Stack::Panel(stack.clone());
-    let walk = Walk::new(&stack, view, sources);
+    replicates_of(&Stack::Panel(stack.clone()), view, sources, seed, paths, sampler)
+}
+
+/// The same for a display in either form.
+pub(crate) fn replicates_of(
+    stack: &Stack,
+    view: Cone,
+    sources: &[Source],
+    seed: u64,
+    paths: u64,
+    sampler: Sampler,
+) -> Vec<Estimate> {
+    let walk = Walk::new(stack, view, sources);
     (0..REPLICATES)
         .map(|stream| {
             let mut replicate = walk.replicate();

@@ -1,0 +1,330 @@
+//! The flat skeleton of a stack: where light of one direction gets to without being scattered.
+//!
+//! At given direction cosines everything that is flat mirrors and passes light without
+//! changing them; whatever scatters is replaced by its straight part (a diffuser by s T, a
+//! scattering medium by exp(-tau/mu), a rough face and a Lambertian base by nothing). What
+//! is left is a row of parts with reflectances and one transmittance each, all of whose
+//! inter-reflections are summed in closed form, for every wavelength and, where the base is
+//! a mirror, for every state.
+//!
+//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* lie
+//! between them: plane 0 in the air over all elements, plane e above element e, the last one
+//! on the base. A [`Field`] holds the light at every plane that one unit of basic radiance
+//! makes, in both directions. All parts are reciprocal: the light going down at a plane, per
+//! unit that enters from the air, is also the share of light sent up there that leaves.
+
+use papilio_optics::interface::fresnel_reflectance;
+
+use crate::front::Flat;
+use crate::{Interface, Layer, Layered, Medium, Reflector};
+
+/// Which way light goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Going {
+    Down,
+    Up,
+}
+
+/// Light at a plane, on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Ray {
+    pub(crate) plane: usize,
+    pub(crate) going: Going,
+}
+
+impl Ray {
+    /// In the air, towards the display.
+    pub(crate) const ENTERING: Self = Self { plane: 0, going: Going::Down };
+
+    /// In the air, away from the display.
+    pub(crate) const LEAVING: Self = Self { plane: 0, going: Going::Up };
+
+    /// The ray that meets `element`.
+    pub(crate) fn meeting(element: usize, going: Going) -> Self {
+        match going {
+            Going::Down => Self { plane: element, going },
+            Going::Up => Self { plane: element + 1, going },
+        }
+    }
+
+    /// The ray that comes from `element`.
+    pub(crate) fn from_element(element: usize, going: Going) -> Self {
+        match going {
+            Going::Down => Self { plane: element + 1, going },
+            Going::Up => Self { plane: element, going },
+        }
+    }
+
+    /// The same way the other way round.
+    pub(crate) fn reversed(self) -> Self {
+        let going = match self.going {
+            Going::Down => Going::Up,
+            Going::Up => Going::Down,
+        };
+        Self { going, ..self }
+    }
+}
+
+/// The flat parts of a stack at one direction, and what lies above and below each plane.
+#[derive(Debug, Clone)]
+pub(crate) struct Skeleton {
+    air: Medium,
+    bins: usize,
+    /// The elements; shape `[element][wavelength]`.
+    parts: Vec<Part>,
+    /// Reflectance of all that lies above a plane, seen from it; shape `[plane][wavelength]`.
+    above: Vec<f64>,
+    /// Of all that lies below, over a black base.
+    below: Vec<f64>,
+    /// The base's reflectance; shape `[state][wavelength]`, 0 where it is Lambertian.
+    base: Vec<f64>,
+}
+
+/// An element at one direction and wavelength.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) flat: Flat,
+    /// The share that it scatters, alike from both sides.
+    pub(crate) scattered: f64,
+}
+
+impl Part {
+    const NOTHING: Self = Self::flat(Flat { t: 1.0, above: 0.0, below: 0.0 });
+    const OPAQUE: Self = Self::flat(Flat { t: 0.0, above: 0.0, below: 0.0 });
+    const MIRROR: Self = Self::flat(Flat { t: 0.0, above: 1.0, below: 1.0 });
+
+    const fn flat(flat: Flat) -> Self {
+        Self { flat, scattered: 0.0 }
+    }
+
+    /// The share that it absorbs of light that meets it on its way down or up.
+    #[inline]
+    pub(crate) fn absorbed(&self, going: Going) -> f64 {
+        let reflected = match going {
+            Going::Down => self.flat.above,
+            Going::Up => self.flat.below,
+        };
+        1.0 - self.flat.t - reflected - self.scattered
+    }
+}
+
+impl Skeleton {
+    pub(crate) fn new(stack: &Layered) -> Self {
+        let bins = stack.base.bins();
+        let elements = 2 * stack.layers.len();
+        Self {
+            air: Medium::new(vec![1.0; bins].into()),
+            bins,
+            parts: vec![Part::NOTHING; elements * bins],
+            above: vec![0.0; (elements + 1) * bins],
+            below: vec![0.0; (elements + 1) * bins],
+            base: vec![0.0; stack.base.states() * bins],
+        }
+    }
+
+    /// An empty field of this skeleton.
+    pub(crate) fn field(&self) -> Field {
+        let currents = || Currents { down: vec![0.0; self.above.len()], up: vec![0.0; self.above.len()] };
+        Field { bins: self.bins, direct: currents(), risen: currents(), rising: self.base.clone() }
+    }
+
+    /// The number of elements.
+    pub(crate) fn elements(&self) -> usize {
+        self.parts.len() / self.bins
+    }
+
+    /// An element at every wavelength.
+    pub(crate) fn element(&self, element: usize) -> &[Part] {
+        &self.parts[element * self.bins..][..self.bins]
+    }
+
+    /// Prepares it for light with this `|beta|^2`.
+    pub(crate) fn set(&mut self, stack: &Layered, beta_squared: f64) {
+        let mut upper = &self.air;
+        for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bins)) {
+            let (interface, medium) = parts.split_at_mut(self.bins);
+            set_interface(upper, layer, beta_squared, interface);
+            for (bin, part) in medium.iter_mut().enumerate() {
+                *part = through_medium(&layer.medium, beta_squared, bin);
+            }
+            upper = &layer.medium;
+        }
+        match &stack.base.reflector {
+            Reflector::Specular(_) => stack.base.reflectance(beta_squared, upper, &mut self.base),
+            Reflector::Lambertian(_) => {}
+        }
+        self.combine();
+    }
+
+    /// What lies above and below each plane.
+    fn combine(&mut self) {
+        let bins = self.bins;
+        for (k, part) in self.parts.iter().enumerate() {
+            let upper = Flat { t: 0.0, above: 0.0, below: self.above[k] };
+            self.above[k + bins] = upper.over(part.flat).below;
+        }
+        for (k, part) in self.parts.iter().enumerate().rev() {
+            let Flat { t, above, below } = part.flat;
+            self.below[k] = above + t * passing(t, below * self.below[k + bins]) * self.below[k + bins];
+        }
+    }
+
+    /// The field that one unit of light makes, sent out as `ray`.
+    pub(crate) fn emit(&self, ray: Ray, field: &mut Field) {
+        let last = self.elements();
+        field.direct.clear();
+        field.risen.clear();
+        for bin in 0..self.bins {
+            self.spread(ray, bin, &mut field.direct);
+            // What rises from the base does so over a black one: its returns are in `rising`.
+            self.spread(Ray { plane: last, going: Going::Up }, bin, &mut field.risen);
+        }
+        let arriving = &field.direct.down[last * self.bins..];
+        let above = &self.above[last * self.bins..];
+        for (rising, r) in
+            field.rising.chunks_exact_mut(self.bins).zip(self.base.chunks_exact(self.bins))
+        {
+            for bin in 0..self.bins {
+                rising[bin] = r[bin] * passing(arriving[bin], r[bin] * above[bin]);
+            }
+        }
+    }
+
+    /// All that one unit of light makes over a black base, at one wavelength.
+    fn spread(&self, ray: Ray, bin: usize, to: &mut Currents) {
+        let at = |plane: usize| plane * self.bins + bin;
+        let start = at(ray.plane);
+        let sent = passing(1.0, self.above[start] * self.below[start]);
+        (to.down[start], to.up[start]) = match ray.going {
+            Going::Down => (sent, sent * self.below[start]),
+            Going::Up => (sent * self.above[start], sent),
+        };
+        let mut down = to.down[start];
+        for plane in ray.plane..self.elements() {
+            let Flat { t, below, .. } = self.parts[at(plane)].flat;
+            down *= passing(t, below * self.below[at(plane + 1)]);
+            to.down[at(plane + 1)] = down;
+            to.up[at(plane + 1)] = down * self.below[at(plane + 1)];
+        }
+        let mut up = to.up[start];
+        for plane in (0..ray.plane).rev() {
+            let Flat { t, above, .. } = self.parts[at(plane)].flat;
+            up *= passing(t, above * self.above[at(plane)]);
+            to.up[at(plane)] = up;
+            to.down[at(plane)] = up * self.above[at(plane)];
+        }
+    }
+}
+
+/// What passes a part and then goes to and fro behind it, a share `returned` at a time. Nothing
+/// gets into a closed box of whole mirrors.
+#[inline]
+fn passing(t: f64, returned: f64) -> f64 {
+    if t == 0.0 || returned >= 1.0 { 0.0 } else { t / (1.0 - returned) }
+}
+
+/// The light at every plane, per unit that was sent out. Its amount by way of a specular base is
+/// `risen` times `rising`, a product of wavelength and of state.
+#[derive(Debug, Clone)]
+pub(crate) struct Field {
+    bins: usize,
+    /// Light that has not met the base.
+    pub(crate) direct: Currents,
+    /// Light that has, per unit that rises from it.
+    pub(crate) risen: Currents,
+    /// What rises from the base, all returns to it included; shape `[state][wavelength]`.
+    pub(crate) rising: Vec<f64>,
+}
+
+impl Field {
+    /// What goes as `ray`, per wavelength: not by way of the base, and per unit that rises from it.
+    #[inline]
+    pub(crate) fn at(&self, ray: Ray) -> (&[f64], &[f64]) {
+        let at = ray.plane * self.bins;
+        (
+            &self.direct.going(ray.going)[at..][..self.bins],
+            &self.risen.going(ray.going)[at..][..self.bins],
+        )
+    }
+}
+
+/// Light going down and up; shape `[plane][wavelength]`.
+#[derive(Debug, Clone)]
+pub(crate) struct Currents {
+    down: Vec<f64>,
+    up: Vec<f64>,
+}
+
+impl Currents {
+    fn clear(&mut self) {
+        self.down.fill(0.0);
+        self.up.fill(0.0);
+    }
+
+    #[inline]
+    fn going(&self, going: Going) -> &[f64] {
+        match going {
+            Going::Down => &self.down,
+            Going::Up => &self.up,
+        }
+    }
+}
+
+/// The interface over a layer, at every wavelength.
+fn set_interface(upper: &Medium, layer: &Layer, beta_squared: f64, out: &mut [Part]) {
+    let alike = match layer.interface {
+        Interface::Open | Interface::Rough(_) => true,
+        Interface::Coated | Interface::Fresnel => {
+            upper.constant_index().is_some() && layer.medium.constant_index().is_some()
+        }
+        Interface::Sheet { .. } | Interface::Coating(_) | Interface::Diffuser(_) => false,
+    };
+    let first = at_interface(upper, layer, beta_squared, 0);
+    for (bin, part) in out.iter_mut().enumerate() {
+        *part = if alike { first } else { at_interface(upper, layer, beta_squared, bin) };
+    }
+}
+
+fn at_interface(upper: &Medium, layer: &Layer, beta_squared: f64, bin: usize) -> Part {
+    let (n1, n2) = (upper.index()[bin], layer.medium.index()[bin]);
+    let least = n1.min(n2);
+    let both_carry = beta_squared <= least * least;
+    match &layer.interface {
+        Interface::Open => Part::NOTHING,
+        Interface::Coated if both_carry => Part::NOTHING,
+        Interface::Coated => Part::MIRROR,
+        Interface::Fresnel => {
+            let r = fresnel_reflectance(n1, n2, beta_squared.sqrt());
+            Part::flat(Flat { t: 1.0 - r, above: r, below: r })
+        }
+        Interface::Sheet { reflectance, absorptance } => {
+            let r = reflectance[bin];
+            Part::flat(Flat { t: 1.0 - r - absorptance[bin], above: r, below: r })
+        }
+        Interface::Coating(coating) => {
+            let part = coating.part(beta_squared, bin);
+            Part::flat(Flat { t: part.transmittance, above: part.above, below: part.below })
+        }
+        Interface::Diffuser(diffuser) => {
+            let (t, s) = (diffuser.transmittance[bin], diffuser.straight_through);
+            let straight = if both_carry { t * s } else { 0.0 };
+            Part { flat: Flat { t: straight, above: 0.0, below: 0.0 }, scattered: t * (1.0 - s) }
+        }
+        Interface::Rough(_) => Part { scattered: 1.0, ..Part::OPAQUE },
+    }
+}
+
+fn through_medium(medium: &Medium, beta_squared: f64, bin: usize) -> Part {
+    let n = medium.index()[bin];
+    if beta_squared >= n * n {
+        return Part::OPAQUE;
+    }
+    if medium.transmittance().is_none() && medium.scattering().is_none() {
+        return Part::NOTHING;
+    }
+    let secant = 1.0 / (1.0 - beta_squared / (n * n)).sqrt();
+    let clear = medium.transmittance().map_or(1.0, |t| t[bin].powf(secant));
+    let depth = medium.scattering().map_or(0.0, |s| s.optical_thickness * secant);
+    let t = clear * (-depth).exp();
+    Part { flat: Flat { t, above: 0.0, below: 0.0 }, scattered: -(-depth).exp_m1() }
+}

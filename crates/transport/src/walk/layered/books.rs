@@ -1,0 +1,166 @@
+//! The sums of the paths, and what they mean: reflectance factors and the ledger.
+
+use super::light::{Light, Share};
+use super::sources::Lamp;
+use super::Layered;
+use crate::skeleton::{Field, Going, Ray, Skeleton};
+use crate::{Estimate, Interface, Ledger, Rho, Source};
+
+/// The sums of a replicate, and room to work in.
+#[derive(Debug, Clone)]
+pub(in crate::walk) struct Tally {
+    pub(super) sums: Sums,
+    pub(super) room: Room,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Sums {
+    /// Leaves into the air: what diffuse light sees.
+    pub(super) leaving: Light,
+    /// For each directed source: light that it sends to the path.
+    pub(super) from_source: Vec<Light>,
+    /// Absorbed, by layer.
+    pub(super) absorbed: Absorbed,
+    /// Reaches the base, and is reflected by it.
+    pub(super) arriving: Light,
+    pub(super) reflected: Light,
+    /// What the choice of the next scatterer dropped, less what it added.
+    pub(super) unaccounted: Light,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Absorbed {
+    pub(super) front: Light,
+    pub(super) diffuser: Light,
+    pub(super) glass: Light,
+}
+
+/// Where absorbed light is booked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Account {
+    Front,
+    Diffuser,
+    Glass,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Room {
+    /// The path's light.
+    pub(super) light: Light,
+    pub(super) skeleton: Skeleton,
+    /// What the path's light does between two scattering events.
+    pub(super) field: Field,
+    pub(super) share: Share,
+    /// For each source that has a direction.
+    pub(super) lamps: Vec<Option<Lamp>>,
+    /// For each way to meet a scatterer: the largest share of the light that does.
+    pub(super) meeting: Vec<f64>,
+}
+
+impl Absorbed {
+    pub(super) fn of(&mut self, account: Account) -> &mut Light {
+        match account {
+            Account::Front => &mut self.front,
+            Account::Diffuser => &mut self.diffuser,
+            Account::Glass => &mut self.glass,
+        }
+    }
+}
+
+impl Account {
+    const ALL: [Self; 3] = [Self::Front, Self::Diffuser, Self::Glass];
+
+    /// Of each element of a stack.
+    pub(super) fn of_elements(stack: &crate::Layered) -> Vec<Self> {
+        let of_interface = |interface: &Interface| match interface {
+            Interface::Sheet { .. } => Self::Front,
+            Interface::Diffuser(_) | Interface::Rough(_) => Self::Diffuser,
+            Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Coating(_) => Self::Glass,
+        };
+        stack.layers.iter().flat_map(|layer| [of_interface(&layer.interface), Self::Glass]).collect()
+    }
+}
+
+impl Layered<'_> {
+    pub(in crate::walk) fn tally(&self) -> Tally {
+        let base = &self.stack.base;
+        let (states, bins) = (base.states(), base.bins());
+        let light = || Light::zeros(states, bins);
+        let mut skeleton = Skeleton::new(self.stack);
+        let field = skeleton.field();
+        let mut lamp = |source| Lamp::new(source, self.stack, &mut skeleton);
+        let lamps = self.sources.iter().map(&mut lamp).collect();
+        Tally {
+            sums: Sums {
+                leaving: light(),
+                from_source: self.sources.iter().map(|_| light()).collect(),
+                absorbed: Absorbed { front: light(), diffuser: light(), glass: light() },
+                arriving: light(),
+                reflected: light(),
+                unaccounted: light(),
+            },
+            room: Room {
+                light: light(),
+                skeleton,
+                field,
+                share: Share::zeros(bins),
+                lamps,
+                meeting: vec![0.0; self.meetings.len()],
+            },
+        }
+    }
+
+    /// Books where the path's light gets to without being scattered, the air apart.
+    pub(super) fn book(&self, sums: &mut Sums, room: &mut Room) {
+        let Room { light, skeleton, field, share, .. } = room;
+        for account in Account::ALL {
+            share.clear();
+            for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
+                let parts = skeleton.element(element);
+                for going in [Going::Down, Going::Up] {
+                    share.add(field, Ray::meeting(element, going), |bin| parts[bin].absorbed(going));
+                }
+            }
+            sums.absorbed.of(account).add_share(light, share, &field.rising, 1.0);
+        }
+        if self.lambertian() {
+            return;
+        }
+        let base = Ray { plane: skeleton.elements(), going: Going::Down };
+        share.set(field, base, |_| 1.0);
+        sums.arriving.add_share(light, share, &field.rising, 1.0);
+        share.set_rising();
+        sums.reflected.add_share(light, share, &field.rising, 1.0);
+    }
+
+    pub(in crate::walk) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
+        let sums = &tally.sums;
+        let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
+        let rho = self.sources.iter().zip(&sums.from_source).map(|(source, from_source)| {
+            let light = if *source == Source::Diffuse { &sums.leaving } else { from_source };
+            Rho { base: mean(&light.met), front: mean(&light.fresh) }
+        });
+        Estimate { rho: rho.collect(), ledger: self.ledger(sums, scale) }
+    }
+
+    fn ledger(&self, sums: &Sums, scale: f64) -> Ledger {
+        let inactive = &self.stack.base.inactive_absorptance;
+        let bins = inactive.len();
+        let all = |light: &Light| -> Vec<f64> {
+            light.met.iter().enumerate().map(|(k, met)| scale * (met + light.fresh[k % bins])).collect()
+        };
+        let (arriving, reflected) = (all(&sums.arriving), all(&sums.reflected));
+        let of_inactive: Vec<f64> =
+            arriving.iter().enumerate().map(|(k, a)| a * inactive[k % bins]).collect();
+        let pixel = (0..arriving.len()).map(|k| arriving[k] - reflected[k] - of_inactive[k]).collect();
+        Ledger {
+            returned: all(&sums.leaving),
+            front: all(&sums.absorbed.front),
+            diffuser: all(&sums.absorbed.diffuser),
+            glass: all(&sums.absorbed.glass),
+            pixel,
+            inactive: of_inactive,
+            unaccounted: all(&sums.unaccounted),
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! A path's stay in a scattering medium: flights and deflections until it leaves.
+//!
+//! Depth is optical depth from the top, scattering and its losses alone; the medium's internal
+//! transmittance is a weight along the way. A flight's length is exponential, that of the first
+//! one conditioned on ending in the medium: what passes straight is known without it.
+//!
+//! Where albedo is the same at every wavelength and nothing absorbs besides, nothing in a stay
+//! depends on wavelength: a few numbers change, and the spectra once, at its end.
+
+use papilio_optics::Beta;
+use papilio_optics::phase::HenyeyGreenstein;
+use papilio_sampling::warp;
+use papilio_spectra::Spectrum;
+
+use super::books::{Room, Sums};
+use super::sources::Lamp;
+use super::{Draws, Sent};
+use crate::Medium;
+use crate::skeleton::{Going, Ray};
+
+/// A scattering medium.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bulk<'a> {
+    element: usize,
+    index: f64,
+    optical_thickness: f64,
+    phase: HenyeyGreenstein,
+    albedo: &'a Spectrum,
+    largest_albedo: f64,
+    transmittance: Option<&'a Spectrum>,
+    /// Nothing depends on wavelength.
+    grey: bool,
+}
+
+/// Where a path is in the medium, and what it has gathered since its spectra were last touched,
+/// in parts of them.
+#[derive(Debug, Clone, Copy)]
+struct Stay {
+    depth: f64,
+    /// A unit vector; the third component is positive downwards.
+    direction: [f64; 3],
+    /// What is left of the light.
+    scale: f64,
+    absorbed: f64,
+    dropped: f64,
+}
+
+impl<'a> Bulk<'a> {
+    pub(super) fn new(element: usize, medium: &'a Medium) -> Option<Self> {
+        let scattering = medium.scattering()?;
+        let transmittance = medium.transmittance();
+        Some(Self {
+            element,
+            index: medium.largest_index(),
+            optical_thickness: scattering.optical_thickness,
+            phase: HenyeyGreenstein { anisotropy: scattering.anisotropy },
+            albedo: &scattering.albedo,
+            largest_albedo: scattering.albedo.max(),
+            transmittance,
+            grey: transmittance.is_none() && scattering.albedo.is_constant(),
+        })
+    }
+
+    /// From the first scattering of light that came in with these cosines to where it leaves.
+    /// The numbers are for the first flight and the first deflection.
+    pub(super) fn stay(
+        &self,
+        (beta, going): (Beta, Going),
+        [first, mut angle, mut turn]: [f64; 3],
+        draws: &mut Draws<'_>,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) -> Option<Sent> {
+        let direction = self.direction(beta, going);
+        let depth = self.first_depth(direction[2], first);
+        let mut stay = Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 };
+        let flown = if going == Going::Down { depth } else { self.optical_thickness - depth };
+        self.absorb(flown / direction[2].abs(), sums, room);
+        loop {
+            self.gather(&stay, &mut room.lamps);
+            let [survive, flight, next_angle, next_turn] = draws.next();
+            let survives = self.attenuate(&mut stay, survive, draws.most_survival());
+            if !self.grey || !survives {
+                self.settle(&mut stay, sums, room);
+            }
+            if !survives {
+                return None;
+            }
+            if !self.grey {
+                let Self { albedo, largest_albedo, .. } = self;
+                room.light.keep(|bin| albedo[bin] / largest_albedo, &mut sums.absorbed.diffuser);
+            }
+            let cos = self.phase.sample(angle);
+            stay.direction = warp::deflected(stay.direction, 1.0 - cos, turn);
+            (angle, turn) = (next_angle, next_turn);
+            let length = -flight.ln();
+            let depth = stay.depth + length * stay.direction[2];
+            if depth <= 0.0 || depth >= self.optical_thickness {
+                let rest = if depth <= 0.0 { stay.depth } else { self.optical_thickness - stay.depth };
+                self.settle(&mut stay, sums, room);
+                self.absorb(rest / stay.direction[2].abs(), sums, room);
+                return Some(self.leave(&stay, cos));
+            }
+            self.absorb(length, sums, room);
+            stay.depth = depth;
+        }
+    }
+
+    /// The unit vector of light with these cosines, never quite along the layer.
+    fn direction(&self, beta: Beta, going: Going) -> [f64; 3] {
+        let (x, y) = (beta.x / self.index, beta.y / self.index);
+        let z = (1.0 - x * x - y * y).max(1e-18).sqrt();
+        [x, y, if going == Going::Down { z } else { -z }]
+    }
+
+    /// Where the first flight ends, for it does so in the medium.
+    fn first_depth(&self, cosine: f64, u: f64) -> f64 {
+        let most = self.optical_thickness / cosine.abs();
+        let reach = -(u * (-most).exp_m1()).ln_1p() * cosine.abs();
+        let reach = reach.min(self.optical_thickness);
+        if cosine > 0.0 { reach } else { self.optical_thickness - reach }
+    }
+
+    /// Per unit area of direction cosines, for a deflection by this angle into a direction
+    /// with this cosine to the normal.
+    fn density(&self, cos: f64, cosine: f64) -> f64 {
+        self.phase.density(cos) / (self.index * self.index * cosine.abs().max(f64::MIN_POSITIVE))
+    }
+
+    /// What this event turns of each lamp's light into the path, as it will be settled.
+    fn gather(&self, stay: &Stay, lamps: &mut [Option<Lamp>]) {
+        for lamp in lamps.iter_mut().flatten() {
+            for (way, going) in WAYS.into_iter().enumerate() {
+                let [x, y, z] = self.direction(lamp.target.beta, going);
+                let cos = x * stay.direction[0] + y * stay.direction[1] + z * stay.direction[2];
+                let rest = match going {
+                    Going::Down => self.optical_thickness - stay.depth,
+                    Going::Up => stay.depth,
+                };
+                let weight = lamp.target.weight(self.density(cos, z), 0.0, 1.0);
+                lamp.gathered[way] += stay.scale * weight * (-rest / z.abs()).exp();
+            }
+        }
+    }
+
+    /// Loses what even the brightest wavelength loses, and plays roulette with the rest; false if the
+    /// path ends.
+    fn attenuate(&self, stay: &mut Stay, u: f64, most_survival: f64) -> bool {
+        let scattered = stay.scale * self.largest_albedo;
+        stay.absorbed += stay.scale - scattered;
+        let survival = self.largest_albedo * most_survival;
+        let survives = u < survival;
+        stay.scale = if survives { scattered / survival } else { 0.0 };
+        stay.dropped += scattered - stay.scale;
+        survives
+    }
+
+    /// Brings the path's spectra and the sums up to date.
+    fn settle(&self, stay: &mut Stay, sums: &mut Sums, room: &mut Room) {
+        let Room { light, lamps, share, .. } = room;
+        for (lamp, sum) in lamps.iter_mut().zip(&mut sums.from_source) {
+            let Some(lamp) = lamp else { continue };
+            share.clear();
+            for (way, going) in WAYS.into_iter().enumerate() {
+                let weight = std::mem::take(&mut lamp.gathered[way]);
+                let z = self.direction(lamp.target.beta, going)[2];
+                let rest = if z > 0.0 { self.optical_thickness - stay.depth } else { stay.depth };
+                let clear = |bin| self.clear(rest / z.abs(), bin);
+                lamp.reach(Ray::from_element(self.element, going), |bin| weight * clear(bin), share);
+            }
+            sum.add_share(light, share, &lamp.field.rising, 1.0);
+        }
+        sums.absorbed.diffuser.add(light, stay.absorbed);
+        sums.unaccounted.add(light, stay.dropped);
+        light.scale(stay.scale);
+        *stay = Stay { scale: 1.0, absorbed: 0.0, dropped: 0.0, ..*stay };
+    }
+
+    /// Absorption beside the scattering, over a way of this optical length.
+    fn absorb(&self, length: f64, sums: &mut Sums, room: &mut Room) {
+        if self.transmittance.is_some() {
+            room.light.keep(|bin| self.clear(length, bin), &mut sums.absorbed.glass);
+        }
+    }
+
+    /// The internal transmittance over a way of this optical length.
+    fn clear(&self, length: f64, bin: usize) -> f64 {
+        self.transmittance.map_or(1.0, |t| t[bin].powf(length / self.optical_thickness))
+    }
+
+    /// Out of the medium, after a deflection by an angle of this cosine.
+    fn leave(&self, stay: &Stay, cos: f64) -> Sent {
+        let [x, y, z] = stay.direction;
+        let going = if z > 0.0 { Going::Down } else { Going::Up };
+        Sent {
+            beta: Beta { x: self.index * x, y: self.index * y },
+            ray: Ray::from_element(self.element, going),
+            density: self.density(cos, z),
+        }
+    }
+}
+
+const WAYS: [Going; 2] = [Going::Up, Going::Down];

@@ -1,0 +1,137 @@
+//! Light with its spectra, and what the flat skeleton makes of it.
+
+use crate::skeleton::{Field, Ray};
+
+/// Light of a path, or a sum of it. What has not met the base is alike in all states.
+#[derive(Debug, Clone)]
+pub(super) struct Light {
+    /// Has not met the base; shape `[wavelength]`.
+    pub(super) fresh: Vec<f64>,
+    /// Has; shape `[state][wavelength]`.
+    pub(super) met: Vec<f64>,
+}
+
+/// The share of sent light that gets somewhere; shape `[wavelength]`.
+#[derive(Debug, Clone)]
+pub(super) struct Share {
+    /// Not by way of the base, which is over it all.
+    direct: Vec<f64>,
+    /// By way of it, per unit that rises from it.
+    risen: Vec<f64>,
+}
+
+impl Light {
+    pub(super) fn zeros(states: usize, bins: usize) -> Self {
+        Self { fresh: vec![0.0; bins], met: vec![0.0; states * bins] }
+    }
+
+    /// One unit that has yet to meet everything.
+    pub(super) fn start(&mut self) {
+        self.fresh.fill(1.0);
+        self.met.fill(0.0);
+    }
+
+    /// Every part of it with its wavelength's number.
+    fn parts(&mut self) -> impl Iterator<Item = (usize, &mut f64)> {
+        let bins = self.fresh.len();
+        let numbered = move |(k, value)| (k % bins, value);
+        self.fresh.iter_mut().enumerate().chain(self.met.iter_mut().enumerate().map(numbered))
+    }
+
+    /// True if nothing is left.
+    pub(super) fn is_dark(&self) -> bool {
+        self.fresh.iter().chain(&self.met).all(|value| *value == 0.0)
+    }
+
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.parts().for_each(|(_, value)| *value *= factor);
+    }
+
+    pub(super) fn add(&mut self, other: &Self, scale: f64) {
+        super::add_scaled(&mut self.fresh, &other.fresh, scale);
+        super::add_scaled(&mut self.met, &other.met, scale);
+    }
+
+    /// Keeps a share, per wavelength; the rest goes to `loss`.
+    pub(super) fn keep(&mut self, kept: impl Fn(usize) -> f64, loss: &mut Self) {
+        for ((bin, value), (_, lost)) in self.parts().zip(loss.parts()) {
+            let rest = *value * kept(bin);
+            *lost += *value - rest;
+            *value = rest;
+        }
+    }
+
+    /// Adds what gets somewhere of other light; `rising` is that of the [`Field`].
+    pub(super) fn add_share(&mut self, of: &Self, share: &Share, rising: &[f64], scale: f64) {
+        let bins = self.fresh.len();
+        for ((sum, value), direct) in self.fresh.iter_mut().zip(&of.fresh).zip(&share.direct) {
+            *sum += scale * value * direct;
+        }
+        let rows = self.met.chunks_exact_mut(bins).zip(of.met.chunks_exact(bins));
+        for ((sum, met), rising) in rows.zip(rising.chunks_exact(bins)) {
+            for bin in 0..bins {
+                let by_way_of_base = (of.fresh[bin] + met[bin]) * rising[bin] * share.risen[bin];
+                sum[bin] += scale * (met[bin] * share.direct[bin] + by_way_of_base);
+            }
+        }
+    }
+
+    /// Becomes what gets somewhere of it.
+    pub(super) fn carry(&mut self, share: &Share, rising: &[f64], scale: f64) {
+        let bins = self.fresh.len();
+        let rows = self.met.chunks_exact_mut(bins).zip(rising.chunks_exact(bins));
+        for (met, rising) in rows {
+            for bin in 0..bins {
+                let by_way_of_base = (self.fresh[bin] + met[bin]) * rising[bin] * share.risen[bin];
+                met[bin] = scale * (met[bin] * share.direct[bin] + by_way_of_base);
+            }
+        }
+        self.fresh.iter_mut().zip(&share.direct).for_each(|(value, direct)| *value *= scale * direct);
+    }
+
+    /// The largest share of any state and wavelength that gets somewhere.
+    pub(super) fn largest(&self, share: &Share, rising: &[f64]) -> f64 {
+        let bins = self.fresh.len();
+        let mut largest = 0.0_f64;
+        for (met, rising) in self.met.chunks_exact(bins).zip(rising.chunks_exact(bins)) {
+            for bin in 0..bins {
+                let all = self.fresh[bin] + met[bin];
+                largest = largest.max(all * (share.direct[bin] + rising[bin] * share.risen[bin]));
+            }
+        }
+        largest
+    }
+}
+
+impl Share {
+    pub(super) fn zeros(bins: usize) -> Self {
+        Self { direct: vec![0.0; bins], risen: vec![0.0; bins] }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.direct.fill(0.0);
+        self.risen.fill(0.0);
+    }
+
+    /// All that rises from the base.
+    pub(super) fn set_rising(&mut self) {
+        self.direct.fill(0.0);
+        self.risen.fill(1.0);
+    }
+
+    /// Adds what goes as `ray`, times a factor for each wavelength.
+    pub(super) fn add(&mut self, field: &Field, ray: Ray, factor: impl Fn(usize) -> f64) {
+        let (direct, risen) = field.at(ray);
+        for bin in 0..direct.len() {
+            let factor = factor(bin);
+            self.direct[bin] += factor * direct[bin];
+            self.risen[bin] += factor * risen[bin];
+        }
+    }
+
+    /// Becomes what goes as `ray`, times a factor for each wavelength.
+    pub(super) fn set(&mut self, field: &Field, ray: Ray, factor: impl Fn(usize) -> f64) {
+        self.clear();
+        self.add(field, ray, factor);
+    }
+}
