@@ -75,4 +75,4 @@ pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use error::DisplayError;
 pub use prepared::Prepared;
-pub use run::{Control, Progress, run};
+pub use run::{Control, Progress, brdf, cone, run};

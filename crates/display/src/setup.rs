@@ -93,6 +93,13 @@ impl Setup {
     }
 }
 
+impl Setup {
+    /// A view of the scene's field.
+    pub(crate) fn view(&self, theta_deg: f64, phi_deg: f64) -> Result<ViewPoint, DisplayError> {
+        view(&self.scene, angle_index(&self.scene)?, theta_deg, phi_deg)
+    }
+}
+
 fn base_of(stack: &mut Stack) -> &mut Base {
     match stack {
         Stack::Panel(panel) => &mut panel.base,
@@ -218,19 +225,14 @@ fn sources(scene: &Scene, index: f64) -> Result<Vec<Source>, DisplayError> {
 
 fn views(scene: &Scene, index: f64) -> Result<Vec<ViewPoint>, DisplayError> {
     let viewer = &scene.viewer;
-    let mut views = Vec::new();
-    for &phi_deg in &viewer.phi_deg {
-        for &theta_deg in &viewer.theta_deg {
-            let half_field = 0.5 * viewer.field_deg;
-            check_above_horizon("view", theta_deg, half_field, index)?;
-            views.push(ViewPoint {
-                theta_deg,
-                phi_deg,
-                field: Cone::new(theta_deg, phi_deg, half_field, index),
-            });
-        }
-    }
-    Ok(views)
+    let angles = viewer.phi_deg.iter().flat_map(|phi| viewer.theta_deg.iter().map(|theta| (*theta, *phi)));
+    angles.map(|(theta_deg, phi_deg)| view(scene, index, theta_deg, phi_deg)).collect()
+}
+
+fn view(scene: &Scene, index: f64, theta_deg: f64, phi_deg: f64) -> Result<ViewPoint, DisplayError> {
+    let half_field = 0.5 * scene.viewer.field_deg;
+    check_above_horizon("view", theta_deg, half_field, index)?;
+    Ok(ViewPoint { theta_deg, phi_deg, field: Cone::new(theta_deg, phi_deg, half_field, index) })
 }
 
 /// All of a cone must lie above the horizon of the air.

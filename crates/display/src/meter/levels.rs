@@ -8,6 +8,7 @@ use super::metrics::ViewScalars;
 use super::sample::{Sample, relative};
 use super::view::Numbers;
 use crate::result::View;
+use crate::run::largest;
 use crate::setup::ViewPoint;
 
 impl Meter<'_> {
@@ -17,13 +18,13 @@ impl Meter<'_> {
         let mut worst = 0.0_f64;
         for state in 0..self.layout.states {
             let (y, before) = (self.luminous(state, finer), self.luminous(state, coarser));
-            worst = worst.max(relative((y, (y - before).abs())));
+            worst = largest(worst, relative((y, (y - before).abs())));
             if every_bin {
                 let at = self.layout.radiance(state);
                 let (finer, coarser) = (&finer.0[at.clone()], &coarser.0[at]);
                 let most = finer.iter().copied().fold(0.0, f64::max);
                 let bins = finer.iter().zip(coarser).map(|(a, b)| relative((most, (a - b).abs())));
-                worst = bins.fold(worst, f64::max);
+                worst = bins.fold(worst, largest);
             }
         }
         worst

@@ -25,6 +25,12 @@ pub(crate) struct Scalars<T = Option<f64>> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ViewScalars {
     pub(crate) states: Vec<Scalars>,
+    pub(crate) together: Together,
+}
+
+/// The numbers of the states together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Together {
     pub(crate) contrast_ratio: Option<f64>,
     pub(crate) gamut_srgb: Option<f64>,
     pub(crate) gamut_ebu: Option<f64>,
@@ -42,20 +48,29 @@ pub(crate) struct Reference<'a> {
 impl Reference<'_> {
     /// All metrics, from each state's relative X, Y, Z and its reflectance factor.
     pub(crate) fn view(&self, xyz: &[Xyz], reflectance_factor: &[&[f64]]) -> ViewScalars {
-        let seen = |name: &str| self.names.iter().position(|n| n == name).map(|state| xyz[state]);
-        let uv = |name: &str| seen(name).and_then(Xyz::uv_prime);
         let white = self.white.uv_prime();
-        let black = seen("black").map(|black| black.y);
+        let black = self.seen("black", xyz).map(|black| black.y);
         let states = xyz.iter().zip(reflectance_factor);
         let states = states.map(|(xyz, factor)| self.state(*xyz, factor, black, white)).collect();
+        ViewScalars { states, together: self.together(xyz) }
+    }
+
+    /// The metrics of the states together.
+    pub(crate) fn together(&self, xyz: &[Xyz]) -> Together {
+        let seen = |name| self.seen(name, xyz);
+        let uv = |name| seen(name).and_then(Xyz::uv_prime);
+        let black = seen("black").map(|black| black.y);
         let primaries = uv("red").zip(uv("green")).zip(uv("blue")).map(|((r, g), b)| [r, g, b]);
         let gamut = |reference| primaries.map(|primaries| gamut_percent(primaries, reference));
-        ViewScalars {
-            states,
+        Together {
             contrast_ratio: seen("white").and_then(|white| ratio(white.y, black)),
             gamut_srgb: gamut(GamutReference::Srgb),
             gamut_ebu: gamut(GamutReference::Ebu),
         }
+    }
+
+    fn seen(&self, name: &str, xyz: &[Xyz]) -> Option<Xyz> {
+        self.names.iter().position(|n| n == name).map(|state| xyz[state])
     }
 
     fn state(&self, xyz: Xyz, factor: &[f64], black: Option<f64>, white: Option<UvPrime>) -> Scalars {
@@ -127,12 +142,12 @@ impl ViewScalars {
             let states: Vec<Scalars> = all.iter().map(|view| view.states[state]).collect();
             Scalars::reduce(&states, combine)
         });
-        Self {
-            states: states.collect(),
-            contrast_ratio: combine(&mut all.iter().map(|view| view.contrast_ratio)),
-            gamut_srgb: combine(&mut all.iter().map(|view| view.gamut_srgb)),
-            gamut_ebu: combine(&mut all.iter().map(|view| view.gamut_ebu)),
-        }
+        let together = Together {
+            contrast_ratio: combine(&mut all.iter().map(|view| view.together.contrast_ratio)),
+            gamut_srgb: combine(&mut all.iter().map(|view| view.together.gamut_srgb)),
+            gamut_ebu: combine(&mut all.iter().map(|view| view.together.gamut_ebu)),
+        };
+        Self { states: states.collect(), together }
     }
 }
 
@@ -168,7 +183,7 @@ mod tests {
         let reference = Reference { names: &names, grid: &grid, white, white_luminance: 100.0 };
         let view =
             reference.view(&[white, Xyz { x: 0.2, y: 0.1, z: 0.05 }], &[&[0.5; 4], &[0.1, 0.2, 0.3, 0.1]]);
-        assert_eq!((view.contrast_ratio, view.gamut_srgb), (None, None));
+        assert_eq!((view.together.contrast_ratio, view.together.gamut_srgb), (None, None));
         assert_eq!(view.states[1].contrast, None);
         assert!(view.states[0].from_white.unwrap() < 1e-15);
         assert!(view.states[1].from_white.unwrap() > 0.05);

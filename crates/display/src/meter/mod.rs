@@ -4,6 +4,7 @@
 //! computed from samples last. Where errors come from is the solver's: `replicates` (walk) and
 //! `levels` (adding); `view` writes values and errors down.
 
+mod colours;
 mod levels;
 mod metrics;
 mod replicates;
@@ -20,7 +21,7 @@ use crate::result::Illuminant;
 use crate::setup::{Light, Setup};
 use metrics::{Reference, ViewScalars};
 use sample::Layout;
-pub(crate) use sample::Sample;
+pub(crate) use sample::{Sample, relative};
 
 /// Turns estimates into samples and samples into results.
 pub(crate) struct Meter<'a> {
@@ -38,8 +39,8 @@ pub(crate) struct Meter<'a> {
 struct Weights {
     /// To the radiance: that of the perfect white; shape `[wavelength]`.
     radiance: Vec<f64>,
-    /// To Y; shape `[wavelength]`.
-    luminous: Vec<f64>,
+    /// To X, Y and Z; shape `[wavelength]`.
+    xyz: [Vec<f64>; 3],
     /// To the reflectance factor by shares of illuminance.
     share: f64,
 }
@@ -54,11 +55,15 @@ impl<'a> Meter<'a> {
         let layout = Layout { states: setup.states.len(), bins: grid.len(), lights: setup.lights.len() };
         let white_xyz = setup.observer.xyz(&white);
         let total: f64 = setup.lights.iter().map(|light| light.illuminance_lx).sum();
-        let y_bar = setup.observer.weights()[1];
         let weights = |light: &Light| {
             let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
-            let luminous = radiance.iter().zip(y_bar).map(|(l, y)| l * y / white_xyz.y).collect();
-            Weights { radiance, luminous, share: light.illuminance_lx / total }
+            let over_white =
+                |bar: &[f64]| radiance.iter().zip(bar).map(|(l, bar)| l * bar / white_xyz.y).collect();
+            Weights {
+                xyz: setup.observer.weights().map(over_white),
+                radiance,
+                share: light.illuminance_lx / total,
+            }
         };
         let lights = setup.lights.iter().map(weights).collect();
         Self { setup, grid, layout, white, white_xyz, lights }
@@ -79,7 +84,7 @@ impl<'a> Meter<'a> {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
         for (l, (light, rho)) in self.lights.iter().zip(&estimate.rho).enumerate() {
-            let from_front: f64 = rho.front.iter().zip(&light.luminous).map(|(front, y)| front * y).sum();
+            let from_front: f64 = rho.front.iter().zip(&light.xyz[1]).map(|(front, y)| front * y).sum();
             for state in 0..layout.states {
                 let base = &rho.base[state * layout.bins..][..layout.bins];
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
@@ -88,7 +93,7 @@ impl<'a> Meter<'a> {
                 let factor = sample[layout.factor(state)].iter_mut();
                 factor.zip(both).for_each(|(sum, rho)| *sum += light.share * rho);
                 sample[layout.terms(state).start + l] =
-                    base.iter().zip(&light.luminous).map(|(base, y)| base * y).sum();
+                    base.iter().zip(&light.xyz[1]).map(|(base, y)| base * y).sum();
                 sample[layout.front_term(state)] += from_front;
             }
         }
@@ -137,13 +142,16 @@ impl<'a> Meter<'a> {
         let factors: Vec<Vec<f64>> =
             (0..self.layout.states).map(|s| self.reflectance_factor(s, &mean.0)).collect();
         let factors: Vec<&[f64]> = factors.iter().map(Vec::as_slice).collect();
-        let reference = Reference {
+        self.reference().view(&xyz, &factors)
+    }
+
+    fn reference(&self) -> Reference<'_> {
+        Reference {
             names: &self.setup.states,
             grid: &self.grid,
             white: over(self.white_xyz, self.white_xyz.y),
             white_luminance: LUMENS_PER_WATT * self.white_xyz.y,
-        };
-        reference.view(&xyz, &factors)
+        }
     }
 
     /// Also of standard errors: both radiance and factor are linear in light.

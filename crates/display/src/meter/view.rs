@@ -1,7 +1,7 @@
 //! Values and their errors, written down as results.
 
 use super::Meter;
-use super::metrics::{Scalars, ViewScalars};
+use super::metrics::{Scalars, Together, ViewScalars};
 use super::sample::Sample;
 use crate::result::{Absorbed, Ledger, LedgerError, Named, State, StateValues, Terms, View, ViewError};
 use crate::setup::ViewPoint;
@@ -46,9 +46,9 @@ impl Meter<'_> {
             theta_deg: at.theta_deg,
             phi_deg: at.phi_deg,
             states: self.by_name(state),
-            contrast_ratio: value.scalars.contrast_ratio,
-            gamut_percent_srgb: value.scalars.gamut_srgb,
-            gamut_percent_ebu: value.scalars.gamut_ebu,
+            contrast_ratio: value.scalars.together.contrast_ratio,
+            gamut_percent_srgb: value.scalars.together.gamut_srgb,
+            gamut_percent_ebu: value.scalars.together.gamut_ebu,
             standard_error: together(&standard),
             discretisation_error: discretisation.as_ref().map(together),
             ledger: self.by_name(|s| self.ledger(s, &value, &standard, discretisation.as_ref())),
@@ -121,11 +121,8 @@ impl Meter<'_> {
 }
 
 fn together(errors: &Numbers) -> ViewError {
-    ViewError {
-        contrast_ratio: errors.scalars.contrast_ratio,
-        gamut_percent_srgb: errors.scalars.gamut_srgb,
-        gamut_percent_ebu: errors.scalars.gamut_ebu,
-    }
+    let Together { contrast_ratio, gamut_srgb, gamut_ebu } = errors.scalars.together;
+    ViewError { contrast_ratio, gamut_percent_srgb: gamut_srgb, gamut_percent_ebu: gamut_ebu }
 }
 
 /// Shares in the order of a sample's ledger, or their errors.

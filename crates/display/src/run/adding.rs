@@ -7,12 +7,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use papilio_transport::adding::{FINEST, Kernel};
+use papilio_transport::adding::Kernel;
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
-use rayon::prelude::*;
 
-use super::{Progress, Run};
+use super::refine::{Refined, largest, refine};
+use super::{Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport, View};
@@ -48,18 +48,6 @@ pub(super) fn run(
     runner.result(&groups)
 }
 
-/// `f` of every item and its number, in their order.
-fn each<T: Send, R: Send>(
-    pool: Option<&ThreadPool>,
-    items: &mut [T],
-    f: impl Fn((usize, &mut T)) -> R + Sync + Send,
-) -> Vec<R> {
-    match pool {
-        None => items.iter_mut().enumerate().map(f).collect(),
-        Some(pool) => pool.install(|| items.par_iter_mut().enumerate().map(f).collect()),
-    }
-}
-
 struct Runner<'a> {
     run: &'a Run<'a>,
     target: f64,
@@ -67,15 +55,11 @@ struct Runner<'a> {
     views_done: AtomicUsize,
 }
 
-/// What was seen of a group of views: samples of two successive levels.
+/// What was seen of a group of views.
 struct Group {
-    finer: Vec<Sample>,
-    coarser: Vec<Sample>,
+    samples: Refined<Vec<Sample>>,
     /// Of the finer level.
     nodes: usize,
-    relative_error: f64,
-    /// Not stopped before the target or the finest level was reached.
-    finished: bool,
 }
 
 impl Runner<'_> {
@@ -86,23 +70,16 @@ impl Runner<'_> {
         views: &[ViewPoint],
         pool: Option<&ThreadPool>,
     ) -> Option<Group> {
-        let coarser = self.at_level(0, levels, views, pool)?;
-        let finer = self.at_level(1, levels, views, pool)?;
-        let mut group = Group { finer, coarser, nodes: 0, relative_error: 0.0, finished: false };
-        for level in 1.. {
-            group.nodes = levels[level].nodes();
-            group.relative_error = self.difference(&group);
-            // An error that is not a number will not become one.
-            let enough = !(group.relative_error > self.target);
-            group.finished = enough || level == FINEST as usize;
-            self.tell(&group);
-            if group.finished {
-                break;
-            }
-            let Some(next) = self.at_level(level + 1, levels, views, pool) else { break };
-            group.coarser = std::mem::replace(&mut group.finer, next);
-        }
-        Some(group)
+        let at = |level| self.at_level(level, levels, views, pool);
+        let samples = refine(
+            self.target,
+            at,
+            |a, b| self.difference(a, b),
+            |error, done| {
+                self.tell(error, if done { views.len() } else { 0 });
+            },
+        )?;
+        Some(Group { nodes: levels[samples.level].nodes(), samples })
     }
 
     /// What is seen through the kernel of this level; `None` if the run was stopped.
@@ -133,19 +110,21 @@ impl Runner<'_> {
         samples.into_iter().collect()
     }
 
-    fn difference(&self, group: &Group) -> f64 {
-        let pairs = group.finer.iter().zip(&group.coarser);
-        let errors = pairs.map(|(finer, coarser)| self.run.meter.difference(finer, coarser, self.every_bin));
-        errors.fold(0.0, f64::max)
+    fn difference(&self, finer: &[Sample], coarser: &[Sample]) -> f64 {
+        let meter = self.run.meter;
+        let errors = finer
+            .iter()
+            .zip(coarser)
+            .map(|(finer, coarser)| meter.difference(finer, coarser, self.every_bin));
+        errors.fold(0.0, largest)
     }
 
-    fn tell(&self, group: &Group) {
-        let more = if group.finished { group.finer.len() } else { 0 };
-        let done = self.views_done.fetch_add(more, Ordering::Relaxed) + more;
+    fn tell(&self, relative_error: f64, views_done: usize) {
+        let done = self.views_done.fetch_add(views_done, Ordering::Relaxed) + views_done;
         (self.run.control.progress)(Progress {
             paths: None,
             share_of_paths: None,
-            relative_error: group.relative_error,
+            relative_error,
             target: Some(self.target),
             views_done: (done, self.run.setup.views.len()),
         });
@@ -161,7 +140,8 @@ impl Runner<'_> {
                 points.next();
                 continue;
             };
-            for ((finer, coarser), at) in group.finer.iter().zip(&group.coarser).zip(&mut points) {
+            let Refined { finer, coarser, .. } = &group.samples;
+            for ((finer, coarser), at) in finer.iter().zip(coarser).zip(&mut points) {
                 if !finer.is_finite() {
                     return Err(DisplayError::NotFinite);
                 }
@@ -177,10 +157,11 @@ impl Runner<'_> {
             paths: None,
             nodes: Some(seen().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,
-            relative_error_reached: seen().map(|group| group.relative_error).fold(0.0, f64::max),
-            interrupted: groups.iter().any(|group| group.as_ref().is_none_or(|group| !group.finished)),
+            relative_error_reached: seen().map(|group| group.samples.error).fold(0.0, largest),
+            interrupted: groups
+                .iter()
+                .any(|group| group.as_ref().is_none_or(|group| !group.samples.finished)),
         };
-        let unreached = "adding's finest level is reached; the walk (method = \"walk\") may get closer";
-        Ok(self.run.result(views, solver, &specular, unreached))
+        Ok(self.run.result(views, solver, &specular, super::FINEST_REACHED))
     }
 }

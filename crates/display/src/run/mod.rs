@@ -2,6 +2,9 @@
 //! goes from level to level, until the numbers are good enough.
 
 mod adding;
+mod brdf;
+mod cone;
+mod refine;
 mod walk;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,14 +12,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use papilio_optics::Beta;
 use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
+use rayon::prelude::*;
 
 pub(crate) use adding::Kernels;
+pub use brdf::brdf;
+pub use cone::cone;
+pub(crate) use refine::largest;
 
 use crate::meter::Meter;
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
+
+/// Why adding would not reach a target.
+const FINEST_REACHED: &str = "adding's finest level is reached; the walk (method = \"walk\") may get closer";
 
 /// How far a run has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +54,7 @@ pub struct Control<'a> {
 }
 
 impl Control<'_> {
-    fn stopped(&self) -> bool {
+    pub(crate) fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 }
@@ -79,6 +89,26 @@ impl Workers {
         };
         Ok(&kept.insert(workers).pool)
     }
+
+    /// The pool of so many threads; none if it would be one.
+    fn unless_one(
+        kept: &mut Option<Self>,
+        threads: Option<usize>,
+    ) -> Result<Option<&ThreadPool>, DisplayError> {
+        if threads == Some(1) { Ok(None) } else { Self::wanted(kept, threads.unwrap_or(0)).map(Some) }
+    }
+}
+
+/// `f` of every item and its number, in their order; in parallel if there is a pool.
+pub(crate) fn each<T: Send, R: Send>(
+    pool: Option<&ThreadPool>,
+    items: &mut [T],
+    f: impl Fn((usize, &mut T)) -> R + Sync + Send,
+) -> Vec<R> {
+    match pool {
+        None => items.iter_mut().enumerate().map(f).collect(),
+        Some(pool) => pool.install(|| items.par_iter_mut().enumerate().map(f).collect()),
+    }
 }
 
 /// Runs what is set up.
@@ -90,15 +120,14 @@ pub(crate) fn run_setup(
 ) -> Result<RunResult, DisplayError> {
     let meter = Meter::new(setup);
     let run = Run { scene: &setup.scene, control, setup, meter: &meter };
-    let threads = control.threads.unwrap_or(0);
     match setup.scene.solver.method {
         Method::Walk => {
-            let pool = Workers::wanted(workers, threads)?;
+            let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
             pool.install(|| walk::run(&run))
         }
         // Threads cost more than one view does.
-        Method::Adding if threads == 1 || setup.views.len() == 1 => adding::run(&run, kernels, None),
-        Method::Adding => adding::run(&run, kernels, Some(Workers::wanted(workers, threads)?)),
+        Method::Adding if setup.views.len() == 1 => adding::run(&run, kernels, None),
+        Method::Adding => adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?),
     }
 }
 

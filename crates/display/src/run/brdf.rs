@@ -1,0 +1,229 @@
+//! The display's own BSDF, by adding: a beam from every inclination of the light, seen from everywhere.
+//!
+//! The scene's lights and views play no part. Under a beam alone the reflectance factor is
+//! pi dL/dE, so that the BRDF is that over pi. What leaves at all of a beam is, by
+//! reciprocity, what is seen from the beam's direction in diffuse light.
+
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use papilio_optics::Beta;
+use papilio_transport::adding::Kernel;
+use papilio_transport::{Cone, Estimate, Rho, Source, Stack, specular_image};
+use rayon::ThreadPool;
+
+use super::cone::DEFAULT_TARGET;
+use super::refine::{Refined, largest, refine};
+use super::{Control, Progress, Workers, each};
+use crate::DisplayError;
+use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
+use crate::meter::relative;
+use crate::scene::{Scene, Stop};
+use crate::setup::Setup;
+
+/// The BSDF of the scene's display; by adding, whatever the scene's method.
+///
+/// The scene's `relative_error` holds for the luminous BRDF (in an equal-energy light) of each state
+/// in a sample of directions, whose level is taken for all.
+///
+/// # Errors
+/// If the scene cannot be, or was stopped.
+pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<BrdfTable, DisplayError> {
+    let setup = Setup::new(scene)?;
+    let mut workers = None;
+    let pool = Workers::unless_one(&mut workers, control.threads)?;
+    let beam = |theta: &f64| Source::Beam(Beta::from_source(*theta, 0.0, 1.0));
+    let beams = grid.theta_i_deg.iter().map(beam).collect();
+    let survey = Survey { setup: &setup, control, grid: &grid, beams };
+    let table = survey.run(pool).ok_or(DisplayError::Interrupted)?;
+    let finite = |state: &BrdfState| {
+        state.brdf.iter().all(|value| value.is_finite())
+            && state.directional_hemispherical.iter().all(|value| value.is_finite())
+    };
+    if table.states.iter().all(finite) { Ok(table) } else { Err(DisplayError::NotFinite) }
+}
+
+struct Survey<'a> {
+    setup: &'a Setup,
+    control: &'a Control<'a>,
+    grid: &'a BrdfGrid,
+    /// One for each inclination of the light, from azimuth 0.
+    beams: Vec<Source>,
+}
+
+/// Y of each state, under each source and from each view.
+type Luminous = Vec<f64>;
+
+impl Survey<'_> {
+    /// `None` if it was stopped.
+    fn run(&self, pool: Option<&ThreadPool>) -> Option<BrdfTable> {
+        let target = match self.setup.scene.solver.stop {
+            Stop::RelativeError { target, .. } => target,
+            Stop::Paths(_) => DEFAULT_TARGET,
+        };
+        let mut kernel = Kernel::new(0);
+        let sample = self.sample(target, &mut kernel)?;
+        let (scattered, nodes) = self.scattered(&kernel, pool)?;
+        let returned = self.returned(&kernel);
+        let state = |(number, name): (usize, &String)| BrdfState {
+            name: name.clone(),
+            brdf: self.table(number, &scattered),
+            specular: self.specular(number),
+            directional_hemispherical: self
+                .of_state(number, returned.iter().map(|estimate| &estimate.rho[0])),
+        };
+        Some(BrdfTable {
+            wavelength_nm: self.setup.scene.grid.wavelengths_nm(),
+            states: self.setup.states.iter().enumerate().map(state).collect(),
+            nodes,
+            discretisation_error: sample.error,
+            grid: self.grid.clone(),
+        })
+    }
+
+    /// Looks at some inclinations and azimuths; leaves the kernel that was good enough in `kernel`.
+    fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Luminous>> {
+        let some = |values: &[f64], most: usize| -> Vec<f64> {
+            values.iter().step_by(values.len().div_ceil(most).max(1)).chain(values.last()).copied().collect()
+        };
+        let azimuths = some(&self.grid.dphi_deg, 3);
+        let fields: Vec<Cone> = some(&self.grid.theta_o_deg, 4)
+            .iter()
+            .flat_map(|theta| azimuths.iter().map(|phi| view(*theta, *phi)))
+            .collect();
+        let sources: Vec<Source> = std::iter::once(&Source::Diffuse).chain(&self.beams).copied().collect();
+        let y_bar = self.setup.observer.weights()[1];
+        let y = |rho: &Rho| -> Vec<f64> {
+            let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
+            rho.base.chunks_exact(y_bar.len()).map(|base| sum(base) + sum(&rho.front)).collect()
+        };
+        let at = |level: usize| {
+            if self.control.stopped() {
+                return None;
+            }
+            *kernel = Kernel::new(level as u32);
+            kernel.prepare(&self.setup.stack, &fields, &sources);
+            let estimates = (0..fields.len()).map(|view| kernel.estimate(&self.setup.stack, view));
+            Some(
+                estimates
+                    .flat_map(|estimate| estimate.rho.iter().flat_map(y).collect::<Vec<f64>>())
+                    .collect(),
+            )
+        };
+        let difference = |finer: &Luminous, coarser: &Luminous| {
+            finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
+        };
+        refine(target, at, difference, |error, _| self.tell(error, target, 0))
+    }
+
+    fn tell(&self, relative_error: f64, target: f64, done: usize) {
+        let views_done = (done, self.grid.theta_o_deg.len());
+        (self.control.progress)(Progress {
+            paths: None,
+            share_of_paths: None,
+            relative_error,
+            target: Some(target),
+            views_done,
+        });
+    }
+
+    /// What is scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength];
+    /// and how many nodes that took.
+    fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<(Vec<Vec<f32>>, u64)> {
+        let stack = &self.setup.stack;
+        let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
+        let azimuths = self.grid.dphi_deg.len();
+        let mut shared = kernel.clone();
+        if let Stack::Layered(_) = stack {
+            let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
+            shared.prepare(stack, &fields, &self.beams);
+        }
+        let done = AtomicUsize::new(0);
+        let row = |(theta, rows): (usize, &mut (Vec<f32>, u64))| {
+            if self.control.stopped() {
+                return None;
+            }
+            let mut own = None;
+            let (kernel, first) = if let Stack::Layered(_) = stack {
+                (&shared, theta * azimuths)
+            } else {
+                let kernel = own.insert(kernel.clone());
+                kernel.prepare(
+                    stack,
+                    &fields(self.grid.theta_o_deg[theta]).collect::<Vec<Cone>>(),
+                    &self.beams,
+                );
+                (&*kernel, 0)
+            };
+            for view in first..first + azimuths {
+                kernel
+                    .estimate(stack, view)
+                    .rho
+                    .iter()
+                    .for_each(|rho| rows.0.extend(both(rho).map(|r| (r / PI) as f32)));
+            }
+            rows.1 = own.map_or(0, |kernel| kernel.nodes() as u64);
+            self.tell(0.0, 1.0, done.fetch_add(1, Ordering::Relaxed) + 1);
+            Some(())
+        };
+        let mut rows = vec![(Vec::new(), 0); self.grid.theta_o_deg.len()];
+        each(pool, &mut rows, row).into_iter().collect::<Option<Vec<()>>>()?;
+        let (rows, nodes): (Vec<Vec<f32>>, Vec<u64>) = rows.into_iter().unzip();
+        let shared = if let Stack::Layered(_) = stack { shared.nodes() as u64 } else { 0 };
+        Some((rows, shared + nodes.iter().sum::<u64>()))
+    }
+
+    /// What is seen in diffuse light from each inclination of the light.
+    fn returned(&self, kernel: &Kernel) -> Vec<Estimate> {
+        let fields: Vec<Cone> = self.grid.theta_i_deg.iter().map(|theta| view(*theta, 0.0)).collect();
+        let mut kernel = kernel.clone();
+        kernel.prepare(&self.setup.stack, &fields, &[Source::Diffuse]);
+        (0..fields.len()).map(|view| kernel.estimate(&self.setup.stack, view)).collect()
+    }
+
+    /// A state's rows of [dphi][theta_i][state][wavelength] for each theta_o, as
+    /// [theta_i][theta_o][dphi][wavelength].
+    fn table(&self, state: usize, scattered: &[Vec<f32>]) -> Vec<f32> {
+        let (states, bins) = (self.setup.states.len(), self.setup.scene.grid.len());
+        let lights = self.beams.len();
+        let mut table = Vec::with_capacity(self.grid.pairs() * bins);
+        for light in 0..lights {
+            for row in scattered {
+                for dphi in 0..self.grid.dphi_deg.len() {
+                    table.extend(&row[((dphi * lights + light) * states + state) * bins..][..bins]);
+                }
+            }
+        }
+        table
+    }
+
+    fn specular(&self, state: usize) -> Vec<f64> {
+        let image = |beam: &Source| match beam {
+            Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
+            Source::Diffuse | Source::Disc(_) => None,
+        };
+        let images: Vec<Rho> = self
+            .beams
+            .iter()
+            .filter_map(image)
+            .map(|image| Rho { base: image.base, front: image.front })
+            .collect();
+        self.of_state(state, images.iter())
+    }
+
+    /// A state's spectra, one after the other.
+    fn of_state<'r>(&self, state: usize, all: impl Iterator<Item = &'r Rho>) -> Vec<f64> {
+        let bins = self.setup.scene.grid.len();
+        all.flat_map(|rho| both(rho).skip(state * bins).take(bins)).collect()
+    }
+}
+
+/// By way of the base and before it, [state][wavelength].
+fn both(rho: &Rho) -> impl Iterator<Item = f64> {
+    rho.base.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
+}
+
+/// A point of view in air.
+fn view(theta_deg: f64, phi_deg: f64) -> Cone {
+    Cone::new(theta_deg, phi_deg, 0.0, 1.0)
+}

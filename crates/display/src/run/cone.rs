@@ -1,0 +1,275 @@
+//! The viewing cone, by adding: every direction at the level that a sample of directions needs.
+//!
+//! Directions that are mirror images of each other look alike where all directed lights lie
+//! in one plane with the normal; they are computed once. Spectra of one direction at a time
+//! are in memory for each thread.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use papilio_colour::Xyz;
+use papilio_transport::adding::Kernel;
+use papilio_transport::{Cone, Stack};
+use rayon::ThreadPool;
+
+use super::refine::{Refined, largest, refine};
+use super::{Control, Progress, Run, Workers, each};
+use crate::DisplayError;
+use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
+use crate::meter::{Meter, relative};
+use crate::scene::{DirectedLight, Scene, Stop};
+use crate::setup::{Setup, ViewPoint};
+
+/// Where a scene counts paths instead of naming an error.
+pub(super) const DEFAULT_TARGET: f64 = 1e-3;
+
+/// What is seen from all directions of a grid, in place of the scene's own views; by adding,
+/// whatever the scene's method.
+///
+/// The scene's `relative_error` holds for Y in a sample of about twenty directions, the
+/// normal, grazing ones and the mirror images of the lights among them; all others are computed at the
+/// level that this takes.
+///
+/// # Errors
+/// If the scene cannot be (a field of view that reaches below the horizon, too), or was stopped.
+pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<ConeResult, DisplayError> {
+    let mut everywhere = scene.clone();
+    everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
+    everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
+    let setup = Setup::new(&everywhere)?;
+    let normal = setup.view(0.0, 0.0)?;
+    let meter = Meter::new(&setup);
+    let mut workers = None;
+    let pool = Workers::unless_one(&mut workers, control.threads)?;
+    let run = Run { scene: &everywhere, control, setup: &setup, meter: &meter };
+    let survey = Survey { run, alike: alike(&grid.phi_deg, &scene.lighting.directed), grid, normal };
+    survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
+}
+
+struct Survey<'a> {
+    run: Run<'a>,
+    grid: ConeGrid,
+    /// For each azimuth the first one that looks the same.
+    alike: Vec<usize>,
+    normal: ViewPoint,
+}
+
+/// Colours of each direction and state.
+type Colours = Vec<Vec<Xyz>>;
+
+impl Survey<'_> {
+    /// `None` if it was stopped.
+    fn run(self, pool: Option<&ThreadPool>) -> Option<Result<ConeResult, DisplayError>> {
+        let target = match self.run.scene.solver.stop {
+            Stop::RelativeError { target, .. } => target,
+            Stop::Paths(_) => DEFAULT_TARGET,
+        };
+        let mut kernel = Kernel::new(0);
+        let sample = self.sample(target, &mut kernel)?;
+        let found = self.all(&kernel, &sample.finer[0], pool)?;
+        let (rows, nodes): (Vec<Vec<ConeView>>, Vec<u64>) = found.into_iter().unzip();
+        let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
+        if !rows.iter().flatten().all(finite) {
+            return Some(Err(DisplayError::NotFinite));
+        }
+        let computed = self.computed();
+        let place = |phi: usize| computed.iter().position(|one| *one == self.alike[phi]);
+        let places: Vec<usize> = (0..self.grid.phi_deg.len()).filter_map(place).collect();
+        let views = places.iter().flat_map(|phi| rows.iter().map(|row| row[*phi].clone())).collect();
+        let mut warnings = self.run.mirror_images(&self.run.specular());
+        if sample.error > target {
+            warnings.push(format!(
+                "relative error {:.2e} instead of {target:.2e}: {}",
+                sample.error,
+                super::FINEST_REACHED
+            ));
+        }
+        Some(Ok(ConeResult {
+            states: self.run.setup.states.clone(),
+            views,
+            lights: self.run.scene.lighting.directed.iter().map(light).collect(),
+            nodes: nodes.into_iter().sum(),
+            discretisation_error: sample.error,
+            warnings,
+            theta_deg: self.grid.theta_deg,
+            phi_deg: self.grid.phi_deg,
+        }))
+    }
+
+    /// Looks from a sample of directions, the normal first; leaves the kernel that was good
+    /// enough in `kernel`.
+    fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Colours>> {
+        let setup = self.run.setup;
+        let fields: Vec<Cone> = std::iter::once(self.normal.field)
+            .chain(self.sampled().into_iter().map(|view| setup.views[view].field))
+            .collect();
+        let at = |level: usize| {
+            if self.run.control.stopped() {
+                return None;
+            }
+            *kernel = Kernel::new(level as u32);
+            kernel.prepare(&setup.stack, &fields, &setup.sources);
+            Some((0..fields.len()).map(|view| self.colours(kernel, view)).collect())
+        };
+        let difference = |finer: &Colours, coarser: &Colours| {
+            let pairs = finer.iter().flatten().zip(coarser.iter().flatten());
+            pairs.map(|(a, b)| relative((a.y, (a.y - b.y).abs()))).fold(0.0, largest)
+        };
+        refine(target, at, difference, |error, _| self.tell(error, target, 0))
+    }
+
+    fn colours(&self, kernel: &Kernel, view: usize) -> Vec<Xyz> {
+        self.run.meter.colours(&kernel.estimate(&self.run.setup.stack, view))
+    }
+
+    fn tell(&self, relative_error: f64, target: f64, done: usize) {
+        let views_done = (done, self.run.setup.views.len());
+        (self.run.control.progress)(Progress {
+            paths: None,
+            share_of_paths: None,
+            relative_error,
+            target: Some(target),
+            views_done,
+        });
+    }
+
+    /// All inclinations: for each the views at the azimuths that are computed, and the nodes
+    /// that were its own.
+    fn all(
+        &self,
+        kernel: &Kernel,
+        normal: &[Xyz],
+        pool: Option<&ThreadPool>,
+    ) -> Option<Vec<(Vec<ConeView>, u64)>> {
+        let setup = self.run.setup;
+        let computed = self.computed();
+        let thetas = self.grid.theta_deg.len();
+        let fields = |theta: usize| computed.iter().map(move |phi| setup.views[phi * thetas + theta].field);
+        // The operators of any layers are worth sharing; a panel's kernels are cheap, and each
+        // inclination has its own.
+        let shared = match setup.stack {
+            Stack::Panel(_) => None,
+            Stack::Layered(_) => {
+                let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
+                let mut kernel = kernel.clone();
+                kernel.prepare(&setup.stack, &fields, &setup.sources);
+                Some(kernel)
+            }
+        };
+        let done = AtomicUsize::new(0);
+        let row = |theta: usize| {
+            if self.run.control.stopped() {
+                return None;
+            }
+            let mut own = None;
+            let (kernel, first) = match &shared {
+                Some(kernel) => (kernel, theta * computed.len()),
+                None => {
+                    let kernel = own.insert(kernel.clone());
+                    kernel.prepare(&setup.stack, &fields(theta).collect::<Vec<Cone>>(), &setup.sources);
+                    (&*kernel, 0)
+                }
+            };
+            let view = |k: usize| self.run.meter.cone_view(&self.colours(kernel, first + k), normal);
+            let views = (0..computed.len()).map(view).collect();
+            let more = self.grid.phi_deg.len();
+            self.tell(0.0, 1.0, done.fetch_add(more, Ordering::Relaxed) + more);
+            Some((views, own.map_or(0, |kernel| kernel.nodes() as u64)))
+        };
+        let mut rows: Vec<usize> = (0..thetas).collect();
+        let mut rows =
+            each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
+        if let (Some(kernel), Some((_, nodes))) = (shared, rows.first_mut()) {
+            *nodes = kernel.nodes() as u64;
+        }
+        Some(rows)
+    }
+
+    /// The azimuths that are computed; the others look like one of them.
+    fn computed(&self) -> Vec<usize> {
+        (0..self.alike.len()).filter(|phi| self.alike[*phi] == *phi).collect()
+    }
+
+    /// Numbers of about twenty views: spread over the grid, and where lamps are mirrored.
+    fn sampled(&self) -> Vec<usize> {
+        let (thetas, azimuths) = (self.grid.theta_deg.len(), self.computed());
+        if thetas == 0 || azimuths.is_empty() {
+            return Vec::new();
+        }
+        let spread = |count: usize, parts: usize| (0..parts).map(move |k| k * (count - 1) / (parts - 1));
+        let mut views: Vec<usize> = spread(thetas, 6)
+            .flat_map(|theta| spread(azimuths.len(), 3).map(move |phi| (theta, phi)))
+            .map(|(theta, phi)| azimuths[phi] * thetas + theta)
+            .collect();
+        for light in &self.run.scene.lighting.directed {
+            let image = light.phi_deg + if light.theta_deg < 0.0 { 0.0 } else { 180.0 };
+            let theta = nearest(&self.grid.theta_deg, |theta| (theta - light.theta_deg.abs()).abs());
+            let phi = nearest(&self.grid.phi_deg, |phi| between(phi, image));
+            views.push(self.alike[phi] * thetas + theta);
+        }
+        views.sort_unstable();
+        views.dedup();
+        views
+    }
+}
+
+fn light(light: &DirectedLight) -> ConeLight {
+    ConeLight {
+        theta_deg: light.theta_deg,
+        phi_deg: light.phi_deg,
+        radius_deg: light.radius_deg.unwrap_or(0.0),
+    }
+}
+
+/// For each azimuth the first one from which the display looks the same: the mirror image in the
+/// plane of the lights, any one without directed lights, itself if they lie in several planes.
+fn alike(phi_deg: &[f64], lights: &[DirectedLight]) -> Vec<usize> {
+    let same = |a: f64, b: f64| between(a, b) < 1e-9;
+    let mut planes = lights.iter().filter(|light| light.theta_deg != 0.0).map(|light| light.phi_deg);
+    let Some(plane) = planes.next() else { return vec![0; phi_deg.len()] };
+    let one_plane = planes.all(|phi| same(2.0 * phi, 2.0 * plane));
+    let first = |phi: f64| {
+        let alike = |other: &f64| same(*other, phi) || (one_plane && same(*other, 2.0 * plane - phi));
+        phi_deg.iter().position(alike).unwrap_or_default()
+    };
+    phi_deg.iter().map(|phi| first(*phi)).collect()
+}
+
+/// The angle between two azimuths, degrees.
+fn between(a_deg: f64, b_deg: f64) -> f64 {
+    let turn = (a_deg - b_deg).rem_euclid(360.0);
+    turn.min(360.0 - turn)
+}
+
+/// The place of the value with the least distance.
+fn nearest(values: &[f64], distance: impl Fn(f64) -> f64) -> usize {
+    let mut best = 0;
+    for (k, value) in values.iter().enumerate() {
+        if distance(*value) < distance(values[best]) {
+            best = k;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_spectra::Spectrum;
+
+    fn from(theta_deg: f64, phi_deg: f64) -> DirectedLight {
+        let spectrum = Spectrum::from_values(vec![]);
+        DirectedLight { theta_deg, phi_deg, share: 0.1, spectrum, radius_deg: None, normal_to_beam: false }
+    }
+
+    #[test]
+    fn azimuths_that_look_alike() {
+        let phi = [0.0, 90.0, 180.0, 270.0];
+        assert_eq!(alike(&phi, &[]), [0, 0, 0, 0]);
+        assert_eq!(alike(&phi, &[from(0.0, 33.0)]), [0, 0, 0, 0]);
+        assert_eq!(alike(&phi, &[from(-20.0, 0.0)]), [0, 1, 2, 1]);
+        assert_eq!(alike(&phi, &[from(20.0, 90.0), from(40.0, 270.0), from(0.0, 1.0)]), [0, 1, 0, 3]);
+        assert_eq!(alike(&phi, &[from(20.0, 45.0)]), [0, 0, 2, 2]);
+        assert_eq!(alike(&phi, &[from(20.0, 10.0)]), [0, 1, 2, 3]);
+        assert_eq!(alike(&phi, &[from(20.0, 0.0), from(20.0, 90.0)]), [0, 1, 2, 3]);
+    }
+}

@@ -1,0 +1,85 @@
+//! Finer and finer levels of discretisation, until two successive ones agree.
+
+use papilio_transport::adding::FINEST;
+
+/// What two successive levels gave.
+pub(crate) struct Refined<T> {
+    pub(crate) finer: T,
+    pub(crate) coarser: T,
+    /// The finer level.
+    pub(crate) level: usize,
+    /// The relative difference of the two.
+    pub(crate) error: f64,
+    /// Not stopped before the target or the finest level was reached.
+    pub(crate) finished: bool,
+}
+
+/// Levels from 0 on until the difference of two is at most the target, or to the finest; `None` if
+/// it was stopped before there were two. `at` computes a level, `None` if it was stopped;
+/// `tell` hears each difference, and whether it was the last.
+pub(crate) fn refine<T>(
+    target: f64,
+    mut at: impl FnMut(usize) -> Option<T>,
+    difference: impl Fn(&T, &T) -> f64,
+    tell: impl Fn(f64, bool),
+) -> Option<Refined<T>> {
+    let (coarser, finer) = (at(0)?, at(1)?);
+    let mut refined = Refined { finer, coarser, level: 1, error: 0.0, finished: false };
+    loop {
+        refined.error = difference(&refined.finer, &refined.coarser);
+        // An error that is not a number will not become one.
+        let enough = refined.error <= target || refined.error.is_nan();
+        refined.finished = enough || refined.level == FINEST as usize;
+        tell(refined.error, refined.finished);
+        if refined.finished {
+            return Some(refined);
+        }
+        let Some(next) = at(refined.level + 1) else { return Some(refined) };
+        refined.coarser = std::mem::replace(&mut refined.finer, next);
+        refined.level += 1;
+    }
+}
+
+/// The larger of two errors; not a number if one of them is not.
+pub(crate) fn largest(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn by_tenths(target: f64, stop_at: usize) -> Option<Refined<f64>> {
+        let at = |level: usize| (level < stop_at).then(|| 0.1_f64.powi(level as i32));
+        refine(target, at, |finer, coarser| (finer - coarser).abs(), |_, _| {})
+    }
+
+    #[test]
+    fn the_finer_of_the_first_two_that_agree() {
+        let refined = by_tenths(0.01, 9).unwrap();
+        assert_eq!((refined.level, refined.finished), (3, true));
+        assert!((refined.error - 0.009).abs() < 1e-15 && (refined.finer - 0.001).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_finest_is_the_last() {
+        let refined = by_tenths(0.0, 99).unwrap();
+        assert_eq!((refined.level, refined.finished), (FINEST as usize, true));
+    }
+
+    #[test]
+    fn stopped_it_has_what_two_levels_gave_or_nothing() {
+        let refined = by_tenths(0.0, 3).unwrap();
+        assert_eq!((refined.level, refined.finished), (2, false));
+        assert!(by_tenths(0.0, 1).is_none());
+    }
+
+    #[test]
+    fn what_is_not_a_number_ends_it() {
+        let refined = refine(0.1, |_| Some(f64::NAN), |a, b| a - b, |_, _| {}).unwrap();
+        assert!(refined.error.is_nan() && refined.finished && refined.level == 1);
+        assert!(
+            largest(f64::NAN, 1.0).is_nan() && largest(1.0, f64::NAN).is_nan() && largest(1.0, 2.0) == 2.0
+        );
+    }
+}
