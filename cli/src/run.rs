@@ -106,8 +106,5 @@ fn show(bar: &ProgressBar, progress: Progress) {
     let target = progress.target.map_or(String::new(), |target| format!(" (target {:.2} %)", 100.0 * target));
     let views = if views == 1 { String::new() } else { format!(", {views_done} of {views} views done") };
     let paths = progress.paths.map_or(String::new(), |paths| format!(", {paths} paths"));
-    bar.set_message(format!(
-        "error {:.2} %{target}{paths}{views}",
-        100.0 * progress.relative_error,
-    ));
+    bar.set_message(format!("error {:.2} %{target}{paths}{views}", 100.0 * progress.relative_error));
 }

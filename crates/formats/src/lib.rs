@@ -12,13 +12,15 @@
 //! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
 //! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
+//! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; what they are: [`ConeFile`] with [`write_json`] |
+//! | [`write_bsdf`] | `display-bsdf.npz` |
 //!
 //! A file is read whole, at most [`LARGEST_FILE`] bytes, as a [`DataFile`]; a
 //! [`FormatError`] names the file, line and column and prints as compilers do. A
 //! file is written whole or not at all by [`write_file`]. Numbers are written so
 //! that they read back as they were, bit for bit.
 //!
-//! **Out of scope**: BSDF files, light maps, binary results. Readers check what a
+//! **Out of scope**: BSDF files to read, light maps. Readers check what a
 //! file says, not what it is for: whether a spectrum covers a grid is the caller's question.
 //!
 //! ```
@@ -31,10 +33,13 @@
 //! # Ok::<(), papilio_formats::FormatError>(())
 //! ```
 
+mod bsdf;
+mod cone;
 mod error;
 mod file;
 mod index;
 mod json;
+mod npy;
 mod pixel_table;
 mod place;
 mod refractiveindex;
@@ -42,6 +47,8 @@ mod result;
 mod rows;
 mod spectrum;
 
+pub use bsdf::{BsdfSource, write_bsdf};
+pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;

@@ -1,0 +1,113 @@
+//! The display's BSDF as `display-bsdf.npz`, format "papilio-bsdf 1": NumPy arrays in a zip.
+//!
+//! `docs/brdf.md` describes the file for its readers.
+
+use std::io::{self, Write};
+
+use papilio_display::BrdfTable;
+use serde::Serialize;
+use zip::write::{SimpleFileOptions, ZipWriter};
+
+use crate::npy::{Items, write_npy};
+
+/// Where a BSDF comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BsdfSource<'a> {
+    /// Version of the program.
+    pub papilio: &'a str,
+    /// Title of the scenario.
+    pub title: &'a str,
+    /// SHA-256 of the scenario and the bytes of its files.
+    pub hash: &'a str,
+}
+
+/// The text `about`, as JSON.
+#[derive(Serialize)]
+struct About<'a> {
+    format: &'a str,
+    version: u32,
+    papilio: &'a str,
+    title: &'a str,
+    hash: &'a str,
+    conventions: Conventions,
+    solver: Solver,
+}
+
+#[derive(Serialize)]
+struct Conventions {
+    brdf: &'static str,
+    specular: &'static str,
+    directional_hemispherical: &'static str,
+    directions: &'static str,
+    medium: &'static str,
+    transmission: &'static str,
+    polarisation: &'static str,
+}
+
+const CONVENTIONS: Conventions = Conventions {
+    brdf: "dL_o/dE_i in 1/sr of the scattered light, per wavelength, without a cosine; axes state, theta_i, theta_o, dphi, wavelength",
+    specular: "share of a beam that leaves in the mirror direction (theta_o = theta_i, dphi = 180); axes state, theta_i, wavelength",
+    directional_hemispherical: "share of a beam that leaves, scattered and mirrored; axes state, theta_i, wavelength",
+    directions: "theta_i (light) and theta_o (viewer) from the normal, both pointing away from the display; dphi = phi_o - phi_i, alike for -dphi; degrees",
+    medium: "air (index 1) on the side of light and viewer",
+    transmission: "none: the display is opaque",
+    polarisation: "unpolarised",
+};
+
+#[derive(Serialize)]
+struct Solver {
+    method: &'static str,
+    nodes: u64,
+    discretisation_error: f64,
+}
+
+/// Writes `display-bsdf.npz`.
+///
+/// # Errors
+/// Those of `out`, and of a table whose arrays have other lengths than its grid says.
+pub fn write_bsdf(out: impl Write, source: &BsdfSource<'_>, table: &BrdfTable) -> io::Result<()> {
+    let mut archive = ZipWriter::new_stream(out);
+    let mut array = |name: &str, shape: &[usize], items: Items<'_>| {
+        // Stored, without a date: the same table gives the same bytes.
+        archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
+        write_npy(&mut archive, shape, items)
+    };
+    let grid = &table.grid;
+    let axes = [
+        ("theta_i_deg", &grid.theta_i_deg),
+        ("theta_o_deg", &grid.theta_o_deg),
+        ("dphi_deg", &grid.dphi_deg),
+        ("wavelength_nm", &table.wavelength_nm),
+    ];
+    for (name, values) in axes {
+        array(name, &[values.len()], Items::Double(values))?;
+    }
+    let lengths = axes.map(|(_, values)| values.len());
+    let states = table.states.len();
+    let names: Vec<&str> = table.states.iter().map(|state| state.name.as_str()).collect();
+    array("state", &[states], Items::Text(&names))?;
+    let brdf: Vec<&[f32]> = table.states.iter().map(|state| state.brdf.as_slice()).collect();
+    let shape = [states, lengths[0], lengths[1], lengths[2], lengths[3]];
+    array("brdf", &shape, Items::Single(&brdf))?;
+    let shape = [states, lengths[0], lengths[3]];
+    let specular: Vec<f64> = table.states.iter().flat_map(|state| state.specular.iter().copied()).collect();
+    array("specular", &shape, Items::Double(&specular))?;
+    let leaving = table.states.iter().flat_map(|state| state.directional_hemispherical.iter().copied());
+    array("directional_hemispherical", &shape, Items::Double(&leaving.collect::<Vec<f64>>()))?;
+    array("about", &[], Items::Text(&[&about(source, table)?]))?;
+    archive.finish()?.into_inner().flush()
+}
+
+fn about(source: &BsdfSource<'_>, table: &BrdfTable) -> io::Result<String> {
+    let (nodes, discretisation_error) = (table.nodes, table.discretisation_error);
+    let about = About {
+        format: "papilio-bsdf",
+        version: 1,
+        papilio: source.papilio,
+        title: source.title,
+        hash: source.hash,
+        conventions: CONVENTIONS,
+        solver: Solver { method: "adding", nodes, discretisation_error },
+    };
+    Ok(serde_json::to_string(&about)?)
+}

@@ -1,0 +1,129 @@
+//! What `papilio run --cone` writes: `cone.csv`, `cone.npy`, and `cone.json` that explains them.
+
+use std::io::{self, Write};
+
+use papilio_display::{ConeResult, ConeState, ConeView};
+use serde::Serialize;
+
+use crate::npy::{Items, write_npy};
+
+/// The numbers of a direction and state, in the order of columns and of the array's last index.
+pub const CONE_QUANTITIES: [&str; 8] = [
+    "Y",
+    "luminance_cd_m2",
+    "u_prime",
+    "v_prime",
+    "uv_shift",
+    "contrast_ratio",
+    "gamut_percent_srgb",
+    "gamut_percent_ebu",
+];
+
+/// The whole of `cone.json`: what the array's axes are, and where it comes from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConeFile<'a> {
+    papilio: &'a str,
+    hash: &'a str,
+    axes: [&'a str; 4],
+    theta_deg: &'a [f64],
+    phi_deg: &'a [f64],
+    states: &'a [String],
+    quantities: [&'a str; 8],
+    directed: Vec<Light>,
+    solver: Solver<'a>,
+    warnings: &'a [String],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Light {
+    theta_deg: f64,
+    phi_deg: f64,
+    radius_deg: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Solver<'a> {
+    method: &'a str,
+    nodes: u64,
+    discretisation_error: f64,
+}
+
+impl<'a> ConeFile<'a> {
+    /// Of this cone, computed by this version of the program from the scenario of this hash.
+    pub fn new(papilio: &'a str, hash: &'a str, cone: &'a ConeResult) -> Self {
+        let directed = cone.lights.iter().map(|light| Light {
+            theta_deg: light.theta_deg,
+            phi_deg: light.phi_deg,
+            radius_deg: light.radius_deg,
+        });
+        let (nodes, discretisation_error) = (cone.nodes, cone.discretisation_error);
+        Self {
+            papilio,
+            hash,
+            axes: ["theta_deg", "phi_deg", "states", "quantities"],
+            theta_deg: &cone.theta_deg,
+            phi_deg: &cone.phi_deg,
+            states: &cone.states,
+            quantities: CONE_QUANTITIES,
+            directed: directed.collect(),
+            solver: Solver { method: "adding", nodes, discretisation_error },
+            warnings: &cone.warnings,
+        }
+    }
+}
+
+/// Writes `cone.csv`: a row for each direction and state. What is undefined is left empty.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_cone_csv(out: impl Write, cone: &ConeResult) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(["theta_deg", "phi_deg", "state"].iter().chain(&CONE_QUANTITIES))?;
+    for (j, phi) in cone.phi_deg.iter().enumerate() {
+        for (i, theta) in cone.theta_deg.iter().enumerate() {
+            let Some(view) = cone.view(i, j) else { continue };
+            for (name, state) in cone.states.iter().zip(&view.states) {
+                let start = [theta.to_string(), phi.to_string(), name.clone()];
+                let numbers = quantities(view, state)
+                    .map(|value| if value.is_finite() { value.to_string() } else { String::new() });
+                csv.write_record(start.iter().chain(&numbers))?;
+            }
+        }
+    }
+    csv.flush()
+}
+
+/// Writes `cone.npy`: float64, [theta][phi][state][quantity], NaN where undefined.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_cone_npy(mut out: impl Write, cone: &ConeResult) -> io::Result<()> {
+    let (thetas, phis) = (cone.theta_deg.len(), cone.phi_deg.len());
+    let mut values = Vec::with_capacity(thetas * phis * cone.states.len() * CONE_QUANTITIES.len());
+    for i in 0..thetas {
+        for j in 0..phis {
+            let seen = cone.view(i, j);
+            for state in 0..cone.states.len() {
+                let numbers = seen.and_then(|view| Some(quantities(view, view.states.get(state)?)));
+                values.extend(numbers.unwrap_or([f64::NAN; 8]));
+            }
+        }
+    }
+    let shape = [thetas, phis, cone.states.len(), CONE_QUANTITIES.len()];
+    write_npy(&mut out, &shape, Items::Double(&values))
+}
+
+/// In the order of [`CONE_QUANTITIES`].
+fn quantities(view: &ConeView, state: &ConeState) -> [f64; 8] {
+    let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    [
+        state.reflectance_factor_y,
+        state.luminance_cd_m2,
+        or_nan(state.u_prime),
+        or_nan(state.v_prime),
+        or_nan(state.uv_shift),
+        or_nan(view.contrast_ratio),
+        or_nan(view.gamut_percent_srgb),
+        or_nan(view.gamut_percent_ebu),
+    ]
+}
