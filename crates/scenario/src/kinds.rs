@@ -39,6 +39,8 @@ impl Kinds {
             return unknown_word(tag, word, &words, self.later, errors);
         };
         let mut rest = node.clone();
+        // What a kind needs and does not find is missing where the kind is said.
+        rest.origin = node.origin.or_set([tag.origin]);
         if let Value::Table(entries) = &mut rest.value {
             entries.retain(|entry| entry.key != self.tag && !self.is_alien(entry, kind, tag.origin, errors));
         }

@@ -44,6 +44,7 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 
+mod advice;
 mod describe;
 mod error;
 mod grammar;

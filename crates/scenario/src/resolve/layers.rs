@@ -14,6 +14,7 @@ use crate::describe::layers as describe;
 use crate::describe::numbers;
 use crate::problem::{ABSORBING_K, CLEAR_K, Problem, tidy};
 use crate::read::At;
+use crate::source::Origin;
 
 /// More layers than this are no display.
 const MOST_LAYERS: usize = 64;
@@ -22,7 +23,8 @@ const NM_PER_MM: f64 = 1e6;
 
 /// An entry of the list.
 enum Part {
-    Medium(Medium),
+    /// And where its index is given.
+    Medium(Medium, Origin),
     Interface(Interface),
 }
 
@@ -56,12 +58,12 @@ impl Resolver<'_> {
         self.limit(&display.layers, "layers", layers.len(), MOST_LAYERS)?;
         let parts = layers.iter().enumerate();
         let parts: Vec<_> =
-            parts.map(|(i, layer)| self.part(&format!("display.layers.{i}"), layer)).collect();
+            parts.map(|(i, layer)| self.part(&format!("display.layers.{i}"), layer, layer.origin)).collect();
         let parts = parts.into_iter().collect::<Option<Vec<_>>>()?;
         let mut stack = Stack::new(&self.grid);
         for (part, layer) in parts.into_iter().zip(layers) {
             match part {
-                Part::Medium(medium) => stack.fill(medium),
+                Part::Medium(medium, index_at) => stack.fill(medium, index_at),
                 Part::Interface(interface) => stack.put(interface, layer.origin),
             }
         }
@@ -69,15 +71,15 @@ impl Resolver<'_> {
     }
 
     /// One entry; `path` is the key that it stands under.
-    fn part(&mut self, path: &str, layer: &describe::Layer) -> Option<Part> {
+    fn part(&mut self, path: &str, layer: &describe::Layer, at: Origin) -> Option<Part> {
         Some(match layer {
             describe::Layer::Medium(medium) => {
                 let absorption = (&medium.internal_transmittance, &medium.thickness_mm);
-                Part::Medium(self.medium(path, &medium.index, absorption)?)
+                Part::Medium(self.medium(path, &medium.index, absorption)?, medium.index.origin)
             }
-            describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?),
+            describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
             describe::Layer::Diffuser(diffuser) => Part::Interface(Interface::Diffuser(self.btdf(diffuser)?)),
-            describe::Layer::Sheet(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet)?)),
+            describe::Layer::Sheet(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
             describe::Layer::Coating(coating) => {
                 Part::Interface(Interface::Coating(self.coating(path, coating)?))
             }
@@ -126,10 +128,10 @@ impl Resolver<'_> {
         let index = self.transparent(&slab.index, ABSORBING_K);
         let albedo = self.share(&slab.albedo.value, slab.albedo.origin);
         let (index, albedo) = (index?, albedo?);
-        let by_n = |a: &&Complex64, b: &&Complex64| a.re.total_cmp(&b.re);
-        let (least, largest) = (*index.iter().min_by(by_n)?, *index.iter().max_by(by_n)?);
-        if least != largest || largest.im > CLEAR_K {
-            self.err(&slab.index, Problem::SlabIndex { least, largest });
+        let n = Spectrum::from_values(index.iter().map(|index| index.re).collect());
+        let k = index.iter().fold(0.0, |most: f64, index| most.max(index.im));
+        if !n.is_constant() || k > CLEAR_K {
+            self.err(&slab.index, Problem::SlabIndex { least: n.min(), largest: n.max(), k });
             return None;
         }
         let (optical_thickness, anisotropy) = (slab.optical_thickness.0, slab.anisotropy.0);
@@ -141,7 +143,7 @@ impl Resolver<'_> {
             ));
         }
         Some(Medium {
-            index: Spectrum::constant(&self.grid, largest.re),
+            index: n,
             transmittance: Spectrum::constant(&self.grid, 1.0),
             scattering: Some(Scattering { optical_thickness, anisotropy, albedo }),
         })

@@ -11,7 +11,6 @@ use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
 use crate::problem::Problem;
-use crate::read::At;
 use crate::source::Origin;
 
 /// What stands between air and glass.
@@ -36,7 +35,7 @@ impl Resolver<'_> {
     fn panel(&mut self, display: &describe::Display) -> Option<Layers> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
-        let front: Vec<_> = front.iter().map(|component| self.sheet(component)).collect();
+        let front: Vec<_> = front.iter().map(|component| self.sheet(component, component.origin)).collect();
         let top = match &display.diffuser.value {
             Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(Top::Slab),
             Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Btdf),
@@ -79,11 +78,15 @@ impl Resolver<'_> {
             stack.put(Interface::Sheet(sheet), Origin::FILE);
         }
         stack.put(face, Origin::FILE);
-        slab.into_iter().chain([glass]).for_each(|medium| stack.fill(medium));
+        slab.into_iter().chain([glass]).for_each(|medium| stack.fill(medium, Origin::FILE));
         stack.finish(&mut self.errors)
     }
 
-    pub(super) fn sheet(&mut self, component: &At<describe::FrontComponent>) -> Option<FrontComponent> {
+    pub(super) fn sheet(
+        &mut self,
+        component: &describe::FrontComponent,
+        origin: Origin,
+    ) -> Option<FrontComponent> {
         let reflectance = self.share(&component.reflectance, component.reflectance.origin);
         let absorptance = self.share(&component.absorptance, component.absorptance.origin);
         let (reflectance, absorptance) = (reflectance?, absorptance?);
@@ -91,7 +94,7 @@ impl Resolver<'_> {
         // A tolerance for sums such as .7 + .3 of decimal files.
         if sum > 1.0 + 1e-12 {
             let what = "reflectance and absorptance";
-            let at = component.origin.or_set([component.reflectance.origin, component.absorptance.origin]);
+            let at = origin.or_set([component.reflectance.origin, component.absorptance.origin]);
             self.errors.push(at, Problem::Sum { what, sum, expected: "at most 1" });
             return None;
         }

@@ -12,14 +12,14 @@ pub(super) struct Stack {
     layers: Vec<Layer>,
     /// An interface that waits for the medium below it.
     waiting: Option<(Interface, Origin)>,
-    /// Index of the lowest medium so far.
-    above: Spectrum,
+    /// Index of the lowest medium so far, and where it was given.
+    above: (Spectrum, Origin),
     problems: Vec<(Origin, Problem)>,
 }
 
 impl Stack {
     pub(super) fn new(grid: &Grid) -> Self {
-        let above = Spectrum::constant(grid, 1.0);
+        let above = (Spectrum::constant(grid, 1.0), Origin::FILE);
         Self { layers: Vec::new(), waiting: None, above, problems: Vec::new() }
     }
 
@@ -29,10 +29,11 @@ impl Stack {
         self.waiting = Some((interface, origin));
     }
 
-    /// A medium; without an interface above it, a bare face stands where the index changes.
-    pub(super) fn fill(&mut self, medium: Medium) {
+    /// A medium, whose index is given at `index_at`; without an interface above it, a bare face stands
+    /// where the index changes.
+    pub(super) fn fill(&mut self, medium: Medium, index_at: Origin) {
         let (interface, origin) = self.waiting.take().unwrap_or((Interface::Fresnel, Origin::FILE));
-        let (above, below) = (&self.above, &medium.index);
+        let (above, below) = (&self.above.0, &medium.index);
         let same = **above == **below;
         let problem = match &interface {
             Interface::Sheet(_) if !same => Some(Problem::SheetAtFace),
@@ -42,10 +43,11 @@ impl Stack {
             },
             _ => None,
         };
-        self.problems.extend(problem.map(|problem| (origin, problem)));
+        let at = origin.or_set([self.above.1, index_at]);
+        self.problems.extend(problem.map(|problem| (at, problem)));
         let interface =
             if same && matches!(interface, Interface::Fresnel) { Interface::Open } else { interface };
-        self.above = medium.index.clone();
+        self.above = (medium.index.clone(), index_at);
         self.layers.push(Layer { interface, medium });
     }
 
@@ -59,8 +61,9 @@ impl Stack {
     /// Puts what waits into the medium above it.
     fn close(&mut self) {
         if self.waiting.is_some() {
-            let clear = self.above.map(|_| 1.0);
-            self.fill(Medium { index: self.above.clone(), transmittance: clear, scattering: None });
+            let (index, at) = self.above.clone();
+            let transmittance = index.map(|_| 1.0);
+            self.fill(Medium { index, transmittance, scattering: None }, at);
         }
     }
 }

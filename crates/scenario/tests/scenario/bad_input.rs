@@ -101,6 +101,13 @@ const NAMES_AND_CHOICES: &[Case] = &[
     ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["contains its faces"]),
     ("[viewer]", "[solver]\nangle_medium = \"glass\"\n[viewer]", (38, 16), &["a panel without diffuser"]),
     ("[viewer]", "[solver]\npaths = 10\nrelative_error = 0.1\n[viewer]", (38, 9), &["more than one of"]),
+    (
+        "[viewer]",
+        "[solver]\npaths = 10\n[viewer]",
+        (38, 9),
+        &["`paths` means nothing with method = \"adding\"", "give `relative_error`, or method = \"walk\""],
+    ),
+    ("[viewer]", "[solver]\nmethod = \"adds\"\n[viewer]", (38, 10), &["`adds`", "\"adding\" or \"walk\""]),
     ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["`width_nm` is missing"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["dark between 400 and 700 nm"]),
 ];
@@ -155,17 +162,11 @@ const WRITTEN_OTHERWISE: &[Case] = &[
 const NOT_IN_THIS_VERSION: &[Case] = &[
     (
         "\"k-correlation\"",
-        "\"slab\"",
+        "\"ward\"",
         (12, 9),
-        &["`slab` is not in this version", "\"k-correlation\" or \"lambertian\""],
+        &["`ward` is not in this version", "\"k-correlation\" or \"lambertian\" or \"slab\""],
     ),
     ("\"film\"", "\"measured\"", (20, 9), &["`measured` is not in this version"]),
-    (
-        "[viewer]",
-        "[solver]\nmethod = \"adding\"\n[viewer]",
-        (38, 10),
-        &["`adding` is not in this version", "\"walk\""],
-    ),
     (
         "[viewer]",
         "[solver]\nsampler = \"stratified\"\n[viewer]",
@@ -173,7 +174,6 @@ const NOT_IN_THIS_VERSION: &[Case] = &[
         &["`stratified` is not in this version"],
     ),
     ("[viewer]", "[solver]\nscattering = \"ward\"\n[viewer]", (38, 14), &["`ward` is not in this version"]),
-    ("[viewer]", "[[display.layers]]\n[viewer]", (37, 11), &["`layers` is not in this version"]),
     ("[viewer]", "[sweep]\n[viewer]", (37, 2), &["`sweep` is not in this version"]),
 ];
 
@@ -262,7 +262,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
     let in_glass = format!("{bare}[solver]\nangle_medium = \"glass\"\n");
     let with_range = changed(&[("theta_deg = 8", "theta_deg = { from = 0, to = 9, step = 1 }")]);
     let diffuser = "display.diffuser={ model = \"lambertian\", transmittance = 1 }";
-    let cases: [(&str, &str, &str); 16] = [
+    let cases: [(&str, &str, &str); 17] = [
         (GOOD, "display.pixel.area.red=0.9", "the areas sum to 1.4"),
         (GOOD, "display.pixel.film.0.thickness_nm=gap", "2 layers of this film"),
         (GOOD, "display.pixel.gap_nm={ red = 200 }", "in `gap_nm`"),
@@ -275,6 +275,11 @@ fn what_a_set_spoils_is_shown_at_the_set() {
         (GOOD, "spectrum.step_nm=7", "not a grid"),
         (GOOD, "viewer.theta_deg=89.99", "this cone reaches"),
         (&coated, diffuser, "contains its faces"),
+        (
+            &coated,
+            "display.diffuser={ model = \"slab\", optical_thickness = 1, anisotropy = 0 }",
+            "faces of its own",
+        ),
         (&in_glass, diffuser, "a panel without diffuser"),
         (&in_glass, "display.glass.index=9", "never leaves it"),
         (&with_range, "viewer.theta_deg.to=-1", "has no end"),

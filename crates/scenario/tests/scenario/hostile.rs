@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{GOOD, resolve, shipped};
+use crate::common::{GOOD, LAYERED, resolve, shipped};
 use papilio_scenario::Scenario;
 
 /// A linear congruential generator (Knuth, MMIX): the tests need no more.
@@ -69,7 +69,7 @@ fn survive(text: &[u8], folder: &Path) {
 #[test]
 fn mutated_scenarios_do_not_panic() {
     let mut numbers = Numbers(2012);
-    let mut texts = vec![GOOD.to_owned()];
+    let mut texts = vec![GOOD.to_owned(), LAYERED.to_owned()];
     for entry in std::fs::read_dir(shipped()).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|end| end == "toml") {
@@ -97,16 +97,22 @@ fn mutated_scenarios_do_not_panic() {
     }
 }
 
-/// Each value of the scenario in turn is replaced by each hostile word.
+/// Each value of the scenarios in turn is replaced by each hostile word.
 #[test]
 fn hostile_values_do_not_panic() {
-    for line in GOOD.lines().filter(|line| line.contains(" = ")) {
+    for text in [GOOD, LAYERED] {
+        hostile_values(text);
+    }
+}
+
+fn hostile_values(text: &str) {
+    for line in text.lines().filter(|line| line.contains(" = ")) {
         for word in WORDS {
             for (at, _) in line.match_indices(" = ") {
                 let rest = &line[at + 3..];
                 let end = rest.find([',', '}']).unwrap_or(rest.len());
                 let changed = format!("{} = {word}{}", &line[..at], &rest[end..]);
-                survive(GOOD.replacen(line, &changed, 1).as_bytes(), Path::new(""));
+                survive(text.replacen(line, &changed, 1).as_bytes(), Path::new(""));
             }
         }
     }
@@ -131,6 +137,10 @@ fn huge_and_odd_texts_are_refused() {
     let many = (0..20_000).map(|i| format!("s{i} = 0.1, ")).collect::<String>();
     refused(&GOOD.replace("area = { ", &format!("area = {{ {many}")));
     let states: String = (0..250).map(|i| format!("s{i} = {{}}\n")).collect();
+    let layers = format!("layers = [{}]", "{ kind = \"coated\" }, ".repeat(65));
+    refused(&LAYERED.replace("[display]", &format!("[display]\n{layers}")));
+    let films = "{ material = 1.4, thickness_nm = 1 }, ".repeat(257);
+    refused(&LAYERED.replace("film = [", &format!("film = [{films}")));
     let views = "theta_deg = { from = 0, to = 80, step = 0.02 }";
     let text = GOOD
         .replace("theta_deg = 8", views)

@@ -12,6 +12,7 @@ mod bounds;
 mod common;
 mod examples;
 mod hostile;
+mod layers;
 mod remarks;
 mod schema;
 mod set_and_presets;

@@ -73,6 +73,11 @@ fn what_is_wrong_breaks_the_schema() {
         ("\"gap\"", "\"gab\""),
         ("theta_deg = 8", "theta_deg = \"8\""),
         ("[viewer]", "[sweep]"),
+        ("\"k-correlation\"", "\"slab\""),
+        ("[viewer]", "[[display.layers]]\nkind = \"rough\"\n[viewer]"),
+        ("[viewer]", "[[display.layers]]\nkind = \"medium\"\nalpha = 0.1\n[viewer]"),
+        ("[viewer]", "[[display.layers]]\nindex = 1.5\n[viewer]"),
+        ("[viewer]", "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"slab\"\n[viewer]"),
     ] {
         assert!(!keeps_schema(&changed(&[(from, to)])), "{to}");
     }
@@ -102,13 +107,26 @@ fn every_key_is_described() {
     assert!(seen > 50, "{seen}");
 }
 
+/// The properties of every table in the schema.
+fn gather<'a>(schema: &'a Value, found: &mut Vec<(&'a String, &'a Value)>) {
+    match schema {
+        Value::Object(rules) => {
+            found.extend(rules.get("properties").and_then(Value::as_object).into_iter().flatten());
+            rules.values().for_each(|part| gather(part, found));
+        }
+        Value::Array(items) => items.iter().for_each(|item| gather(item, found)),
+        _ => {}
+    }
+}
+
 /// docs/scenario.md is the page of every key, and knows its default.
 #[test]
 fn the_page_of_keys_knows_every_key_and_its_default() {
     let page = std::fs::read_to_string(shipped().join("../docs/scenario.md")).unwrap();
     let schema = papilio_scenario::schema();
-    let tables = schema["$defs"].as_object().unwrap().values().chain([&schema]);
-    for (key, property) in tables.filter_map(|table| table["properties"].as_object()).flatten() {
+    let mut properties = Vec::new();
+    gather(&schema, &mut properties);
+    for (key, property) in properties {
         assert!(page.contains(key.as_str()), "`{key}` is not on the page");
         if let Some(default) = property.get("default").filter(|value| value.is_number() || value.is_boolean())
         {

@@ -66,7 +66,8 @@ fn set_takes_numbers_as_shells_write_them() {
 fn rivals_of_two_sets_are_an_error_in_both_orders() {
     let sets = ["solver.relative_error=0.1", "solver.paths=100"];
     let rivals = [["display.diffuser.haze=0.5", "display.diffuser.width=0.1"], sets];
-    for text in [GOOD.to_owned(), format!("{GOOD}[solver]\npaths = 64\n")] {
+    let walk = format!("{GOOD}[solver]\nmethod = \"walk\"\n");
+    for text in [walk.clone(), format!("{walk}paths = 64\n")] {
         for [a, b] in rivals {
             assert!(
                 resolve(&text, Path::new(""), &[a]).is_ok() && resolve(&text, Path::new(""), &[b]).is_ok()
@@ -200,7 +201,7 @@ fn the_hash_knows_what_matters() {
     let same = [
         changed(&[("haze = 0.78", "haze = 7.8e-1  # a comment")]),
         changed(&[("theta_deg = 8", "field_deg = 0.1\ntheta_deg = 8.0")]),
-        changed(&[("[viewer]", "[solver]\nmethod = \"walk\"\n[viewer]")]),
+        changed(&[("[viewer]", "[solver]\nmethod = \"adding\"\n[viewer]")]),
         GOOD.replace('\n', "\r\n"),
         format!("\u{feff}{GOOD}"),
     ];

@@ -1,0 +1,392 @@
+//! Layers in any order, slabs and absorbing glass: what becomes of them, and what is refused.
+
+use std::path::Path;
+
+use crate::common::{GOOD, LAYERED, changed, changed_in, resolve};
+use papilio_display::scene::{Interface, Layer, Layers, Lobe, Thickness};
+use papilio_scenario::{Problem, Resolved};
+
+fn resolved(text: &str, sets: &[&str]) -> Resolved {
+    resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn general(resolved: &Resolved) -> &[Layer] {
+    let Layers::General(layers) = &resolved.scene.display.layers else { panic!("an ordinary panel") };
+    layers
+}
+
+/// Each layer in a word and its medium's index.
+fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
+    let word = |interface: &Interface| match interface {
+        Interface::Open => "open",
+        Interface::Coated => "coated",
+        Interface::Fresnel => "fresnel",
+        Interface::Sheet(_) => "sheet",
+        Interface::Coating(_) => "coating",
+        Interface::Diffuser(_) => "diffuser",
+        Interface::Rough { .. } => "rough",
+    };
+    layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
+}
+
+fn pixel_under(layers: &str) -> String {
+    let pixel = &LAYERED[LAYERED.find("[display.pixel]").unwrap()..];
+    format!("display.layers = [{layers}]\n{pixel}")
+}
+
+#[test]
+fn every_kind_of_layer() {
+    let resolved = resolved(LAYERED, &[]);
+    let layers = general(&resolved);
+    let expected = [
+        ("sheet", 1.0), // in the air, for the coating is the next face
+        ("coating", 1.5),
+        ("rough", 1.0),
+        ("diffuser", 1.6),
+        ("fresnel", 1.48),
+        ("coated", 1.48),
+        ("diffuser", 1.5),
+        ("open", 1.5), // a bare face with the same glass on both sides is none
+    ];
+    assert_eq!(outline(layers), expected);
+    let Interface::Sheet(sheet) = &layers[0].interface else { panic!("not a sheet") };
+    assert_eq!((sheet.reflectance[0], sheet.absorptance[0]), (0.005, 0.01));
+    let Interface::Coating(films) = &layers[1].interface else { panic!("not a coating") };
+    assert_eq!((films.len(), films[0].thickness), (1, Thickness::Fixed(90.0)));
+    let Interface::Rough { alpha } = layers[2].interface else { panic!("not rough") };
+    assert_eq!(alpha, 0.3);
+    let Interface::Diffuser(diffuser) = &layers[3].interface else { panic!("not a diffuser") };
+    assert_eq!((diffuser.lobe, diffuser.transmittance[0]), (Lobe::KCorrelation { width: 0.06 }, 0.95));
+    // exp(-4 pi k d / lambda) of .7 mm at 380 nm.
+    let expected = (-4.0 * std::f64::consts::PI * 1e-7 * 0.7e6 / 380.0_f64).exp();
+    assert!((layers[1].medium.transmittance[0] - expected).abs() < 1e-12);
+    assert_eq!(layers[3].medium.transmittance[40], 0.9);
+    let slab = layers[4].medium.scattering.as_ref().unwrap();
+    assert_eq!((slab.optical_thickness, slab.anisotropy, slab.albedo[0]), (2.0, 0.8, 0.99));
+    assert!(layers.iter().filter(|layer| layer.medium.scattering.is_some()).count() == 1);
+    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 turns light around about as one of \
+                0.4 with anisotropy 0 does (similarity)";
+    assert_eq!(resolved.notes, [note]);
+}
+
+#[test]
+fn what_stands_between_media() {
+    let outline = |layers: &str| outline(general(&resolved(&pixel_under(layers), &[])));
+    let glass = "{ kind = \"medium\", index = 1.5 }";
+    let air = "{ kind = \"medium\", index = \"air\" }";
+    let sheet = "{ kind = \"sheet\", reflectance = 0.1 }";
+    assert_eq!(outline(glass), [("fresnel", 1.5)]);
+    assert_eq!(outline(air), [("open", 1.0)]);
+    assert_eq!(
+        outline(&format!("{glass}, {glass}, {air}")),
+        [("fresnel", 1.5), ("open", 1.5), ("fresnel", 1.0)]
+    );
+    // Components in air; a face below them leaves them there.
+    assert_eq!(outline(&format!("{sheet}, {sheet}")), [("sheet", 1.0), ("sheet", 1.0)]);
+    assert_eq!(
+        outline(&format!("{sheet}, {{ kind = \"fresnel\" }}, {glass}")),
+        [("sheet", 1.0), ("fresnel", 1.5)]
+    );
+    assert_eq!(outline(&format!("{glass}, {sheet}")), [("fresnel", 1.5), ("sheet", 1.5)]);
+    assert_eq!(outline(&format!("{glass}, {sheet}, {glass}")), [("fresnel", 1.5), ("sheet", 1.5)]);
+    // A dispersive glass and its number at one wavelength are two media.
+    let bk7 = "{ kind = \"medium\", index = \"BK7\" }";
+    let faces = |layers: &str| outline(layers).iter().map(|(face, _)| *face).collect::<Vec<_>>();
+    assert_eq!(faces(&format!("{bk7}, {bk7}, {glass}")), ["fresnel", "open", "fresnel"]);
+}
+
+#[test]
+fn a_slab_is_a_diffuser_with_faces() {
+    let slab = "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.9";
+    let text = changed(&[("model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9", slab)]);
+    let layers = |sets: &[&str]| outline(general(&resolved(&text, sets)));
+    assert_eq!(layers(&[]), [("sheet", 1.0), ("fresnel", 1.5), ("open", 1.5)]);
+    assert_eq!(
+        layers(&["display.diffuser.index=1.6", "display.front=[]"]),
+        [("fresnel", 1.6), ("fresnel", 1.5)]
+    );
+    assert_eq!(layers(&["display.diffuser.index=1"]), [("sheet", 1.0), ("open", 1.0), ("fresnel", 1.5)]);
+    let scattering = general(&resolved(&text, &[]))[1].medium.scattering.clone().unwrap();
+    assert!(scattering.albedo.iter().all(|albedo| *albedo == 1.0));
+}
+
+#[test]
+fn glass_that_absorbs() {
+    let is_panel = |sets: &[&str]| resolved(GOOD, sets).scene.display.panel().is_some();
+    assert!(is_panel(&[]) && is_panel(&["display.glass.internal_transmittance=1"]));
+    let absorbing = resolved(GOOD, &["display.glass.internal_transmittance=0.9"]);
+    assert_eq!(outline(general(&absorbing)), [("sheet", 1.0), ("diffuser", 1.5)]);
+    assert_eq!(general(&absorbing)[1].medium.transmittance[0], 0.9);
+    let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
+    let bare = format!("{}{}", &GOOD[..start], &GOOD[end..]);
+    for face in ["coated", "fresnel"] {
+        let surface = format!("display.glass.surface={face}");
+        let layers = resolved(
+            &bare,
+            &["display.glass.index={ n = 1.5, k = 1e-4 }", "display.glass.thickness_mm=0.1", &surface],
+        );
+        assert_eq!(outline(general(&layers)), [("sheet", 1.0), (face, 1.5)]);
+    }
+    // A glass without k stays clear, whatever its thickness; that is said.
+    let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
+    assert!(thick.scene.display.panel().is_some());
+    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm does nothing")));
+    // Of the two, a set one replaces the file's.
+    let text = changed(&[("index = 1.5", "index = 1.5\nthickness_mm = 2")]);
+    assert!(resolve(&text, Path::new(""), &["display.glass.internal_transmittance=0.9"]).is_ok());
+}
+
+/// A change of `LAYERED`, where the error is, and what it must say.
+type Case = (&'static str, &'static str, (usize, usize), &'static [&'static str]);
+
+const WRONG: &[Case] = &[
+    // Ranges.
+    (
+        "optical_thickness = 2",
+        "optical_thickness = 9e-7",
+        (10, 40),
+        &["from 1e-6 to 1e6 (optical thickness)"],
+    ),
+    ("optical_thickness = 2", "optical_thickness = 2e6", (10, 40), &["2000000 is out of range"]),
+    ("optical_thickness = 2", "optical_thickness = 0", (10, 40), &["0 is out of range"]),
+    ("anisotropy = 0.8", "anisotropy = 1", (10, 56), &["from -.99 to .99"]),
+    ("anisotropy = 0.8", "anisotropy = -1", (10, 56), &["from -.99 to .99"]),
+    ("albedo = 0.99", "albedo = 1.01", (10, 70), &["from 0 to 1", "not percent"]),
+    ("albedo = 0.99", "albedo = -0.1", (10, 70), &["from 0 to 1"]),
+    ("index = 1.48", "index = 0.9", (10, 84), &["0.9 + 0i", "n from 1 to 10"]),
+    ("index = 1.6", "index = 0.5", (9, 30), &["0.5 + 0i", "n from 1 to 10"]),
+    ("alpha = 0.3", "alpha = 0.009", (6, 29), &["from .01 to 1 (roughness)"]),
+    ("alpha = 0.3", "alpha = 1.1", (6, 29), &["from .01 to 1 (roughness)"]),
+    ("thickness_mm = 0.7", "thickness_mm = 0", (5, 68), &["above 0, at most 1000 (mm)"]),
+    ("thickness_mm = 0.7", "thickness_mm = 1001", (5, 68), &["above 0, at most 1000 (mm)"]),
+    ("internal_transmittance = 0.9", "internal_transmittance = 90", (9, 60), &["not percent"]),
+    ("reflectance = 0.005", "reflectance = 0.995", (3, 3), &["sum to 1.005"]),
+    ("thickness_nm = 90", "thickness_nm = -90", (4, 67), &["from 0 to 1e6 (nm)"]),
+    // Keys and kinds.
+    (
+        "kind = \"rough\", ",
+        "",
+        (6, 3),
+        &["the key `kind` is missing", "\"medium\" or \"slab\" or \"diffuser\""],
+    ),
+    ("\"rough\"", "\"ruogh\"", (6, 12), &["did you mean `rough`?"]),
+    ("alpha = 0.3", "", (6, 3), &["the key `alpha` is missing"]),
+    (
+        "alpha = 0.3",
+        "alpha = 0.3, index = 1.5",
+        (6, 42),
+        &["`index` means nothing with kind = \"rough\"", "kind = \"medium\" and kind = \"slab\""],
+    ),
+    (
+        "index = \"air\"",
+        "index = \"air\", alpha = 0.1",
+        (7, 45),
+        &["`alpha` means nothing with kind = \"medium\"", "a key of kind = \"rough\""],
+    ),
+    ("index = \"air\"", "inedx = \"air\"", (7, 22), &["no key `inedx`", "did you mean `index`?"]),
+    (
+        "{ kind = \"coated\" }",
+        "{ kind = \"coated\", index = 1.3 }",
+        (11, 30),
+        &["`index` means nothing with kind = \"coated\""],
+    ),
+    ("{ kind = \"coated\" }", "\"coated\"", (11, 3), &["a string", "kind = \"coated\""]),
+    ("optical_thickness = 2, ", "", (10, 3), &["the key `optical_thickness` is missing"]),
+    ("anisotropy = 0.8, ", "", (10, 3), &["the key `anisotropy` is missing"]),
+    ("width = 0.06, ", "", (8, 3), &["none of `haze` and `width`"]),
+    (
+        "width = 0.06, ",
+        "optical_thickness = 1, ",
+        (8, 69),
+        &["`optical_thickness` means nothing with kind = \"diffuser\"", "a key of kind = \"slab\""],
+    ),
+    ("\"k-correlation\"", "\"slab\"", (8, 32), &["a slab is a layer of its own: kind = \"slab\""]),
+    (
+        "model = \"lambertian\", ",
+        "model = \"lambertian\", haze = 0.5, ",
+        (12, 53),
+        &["`haze` means nothing with model = \"lambertian\""],
+    ),
+    ("film = [{ material = \"SiO2\", thickness_nm = 90 }]", "film = []", (4, 30), &["this list is empty"]),
+    ("thickness_nm = 90", "thickness_nm = \"gap\"", (4, 67), &["a string", "expected a number from 0"]),
+    // What does not fit together.
+    (
+        "internal_transmittance = 0.9",
+        "internal_transmittance = 0.9, thickness_mm = 1",
+        (9, 80),
+        &["`thickness_mm` means nothing with `internal_transmittance`"],
+    ),
+    (
+        "index = 1.6, internal_transmittance = 0.9",
+        "index = { n = 1.6, k = 1e-5 }",
+        (9, 30),
+        &["k below 1e-6", "give `thickness_mm`"],
+    ),
+    ("k = 1e-7", "k = 2e-3", (5, 30), &["k below 1e-3"]),
+    ("index = 1.6, internal_transmittance = 0.9", "index = \"Al\"", (9, 30), &["k below 1e-6"]),
+    (
+        "index = 1.48",
+        "index = \"BK7\"",
+        (10, 84),
+        &["this index is 1.511183 to 1.533745", "one real index", "at 550 nm, as a number"],
+    ),
+    (
+        "index = 1.48",
+        "index = { n = 1.48, k = 1e-5 }",
+        (10, 84),
+        &["k up to 0.00001", "one real index", "1 - `albedo`"],
+    ),
+    ("index = \"air\"", "index = { n = 1.5 }", (6, 3), &["have the same index", "another index"]),
+    (
+        "index = \"air\"",
+        "index = \"BK7\"",
+        (6, 3),
+        &["has an index of 1.51", "the same index at all wavelengths"],
+    ),
+    (
+        "{ kind = \"coating\", film = [{ material = \"SiO2\", thickness_nm = 90 }] },\n",
+        "",
+        (3, 3),
+        &["media of different index", "{ kind = \"fresnel\" }"],
+    ),
+    (
+        "[display.pixel]",
+        "[[display.front]]\n[display.pixel]",
+        (17, 1),
+        &["`front` stands beside `layers`", "kind = \"sheet\""],
+    ),
+    (
+        "[display.pixel]",
+        "[display.glass]\n[display.pixel]",
+        (17, 1),
+        &["`glass` stands beside `layers`", "kind = \"medium\""],
+    ),
+    (
+        "[display.pixel]",
+        "[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 1\n[display.pixel]",
+        (17, 1),
+        &["`diffuser` stands beside `layers`", "kind = \"diffuser\""],
+    ),
+    (
+        "[display.pixel]",
+        "[solver]\nangle_medium = \"glass\"\n[display.pixel]",
+        (18, 16),
+        &["angle_medium = \"glass\" is for the ordinary panel alone", "angle_medium = \"air\""],
+    ),
+    (
+        "[display.pixel]",
+        "[solver]\nangle_medium = \"unrefracted\"\n[display.pixel]",
+        (18, 16),
+        &["\"unrefracted\" is for the ordinary panel"],
+    ),
+    (
+        "[display.pixel]",
+        "[solver]\napproximation = \"single-pass\"\n[display.pixel]",
+        (18, 17),
+        &["\"single-pass\" is for the ordinary panel", "approximation = \"none\""],
+    ),
+];
+
+#[test]
+fn every_mistake_is_shown_where_it_is() {
+    let mut wrong = Vec::new();
+    for (from, to, place, says) in WRONG {
+        let text = changed_in(LAYERED, &[(from, to)]);
+        let Err(errors) = resolve(&text, Path::new(""), &[]) else {
+            wrong.push(format!("{to}: no error"));
+            continue;
+        };
+        let shown = errors.to_string();
+        let at = errors.iter().next().and_then(|error| error.place.line_column());
+        if errors.iter().count() != 1 || at != Some(*place) || !says.iter().all(|words| shown.contains(words))
+        {
+            wrong.push(format!("{to}: expected at {place:?}, {says:?}\n{shown}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn lists_that_are_no_stack() {
+    let problem = |layers: &str| {
+        let errors = resolve(&pixel_under(layers), Path::new(""), &[]).unwrap_err();
+        errors.iter().next().unwrap().problem.clone()
+    };
+    assert_eq!(problem(""), Problem::EmptyList);
+    let many = "{ kind = \"coated\" }, ".repeat(65);
+    assert!(matches!(problem(&many), Problem::TooMany { what: "layers", limit: 64, .. }));
+    assert!(resolve(&pixel_under(&many[..64 * 21]), Path::new(""), &[]).is_ok());
+    // A rough face right above the pixel stands in one medium.
+    assert_eq!(problem("{ kind = \"medium\" }, { kind = \"rough\", alpha = 0.1 }"), Problem::NoFace);
+    assert_eq!(problem("{ kind = \"rough\", alpha = 0.1 }"), Problem::NoFace);
+    let films = "{ material = 1.4, thickness_nm = 1 }, ".repeat(250);
+    let coatings = format!("{{ kind = \"coating\", film = [{films}] }}, ").repeat(10);
+    assert!(matches!(problem(&coatings), Problem::TooMany { what: "coating films x wavelengths", .. }));
+}
+
+/// The file was right before the `--set`: that is where the error is.
+#[test]
+fn what_a_set_spoils_is_shown_at_the_set() {
+    let unrefracted = format!("{GOOD}[solver]\nangle_medium = \"unrefracted\"\n");
+    let cases = [
+        (LAYERED, "display.layers.3.kind=medium", "`alpha` means nothing"),
+        (LAYERED, "display.layers.4.index=1.5", "the same index"),
+        (LAYERED, "display.layers.13.index=1.5", "has the indices 0 to 11"),
+        (LAYERED, "display.layers.12={ kind = \"rough\", alpha = 0.1 }", "the same index"),
+        (LAYERED, "display.glass.index=1.5", "stands beside `layers`"),
+        (GOOD, "display.layers=[{ kind = \"medium\" }]", "`front` stands beside `layers`"),
+        (GOOD, "display.diffuser.model=slab", "`haze` means nothing with model = \"slab\""),
+        (&unrefracted, "display.glass.internal_transmittance=0.5", "for the ordinary panel alone"),
+    ];
+    for (text, set, says) in cases {
+        let errors = resolve(text, Path::new(""), &[set]).unwrap_err();
+        assert!(errors.to_string().contains(says), "{set}: {errors}");
+        let elsewhere = errors.iter().find(|error| error.place.name != "--set #1");
+        assert!(elsewhere.is_none(), "{set}: {elsewhere:#?}");
+    }
+}
+
+/// The canonical form of every kind of layer is a scenario, with the same hash.
+#[test]
+fn the_canonical_form_reads_back() {
+    let slab = changed(&[(
+        "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9",
+        "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.9",
+    )]);
+    for text in [LAYERED, &slab] {
+        let first = resolved(text, &[]);
+        let mut canonical = first.canonical.clone();
+        canonical.as_object_mut().unwrap().remove("inputs");
+        let again = resolved(&toml::to_string(&canonical).unwrap(), &[]);
+        assert_eq!(again.hash, first.hash);
+        assert_ne!(resolved(text, &["viewer.theta_deg=5"]).hash, first.hash);
+    }
+    let kinds = &resolved(LAYERED, &[]).canonical["display"]["layers"];
+    assert_eq!((&kinds[5]["kind"], &kinds[5]["model"]), (&"diffuser".into(), &"k-correlation".into()));
+}
+
+#[test]
+fn a_pixel_table_under_layers_must_reach_as_far_as_the_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "white,0,380,0.5\nwhite,0,780,0.5\nwhite,42,380,0.5\nwhite,42,780,0.5\n";
+    std::fs::write(
+        folder.path().join("42.csv"),
+        format!("state,theta_deg,wavelength_nm,reflectance\n{rows}"),
+    )
+    .unwrap();
+    let pixel = "[display.pixel]\nmodel = \"table\"\nfile = \"42.csv\"\nangles = \"glass\"\n";
+    let refused =
+        |layers: &str| resolve(&format!("display.layers = [{layers}]\n{pixel}"), folder.path(), &[]).is_err();
+    let glass = "{ kind = \"medium\", index = 1.5 }";
+    assert!(!refused(glass));
+    assert!(!refused(&format!(
+        "{{ kind = \"diffuser\", model = \"lambertian\", transmittance = 1 }}, {glass}"
+    )));
+    for wide in [
+        "{ kind = \"rough\", alpha = 0.1 }",
+        "{ kind = \"slab\", optical_thickness = 1, anisotropy = 0 }",
+        "{ kind = \"diffuser\", model = \"k-correlation\", width = 0.01, transmittance = 1 }",
+    ] {
+        assert!(refused(&format!("{wide}, {glass}")), "{wide}");
+    }
+}
