@@ -123,11 +123,36 @@ fn invert(
             to = x
         }
         let step = miss / slope(x);
-        let newton = x - step;
-        x = if newton > from && newton < to { newton } else { 0.5 * (from + to) };
         if step.abs() < 1e-14 {
             break;
         }
+        let newton = x - step;
+        x = if newton > from && newton < to { newton } else { 0.5 * (from + to) };
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the midpoint rule over what lies before each direction that is drawn.
+    #[test]
+    fn drawn_directions_invert_the_cumulative_deficit() {
+        let facets = Microfacets { alpha: 0.1, above: 1.0, below: 1.5 };
+        let deficits = Deficits::new(&facets);
+        let steps = 4000;
+        let share = |side, to: f64| {
+            let cosine = |step: i32| to * (f64::from(step) + 0.5) / f64::from(steps);
+            let sum: f64 = (0..steps).map(|step| cosine(step) * deficits.at(side, cosine(step))).sum();
+            area(facets.index(side)) * sum * to / f64::from(steps) / deficits.total
+        };
+        for step in 0..400 {
+            let u = (f64::from(step) + 0.5) / 400.0;
+            let (side, beta) = deficits.sample(&facets, [u, 0.3]);
+            let cosine = (1.0 - beta.squared() / facets.index(side).powi(2)).sqrt();
+            let before = if side == Side::Above { 0.0 } else { share(Side::Above, 1.0) };
+            assert!((before + share(side, cosine) - u).abs() < 1e-6, "{u}: {side:?} {cosine}");
+        }
+    }
 }
