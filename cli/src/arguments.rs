@@ -22,6 +22,10 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n\n\
                       A pixel table for a panel with a diffuser needs angles in glass: light reaches it at all of them.")]
     Pixel(Pixel),
+    /// Write the finished display's own spectral BSDF, of each state, for other tools
+    #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
+                      The file, display-bsdf.npz, is described in docs/brdf.md; NumPy reads it.")]
+    Brdf(Brdf),
     /// Print the JSON Schema of a scenario
     Schema {
         /// That of result.json instead
@@ -37,13 +41,32 @@ pub(crate) struct Run {
     /// Print the result as JSON on standard output, and write files only where --out says so
     #[arg(long)]
     pub(crate) json: bool,
-    /// Which solver
+    /// Which solver, as solver.method
     #[arg(long, value_enum)]
     pub(crate) solver: Option<Solver>,
+    /// Also map what is seen from all directions: cone.csv, cone.npy, cone.json, cone.svg, cone.png
+    #[arg(long)]
+    pub(crate) cone: bool,
+    /// Write each figure as PNG, too
+    #[arg(long)]
+    pub(crate) png: bool,
     /// Seed of the walk, as solver.seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
+    /// Worker threads [default: one for each processor]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Brdf {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Step of all directions, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = step)]
+    pub(crate) step: f64,
     /// Worker threads [default: one for each processor]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -103,9 +126,8 @@ impl ScenarioArguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Solver {
+    /// Deterministic, without noise
+    Adding,
     /// Unbiased Monte Carlo
     Walk,
-    /// Deterministic; not in this version
-    #[value(hide = true)]
-    Adding,
 }

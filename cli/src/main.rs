@@ -4,6 +4,7 @@
 //! what is done is saved. Results go to standard output, all else to standard error.
 
 mod arguments;
+mod brdf;
 mod interrupt;
 mod output;
 mod pixel;
@@ -29,6 +30,9 @@ enum Failure {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] papilio_formats::FormatError),
+    /// A figure could not be made a picture.
+    #[error("error: {0}")]
+    Png(#[from] papilio_figures::PngError),
     /// The scene could not be computed.
     #[error("error: {0}")]
     Display(#[from] papilio_display::DisplayError),
@@ -44,7 +48,7 @@ impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(_) | Self::Input(_) | Self::Display(_) => 2,
-            Self::Write(_) | Self::Io(_) => 1,
+            Self::Write(_) | Self::Png(_) | Self::Io(_) => 1,
             Self::Interrupted(_) => 130,
         }
     }
@@ -53,6 +57,7 @@ impl Failure {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Schema { result } => output::schema(result),
     };

@@ -3,9 +3,12 @@
 use std::io::Write;
 use std::path::Path;
 
+use papilio_display::ConeResult;
 use papilio_display::result::{RunResult, View};
 use papilio_figures::AngleMetric;
-use papilio_formats::{ResultFile, write_file, write_json, write_spectra, write_states};
+use papilio_formats::{
+    ConeFile, ResultFile, write_cone_csv, write_cone_npy, write_file, write_json, write_spectra, write_states,
+};
 
 use crate::Failure;
 
@@ -39,62 +42,100 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
         .map_err(|_| why("cannot be written"))
 }
 
+/// Makes the folder for results.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    let why = |error| Failure::Input(format!("cannot make the folder {}: {error}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(why)
+}
+
 /// Makes the folder for results, and takes the figures of an earlier run out of it: beside
 /// new ones they would be mistaken for them.
-pub(crate) fn make(folder: &Path) -> Result<(), Failure> {
-    let why = |error| Failure::Input(format!("cannot make the folder {}: {error}", folder.display()));
-    std::fs::create_dir_all(folder).map_err(why)?;
+fn make(folder: &Path) -> Result<(), Failure> {
+    make_folder(folder)?;
+    let why = |error| Failure::Input(format!("cannot tidy the folder {}: {error}", folder.display()));
     for entry in std::fs::read_dir(folder).map_err(why)?.flatten() {
-        if entry.file_name().to_str().is_some_and(is_figure) {
+        if entry.file_name().to_str().is_some_and(is_figure_or_cone) {
             std::fs::remove_file(entry.path()).map_err(why)?;
         }
     }
     Ok(())
 }
 
-/// The names that [`figures`] gives.
-fn is_figure(name: &str) -> bool {
+/// The names that [`figures`] gives, and those of a cone.
+fn is_figure_or_cone(name: &str) -> bool {
     let of_view = ["overview", "spectra", "chromaticity", "patches"];
-    name.strip_suffix(".svg").is_some_and(|stem| {
+    let figure = |stem: &str| {
         stem.ends_with("_against_angle")
             || of_view.iter().any(|kind| {
                 stem.strip_prefix(kind).is_some_and(|at| at.is_empty() || at.starts_with("_theta"))
             })
-    })
+    };
+    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
+    stem.is_some_and(figure) || CONE.contains(&name)
+}
+
+const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
+
+/// Pixels of a PNG for each px of its SVG.
+const PNG_SCALE: f32 = 2.0;
+
+/// What `papilio run` writes.
+pub(crate) struct Files<'a> {
+    /// Above the figures.
+    pub(crate) title: &'a str,
+    /// The result.
+    pub(crate) result: &'a ResultFile<'a>,
+    /// All directions, if wanted.
+    pub(crate) cone: Option<&'a ConeResult>,
+    /// Whether figures are wanted as PNG, too.
+    pub(crate) png: bool,
 }
 
 /// Writes everything that `papilio run` writes, and returns the names.
-pub(crate) fn write_run(folder: &Path, title: &str, file: &ResultFile<'_>) -> Result<Vec<String>, Failure> {
+pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>, Failure> {
     make(folder)?;
     let mut names = Vec::new();
     let mut write = |name: &str, with: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
         names.push(name.to_owned());
         write_file(&folder.join(name), with)
     };
+    let &Files { title, result: file, cone, png } = files;
     write("result.json", &|out| write_json(out, file))?;
     write("states.csv", &|out| write_states(out, file.result))?;
     write("spectra.csv", &|out| write_spectra(out, file.result))?;
-    for (name, svg) in figures(file.result, title) {
-        write(&name, &|out| out.write_all(svg.as_bytes()))?;
+    if let Some(cone) = cone {
+        let about = ConeFile::new(file.papilio, file.hash, cone);
+        write("cone.csv", &|out| write_cone_csv(out, cone))?;
+        write("cone.npy", &|out| write_cone_npy(out, cone))?;
+        write("cone.json", &|out| write_json(out, &about))?;
+    }
+    let of_cone =
+        cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
+    for (name, svg) in figures(file.result, title).into_iter().chain(of_cone) {
+        write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
+        if png || name == "cone" {
+            let picture = papilio_figures::png(&svg, PNG_SCALE)?;
+            write(&format!("{name}.png"), &|out| out.write_all(&picture))?;
+        }
     }
     Ok(names)
 }
 
-/// File names and SVG texts.
+/// Names of files, without their ends, and SVG texts.
 fn figures(result: &RunResult, title: &str) -> Vec<(String, String)> {
     let mut figures = Vec::new();
     let shown =
         if result.views.len() > VIEWS_WITH_FIGURES { nearest_to_normal(result) } else { &result.views };
     for view in shown {
         let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
-        figures.push((format!("overview{at}.svg"), papilio_figures::overview(result, view, title)));
-        figures.push((format!("spectra{at}.svg"), papilio_figures::spectra(result, view, title)));
-        figures.push((format!("chromaticity{at}.svg"), papilio_figures::chromaticity(result, view, title)));
-        figures.push((format!("patches{at}.svg"), papilio_figures::patches(result, view, title)));
+        figures.push((format!("overview{at}"), papilio_figures::overview(result, view, title)));
+        figures.push((format!("spectra{at}"), papilio_figures::spectra(result, view, title)));
+        figures.push((format!("chromaticity{at}"), papilio_figures::chromaticity(result, view, title)));
+        figures.push((format!("patches{at}"), papilio_figures::patches(result, view, title)));
     }
     if several_angles(result) {
         for metric in AngleMetric::ALL {
-            let name = format!("{}_against_angle.svg", metric.name());
+            let name = format!("{}_against_angle", metric.name());
             figures.extend(papilio_figures::against_angle(result, metric, title).map(|svg| (name, svg)));
         }
     }
@@ -120,7 +161,7 @@ fn suffix(view: &View) -> String {
 /// Says on standard error what was written; figures beyond the first few only by number.
 pub(crate) fn announce(folder: &Path, names: &[String]) {
     let (figures, tables): (Vec<&str>, Vec<&str>) =
-        names.iter().map(String::as_str).partition(|name| name.ends_with(".svg"));
+        names.iter().map(String::as_str).partition(|name| name.ends_with(".svg") || name.ends_with(".png"));
     let mut shown = tables.join(", ");
     match figures.as_slice() {
         [] => {}

@@ -56,7 +56,7 @@ fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
 }
 
 fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<(), Failure> {
-    output::make(folder)?;
+    output::make_folder(folder)?;
     let names: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
     let reflectance: Vec<f64> = scan.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
     let figure = Figure {

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use papilio_display::result::{RunResult, State, StateValues, View};
+use papilio_display::{BrdfTable, ConeResult};
 
 /// States that a line of a view shows, where they are not the ordinary ones.
 const STATES_IN_A_LINE: usize = 6;
@@ -30,14 +31,68 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
         text.push_str(&line_by_line(result));
     }
     let solver = &result.solver;
-    let _ = write!(
-        text,
-        "\n{}: {} paths, relative error {:.2} %, {seconds:.2} s. 0.123(4) means 0.123 with a standard error of 0.004.\n",
-        solver.method,
-        solver.paths.unwrap_or_default(),
-        100.0 * solver.relative_error_reached
-    );
+    let reached = percent(solver.relative_error_reached);
+    let how = match (solver.paths, solver.nodes) {
+        (Some(paths), _) => format!("{paths} paths, relative error {reached}"),
+        (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
+    };
+    let _ = write!(text, "\n{}: {how}, {seconds:.2} s", solver.method);
+    if solver.paths.is_some() {
+        text.push_str(". 0.123(4) means 0.123 with a standard error of 0.004.");
+    }
+    text.push('\n');
     text
+}
+
+/// What `papilio run --cone` prints besides.
+pub(crate) fn cone(cone: &ConeResult, seconds: f64) -> String {
+    let (thetas, phis) = (cone.theta_deg.len(), cone.phi_deg.len());
+    let error = percent(cone.discretisation_error);
+    format!("cone: {thetas} x {phis} directions, discretisation error {error}, {seconds:.2} s\n")
+}
+
+/// Inclinations of the light and the wavelength that the table of a BSDF shows.
+const SHOWN_LIGHTS_DEG: [f64; 4] = [0.0, 30.0, 45.0, 60.0];
+const SHOWN_NM: f64 = 550.0;
+
+/// What `papilio brdf` prints.
+pub(crate) fn brdf(title: &str, table: &BrdfTable) -> String {
+    let bins = table.wavelength_nm.len();
+    let off = |nm: &f64| (nm - SHOWN_NM).abs();
+    let nearest =
+        (0..bins).min_by(|a, b| off(&table.wavelength_nm[*a]).total_cmp(&off(&table.wavelength_nm[*b])));
+    let Some(bin) = nearest else { return format!("{}\n", plain(title)) };
+    let lights = &table.grid.theta_i_deg;
+    let shown: Vec<usize> = SHOWN_LIGHTS_DEG
+        .iter()
+        .filter_map(|deg| lights.iter().position(|theta| (theta - deg).abs() < 1e-9))
+        .collect();
+    let mut rows = vec![vec!["state".to_owned()]];
+    rows[0].extend(shown.iter().map(|i| format!("{} deg", lights[*i])));
+    for state in &table.states {
+        let cells = shown.iter().map(|i| {
+            let at =
+                |values: &[f64]| values.get(i * bins + bin).map_or("-".to_owned(), |v| format!("{v:.4}"));
+            format!("{} / {}", at(&state.directional_hemispherical), at(&state.specular))
+        });
+        rows.push(std::iter::once(state.name.clone()).chain(cells).collect());
+    }
+    let error = percent(table.discretisation_error);
+    format!(
+        "{}\n\nshare of a beam that leaves / of it mirrored, at {} nm, by the light's angle\n{}\nadding: {} nodes, \
+         discretisation error {error}\n",
+        plain(title),
+        table.wavelength_nm[bin],
+        self::table(&rows),
+        table.nodes,
+    )
+}
+
+/// A share in %, two decimals or as many as show its first digit.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let decimals = if percent > 0.0 { (-percent.log10().floor()).clamp(2.0, 12.0) as usize } else { 2 };
+    format!("{percent:.decimals$} %")
 }
 
 /// A peak wavelength, nm, and the largest reflectance.
@@ -232,7 +287,15 @@ fn unsigned_zero(number: String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::measured;
+    use super::{measured, percent};
+
+    #[test]
+    fn small_errors_show_their_first_digit() {
+        assert_eq!(percent(0.1234), "12.34 %");
+        assert_eq!(percent(3.2e-5), "0.003 %");
+        assert_eq!(percent(0.96e-5), "0.0010 %");
+        assert_eq!((percent(0.0).as_str(), percent(1e-30).as_str()), ("0.00 %", "0.000000000000 %"));
+    }
 
     #[test]
     fn errors_stand_in_units_of_the_last_digit() {

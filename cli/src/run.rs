@@ -1,12 +1,13 @@
 //! `papilio run`.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
-use papilio_display::{Control, DisplayError, Progress};
+use papilio_display::scene::{AngleMedium, Scene};
+use papilio_display::{ConeGrid, ConeResult, Control, DisplayError, Progress};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
@@ -14,21 +15,18 @@ use crate::arguments::{Run, Solver};
 use crate::{Failure, interrupt, output, report, say};
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
-    if let Some(Solver::Adding) = arguments.solver {
-        let message =
-            "the solver `adding` is not in this version\n  = help: leave --solver out, or use --solver walk";
-        return Err(Failure::Input(message.to_owned()));
-    }
     let resolved = resolve(arguments)?;
-    let out = match (&arguments.scenario.out, arguments.json) {
-        (Some(folder), _) => Some(folder.clone()),
-        (None, true) => None,
-        (None, false) => Some(arguments.scenario.default_out()),
-    };
-    out.as_deref().map_or(Ok(()), output::check)?;
+    let out = folder(arguments)?;
     let started = Instant::now();
     let mut result = compute(&resolved, arguments.threads)?;
     let seconds = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let cone = if arguments.cone && !result.solver.interrupted {
+        survey(&resolved.scene, arguments.threads)?
+    } else {
+        None
+    };
+    let cone_seconds = started.elapsed().as_secs_f64();
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     let file = ResultFile {
         papilio: env!("CARGO_PKG_VERSION"),
@@ -39,21 +37,42 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         result: &result,
     };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &title, &file)));
+    let files = output::Files { title: &title, result: &file, cone: cone.as_ref(), png: arguments.png };
+    let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &files)));
     // What was computed is shown even if it cannot be written.
     let mut stdout = anstream::stdout().lock();
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
-        let in_glass = resolved.scene.solver.angle_medium == papilio_display::scene::AngleMedium::Glass;
+        let in_glass = resolved.scene.solver.angle_medium == AngleMedium::Glass;
+        let cone = cone.as_ref().map(|cone| report::cone(cone, cone_seconds)).unwrap_or_default();
         stdout.write_all(report::run(&title, in_glass, &result, seconds).as_bytes())?;
+        stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;
     tell(out.as_deref(), written.transpose()?, &resolved.notes, &result);
-    if result.solver.interrupted {
-        return Err(Failure::Interrupted("the result is that of the paths traced so far"));
+    let of_cone = cone.iter().flat_map(|cone| &cone.warnings).filter(|w| !result.warnings.contains(w));
+    of_cone.for_each(|warning| say(&format!("warning: cone: {warning}")));
+    match (result.solver.interrupted, arguments.cone && cone.is_none()) {
+        (true, _) => Err(Failure::Interrupted("the result is that of the work done so far")),
+        (false, true) => Err(Failure::Interrupted("the cone is not there, all else is")),
+        (false, false) => Ok(()),
     }
-    Ok(())
+}
+
+/// Where files go, if they do.
+fn folder(arguments: &Run) -> Result<Option<PathBuf>, Failure> {
+    let out = match (&arguments.scenario.out, arguments.json) {
+        (Some(folder), _) => Some(folder.clone()),
+        (None, true) => None,
+        (None, false) => Some(arguments.scenario.default_out()),
+    };
+    if out.is_none() && (arguments.cone || arguments.png) {
+        let message = "--json writes no files by itself, and --cone and --png are about files\n  = help: name a folder with --out DIR";
+        return Err(Failure::Input(message.to_owned()));
+    }
+    out.as_deref().map_or(Ok(()), output::check)?;
+    Ok(out)
 }
 
 /// What belongs on standard error.
@@ -67,22 +86,42 @@ fn tell(folder: Option<&Path>, written: Option<Vec<String>>, notes: &[String], r
 
 fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     let mut overrides = arguments.scenario.set.clone();
+    overrides.extend(arguments.solver.map(|solver| {
+        let method = match solver {
+            Solver::Adding => "adding",
+            Solver::Walk => "walk",
+        };
+        format!("solver.method={method}")
+    }));
     overrides.extend(arguments.seed.map(|seed| format!("solver.seed={seed}")));
     Ok(Scenario::load(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
 fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
+    let result = with_progress(threads, |control| papilio_display::run(&resolved.scene, control))?;
+    result.ok_or(Failure::Interrupted("nothing was computed yet, nothing is written"))
+}
+
+/// All directions; `None` if interrupted.
+fn survey(scene: &Scene, threads: Option<u16>) -> Result<Option<ConeResult>, Failure> {
+    let grid = ConeGrid::within(scene)?;
+    with_progress(threads, |control| papilio_display::cone(scene, grid, control))
+}
+
+/// Computes something under a progress bar; `None` if it was interrupted before there was a result.
+pub(crate) fn with_progress<T>(
+    threads: Option<u16>,
+    compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError>,
+) -> Result<Option<T>, Failure> {
     interrupt::heed();
     let bar = progress_bar();
     let show = |progress: Progress| show(&bar, progress);
     let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
-    let result = papilio_display::run(&resolved.scene, &control);
+    let result = compute(&control);
     bar.finish_and_clear();
     match result {
-        Err(DisplayError::Interrupted) => {
-            Err(Failure::Interrupted("nothing was computed yet, nothing is written"))
-        }
-        other => Ok(other?),
+        Err(DisplayError::Interrupted) => Ok(None),
+        other => Ok(other.map(Some)?),
     }
 }
 

@@ -61,3 +61,82 @@ pub struct BrdfState {
     /// Share of a beam that leaves at all (scattered and mirrored), [theta_i][wavelength].
     pub directional_hemispherical: Vec<f64>,
 }
+
+impl BrdfTable {
+    /// How far a sum over the table's directions is from the light that leaves: the largest
+    /// difference over states and inclinations of the light, of the most that leaves in that
+    /// state; spectra are averaged. It tells whether the directions are close enough together
+    /// for what the display does between them.
+    pub fn missed(&self) -> f64 {
+        let bins = self.wavelength_nm.len().max(1) as f64;
+        let weights = self.weights();
+        let states = self.states.iter().map(|state| {
+            let of_light = |values: &[f64], i: usize| -> f64 {
+                let row = values.chunks(self.wavelength_nm.len().max(1)).nth(i);
+                row.map_or(0.0, |row| row.iter().sum::<f64>() / bins)
+            };
+            let scattered = state.brdf.chunks(weights.len().max(1) * self.wavelength_nm.len().max(1));
+            let rows = scattered.enumerate().map(|(i, row)| {
+                let cells = row.chunks(self.wavelength_nm.len().max(1)).zip(&weights);
+                let sum: f64 =
+                    cells.map(|(cell, w)| w * cell.iter().map(|f| f64::from(*f)).sum::<f64>() / bins).sum();
+                let leaves = of_light(&state.directional_hemispherical, i);
+                ((sum + of_light(&state.specular, i) - leaves).abs(), leaves)
+            });
+            let (missed, most) = rows.fold((0.0, 0.0), |(a, b): (f64, f64), (x, y)| (a.max(x), b.max(y)));
+            if most > 0.0 { missed / most } else { 0.0 }
+        });
+        states.fold(0.0, f64::max)
+    }
+
+    /// Projected solid angle of each direction of the viewer, both sides, [theta_o][dphi].
+    fn weights(&self) -> Vec<f64> {
+        let theta: Vec<f64> = self.grid.theta_o_deg.iter().map(|theta| theta.to_radians()).collect();
+        let phi: Vec<f64> = self.grid.dphi_deg.iter().map(|phi| phi.to_radians()).collect();
+        let rings = trapezoids(&theta, std::f64::consts::FRAC_PI_2);
+        let arcs = trapezoids(&phi, std::f64::consts::PI);
+        let ring = |(theta, width): (&f64, &f64)| theta.sin() * theta.cos() * width;
+        let rings = theta.iter().zip(&rings).map(ring);
+        rings.flat_map(|ring| arcs.iter().map(move |arc| 2.0 * ring * arc)).collect()
+    }
+}
+
+/// Weights of the trapezoidal rule at these places and at `end`, where the integrand is taken as zero
+/// if no place is there.
+fn trapezoids(places: &[f64], end: f64) -> Vec<f64> {
+    let step = |from: usize, to: usize| match (places.get(from), places.get(to)) {
+        (Some(from), Some(to)) => 0.5 * (to - from),
+        (Some(from), None) => 0.5 * (end - from).max(0.0),
+        _ => 0.0,
+    };
+    (0..places.len()).map(|k| step(k, k + 1) + if k > 0 { step(k - 1, k) } else { 0.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White paint: f = rho/pi everywhere, and rho leaves.
+    fn paint(step_deg: f64, specular: f64) -> BrdfTable {
+        let grid = BrdfGrid::even(step_deg);
+        let lights = grid.theta_i_deg.len();
+        let state = BrdfState {
+            name: "white".to_owned(),
+            brdf: vec![(0.8 / std::f64::consts::PI) as f32; grid.pairs() * 2],
+            specular: vec![specular; lights * 2],
+            directional_hemispherical: vec![0.8 + specular; lights * 2],
+        };
+        let wavelength_nm = vec![500.0, 600.0];
+        BrdfTable { grid, wavelength_nm, states: vec![state], nodes: 0, discretisation_error: 0.0 }
+    }
+
+    #[test]
+    fn a_sum_over_directions_finds_all_light_of_white_paint() {
+        // The trapezoidal rule's own error for sin cos: h^2/3 with h in radians.
+        assert!(paint(5.0, 0.1).missed() < 3e-3);
+        assert!(paint(1.0, 0.0).missed() < 1.1e-4);
+        let mut table = paint(1.0, 0.0);
+        table.states[0].directional_hemispherical.fill(0.9);
+        assert!((table.missed() - 1.0 / 9.0).abs() < 1e-3);
+    }
+}

@@ -1,5 +1,9 @@
 //! The viewing cone: what is seen from every direction, kept as numbers of the eye (no spectra).
 
+use crate::DisplayError;
+use crate::scene::Scene;
+use crate::setup::angle_index;
+
 /// The directions of a cone: the product of all `theta_deg` and `phi_deg`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConeGrid {
@@ -16,6 +20,20 @@ impl Default for ConeGrid {
             theta_deg: (0..90).map(f64::from).collect(),
             phi_deg: (0..72).map(|k| 5.0 * f64::from(k)).collect(),
         }
+    }
+}
+
+impl ConeGrid {
+    /// The default directions, those from which all of a scene's field of view lies above the
+    /// horizon in air (in the medium of the scene's angles).
+    ///
+    /// # Errors
+    /// If the scene's angles are in a glass whose index depends on wavelength.
+    pub fn within(scene: &Scene) -> Result<Self, DisplayError> {
+        let horizon_deg = (1.0 / angle_index(scene)?).asin().to_degrees();
+        let mut grid = Self::default();
+        grid.theta_deg.retain(|theta| theta + 0.5 * scene.viewer.field_deg < horizon_deg - 1e-9);
+        Ok(grid)
     }
 }
 

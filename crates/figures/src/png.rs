@@ -14,13 +14,13 @@ pub enum PngError {
     /// The text is not SVG.
     #[error("this is not an SVG figure: {0}")]
     NotSvg(#[from] usvg::Error),
-    /// More pixels than there is memory for.
-    #[error("a picture of {width} x {height} pixels is too large")]
-    TooLarge {
+    /// It has no pixel, or there is no memory for them.
+    #[error("a picture of {width} x {height} pixels cannot be made")]
+    NoPixels {
         /// px.
-        width: f32,
+        width: u32,
         /// px.
-        height: f32,
+        height: u32,
     },
     /// The pixels could not be packed.
     #[error("the picture cannot be encoded: {0}")]
@@ -30,17 +30,18 @@ pub enum PngError {
 /// No picture is larger than this many pixels either way.
 const LARGEST: f32 = 16_384.0;
 
-/// A figure as PNG, `scale` pixels for each px of its SVG (2 suits paper and screens alike).
+/// A figure as PNG, `scale` pixels for each px of its SVG (2 suits paper and screens alike),
+/// less where it would be larger than 16384 pixels either way.
 ///
 /// # Errors
-/// If `svg` is not SVG, or the picture would be larger than 16384 pixels either way.
+/// If `svg` is not SVG, or not even a pixel large.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
     let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(svg, &options)?;
-    let (width, height) = ((scale * tree.size().width()).ceil(), (scale * tree.size().height()).ceil());
-    let fits = |length: f32| (1.0..=LARGEST).contains(&length);
-    let pixmap = (fits(width) && fits(height)).then(|| Pixmap::new(width as u32, height as u32)).flatten();
-    let mut pixmap = pixmap.ok_or(PngError::TooLarge { width, height })?;
+    let size = tree.size();
+    let scale = scale.min(LARGEST / size.width().max(size.height()));
+    let [width, height] = [size.width(), size.height()].map(|length| (scale * length).ceil() as u32);
+    let mut pixmap = Pixmap::new(width, height).ok_or(PngError::NoPixels { width, height })?;
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
     pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
 }

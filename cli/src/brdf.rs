@@ -1,0 +1,68 @@
+//! `papilio brdf`.
+
+use std::io::Write;
+
+use papilio_display::pixel::state_names;
+use papilio_display::scene::Scene;
+use papilio_display::{BrdfGrid, BrdfTable};
+use papilio_formats::{BsdfSource, write_bsdf, write_file};
+use papilio_scenario::Scenario;
+
+use crate::arguments::Brdf;
+use crate::run::with_progress;
+use crate::{Failure, interrupt, output, report, say};
+
+/// A larger table is a mistake, and takes 400 MB.
+const MOST_NUMBERS: usize = 100_000_000;
+
+const FILE: &str = "display-bsdf.npz";
+
+pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
+    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let grid = grid(arguments.step, &resolved.scene)?;
+    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
+    output::check(&folder)?;
+    let table =
+        with_progress(arguments.threads, |control| papilio_display::brdf(&resolved.scene, grid, control))?;
+    let table = table.ok_or(Failure::Interrupted("nothing is written"))?;
+    let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = anstream::stdout().lock();
+    stdout.write_all(report::brdf(&title, &table).as_bytes())?;
+    stdout.flush()?;
+    let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title: &title, hash: &resolved.hash };
+    interrupt::whole(|| {
+        output::make_folder(&folder)?;
+        Ok::<_, Failure>(write_file(&folder.join(FILE), |out| write_bsdf(out, &source, &table))?)
+    })?;
+    output::announce(&folder, &[FILE.to_owned()]);
+    warn(&table);
+    Ok(())
+}
+
+/// Says so where the table's directions are too few for what the display does between them.
+fn warn(table: &BrdfTable) {
+    /// What a user may overlook.
+    const MISSED: f64 = 0.02;
+    let missed = table.missed();
+    if missed > MISSED {
+        say(&format!(
+            "warning: a sum over the table's directions is {:.0} % off the light that leaves: what the display does \
+             between them is finer\n  = help: take a smaller --step, or set a wider lobe",
+            100.0 * missed
+        ));
+    }
+}
+
+/// The directions, if the table is of a size that can be held.
+fn grid(step: f64, scene: &Scene) -> Result<BrdfGrid, Failure> {
+    let steps = (90.0 / step).round() as usize;
+    let others = state_names(&scene.display.pixel).len() * scene.grid.len();
+    let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(others);
+    if numbers > MOST_NUMBERS {
+        return Err(Failure::Input(format!(
+            "the table would have {numbers} numbers (states x theta_i x theta_o x dphi x wavelengths)\n  = help: take a \
+             larger --step, a larger spectrum.step_nm or fewer states, at most {MOST_NUMBERS} numbers"
+        )));
+    }
+    Ok(BrdfGrid::even(step))
+}
