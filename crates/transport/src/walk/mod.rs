@@ -77,6 +77,12 @@ impl PathNumbers<'_> {
         [self.start[2], self.start[3]]
     }
 
+    /// For what scatterer number `k` does to a source's light: planned ones for the first.
+    #[inline]
+    fn of_sources(&self, k: u32) -> [f64; 4] {
+        self.numbers.block(self.path, if k == 0 { PLANNED_BLOCKS - 1 } else { u32::MAX - k })
+    }
+
     /// A number that is independent from path to path: for a decision that is the only
     /// random one, since the counts that stratified numbers give may agree in all replicates
     /// and hide the error.

@@ -1,7 +1,7 @@
 //! The sums of the paths, and what they mean: reflectance factors and the ledger.
 
 use super::light::{Light, Share};
-use super::sources::Lamp;
+use super::sources::Lamps;
 use super::Layered;
 use crate::skeleton::{Field, Going, Ray, Skeleton};
 use crate::{Estimate, Interface, Ledger, Rho, Source};
@@ -51,8 +51,7 @@ pub(super) struct Room {
     /// What the path's light does between two scattering events.
     pub(super) field: Field,
     pub(super) share: Share,
-    /// For each source that has a direction.
-    pub(super) lamps: Vec<Option<Lamp>>,
+    pub(super) lamps: Lamps,
     /// For each way to meet a scatterer: the largest share of the light that does.
     pub(super) meeting: Vec<f64>,
 }
@@ -88,8 +87,7 @@ impl Layered<'_> {
         let light = || Light::zeros(states, bins);
         let mut skeleton = Skeleton::new(self.stack);
         let field = skeleton.field();
-        let mut lamp = |source| Lamp::new(source, self.stack, &mut skeleton);
-        let lamps = self.sources.iter().map(&mut lamp).collect();
+        let lamps = Lamps::new(self, &mut skeleton);
         Tally {
             sums: Sums {
                 leaving: light(),

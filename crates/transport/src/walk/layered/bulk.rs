@@ -13,7 +13,7 @@ use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
 use super::books::{Room, Sums};
-use super::sources::Lamp;
+use super::sources::Lamps;
 use super::{Draws, Sent};
 use crate::Medium;
 use crate::skeleton::{Going, Ray};
@@ -43,6 +43,16 @@ struct Stay {
     scale: f64,
     absorbed: f64,
     dropped: f64,
+}
+
+impl Stay {
+    /// Roulette; false if the path ends.
+    fn survives(&mut self, u: f64, probability: f64) -> bool {
+        let before = self.scale;
+        self.scale = if u < probability { before / probability } else { 0.0 };
+        self.dropped += before - self.scale;
+        self.scale > 0.0
+    }
 }
 
 impl<'a> Bulk<'a> {
@@ -77,18 +87,20 @@ impl<'a> Bulk<'a> {
         let flown = if going == Going::Down { depth } else { self.optical_thickness - depth };
         self.absorb(flown / direction[2].abs(), sums, room);
         loop {
+            if self.grey {
+                stay.absorbed += stay.scale * (1.0 - self.largest_albedo);
+                stay.scale *= self.largest_albedo;
+            } else {
+                room.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
+            }
             self.gather(&stay, &mut room.lamps);
             let [survive, flight, next_angle, next_turn] = draws.next();
-            let survives = self.attenuate(&mut stay, survive, draws.most_survival());
+            let survives = stay.survives(survive, self.largest_albedo * draws.most_survival());
             if !self.grey || !survives {
                 self.settle(&mut stay, sums, room);
             }
             if !survives {
                 return None;
-            }
-            if !self.grey {
-                let Self { albedo, largest_albedo, .. } = self;
-                room.light.keep(|bin| albedo[bin] / largest_albedo, &mut sums.absorbed.diffuser);
             }
             let cos = self.phase.sample(angle);
             stay.direction = warp::deflected(stay.direction, 1.0 - cos, turn);
@@ -128,47 +140,37 @@ impl<'a> Bulk<'a> {
     }
 
     /// What this event turns of each lamp's light into the path, as it will be settled.
-    fn gather(&self, stay: &Stay, lamps: &mut [Option<Lamp>]) {
-        for lamp in lamps.iter_mut().flatten() {
+    fn gather(&self, stay: &Stay, lamps: &mut Lamps) {
+        for lamp in lamps.iter_mut() {
+            if lamp.beta.squared() >= self.index * self.index {
+                continue;
+            }
             for (way, going) in WAYS.into_iter().enumerate() {
-                let [x, y, z] = self.direction(lamp.target.beta, going);
+                let [x, y, z] = self.direction(lamp.beta, going);
                 let cos = x * stay.direction[0] + y * stay.direction[1] + z * stay.direction[2];
                 let rest = match going {
                     Going::Down => self.optical_thickness - stay.depth,
                     Going::Up => stay.depth,
                 };
-                let weight = lamp.target.weight(self.density(cos, z), 0.0, 1.0);
+                let weight = lamp.weight(self.density(cos, z), f64::INFINITY);
                 lamp.gathered[way] += stay.scale * weight * (-rest / z.abs()).exp();
             }
         }
     }
 
-    /// Loses what even the brightest wavelength loses, and plays roulette with the rest; false if the
-    /// path ends.
-    fn attenuate(&self, stay: &mut Stay, u: f64, most_survival: f64) -> bool {
-        let scattered = stay.scale * self.largest_albedo;
-        stay.absorbed += stay.scale - scattered;
-        let survival = self.largest_albedo * most_survival;
-        let survives = u < survival;
-        stay.scale = if survives { scattered / survival } else { 0.0 };
-        stay.dropped += scattered - stay.scale;
-        survives
-    }
-
     /// Brings the path's spectra and the sums up to date.
     fn settle(&self, stay: &mut Stay, sums: &mut Sums, room: &mut Room) {
         let Room { light, lamps, share, .. } = room;
-        for (lamp, sum) in lamps.iter_mut().zip(&mut sums.from_source) {
-            let Some(lamp) = lamp else { continue };
+        for lamp in lamps.iter_mut() {
             share.clear();
             for (way, going) in WAYS.into_iter().enumerate() {
                 let weight = std::mem::take(&mut lamp.gathered[way]);
-                let z = self.direction(lamp.target.beta, going)[2];
+                let z = self.direction(lamp.beta, going)[2];
                 let rest = if z > 0.0 { self.optical_thickness - stay.depth } else { stay.depth };
                 let clear = |bin| self.clear(rest / z.abs(), bin);
                 lamp.reach(Ray::from_element(self.element, going), |bin| weight * clear(bin), share);
             }
-            sum.add_share(light, share, &lamp.field.rising, 1.0);
+            lamp.add(light, share, sums);
         }
         sums.absorbed.diffuser.add(light, stay.absorbed);
         sums.unaccounted.add(light, stay.dropped);
@@ -196,6 +198,7 @@ impl<'a> Bulk<'a> {
             beta: Beta { x: self.index * x, y: self.index * y },
             ray: Ray::from_element(self.element, going),
             density: self.density(cos, z),
+            rival: f64::INFINITY,
         }
     }
 }

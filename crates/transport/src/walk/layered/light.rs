@@ -61,6 +61,34 @@ impl Light {
         }
     }
 
+    /// Loses the wavelengths that are not kept.
+    pub(super) fn keep_where(&mut self, kept: impl Fn(usize) -> bool) {
+        self.parts().filter(|(bin, _)| !kept(*bin)).for_each(|(_, value)| *value = 0.0);
+    }
+
+    /// `rows[state][wavelength]` times all of this light.
+    pub(super) fn multiply_rows(&self, rows: &mut [f64]) {
+        let bins = self.fresh.len();
+        for (row, met) in rows.chunks_exact_mut(bins).zip(self.met.chunks_exact(bins)) {
+            for bin in 0..bins {
+                row[bin] *= self.fresh[bin] + met[bin];
+            }
+        }
+    }
+
+    /// Adds two pieces of light joined by what gets from one to the other; `rising` holds all of `before`.
+    pub(super) fn add_joined(&mut self, of: &Self, before: &Self, share: &Share, rising: &[f64]) {
+        let bins = self.fresh.len();
+        for bin in 0..bins {
+            self.fresh[bin] += of.fresh[bin] * before.fresh[bin] * share.direct[bin];
+        }
+        for (k, sum) in self.met.iter_mut().enumerate() {
+            let bin = k % bins;
+            let met = before.met[k] * share.direct[bin] + rising[k] * share.risen[bin];
+            *sum += (of.fresh[bin] + of.met[k]) * met + of.met[k] * before.fresh[bin] * share.direct[bin];
+        }
+    }
+
     /// Adds what gets somewhere of other light; `rising` is that of the [`Field`].
     pub(super) fn add_share(&mut self, of: &Self, share: &Share, rising: &[f64], scale: f64) {
         let bins = self.fresh.len();

@@ -16,14 +16,15 @@ mod sources;
 
 use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
-use papilio_sampling::warp;
+use papilio_sampling::{PLANNED_BLOCKS, warp};
 
 use super::{PathNumbers, add_scaled};
-use crate::skeleton::{Going, Ray};
+use crate::skeleton::{Field, Going, Ray, Skeleton};
 use crate::{Cone, Diffuser, Interface, Medium, Reflector, Source};
 use books::{Account, Room, Sums};
 pub(super) use books::Tally;
 use bulk::Bulk;
+use light::Share;
 
 /// After its first scattering, a path never meets a further scatterer with a lower probability,
 /// if it can at all: light that lamps send to faint scatterers would make rare bright paths.
@@ -67,8 +68,12 @@ enum Kind<'a> {
 struct Sent {
     beta: Beta,
     ray: Ray,
-    /// The density over direction cosines with which it was scattered into `beta`; 0 if it never was.
+    /// The density over direction cosines with which it was scattered into `beta`; infinite if it
+    /// never was.
     density: f64,
+    /// That with which the path had chosen the direction before, where the scatterer sends
+    /// light of the sources on as well; else infinite.
+    rival: f64,
 }
 
 /// The random numbers of a path, block by block; blocks are counted.
@@ -80,7 +85,9 @@ struct Draws<'a> {
 impl Draws<'_> {
     fn next(&mut self) -> [f64; 4] {
         self.count = self.count.saturating_add(1);
-        self.numbers.numbers.block(self.numbers.path, self.count)
+        // One planned block belongs to the sources.
+        let block = if self.count < PLANNED_BLOCKS - 1 { self.count } else { self.count.saturating_add(1) };
+        self.numbers.numbers.block(self.numbers.path, block)
     }
 
     /// The highest probability with which the path may go on.
@@ -105,20 +112,18 @@ impl<'a> Layered<'a> {
 
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
         let Tally { sums, room } = tally;
-        if self.discs {
-            sources::aim_at_discs(self.sources, self.stack, numbers.on_discs(), room);
-        }
+        room.lamps.draw(numbers, self, &mut room.skeleton);
         room.light.start();
         let mut draws = Draws { numbers, count: 0 };
-        let mut sent =
-            Sent { beta: self.view.sample_towards(numbers.field()), ray: Ray::ENTERING, density: 0.0 };
+        let beta = self.view.sample_towards(numbers.field());
+        let mut sent = Sent { beta, ray: Ray::ENTERING, density: f64::INFINITY, rival: f64::INFINITY };
         while !room.light.is_dark() {
             self.travel(sent, sums, room);
             let u = draws.next();
-            let least = if sent.density == 0.0 { 1.0 } else { LEAST_SURVIVAL };
+            let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
             let survival = (least, draws.most_survival());
             let Some(meeting) = self.choose(u[0], survival, sums, room) else { return };
-            let Some(next) = self.scatter(sent.beta, meeting, [u[1], u[2], u[3]], &mut draws, sums, room)
+            let Some(next) = self.scatter(sent, meeting, [u[1], u[2], u[3]], &mut draws, sums, room)
             else {
                 return;
             };
@@ -134,7 +139,7 @@ impl<'a> Layered<'a> {
         let Room { light, field, share, .. } = room;
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.leaving.add_share(light, share, &field.rising, 1.0);
-        if sent.density > 0.0 {
+        if sent.density.is_finite() {
             sources::meet_discs(self.sources, sent, (light, share, &field.rising), sums);
         }
     }
@@ -152,8 +157,8 @@ impl<'a> Layered<'a> {
     ) -> Option<&Meeting<'a>> {
         let mut total = 0.0;
         for (i, meeting) in self.meetings.iter().enumerate() {
-            meeting.share(room);
-            let Room { light, field, share, .. } = &room;
+            let Room { light, skeleton, field, share, .. } = room;
+            meeting.share(skeleton, field, share);
             sums.unaccounted.add_share(light, share, &field.rising, 1.0);
             room.meeting[i] = light.largest(share, &field.rising);
             total += room.meeting[i];
@@ -168,7 +173,7 @@ impl<'a> Layered<'a> {
             below < 0.0
         })?;
         let meeting = &self.meetings[chosen];
-        meeting.share(room);
+        meeting.share(&room.skeleton, &room.field, &mut room.share);
         let scale = total / (survival * room.meeting[chosen]);
         room.light.carry(&room.share, &room.field.rising, scale);
         sums.unaccounted.add(&room.light, -1.0);
@@ -178,7 +183,7 @@ impl<'a> Layered<'a> {
     /// What the scatterer does: connections to lamps, and a new direction.
     fn scatter(
         &self,
-        beta: Beta,
+        sent: Sent,
         meeting: &Meeting<'_>,
         u: [f64; 3],
         draws: &mut Draws<'_>,
@@ -186,27 +191,26 @@ impl<'a> Layered<'a> {
         room: &mut Room,
     ) -> Option<Sent> {
         match meeting.kind {
-            Kind::Diffuser(diffuser, above, below) => {
-                let to = match meeting.going {
-                    Going::Down => Some(below),
-                    Going::Up => above,
-                };
-                let ray = Ray::from_element(meeting.element, meeting.going);
-                through_diffuser(diffuser, beta, (ray, to), [u[1], u[2]], sums, room)
-            }
-            Kind::Rough(rough) => Some(at_rough_face(rough, beta, meeting, draws.next(), sums, room)),
-            Kind::Bulk(bulk) => bulk.stay((beta, meeting.going), u, draws, sums, room),
+            Kind::Bulk(bulk) => bulk.stay((sent.beta, meeting.going), u, draws, sums, room),
             Kind::Base(reflectance, medium) => {
                 Some(at_lambertian_base(reflectance, medium, meeting.element, [u[1], u[2]], sums, room))
             }
+            Kind::Diffuser(..) => meeting.pass_face(sent, [u[1], u[2], 0.5, 0.5], sums, room),
+            Kind::Rough(_) => meeting.pass_face(sent, draws.next(), sums, room),
         }
     }
 }
 
+impl Kind<'_> {
+    /// A diffuser or a rough face.
+    fn is_face(&self) -> bool {
+        matches!(self, Self::Diffuser(..) | Self::Rough(_))
+    }
+}
+
 impl Meeting<'_> {
-    /// Sets the room's share to that of the path's light that meets the scatterer and is scattered.
-    fn share(&self, room: &mut Room) {
-        let Room { skeleton, field, share, .. } = room;
+    /// Sets `share` to that of the light that meets the scatterer and is scattered.
+    fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::meeting(self.element, self.going);
         if let Kind::Base(..) = self.kind {
             return share.set(field, ray, |_| 1.0);
@@ -214,6 +218,69 @@ impl Meeting<'_> {
         let parts = skeleton.element(self.element);
         share.set(field, ray, |bin| parts[bin].scattered);
     }
+
+    /// The ways on which a face can send light on.
+    fn ways(&self) -> &'static [Going] {
+        match (self.kind, self.going) {
+            (Kind::Rough(_), _) => &[Going::Up, Going::Down],
+            (_, Going::Up) => &[Going::Up],
+            (_, Going::Down) => &[Going::Down],
+        }
+    }
+
+    /// The density with which a face sends light on.
+    fn density(&self, from: Beta, going: Going, to: Beta) -> f64 {
+        match self.kind {
+            Kind::Diffuser(diffuser, ..) => diffuser.lobe.density(from, to),
+            Kind::Rough(rough) => rough.density(side(self.going, true), from, side(going, false), to),
+            Kind::Bulk(_) | Kind::Base(..) => 0.0,
+        }
+    }
+
+    /// Light that a face sends on; `None` if it absorbs it.
+    fn send(&self, from: Beta, u: [f64; 4]) -> Option<Sent> {
+        let (beta, going) = match self.kind {
+            Kind::Diffuser(diffuser, ..) => (diffuser.lobe.sample(from, [u[0], u[1]])?, self.going),
+            Kind::Rough(rough) => {
+                let (side, beta) = rough.sample(side(self.going, true), from, u);
+                (beta, if side == Side::Above { Going::Up } else { Going::Down })
+            }
+            Kind::Bulk(_) | Kind::Base(..) => return None,
+        };
+        let density = self.density(from, going, beta);
+        Some(Sent { beta, ray: Ray::from_element(self.element, going), density, rival: f64::INFINITY })
+    }
+
+    /// True if the medium into which a face sends the light has such a direction.
+    fn carries(&self, sent: Sent, bin: usize) -> bool {
+        match self.kind {
+            Kind::Diffuser(_, above, below) => {
+                let to = if sent.ray.going == Going::Up { above } else { Some(below) };
+                sent.beta.squared() < index(to, bin).powi(2)
+            }
+            _ => true,
+        }
+    }
+
+    /// Through a diffuser, or through or off a rough face.
+    fn pass_face(&self, sent: Sent, u: [f64; 4], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
+        let (from, ways) = (sent.beta, self.ways());
+        let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
+        let density = |way: usize, lamp| self.density(from, ways[way], lamp);
+        sources::connect(rays, sent.density, density, |_, _| 1.0, sums, room);
+        let Some(next) = self.send(from, u) else {
+            room.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
+            return None;
+        };
+        let kept = |bin| f64::from(u8::from(self.carries(next, bin)));
+        room.light.keep(kept, &mut sums.absorbed.diffuser);
+        Some(Sent { rival: sent.density, ..next })
+    }
+}
+
+/// The side on which light is that goes this way, before or after it meets a face.
+fn side(going: Going, before: bool) -> Side {
+    if (going == Going::Down) == before { Side::Above } else { Side::Below }
 }
 
 fn meetings(stack: &crate::Layered) -> Vec<Meeting<'_>> {
@@ -245,48 +312,6 @@ fn index(medium: Option<&Medium>, bin: usize) -> f64 {
     medium.map_or(1.0, |medium| medium.index()[bin])
 }
 
-fn through_diffuser(
-    diffuser: &Diffuser,
-    beta: Beta,
-    (ray, to): (Ray, Option<&Medium>),
-    u: [f64; 2],
-    sums: &mut Sums,
-    room: &mut Room,
-) -> Option<Sent> {
-    let lobe = &diffuser.lobe;
-    sources::connect(&[ray], |_, lamp| lobe.density(beta, lamp), |_, _| 1.0, sums, room);
-    let Some(out) = lobe.sample(beta, u) else {
-        room.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
-        return None;
-    };
-    let carried = |bin| f64::from(u8::from(out.squared() < index(to, bin).powi(2)));
-    room.light.keep(carried, &mut sums.absorbed.diffuser);
-    Some(Sent { beta: out, ray, density: lobe.density(beta, out) })
-}
-
-fn at_rough_face(
-    rough: &Rough,
-    beta: Beta,
-    meeting: &Meeting<'_>,
-    u: [f64; 4],
-    sums: &mut Sums,
-    room: &mut Room,
-) -> Sent {
-    let from = match meeting.going {
-        Going::Down => Side::Above,
-        Going::Up => Side::Below,
-    };
-    let sides = [Side::Above, Side::Below];
-    let way = |side| {
-        let going = if side == Side::Above { Going::Up } else { Going::Down };
-        Ray::from_element(meeting.element, going)
-    };
-    let density = |side: usize, lamp| rough.density(from, beta, sides[side], lamp);
-    sources::connect(&sides.map(way), density, |_, _| 1.0, sums, room);
-    let (side, out) = rough.sample(from, beta, u);
-    Sent { beta: out, ray: way(side), density: rough.density(from, beta, side, out) }
-}
-
 fn at_lambertian_base(
     reflectance: &[f64],
     medium: Option<&Medium>,
@@ -314,9 +339,9 @@ fn at_lambertian_base(
         let n = index(medium, bin);
         if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
     };
-    sources::connect(&[ray], |_, _| density, spread, sums, room);
+    sources::connect([ray].into_iter(), f64::INFINITY, |_, _| density, spread, sums, room);
     let (x, y) = warp::uniform_disc(largest, u);
     let out = Beta { x, y };
     room.light.keep(|bin| spread(out, bin), &mut sums.unaccounted);
-    Sent { beta: out, ray, density }
+    Sent { beta: out, ray, density, rival: f64::INFINITY }
 }

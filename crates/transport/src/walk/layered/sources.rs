@@ -3,77 +3,200 @@
 //! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]), so each
 //! scattering event adds what it turns of that light into the path: every way from the source whose
 //! first scattering (from the source's end) is this event, once.
+//!
+//! A narrow lobe at that first scattering is a needle for the path. So each diffuser and rough face
+//! also sends light of the source on, once for each path, in a direction drawn from its own
+//! kernel; that light is a lamp of its own, which events connect to in the same way. A direction
+//! that both the path and the scatterer may draw is weighted by the balance heuristic
+//! ([`Target::weight`]).
 
 use papilio_optics::Beta;
 
-use super::Sent;
 use super::books::{Room, Sums};
 use super::light::{Light, Share};
+use super::{Layered, Sent};
+use crate::Source;
 use crate::skeleton::{Field, Ray, Skeleton};
-use crate::walk::Target;
-use crate::{Layered, Source};
+use crate::walk::{PathNumbers, Target};
 
-/// A source, as its unscattered light.
+/// The light of all sources that have a direction.
+#[derive(Debug, Clone)]
+pub(super) struct Lamps {
+    sources: Vec<Lamp>,
+    scattered: Vec<Scattered>,
+}
+
+/// Light of one direction, everywhere.
 #[derive(Debug, Clone)]
 pub(super) struct Lamp {
-    pub(super) target: Target,
-    pub(super) field: Field,
+    source: usize,
+    /// The point of the source.
+    target: Target,
+    /// The direction of this light.
+    pub(super) beta: Beta,
+    /// The density with which a scatterer sent it that way; the source itself had no choice.
+    drawn: Option<f64>,
+    field: Field,
+    /// What has become of the light before it was sent out as `field`; what met the base before is also
+    /// in the field's `rising`.
+    before: Light,
+    dark: bool,
     /// In a scattering medium: what its events have turned upwards and downwards, yet to be settled.
     pub(super) gathered: [f64; 2],
 }
 
-impl Lamp {
-    /// `None` for diffuse light. A disc's point is to be drawn yet.
-    pub(super) fn new(source: &Source, stack: &Layered, skeleton: &mut Skeleton) -> Option<Self> {
-        let target = Target::sample(source, [0.5; 2])?;
-        let mut lamp = Self { target, field: skeleton.field(), gathered: [0.0; 2] };
-        lamp.aim(target, stack, skeleton);
-        Some(lamp)
+/// Light that a scatterer sends on.
+#[derive(Debug, Clone)]
+struct Scattered {
+    /// Numbers of the lamp and of the meeting.
+    of: usize,
+    meeting: usize,
+    /// What of the lamp meets the scatterer and is scattered.
+    arrived: Light,
+    lamp: Lamp,
+}
+
+impl Lamps {
+    pub(super) fn new(walk: &Layered<'_>, skeleton: &mut Skeleton) -> Self {
+        let mut lamps = Self { sources: Vec::new(), scattered: Vec::new() };
+        for (source, light) in walk.sources.iter().enumerate() {
+            let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
+            let lamp = Lamp::new(source, target, walk, skeleton);
+            let of = lamps.sources.len();
+            let meetings = walk.meetings.iter().enumerate().filter(|(_, meeting)| meeting.kind.is_face());
+            lamps.scattered.extend(meetings.map(|(meeting, _)| Scattered {
+                of,
+                meeting,
+                arrived: lamp.before.clone(),
+                lamp: lamp.clone(),
+            }));
+            lamps.sources.push(lamp);
+        }
+        for of in 0..lamps.sources.len() {
+            lamps.aim(of, lamps.sources[of].target, walk, skeleton);
+        }
+        lamps
     }
 
-    /// Turns to this point of the source.
-    fn aim(&mut self, target: Target, stack: &Layered, skeleton: &mut Skeleton) {
-        self.target = target;
-        skeleton.set(stack, target.beta.squared());
-        skeleton.emit(Ray::ENTERING, &mut self.field);
+    /// Draws all that is drawn for a path.
+    pub(super) fn draw(&mut self, numbers: &PathNumbers<'_>, walk: &Layered<'_>, skeleton: &mut Skeleton) {
+        if walk.discs {
+            for of in 0..self.sources.len() {
+                let source = &walk.sources[self.sources[of].source];
+                if let (Source::Disc(_), Some(target)) = (source, Target::sample(source, numbers.on_discs())) {
+                    self.aim(of, target, walk, skeleton);
+                }
+            }
+        }
+        for (k, scattered) in self.scattered.iter_mut().enumerate() {
+            let u = numbers.of_sources(k as u32);
+            scattered.send(&self.sources[scattered.of], u, walk, skeleton);
+        }
     }
 
-    /// The share of light sent out as `ray` towards the source that reaches it.
-    pub(super) fn reach(&self, ray: Ray, factor: impl Fn(usize) -> f64, share: &mut Share) {
-        share.add(&self.field, ray.reversed(), factor);
+    /// Turns to this point of a source.
+    fn aim(&mut self, of: usize, target: Target, walk: &Layered<'_>, skeleton: &mut Skeleton) {
+        let lamp = &mut self.sources[of];
+        (lamp.target, lamp.beta) = (target, target.beta);
+        skeleton.set(walk.stack, target.beta.squared());
+        skeleton.emit(Ray::ENTERING, &mut lamp.field);
+        let mut share = Share::zeros(lamp.before.fresh.len());
+        for scattered in self.scattered.iter_mut().filter(|scattered| scattered.of == of) {
+            walk.meetings[scattered.meeting].share(skeleton, &lamp.field, &mut share);
+            scattered.arrived.start();
+            scattered.arrived.carry(&share, &lamp.field.rising, 1.0);
+        }
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Lamp> {
+        self.sources.iter().chain(self.scattered.iter().map(|scattered| &scattered.lamp)).filter(|l| !l.dark)
+    }
+
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Lamp> {
+        let scattered = self.scattered.iter_mut().map(|scattered| &mut scattered.lamp);
+        self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark)
     }
 }
 
-/// Draws a point of each disc for the path.
-pub(super) fn aim_at_discs(sources: &[Source], stack: &Layered, u: [f64; 2], room: &mut Room) {
-    for (source, lamp) in sources.iter().zip(&mut room.lamps) {
-        if let (Source::Disc(_), Some(lamp), Some(target)) = (source, lamp, Target::sample(source, u)) {
-            lamp.aim(target, stack, &mut room.skeleton);
+impl Lamp {
+    fn new(source: usize, target: Target, walk: &Layered<'_>, skeleton: &Skeleton) -> Self {
+        let base = &walk.stack.base;
+        let mut before = Light::zeros(base.states(), base.bins());
+        before.start();
+        let field = skeleton.field();
+        Self { source, target, beta: target.beta, drawn: None, field, before, dark: false, gathered: [0.0; 2] }
+    }
+
+    /// The balanced weight of a connection by an event that sends light this way with density
+    /// `scatter`. `rival` is the density with which the path had chosen the direction that the
+    /// event turns, where the event may also send light of the source on; else infinite.
+    #[inline]
+    pub(super) fn weight(&self, scatter: f64, rival: f64) -> f64 {
+        match self.drawn {
+            None => self.target.weight(scatter, scatter, rival),
+            Some(drawn) => self.target.weight(drawn, drawn, scatter),
+        }
+    }
+
+    /// The share of light sent out as `ray` this way that reaches the source.
+    #[inline]
+    pub(super) fn reach(&self, ray: Ray, factor: impl Fn(usize) -> f64, share: &mut Share) {
+        share.add(&self.field, ray.reversed(), factor);
+    }
+
+    /// Adds what of the path's light reaches the source.
+    pub(super) fn add(&self, light: &Light, share: &Share, sums: &mut Sums) {
+        let sum = &mut sums.from_source[self.source];
+        if self.drawn.is_none() {
+            sum.add_share(light, share, &self.field.rising, 1.0);
+        } else {
+            sum.add_joined(light, &self.before, share, &self.field.rising);
         }
     }
 }
 
-/// Connects the path's light to all directed sources at a scattering event.
+impl Scattered {
+    fn send(&mut self, source: &Lamp, u: [f64; 4], walk: &Layered<'_>, skeleton: &mut Skeleton) {
+        let lamp = &mut self.lamp;
+        lamp.dark = true;
+        if self.arrived.is_dark() {
+            return;
+        }
+        let meeting = &walk.meetings[self.meeting];
+        let Some(sent) = meeting.send(source.beta, u) else { return };
+        lamp.before.clone_from(&self.arrived);
+        lamp.before.keep_where(|bin| meeting.carries(sent, bin));
+        if lamp.before.is_dark() {
+            return;
+        }
+        skeleton.set(walk.stack, sent.beta.squared());
+        skeleton.emit(sent.ray, &mut lamp.field);
+        lamp.before.multiply_rows(&mut lamp.field.rising);
+        (lamp.target, lamp.beta, lamp.drawn) = (source.target, sent.beta, Some(sent.density));
+        lamp.dark = false;
+    }
+}
+
+/// Connects the path's light to all lamps at a scattering event.
 ///
 /// `ways` are those on which the event can send it on; `density(way, beta)` the density over
 /// direction cosines with which it does, and `factor(beta, bin)` what differs between wavelengths.
 pub(super) fn connect(
-    ways: &[Ray],
+    ways: impl Iterator<Item = Ray> + Clone,
+    rival: f64,
     density: impl Fn(usize, Beta) -> f64,
     factor: impl Fn(Beta, usize) -> f64,
     sums: &mut Sums,
     room: &mut Room,
 ) {
     let Room { light, share, lamps, .. } = room;
-    for (lamp, sum) in lamps.iter().zip(&mut sums.from_source) {
-        let Some(lamp) = lamp else { continue };
-        let beta = lamp.target.beta;
+    for lamp in lamps.iter() {
         share.clear();
-        for (way, ray) in ways.iter().enumerate() {
-            let weight = lamp.target.weight(density(way, beta), 0.0, 1.0);
-            lamp.reach(*ray, |bin| weight * factor(beta, bin), share);
+        for (way, ray) in ways.clone().enumerate() {
+            let weight = lamp.weight(density(way, lamp.beta), rival);
+            lamp.reach(ray, |bin| weight * factor(lamp.beta, bin), share);
         }
-        sum.add_share(light, share, &lamp.field.rising, 1.0);
+        lamp.add(light, share, sums);
     }
 }
 
@@ -88,7 +211,8 @@ pub(super) fn meet_discs(
         if let Source::Disc(cone) = source
             && cone.sends(sent.beta)
         {
-            let weight = Target::on_disc(cone, sent.beta).weight(sent.density, 0.0, 1.0);
+            let back = if sent.rival.is_finite() { sent.density } else { 0.0 };
+            let weight = Target::on_disc(cone, sent.beta).weight(sent.density, back, sent.rival);
             sum.add_share(light, share, rising, weight);
         }
     }
