@@ -47,6 +47,35 @@ impl Cone {
         Self { axis: [-x, -y, z], ..*self }
     }
 
+    /// Its half-angle, radians.
+    pub(crate) fn half_angle(&self) -> f64 {
+        self.half_angle
+    }
+
+    /// Two directions across its axis: outwards in its plane of incidence, and across that.
+    fn across(&self) -> [[f64; 3]; 2] {
+        let [x, y, z] = self.axis;
+        let sin = x.hypot(y);
+        let (cos_phi, sin_phi) = if sin > 0.0 { (x / sin, y / sin) } else { (1.0, 0.0) };
+        [[z * cos_phi, z * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
+    }
+
+    /// The direction cosines of light that leaves at this angle from the axis, `turn` around
+    /// it from its plane of incidence (radians).
+    pub(crate) fn around(&self, angle: f64, turn: f64) -> Beta {
+        let [out, side] = self.across();
+        let ((sin, cos), (sin_turn, cos_turn)) = (angle.sin_cos(), turn.sin_cos());
+        let along = |i: usize| cos * self.axis[i] + sin * (cos_turn * out[i] + sin_turn * side[i]);
+        Beta { x: self.index * along(0), y: self.index * along(1) }
+    }
+
+    /// The angle to another cone's axis, and the turn (as in [`Self::around`]) towards it.
+    pub(crate) fn bearing(&self, other: &Self) -> (f64, f64) {
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let [out, side] = self.across().map(|axis| dot(axis, other.axis));
+        (out.hypot(side).atan2(dot(self.axis, other.axis)), side.atan2(out))
+    }
+
     /// True if it has no width.
     pub(crate) fn is_point(&self) -> bool {
         self.half_angle == 0.0

@@ -7,8 +7,10 @@
 //! Levels are nested in accuracy: the difference between the estimates of two levels is the
 //! coarser one's discretisation error.
 
+mod images;
 mod layered;
 mod panel;
+mod quadrature;
 
 use crate::{Cone, Estimate, Source, Stack};
 

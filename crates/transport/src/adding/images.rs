@@ -1,0 +1,98 @@
+//! Mirror images of round sources, where the field of view and the mirrored source overlap.
+//!
+//! The overlap is integrated in polar coordinates around the axis of the smaller cone: the arc
+//! of a circle that lies within the other cone is known in closed form (half-side formula of
+//! spherical trigonometry), and a square root ends the range of radii where arcs begin.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::quadrature::{Point, gauss};
+use crate::{Cone, Source};
+
+/// The points of a source's image that a view sees: `rho` is the sum of weights times
+/// [`specular_image`](crate::specular_image).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ImagePoints {
+    pub(super) source: usize,
+    pub(super) points: Vec<Point>,
+}
+
+/// The images of all sources in this field of view.
+pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64) -> Vec<ImagePoints> {
+    let seen = |(source, light): (usize, &Source)| {
+        let Source::Disc(disc) = light else { return None };
+        let points = overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), digits);
+        (!points.is_empty()).then_some(ImagePoints { source, points })
+    };
+    sources.iter().enumerate().filter_map(seen).collect()
+}
+
+/// The mean over the view of the indicator of the mirrored source, times `scale`.
+fn overlap(view: &Cone, mirrored: &Cone, scale: f64, digits: f64) -> Vec<Point> {
+    if view.is_point() {
+        let beta = view.axis_towards();
+        let seen = mirrored.holds(beta);
+        return if seen { vec![Point { beta, weight: scale }] } else { Vec::new() };
+    }
+    let (small, large) =
+        if view.half_angle() <= mirrored.half_angle() { (view, mirrored) } else { (mirrored, view) };
+    let (a, b) = (small.half_angle(), large.half_angle());
+    let (distance, turn) = small.bearing(large);
+    if distance >= a + b {
+        return Vec::new();
+    }
+    let scale = scale / view.solid_angle();
+    // Images change over a tenth of a radian or more.
+    let across = 2 + (digits * a).ceil() as usize;
+    let mut points = Vec::new();
+    let whole = (b - distance).clamp(0.0, a);
+    for ring in gauss(0.0, whole, across) {
+        arc(small, ring.x, turn, PI, 2 * across, scale * ring.weight * ring.x.sin(), &mut points);
+    }
+    let first = (b - distance).abs().min(a);
+    if first < a {
+        for ring in gauss(0.0, FRAC_PI_2, digits as usize) {
+            let (sin, cos) = ring.x.sin_cos();
+            let angle = first + (a - first) * sin * sin;
+            let weight = scale * ring.weight * 2.0 * sin * cos * (a - first) * angle.sin();
+            let half = half_arc(angle, b, distance);
+            arc(small, angle, turn, half, 2 * across, weight, &mut points);
+        }
+    }
+    points
+}
+
+/// Half of the arc, at this angle around an axis, within `radius` of a point at `distance`.
+fn half_arc(angle: f64, radius: f64, distance: f64) -> f64 {
+    let product = (0.5 * (radius + angle - distance)).sin() * (0.5 * (radius - angle + distance)).sin();
+    let square = product / (angle.sin() * distance.sin());
+    2.0 * square.clamp(0.0, 1.0).sqrt().asin()
+}
+
+fn arc(cone: &Cone, angle: f64, turn: f64, half: f64, count: usize, weight: f64, points: &mut Vec<Point>) {
+    for node in gauss(turn - half, turn + half, count) {
+        points.push(Point { beta: cone.around(angle, node.x), weight: weight * node.weight });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The share of two overlapping small circles, by the planar lens formula.
+    #[test]
+    fn the_area_of_a_lens() {
+        let lens = |a: f64, b: f64, d: f64| {
+            let part = |a: f64, b: f64| a * a * ((d * d + a * a - b * b) / (2.0 * d * a)).acos();
+            let root = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);
+            part(a, b) + part(b, a) - 0.5 * root.sqrt()
+        };
+        for (a, b, d) in [(0.01, 0.01, 0.012), (0.02, 0.01, 0.015), (0.01, 0.03, 0.0399), (0.01, 0.03, 0.021)] {
+            let view = Cone::new(20.0, 10.0, a, 1.0);
+            let mirrored = Cone::new(20.0 + d, 10.0, b, 1.0);
+            let share: f64 = overlap(&view, &mirrored, 1.0, 18.0).iter().map(|p| p.weight).sum();
+            let truth = lens(a, b, d) / (PI * a * a);
+            assert!((share - truth).abs() < 1e-6 * truth.max(1e-2), "{a} {b} {d}: {share} against {truth}");
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! A bare panel: front and face are flat, only the base may scatter.
+//!
+//! A mirror under flat parts is a geometric series at every angle. A Lambertian base sends the
+//! same basic radiance `R/(pi n^2)` everywhere, so one number closes all orders: the share
+//! `r_d` of it that front and face send back (Saunderson's internal diffuse reflectance), beyond
+//! the critical angle exactly.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::super::images::{ImagePoints, image_points};
+use super::super::quadrature::{Node, Point, Pole, cone_points, disc_points, graded};
+use super::add_scaled;
+use crate::specular::{FlatTop, panel_image};
+use crate::{Cone, Estimate, Ledger, Panel, Reflector, Rho, Source, Top};
+
+/// Reflectances of faces and pixels change over angles of this size, radians.
+const SMOOTH: f64 = 0.3;
+
+#[derive(Debug, Clone, Default)]
+pub(super) struct Kernel {
+    digits: f64,
+    views: Vec<View>,
+    lights: Vec<Light>,
+}
+
+#[derive(Debug, Clone)]
+struct View {
+    points: Vec<Point>,
+    images: Vec<ImagePoints>,
+}
+
+#[derive(Debug, Clone)]
+enum Light {
+    Diffuse,
+    /// A beam or a disc, as points.
+    Directed(Vec<Point>),
+}
+
+/// Light at the base and above it: shapes as in the [`Ledger`], `mirrored` and
+/// `absorbed_entering` `[wavelength]`.
+struct Fate {
+    mirrored: Vec<f64>,
+    absorbed_entering: Vec<f64>,
+    arriving: Vec<f64>,
+    reflected: Vec<f64>,
+    leaving: Vec<f64>,
+    absorbed: Vec<f64>,
+    unaccounted: Vec<f64>,
+}
+
+impl Kernel {
+    pub(super) fn new(views: &[Cone], sources: &[Source], digits: f64) -> Self {
+        let view = |cone: &Cone| View {
+            points: cone_points(cone, smooth_at(cone), digits),
+            images: image_points(cone, sources, digits),
+        };
+        let light = |source: &Source| match source {
+            Source::Diffuse => Light::Diffuse,
+            Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
+            Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone), digits)),
+        };
+        Self {
+            digits,
+            views: views.iter().map(view).collect(),
+            lights: sources.iter().map(light).collect(),
+        }
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        self.views.iter().map(|view| view.points.len()).sum()
+    }
+
+    pub(super) fn estimate(&self, stack: &Panel, view: usize) -> Estimate {
+        let Some(view) = self.views.get(view) else { return Estimate::default() };
+        let mut estimate = match &stack.base.reflector {
+            Reflector::Specular(_) => self.over_mirror(stack, view),
+            Reflector::Lambertian(reflectance) => self.over_lambertian(stack, view, reflectance),
+        };
+        for seen in &view.images {
+            let rho = &mut estimate.rho[seen.source];
+            for point in &seen.points {
+                let image = panel_image(stack, point.beta);
+                add_scaled(&mut rho.front, &image.front, point.weight);
+                add_scaled(&mut rho.base, &image.base, point.weight);
+            }
+        }
+        estimate
+    }
+
+    fn over_mirror(&self, stack: &Panel, view: &View) -> Estimate {
+        let mut fate = Fate::zeros(stack);
+        let mut r = vec![0.0; fate.arriving.len()];
+        let mut flat = FlatTop::new(stack.base.bins());
+        for point in &view.points {
+            flat.set(stack, point.beta.squared());
+            stack.base.reflectance(point.beta.squared(), &stack.medium, &mut r);
+            fate.enter(&flat, point.weight);
+            for (k, r) in r.iter().enumerate() {
+                let bin = k % flat.t.len();
+                let (t, below) = (flat.t[bin], flat.below[bin]);
+                let arriving = point.weight * t * orders(stack, t, below * r);
+                fate.meet_base(k, arriving, *r, (t, below));
+            }
+        }
+        let rho = self.lights.iter().map(|light| match light {
+            Light::Diffuse => Rho { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Directed(_) => dark(stack),
+        });
+        Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
+    }
+
+    fn over_lambertian(&self, stack: &Panel, view: &View, reflectance: &[f64]) -> Estimate {
+        let mut fate = Fate::zeros(stack);
+        let bins = stack.base.bins();
+        let mut flat = FlatTop::new(bins);
+        let mut entering = vec![0.0; bins];
+        for point in &view.points {
+            flat.set(stack, point.beta.squared());
+            fate.enter(&flat, point.weight);
+            add_scaled(&mut entering, &flat.t, point.weight);
+        }
+        let (out, back) = self.diffuse_shares(stack);
+        for (k, r) in reflectance.iter().enumerate() {
+            let bin = k % bins;
+            let arriving = entering[bin] * orders(stack, entering[bin], back[bin] * r);
+            fate.meet_base(k, arriving, *r, (out[bin], back[bin]));
+        }
+        let rho = self.lights.iter().map(|light| match light {
+            Light::Diffuse => Rho { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Directed(points) => {
+                let mut towards = vec![0.0; bins];
+                for point in points {
+                    flat.set(stack, point.beta.squared());
+                    add_scaled(&mut towards, &flat.t, point.weight);
+                }
+                let index = stack.medium.index();
+                let seen = |(k, light): (usize, &f64)| light * towards[k % bins] / index[k % bins].powi(2);
+                let base = fate.reflected.iter().enumerate().map(seen).collect();
+                Rho { base, ..dark(stack) }
+            }
+        });
+        Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
+    }
+
+    /// Of the light that a Lambertian base sends: what leaves, and what comes back to it.
+    fn diffuse_shares(&self, stack: &Panel) -> (Vec<f64>, Vec<f64>) {
+        let bins = stack.base.bins();
+        let (mut out, mut back) = (vec![0.0; bins], vec![0.0; bins]);
+        let lowest = match &stack.top {
+            Top::Fresnel(index) => index.min(),
+            Top::Coated | Top::Diffuser(_) => f64::INFINITY,
+        };
+        // beta = sin x resolves the grazing end in air; that in the face's medium is a pole.
+        let poles = if lowest.is_finite() { vec![Pole { at: lowest, off: 0.0 }.in_arc(1.0)] } else { vec![] };
+        let mut flat = FlatTop::new(bins);
+        for Node { x, weight } in graded(0.0, FRAC_PI_2, &[], &poles, self.digits) {
+            flat.set(stack, x.sin().powi(2));
+            let area = weight * (2.0 * x).sin();
+            add_scaled(&mut out, &flat.t, area);
+            add_scaled(&mut back, &flat.below, area);
+        }
+        for (bin, index) in stack.medium.index().iter().enumerate() {
+            let area = index * index;
+            out[bin] /= area;
+            // Beyond the critical angle everything comes back.
+            back[bin] = (back[bin] + area - 1.0) / area;
+        }
+        (out, back)
+    }
+}
+
+/// All orders of a round trip that keeps this share of light that has entered with `t`.
+fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
+    if stack.single_pass || t == 0.0 { 1.0 } else { 1.0 / (1.0 - share) }
+}
+
+fn dark(stack: &Panel) -> Rho {
+    let base = &stack.base;
+    Rho { base: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
+}
+
+fn smooth_at(cone: &Cone) -> f64 {
+    let grazing = (1.0 - cone.axis_towards().squared()).max(1e-6).sqrt();
+    SMOOTH * grazing
+}
+
+impl Fate {
+    fn zeros(stack: &Panel) -> Self {
+        let base = &stack.base;
+        let (all, one) = (|| vec![0.0; base.states() * base.bins()], || vec![0.0; base.bins()]);
+        Self {
+            mirrored: one(),
+            absorbed_entering: one(),
+            arriving: all(),
+            reflected: all(),
+            leaving: all(),
+            absorbed: all(),
+            unaccounted: all(),
+        }
+    }
+
+    fn enter(&mut self, flat: &FlatTop, weight: f64) {
+        add_scaled(&mut self.mirrored, &flat.above, weight);
+        for (sum, (t, above)) in self.absorbed_entering.iter_mut().zip(flat.t.iter().zip(&flat.above)) {
+            *sum += weight * (1.0 - t - above);
+        }
+    }
+
+    /// Light that arrives at the base in all orders, and its way up: `above` is the shares of
+    /// it that leave and that come back.
+    fn meet_base(&mut self, k: usize, arriving: f64, r: f64, above: (f64, f64)) {
+        let (out, back) = above;
+        let reflected = arriving * r;
+        self.arriving[k] += arriving;
+        self.reflected[k] += reflected;
+        self.leaving[k] += reflected * out;
+        self.absorbed[k] += reflected * (1.0 - out - back);
+        self.unaccounted[k] += reflected * back;
+    }
+
+    fn ledger(self, stack: &Panel) -> Ledger {
+        let mut ledger = Ledger::zeros(self.arriving.len());
+        let inactive = &stack.base.inactive_absorptance;
+        for k in 0..self.arriving.len() {
+            let bin = k % inactive.len();
+            ledger.inactive[k] = self.arriving[k] * inactive[bin];
+            ledger.pixel[k] = self.arriving[k] - self.reflected[k] - ledger.inactive[k];
+            ledger.returned[k] = self.mirrored[bin] + self.leaving[k];
+            ledger.front[k] = self.absorbed_entering[bin] + self.absorbed[k];
+        }
+        if stack.single_pass {
+            ledger.unaccounted = self.unaccounted;
+        }
+        ledger
+    }
+}

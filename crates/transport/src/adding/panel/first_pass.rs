@@ -1,0 +1,159 @@
+//! One pass through diffuser, specular base and diffuser, as weights on the nodes of the base's
+//! table.
+//!
+//! With `D = s delta + (1 - s) lobe` a pass between v and l is the integral of
+//! `D(v, beta) R(beta) D(beta, l)` over the glass's disc. `R` is linear in the table's values:
+//! the pass is a set of weights on its nodes. Around azimuth lobes are summed by a rule that
+//! converges exponentially (one lobe: in closed form); over the radius by panels graded around the
+//! lobes' centres, the rim of the air's disc and the table's kinks.
+
+use papilio_optics::lobe::Lobe;
+
+use super::super::quadrature::{Node, Point, Pole, radial};
+use super::lobes::{self, ring, ring_of_products};
+use crate::angular::Stencil;
+use crate::{Diffuser, Nodes};
+
+/// Diffuser, table nodes and index: what a pass is made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pass<'a> {
+    pub(super) diffuser: &'a Diffuser,
+    pub(super) table: &'a Nodes,
+    pub(super) index: f64,
+    pub(super) digits: f64,
+}
+
+/// Weights on table nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Weights(pub(super) Vec<f64>);
+
+impl Weights {
+    fn new(nodes: &Nodes) -> Self {
+        // A look-up always touches `Stencil::LEN` consecutive slots.
+        Self(vec![0.0; nodes.count() + Stencil::LEN])
+    }
+
+    #[inline]
+    fn add(&mut self, stencil: &Stencil, weight: f64) {
+        let slots = &mut self.0[stencil.first..][..Stencil::LEN];
+        slots.iter_mut().zip(stencil.weights).for_each(|(slot, w)| *slot += w * weight);
+    }
+
+    fn finish(mut self, nodes: &Nodes) -> Self {
+        self.0.truncate(nodes.count());
+        self
+    }
+}
+
+/// What a view sees of any light, and where its own light meets the base.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Alone {
+    pub(super) reflected: Weights,
+    pub(super) leaving: Weights,
+    pub(super) nodes: usize,
+}
+
+impl Pass<'_> {
+    pub(super) fn straight(&self) -> f64 {
+        self.diffuser.straight_through
+    }
+
+    /// The share of light at the diffuser's underside that leaves into the air.
+    pub(super) fn share_leaving(&self, radius: f64) -> f64 {
+        let straight = if radius <= 1.0 { self.straight() } else { 0.0 };
+        straight + (1.0 - self.straight()) * self.diffuser.lobe.share_in_disc(radius, 1.0)
+    }
+
+    /// A rule over the glass's disc for lobes around these points.
+    pub(super) fn rule(&self, points: impl Iterator<Item = f64>, rim: bool, digits: f64) -> Vec<Node> {
+        let mut sharp: Vec<Pole> = Vec::new();
+        points.for_each(|radius| lobes::poles(self.diffuser.lobe, radius, &mut sharp));
+        if rim {
+            lobes::poles(self.diffuser.lobe, 1.0, &mut sharp);
+        }
+        let mut breaks = vec![];
+        if self.diffuser.lobe == Lobe::Lambertian || (rim && self.straight() > 0.0) {
+            breaks.push(1.0);
+        }
+        match self.table {
+            Nodes::Constant | Nodes::Cosines(_) => {}
+            Nodes::AnglesInMedium(angles) => breaks.extend(angles.iter().map(|a| self.index * a.sin())),
+            Nodes::AnglesInAir(angles) => {
+                breaks.extend(angles.iter().map(|a| a.sin()));
+                // The angle in air has a square root on the rim.
+                sharp.push(Pole { at: 1.0, off: 0.0 });
+                breaks.push(1.0);
+            }
+        }
+        radial(self.index, &breaks, &sharp, digits)
+    }
+
+    fn look_up(&self, radius: f64) -> Stencil {
+        self.table.stencil(radius * radius, self.index)
+    }
+
+    pub(super) fn alone(&self, view: &[Point]) -> Alone {
+        let (mut reflected, mut leaving) = (Weights::new(self.table), Weights::new(self.table));
+        for point in view {
+            let radius = point.beta.length();
+            if radius < self.index && self.straight() > 0.0 {
+                let stencil = self.look_up(radius);
+                reflected.add(&stencil, point.weight * self.straight());
+                leaving.add(&stencil, point.weight * self.straight() * self.share_leaving(radius));
+            }
+        }
+        let radii = merged_radii(view);
+        let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
+        for node in &rule {
+            let ring: f64 = radii.iter().map(|(r, weight)| weight * ring(self.diffuser.lobe, *r, node.x)).sum();
+            let weight = (1.0 - self.straight()) * node.weight * ring / (2.0 * std::f64::consts::PI);
+            let stencil = self.look_up(node.x);
+            reflected.add(&stencil, weight);
+            leaving.add(&stencil, weight * self.share_leaving(node.x));
+        }
+        Alone {
+            reflected: reflected.finish(self.table),
+            leaving: leaving.finish(self.table),
+            nodes: rule.len(),
+        }
+    }
+
+    /// `pi` times the kernel between two sets of points, less what is scattered not at all.
+    pub(super) fn between(&self, view: &[Point], source: &[Point]) -> (Weights, usize) {
+        let mut sum = Weights::new(self.table);
+        let (s, lobe) = (self.straight(), self.diffuser.lobe);
+        let pi = std::f64::consts::PI;
+        if s > 0.0 {
+            for v in view {
+                for l in source {
+                    let once = pi * s * (1.0 - s) * v.weight * l.weight * lobe.density(v.beta, l.beta);
+                    for radius in [v.beta.length(), l.beta.length()].into_iter().filter(|r| *r < self.index) {
+                        sum.add(&self.look_up(radius), once);
+                    }
+                }
+            }
+        }
+        let radii = view.iter().chain(source).map(|p| p.beta.length());
+        let rule = self.rule(radii, false, self.digits);
+        for node in &rule {
+            let ring = ring_of_products(lobe, node.x, view, source, self.digits);
+            // The rule's weights hold the 2 pi that the ring has already.
+            let weight = (1.0 - s).powi(2) * 0.5 * node.weight * ring;
+            sum.add(&self.look_up(node.x), weight);
+        }
+        (sum.finish(self.table), rule.len())
+    }
+}
+
+/// The distinct radii of a set of points and their weights.
+pub(super) fn merged_radii(points: &[Point]) -> Vec<(f64, f64)> {
+    let mut radii: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    for point in points {
+        let radius = point.beta.length();
+        match radii.iter_mut().find(|r| (r.0 - radius).abs() <= 1e-14) {
+            Some(same) => same.1 += point.weight,
+            None => radii.push((radius, point.weight)),
+        }
+    }
+    radii
+}

@@ -1,0 +1,56 @@
+//! A Lambertian base under a diffuser: rank one.
+//!
+//! Of light above the diffuser at `beta`, the share `a(beta)` reaches the base (straight through,
+//! or by the lobe into the glass's disc: closed forms); the base sends `R/(pi n^2)` into every
+//! direction of that disc; by reciprocity `a` is also what leaves towards `beta`. One pass is
+//! `a(v) R a(l)/(pi n^2)`, and all orders are a geometric series in
+//! `r T^2 R kappa`, `kappa` the integral of `a^2/(pi n^2)` over the air's disc.
+
+use std::f64::consts::PI;
+
+use super::super::quadrature::{Point, Pole, radial};
+use crate::Diffuser;
+
+/// What the angles come to, for one index.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Shares {
+    index: f64,
+    /// The integral of `a/(pi n^2)` over the air's disc: what leaves of the base's light.
+    pub(super) out: f64,
+    /// `kappa`: what would leave and come back, under a perfect mirror.
+    pub(super) back: f64,
+    pub(super) nodes: usize,
+}
+
+impl Shares {
+    pub(super) fn new(diffuser: &Diffuser, index: f64, digits: f64) -> Self {
+        let mut poles = Vec::new();
+        if let papilio_optics::lobe::Lobe::KCorrelation { width } = diffuser.lobe {
+            poles.extend([index, -index].map(|at| Pole { at, off: width }));
+        }
+        let rule = radial(1.0, &[], &poles, digits);
+        let (mut out, mut back) = (0.0, 0.0);
+        for node in &rule {
+            let a = arriving(diffuser, node.x, index);
+            out += node.weight * a;
+            back += node.weight * a * a;
+        }
+        let area = PI * index * index;
+        Self { index, out: out / area, back: back / area, nodes: rule.len() }
+    }
+
+    /// `a`, over the points of a view or a source.
+    pub(super) fn arriving(&self, diffuser: &Diffuser, points: &[Point]) -> f64 {
+        points.iter().map(|p| p.weight * arriving(diffuser, p.beta.length(), self.index)).sum()
+    }
+
+    /// `pi` times the base's density of directions.
+    pub(super) fn density(&self) -> f64 {
+        1.0 / (self.index * self.index)
+    }
+}
+
+fn arriving(diffuser: &Diffuser, radius: f64, index: f64) -> f64 {
+    let straight = if radius < index { diffuser.straight_through } else { 0.0 };
+    straight + (1.0 - diffuser.straight_through) * diffuser.lobe.share_in_disc(radius, index)
+}

@@ -1,0 +1,180 @@
+//! Lobes in azimuth: their Fourier orders, and products of them summed over a circle.
+//!
+//! At radii a and c a k-correlation lobe is `b/(2 pi) (A - C cos phi)^(-3/2)` with
+//! `A = a^2 + b^2 + c^2`, `C = 2 a c`. Its mean over azimuth is a complete elliptic integral
+//! (Gradshteyn & Ryzhik, 2.575); higher orders follow from it by the three-term recurrence of
+//! Legendre functions of half-integer degree, run backwards (Miller; Gautschi, SIAM Rev. 9, 24
+//! (1967)).
+
+use std::f64::consts::PI;
+
+use papilio_optics::lobe::Lobe;
+
+use super::super::quadrature::{Point, Pole, graded};
+
+/// Fourier orders 0, 1, ... of the lobe between radii `a` and `c`: the density is
+/// `sum over all m of orders[|m|] exp(i m phi)`.
+pub(super) fn orders(lobe: Lobe, a: f64, c: f64, orders: &mut [f64]) {
+    orders.fill(0.0);
+    let Lobe::KCorrelation { width } = lobe else {
+        orders[0] = if a <= 1.0 && c <= 1.0 { 1.0 / PI } else { 0.0 };
+        return;
+    };
+    let (near, far) = (width * width + (a - c).powi(2), width * width + (a + c).powi(2));
+    orders[0] = width * second_kind(near / far) / (PI * PI * near * far.sqrt());
+    let (mean, product) = (0.5 * (near + far), 2.0 * a * c);
+    if product < 1e-30 * mean {
+        return;
+    }
+    let chi = mean / product;
+    // Ratios of successive orders tend to this.
+    let decay = product / (mean + (near * far).sqrt());
+    let most = orders.len() + 8;
+    let mut ratio = decay * (1.0 + 0.5 / most as f64);
+    for m in (1..most).rev() {
+        ratio = (m as f64 + 0.5) / (2.0 * chi * m as f64 - (m as f64 - 0.5) * ratio);
+        if m < orders.len() {
+            orders[m] = ratio;
+        }
+    }
+    for m in 1..orders.len() {
+        orders[m] *= orders[m - 1];
+    }
+}
+
+/// The lobe's integral over azimuth.
+pub(super) fn ring(lobe: Lobe, a: f64, c: f64) -> f64 {
+    let mut order = [0.0];
+    orders(lobe, a, c, &mut order);
+    2.0 * PI * order[0]
+}
+
+/// The complete elliptic integral of the second kind, from `k'^2 = 1 - k^2` above 0 (by the
+/// arithmetic-geometric mean; Abramowitz & Stegun, 17.6).
+fn second_kind(k_prime_squared: f64) -> f64 {
+    let (mut a, mut b) = (1.0, k_prime_squared.sqrt());
+    let (mut sum, mut power) = (0.5 * (1.0 - k_prime_squared), 0.5);
+    while (a - b) > 1e-9 * a {
+        let c = 0.5 * (a - b);
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        power *= 2.0;
+        sum += power * c * c;
+    }
+    PI / (a + b) * (1.0 - sum)
+}
+
+/// Where a lobe around radius `centre` is singular, as a function of the other radius.
+pub(super) fn poles(lobe: Lobe, centre: f64, poles: &mut Vec<Pole>) {
+    if let Lobe::KCorrelation { width } = lobe {
+        for at in [centre, -centre] {
+            let near = |pole: &Pole| (pole.at - at).abs() < 0.25 * width;
+            if !poles.iter().any(near) {
+                poles.push(Pole { at, off: width });
+            }
+        }
+    }
+}
+
+/// From this many points on, panels around the lobes do with fewer.
+const MOST_EVEN_POINTS: f64 = 300.0;
+
+/// The integral over azimuth, at this radius, of the product of two sums of lobes.
+pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[Point], digits: f64) -> f64 {
+    let Lobe::KCorrelation { width } = lobe else {
+        return if radius <= 1.0 { 2.0 / PI } else { 0.0 };
+    };
+    // A lobe's poles in azimuth lie at its own azimuth, this far off the real line.
+    let off = |point: &Point| {
+        let r = point.beta.length();
+        let excess = ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300);
+        2.0 * (0.5 * excess).sqrt().asinh()
+    };
+    let nearest = one.iter().chain(other).map(off).fold(f64::INFINITY, f64::min);
+    let count = (digits / nearest).ceil() + 2.0;
+    let scale = (width / (2.0 * PI)).powi(2);
+    if count <= MOST_EVEN_POINTS {
+        let step = 2.0 * PI / count;
+        let (sin_step, cos_step) = step.sin_cos();
+        let (mut x, mut y) = (radius, 0.0);
+        let mut sum = 0.0;
+        for _ in 0..count as usize {
+            sum += lobes(width, x, y, one) * lobes(width, x, y, other);
+            (x, y) = (x * cos_step - y * sin_step, x * sin_step + y * cos_step);
+        }
+        return scale * step * sum;
+    }
+    let azimuth = |point: &Point| point.beta.y.atan2(point.beta.x);
+    let mut poles: Vec<Pole> = Vec::new();
+    for point in one.iter().chain(other) {
+        for turn in [-2.0 * PI, 0.0, 2.0 * PI] {
+            let pole = Pole { at: azimuth(point) + turn, off: off(point) };
+            if !poles.iter().any(|p| (p.at - pole.at).abs() < 0.25 * pole.off.min(p.off)) {
+                poles.push(pole);
+            }
+        }
+    }
+    let value = |node: &super::super::quadrature::Node| {
+        let (sin, cos) = node.x.sin_cos();
+        let (x, y) = (radius * cos, radius * sin);
+        node.weight * lobes(width, x, y, one) * lobes(width, x, y, other)
+    };
+    scale * graded(-PI, PI, &[], &poles, digits).iter().map(value).sum::<f64>()
+}
+
+/// The weighted sum of lobes at a point, but for the factor `b / (2 pi)`.
+#[inline]
+fn lobes(width: f64, x: f64, y: f64, points: &[Point]) -> f64 {
+    let mut sum = 0.0;
+    for point in points {
+        let s = width * width + (x - point.beta.x).powi(2) + (y - point.beta.y).powi(2);
+        sum += point.weight / (s * s.sqrt());
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_optics::Beta;
+
+    /// Orders against the trapezoid rule, which converges exponentially.
+    #[test]
+    fn orders_are_the_lobes_fourier_coefficients() {
+        for (width, a, c) in [(0.05, 0.3, 0.35), (0.05, 0.9, 0.1), (0.4, 1.2, 1.0), (0.02, 0.5, 0.5)] {
+            let lobe = Lobe::KCorrelation { width };
+            let mut found = vec![0.0; 30];
+            orders(lobe, a, c, &mut found);
+            let steps = 4000;
+            for (m, found) in found.iter().enumerate() {
+                let term = |k: i32| {
+                    let phi = 2.0 * PI * f64::from(k) / f64::from(steps);
+                    let to = Beta { x: c * phi.cos(), y: c * phi.sin() };
+                    lobe.density(Beta { x: a, y: 0.0 }, to) * (m as f64 * phi).cos()
+                };
+                let truth = (0..steps).map(term).sum::<f64>() / f64::from(steps);
+                assert!((found - truth).abs() < 1e-7 * truth.abs() + 1e-12, "{width} {a} {c} {m}: {found} {truth}");
+            }
+            let mean = (0..1).map(|_| found[0]).sum::<f64>();
+            assert!((ring(lobe, a, c) - 2.0 * PI * mean).abs() < 1e-12);
+        }
+    }
+
+    /// Both ways of summing over azimuth agree, for lobes down to a width of 1e-4.
+    #[test]
+    fn products_of_narrow_lobes() {
+        let point = |x, y| vec![Point { beta: Beta { x, y }, weight: 1.0 }];
+        let (one, other) = (point(0.3, 0.02), point(-0.1, 0.29));
+        for width in [1e-4, 3e-3, 0.05] {
+            let lobe = Lobe::KCorrelation { width };
+            let found = ring_of_products(lobe, 0.3, &one, &other, 23.0);
+            let steps = 400_000;
+            let term = |k: i32| {
+                let phi = 2.0 * PI * f64::from(k) / f64::from(steps);
+                let at = Beta { x: 0.3 * phi.cos(), y: 0.3 * phi.sin() };
+                lobe.density(one[0].beta, at) * lobe.density(other[0].beta, at)
+            };
+            let truth = (0..steps).map(term).sum::<f64>() * 2.0 * PI / f64::from(steps);
+            assert!((found / truth - 1.0).abs() < 1e-8, "{width}: {found} {truth}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The ordinary panel: one diffuser or face over the base.
+//!
+//! A bare panel is closed forms and one-dimensional integrals ([`bare`]). Under a diffuser the
+//! first pass is an integral over the directions in the glass ([`first_pass`]), which falls on
+//! the nodes of the pixel's table as weights; light that the front of screen sends back into the
+//! panel is followed on a grid of its own ([`recycling`]). Over a Lambertian base all of it is of
+//! rank one ([`lambertian`]).
+//!
+//! What is discretised goes with one number, `digits`: every rule is made for an error of
+//! `exp(-digits)`, and a level has 3.5 more than the one before (a factor of 33).
+
+mod bare;
+mod books;
+mod diffused;
+mod first_pass;
+mod indices;
+mod lambertian;
+mod lobes;
+mod recycling;
+
+use crate::{Cone, Estimate, Panel, Source, Top};
+
+/// Prepared for a stack, its views and its sources.
+#[derive(Debug, Clone)]
+pub(super) struct Kernel {
+    digits: f64,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    Bare(bare::Kernel),
+    Diffused(Box<diffused::Kernel>),
+}
+
+impl Kernel {
+    pub(super) fn new(level: u32) -> Self {
+        Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
+    }
+
+    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source]) {
+        match &stack.top {
+            Top::Coated | Top::Fresnel(_) => {
+                self.kind = Kind::Bare(bare::Kernel::new(views, sources, self.digits));
+            }
+            Top::Diffuser(diffuser) => {
+                if let Kind::Diffused(kernel) = &mut self.kind
+                    && kernel.serves(stack, diffuser)
+                {
+                    return kernel.prepare(stack, views, sources);
+                }
+                let mut kernel = diffused::Kernel::new(stack, diffuser, self.digits);
+                kernel.prepare(stack, views, sources);
+                self.kind = Kind::Diffused(Box::new(kernel));
+            }
+        }
+    }
+
+    pub(super) fn estimate(&self, stack: &Panel, view: usize) -> Estimate {
+        match (&self.kind, &stack.top) {
+            (Kind::Bare(kernel), _) => kernel.estimate(stack, view),
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.estimate(stack, diffuser, view),
+            (Kind::Diffused(_), _) => {
+                debug_assert!(false, "a kernel is prepared for the panel's top");
+                Estimate::default()
+            }
+        }
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        match &self.kind {
+            Kind::Bare(kernel) => kernel.nodes(),
+            Kind::Diffused(kernel) => kernel.nodes(),
+        }
+    }
+}
+
+/// `sum += scale * values`.
+#[inline]
+fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
+    for (s, v) in sum.iter_mut().zip(values) {
+        *s += v * scale;
+    }
+}

@@ -1,0 +1,279 @@
+//! The grid on which recycled light is followed, and one pass through the panel on it.
+//!
+//! Directions in air and in the glass have each a rule over the radius, azimuth is in Fourier
+//! orders. With `L` the lobe between the two rules, one pass of light above the diffuser is
+//! `s^2 R + s(1-s)(R l + l R) + (1-s)^2 L^T R L`: a diagonal, single and double scattering.
+
+use std::f64::consts::FRAC_PI_2;
+
+use papilio_optics::lobe::Lobe;
+
+use super::super::super::quadrature::{Node, Point, Pole, gauss, graded};
+use super::super::first_pass::Pass;
+use super::super::lobes;
+
+/// Points of one panel, at most.
+const PANEL: usize = 36;
+
+#[derive(Debug, Clone)]
+pub(super) struct Grid {
+    lobe: Lobe,
+    pub(super) straight: f64,
+    /// Azimuthal orders 0, 1, ...: how many.
+    pub(super) orders: usize,
+    /// Rules over the radius in air and in the glass.
+    pub(super) air: Vec<Node>,
+    pub(super) glass: Vec<Node>,
+    /// The lobe, `[order][air][glass]`, and between directions in air where light goes straight through.
+    between: Vec<f64>,
+    within: Vec<f64>,
+    /// The share of light at the diffuser's underside that leaves, at the glass's nodes, and of
+    /// light above it that reaches the base, at the air's; `leaving_straight` is `leaving` at the air's.
+    pub(super) leaving: Vec<f64>,
+    pub(super) leaving_straight: Vec<f64>,
+    pub(super) arriving: Vec<f64>,
+}
+
+/// A group of directions with the same share of straight light: their lobes, symmetric about `azimuth`.
+#[derive(Debug, Clone)]
+pub(super) struct Meridian {
+    pub(super) azimuth: f64,
+    /// `[order][glass]`, and `[order][air]` where light goes straight through.
+    glass: Vec<f64>,
+    air: Vec<f64>,
+}
+
+/// The base's reflectance where the grid needs it, in any number of columns: at the nodes
+/// (`[glass][column]`, `[air][column]`).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns<'a> {
+    pub(super) count: usize,
+    pub(super) glass: &'a [f64],
+    pub(super) air: &'a [f64],
+}
+
+impl Grid {
+    pub(super) fn new(pass: &Pass<'_>, orders: usize, digits: f64) -> Self {
+        let (lobe, straight) = (pass.diffuser.lobe, pass.diffuser.straight_through);
+        let width = match lobe {
+            Lobe::KCorrelation { width } => width,
+            Lobe::Lambertian => 1.0,
+        };
+        let doubled = if straight > 0.0 { width } else { 2.0 * width };
+        let air = disc(even(0.0, FRAC_PI_2, doubled, digits), 1.0);
+        let rim = (1.0 / pass.index).min(1.0).asin();
+        let mut angles = even(0.0, rim, width / pass.index, digits);
+        if rim < FRAC_PI_2 && lobe != Lobe::Lambertian {
+            let poles = [1.0, -1.0].map(|at| Pole { at, off: width }.in_arc(pass.index));
+            angles.extend(graded(rim, FRAC_PI_2, &[], &poles, digits));
+        }
+        let glass = disc(angles, pass.index);
+        let table = |rows: &[Node], columns: &[Node]| {
+            let mut all = vec![0.0; orders * rows.len() * columns.len()];
+            let mut each = vec![0.0; orders];
+            for (k, row) in rows.iter().enumerate() {
+                for (i, column) in columns.iter().enumerate() {
+                    lobes::orders(lobe, row.x, column.x, &mut each);
+                    for (m, value) in each.iter().enumerate() {
+                        all[(m * rows.len() + k) * columns.len() + i] = *value;
+                    }
+                }
+            }
+            all
+        };
+        let between = table(&air, &glass);
+        let within = if straight > 0.0 { table(&air, &air) } else { Vec::new() };
+        let leaving = glass.iter().map(|node| pass.share_leaving(node.x)).collect();
+        let leaving_straight = air.iter().map(|node| pass.share_leaving(node.x)).collect();
+        let reaching = |node: &Node| straight + (1.0 - straight) * lobe.share_in_disc(node.x, pass.index);
+        let arriving = air.iter().map(reaching).collect();
+        Self { lobe, straight, orders, air, glass, between, within, leaving, leaving_straight, arriving }
+    }
+
+    /// The lobes of a group of points that is symmetric about `azimuth`.
+    pub(super) fn meridian(&self, points: &[Point], azimuth: f64) -> Meridian {
+        let lobes_at = |nodes: &[Node]| {
+            let mut sum = vec![0.0; self.orders * nodes.len()];
+            let mut each = vec![0.0; self.orders];
+            for (k, node) in nodes.iter().enumerate() {
+                for point in points {
+                    let off = point.beta.y.atan2(point.beta.x) - azimuth;
+                    lobes::orders(self.lobe, point.beta.length(), node.x, &mut each);
+                    for (m, value) in each.iter().enumerate() {
+                        sum[m * nodes.len() + k] += point.weight * (m as f64 * off).cos() * value;
+                    }
+                }
+            }
+            sum
+        };
+        let air = if self.straight > 0.0 { lobes_at(&self.air) } else { Vec::new() };
+        Meridian { azimuth, glass: lobes_at(&self.glass), air }
+    }
+
+    /// Light of a group after one pass in which it was scattered, at the air's nodes; `own` is the
+    /// base's reflectance of the group's direction.
+    pub(super) fn scattered(&self, group: &Meridian, order: usize, r: Columns<'_>, own: &[f64]) -> Vec<f64> {
+        let (n, s) = (r.count, self.straight);
+        let glass = &group.glass[order * self.glass.len()..][..self.glass.len()];
+        let mut below = Vec::with_capacity(self.glass.len() * n);
+        for ((node, lobe), r) in self.glass.iter().zip(glass).zip(r.glass.chunks_exact(n)) {
+            let weight = (1.0 - s).powi(2) * node.weight * lobe;
+            below.extend(r.iter().map(|r| weight * r));
+        }
+        let mut light = self.lower(order, &below, n);
+        if s > 0.0 {
+            let air = &group.air[order * self.air.len()..][..self.air.len()];
+            for ((light, lobe), r) in light.chunks_exact_mut(n).zip(air).zip(r.air.chunks_exact(n)) {
+                let once = s * (1.0 - s) * lobe;
+                light.iter_mut().zip(r).zip(own).for_each(|((l, r), own)| *l += once * (r + own));
+            }
+        }
+        light
+    }
+
+    /// Light at the air's nodes (`[air][width]`) through one pass, for each column of the
+    /// reflectance: shape `[air][width][column]`; where `paired`, column by column.
+    pub(super) fn pass(&self, order: usize, light: &[f64], r: Columns<'_>, paired: bool) -> Vec<f64> {
+        let (s, width) = (self.straight, light.len() / self.air.len());
+        let count = if paired { width } else { width * r.count };
+        let lifted = self.lift(order, light, width);
+        let mut below = vec![0.0; self.glass.len() * count];
+        for (i, node) in self.glass.iter().enumerate() {
+            let weight = (1.0 - s).powi(2) * node.weight;
+            let r = &r.glass[i * r.count..][..r.count];
+            times(&mut below[i * count..][..count], &lifted[i * width..][..width], r, weight, paired);
+        }
+        let mut out = self.lower(order, &below, count);
+        if s > 0.0 {
+            let across = self.across(order, light, width);
+            let mut before = vec![0.0; self.air.len() * count];
+            for k in 0..self.air.len() {
+                let r = &r.air[k * r.count..][..r.count];
+                let (light, across) = (&light[k * width..][..width], &across[k * width..][..width]);
+                times(&mut out[k * count..][..count], light, r, s * s, paired);
+                times(&mut out[k * count..][..count], across, r, s * (1.0 - s), paired);
+                times(&mut before[k * count..][..count], light, r, s * (1.0 - s), paired);
+            }
+            let after = self.across(order, &before, count);
+            out.iter_mut().zip(after).for_each(|(o, a)| *o += a);
+        }
+        out
+    }
+
+    /// Diffuse light (`[air][column]`) after one meeting with the base: of what arrives, the share that
+    /// `of_scattered` (at the glass's nodes) and `of_straight` (at the air's) tell.
+    pub(super) fn diffuse(&self, r: Columns<'_>, of_scattered: &[f64], of_straight: &[f64]) -> Vec<f64> {
+        let (n, s) = (r.count, self.straight);
+        let mut below = Vec::with_capacity(self.glass.len() * n);
+        for ((node, share), r) in self.glass.iter().zip(of_scattered).zip(r.glass.chunks_exact(n)) {
+            let weight = (1.0 - s) * node.weight * share;
+            below.extend(r.iter().map(|r| weight * r));
+        }
+        let mut light = self.lower(0, &below, n);
+        if s > 0.0 {
+            for ((light, share), r) in light.chunks_exact_mut(n).zip(of_straight).zip(r.air.chunks_exact(n)) {
+                add_scaled(light, r, s * share);
+            }
+        }
+        light
+    }
+
+    /// The integral over the air's disc of `light` (`[air][width]`) times `other` (`[air][n]`): `[width][n]`.
+    pub(super) fn product(&self, light: &[f64], other: &[f64], n: usize, scale: f64, sum: &mut [f64]) {
+        let width = light.len() / self.air.len();
+        for ((node, light), other) in
+            self.air.iter().zip(light.chunks_exact(width)).zip(other.chunks_exact(n))
+        {
+            for (light, row) in light.iter().zip(sum.chunks_exact_mut(n)) {
+                let weight = scale * node.weight * light;
+                row.iter_mut().zip(other).for_each(|(s, o)| *s += weight * o);
+            }
+        }
+    }
+
+    /// From the air's nodes to the glass's.
+    fn lift(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
+        let glass = self.glass.len();
+        let mut out = vec![0.0; glass * width];
+        for (k, node) in self.air.iter().enumerate() {
+            let row = &self.between[(order * self.air.len() + k) * glass..][..glass];
+            for (lobe, out) in row.iter().zip(out.chunks_exact_mut(width)) {
+                add_scaled(out, &light[k * width..][..width], lobe * node.weight);
+            }
+        }
+        out
+    }
+
+    /// From the glass's nodes (weights included) to the air's.
+    fn lower(&self, order: usize, below: &[f64], width: usize) -> Vec<f64> {
+        let glass = self.glass.len();
+        let mut out = vec![0.0; self.air.len() * width];
+        for (k, out) in out.chunks_exact_mut(width).enumerate() {
+            let row = &self.between[(order * self.air.len() + k) * glass..][..glass];
+            for (lobe, below) in row.iter().zip(below.chunks_exact(width)) {
+                add_scaled(out, below, *lobe);
+            }
+        }
+        out
+    }
+
+    /// One lobe within air.
+    fn across(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
+        let air = self.air.len();
+        let mut out = vec![0.0; air * width];
+        for (k, out) in out.chunks_exact_mut(width).enumerate() {
+            let row = &self.within[(order * air + k) * air..][..air];
+            for ((lobe, node), light) in row.iter().zip(&self.air).zip(light.chunks_exact(width)) {
+                add_scaled(out, light, lobe * node.weight);
+            }
+        }
+        out
+    }
+}
+
+/// `out += scale * light * r`, for all pairs or column by column.
+#[inline]
+fn times(out: &mut [f64], light: &[f64], r: &[f64], scale: f64, paired: bool) {
+    if paired {
+        for ((o, l), r) in out.iter_mut().zip(light).zip(r) {
+            *o += scale * l * r;
+        }
+    } else {
+        for (out, l) in out.chunks_exact_mut(r.len()).zip(light) {
+            add_scaled(out, r, scale * l);
+        }
+    }
+}
+
+#[inline]
+fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
+    for (s, v) in sum.iter_mut().zip(values) {
+        *s += v * scale;
+    }
+}
+
+/// A rule for integrands with poles this far off everywhere.
+fn even(from: f64, to: f64, off: f64, digits: f64) -> Vec<Node> {
+    let points = |panels: usize| {
+        let half = 0.5 * (to - from) / panels as f64;
+        (digits / (2.0 * (off / half).asinh())).ceil().max(2.0) as usize
+    };
+    let mut panels = 1;
+    while points(panels) > PANEL {
+        panels *= 2;
+    }
+    let step = (to - from) / panels as f64;
+    (0..panels)
+        .flat_map(|k| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, points(panels)))
+        .collect()
+}
+
+/// From a rule in `x` of `|beta| = radius sin x` to one in the radius, weights with `2 pi |beta|`.
+fn disc(mut nodes: Vec<Node>, radius: f64) -> Vec<Node> {
+    for node in &mut nodes {
+        let (sin, cos) = node.x.sin_cos();
+        node.x = radius * sin;
+        node.weight *= 2.0 * std::f64::consts::PI * node.x * radius * cos;
+    }
+    nodes
+}
