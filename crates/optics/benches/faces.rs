@@ -1,0 +1,54 @@
+//! Rough faces and coatings: what making their tables costs, and each look-up.
+
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
+
+use divan::{Bencher, black_box};
+use papilio_optics::Beta;
+use papilio_optics::film::{Coating, SpectralLayer, Thickness};
+use papilio_optics::rough::{Rough, Side};
+use papilio_sampling::{Numbers, Sampler};
+
+fn main() {
+    divan::main();
+}
+
+/// A quarter wave of MgF2 on glass, 380 to 780 nm in steps of 5.
+fn coating() -> Coating {
+    let wavelengths_nm: Vec<f64> = (0..81).map(|bin| 380.0 + 5.0 * f64::from(bin)).collect();
+    let layer = SpectralLayer { index: vec![1.38.into(); 81], thickness: Thickness::Fixed(99.6) };
+    Coating::new(&wavelengths_nm, &[1.0; 81], &[layer], &[1.52; 81]).unwrap()
+}
+
+#[divan::bench]
+fn make_coating() -> Coating {
+    coating()
+}
+
+#[divan::bench]
+fn coating_part(bencher: Bencher<'_, '_>) {
+    let coating = coating();
+    bencher.bench_local(|| coating.part(black_box(0.4), black_box(40)));
+}
+
+#[divan::bench(args = [0.01, 0.1, 0.5], sample_count = 10)]
+fn make_face(alpha: f64) -> Rough {
+    Rough::new(alpha, 1.0, 1.5)
+}
+
+#[divan::bench]
+fn face_density(bencher: Bencher<'_, '_>) {
+    let face = Rough::new(0.2, 1.0, 1.5);
+    let (a, b) = (Beta { x: 0.3, y: 0.1 }, Beta { x: -0.2, y: 0.9 });
+    bencher.bench_local(|| face.density(Side::Above, black_box(a), Side::Below, black_box(b)));
+}
+
+#[divan::bench(args = [0.01, 0.2, 1.0])]
+fn face_sample(bencher: Bencher<'_, '_>, alpha: f64) {
+    let face = Rough::new(alpha, 1.0, 1.5);
+    let numbers = Numbers::new(Sampler::Random, 1, 0);
+    let mut path = 0;
+    bencher.bench_local(|| {
+        path += 1;
+        face.sample(Side::Below, black_box(Beta { x: 0.3, y: 0.1 }), numbers.block(path, 0))
+    });
+}
