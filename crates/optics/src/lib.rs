@@ -7,6 +7,9 @@
 //!   [`film::coherent`] tells everything about one wavelength and direction,
 //!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
+//! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
+//! - [`rough`]: a rough face that sends light to both sides and loses none;
+//! - [`phase`]: the phase function of scattering media;
 //! - [`Beta`]: the direction cosines that all of them speak.
 //!
 //! ```
@@ -23,7 +26,7 @@
 //! # Ok::<(), papilio_optics::OpticsError>(())
 //! ```
 //!
-//! **Limits.** Flat, homogeneous, isotropic layers; geometric optics outside the
+//! **Limits.** Flat (but for rough faces), homogeneous, isotropic layers; geometric optics outside the
 //! films; the films keep s and p apart, lobes and layers take their mean.
 //!
 //! **Out of scope.** Stacks of layers that exchange light (`transport`), colour
