@@ -181,9 +181,7 @@ impl Skeleton {
         }
         let arriving = &field.direct.down[last * self.bins..];
         let above = &self.above[last * self.bins..];
-        for (rising, r) in
-            field.rising.chunks_exact_mut(self.bins).zip(self.base.chunks_exact(self.bins))
-        {
+        for (rising, r) in field.rising.chunks_exact_mut(self.bins).zip(self.base.chunks_exact(self.bins)) {
             for bin in 0..self.bins {
                 rising[bin] = r[bin] * passing(arriving[bin], r[bin] * above[bin]);
             }
@@ -241,10 +239,7 @@ impl Field {
     #[inline]
     pub(crate) fn at(&self, ray: Ray) -> (&[f64], &[f64]) {
         let at = ray.plane * self.bins;
-        (
-            &self.direct.going(ray.going)[at..][..self.bins],
-            &self.risen.going(ray.going)[at..][..self.bins],
-        )
+        (&self.direct.going(ray.going)[at..][..self.bins], &self.risen.going(ray.going)[at..][..self.bins])
     }
 }
 

@@ -9,10 +9,12 @@ use common::*;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
-use papilio_sampling::Sampler;
+use papilio_sampling::{Numbers, Sampler};
+use papilio_spectra::Spectrum;
+use papilio_transport::walk::Walk;
 use papilio_transport::{
-    Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Panel, Scattering, Source, Stack, Top,
-    specular_image,
+    AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
+    Scattering, Source, Stack, Top, specular_image,
 };
 
 fn layered(layers: Vec<Layer>, base: Base) -> Stack {
@@ -143,7 +145,7 @@ fn a_panel_as_layers() {
     ] {
         let (panel, layers) = both_forms(panel, &[(0.2, 0.05), (0.1, 0.02)]);
         let a = Runs::new(&panel, 8.0, &sources, 128);
-        let b = Runs::new(&layers, 8.0, &sources, 256);
+        let b = Runs::new(&layers, 8.0, &sources, 128);
         for (source, what) in ["diffuse", "beam", "disc"].into_iter().enumerate() {
             assert_same(&format!("{name}, {what}"), (&a, source), (&b, source), 0.05);
         }
@@ -191,7 +193,7 @@ fn slabs_over_a_back_surface() {
     ] {
         let stack = layered(vec![under_air(slab(n, tau, 0.9, 1.0))], base);
         for (theta_deg, truth) in [(0.0, normal), (8.0, oblique)] {
-            let runs = Runs::new(&stack, theta_deg, &[Source::Diffuse], 256);
+            let runs = Runs::new(&stack, theta_deg, &[Source::Diffuse], 128);
             runs.check(&format!("n {n}, tau {tau}, from {theta_deg}"), truth, 0.05, |e| rho(e, 0));
         }
     }
@@ -250,7 +252,7 @@ fn discs_from_a_beam_to_the_sky() {
     let sources = [Source::Diffuse, sky, beam(-25.0), small];
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
-        let runs = Runs::new(&stack, 10.0, &sources, 256);
+        let runs = Runs::new(&stack, 10.0, &sources, 64);
         assert_same(&format!("sky over a {name}"), (&runs, 1), (&runs, 0), 0.1);
         assert_same(&format!("beam over a {name}"), (&runs, 3), (&runs, 2), 0.1);
     }
@@ -262,8 +264,8 @@ fn reader_and_lamp_may_change_places() {
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
         let (there, back) = ([beam(35.0)], [beam(10.0)]);
-        let a = Runs::new(&stack, 10.0, &there, 256);
-        let b = Runs::new(&stack, 35.0, &back, 256);
+        let a = Runs::new(&stack, 10.0, &there, 128);
+        let b = Runs::new(&stack, 35.0, &back, 128);
         assert_same(&format!("reciprocity over a {name}"), (&a, 0), (&b, 0), 0.1);
     }
 }
@@ -272,9 +274,7 @@ fn reader_and_lamp_may_change_places() {
 #[test]
 fn splitting_a_slab_changes_nothing() {
     let sources = [Source::Diffuse, beam(-30.0)];
-    let part = |share: f64| {
-        slab(1.5, 2.0 * share, 0.7, 0.95).with_transmittance(one(0.8_f64.powf(share)))
-    };
+    let part = |share: f64| slab(1.5, 2.0 * share, 0.7, 0.95).with_transmittance(one(0.8_f64.powf(share)));
     let whole = layered(vec![under_air(part(1.0))], mirror(0.6));
     let halves = layered(vec![under_air(part(0.3)), layer(Interface::Open, part(0.7))], mirror(0.6));
     let (a, b) = (Runs::new(&whole, 20.0, &sources, 256), Runs::new(&halves, 20.0, &sources, 256));
@@ -297,4 +297,89 @@ fn the_ledger_closes() {
             1.0 + l.unaccounted[0]
         });
     }
+}
+
+/// A stack with these of three wavelengths: everything that may depend on it does, glass
+/// indices included. Two states.
+fn coloured(bins: &[usize], lambertian: bool) -> Stack {
+    let of =
+        |values: [f64; 3]| -> Spectrum { bins.iter().map(|&bin| values[bin]).collect::<Vec<_>>().into() };
+    let glass = Medium::new(of([1.48, 1.5, 1.55])).with_transmittance(of([0.9, 0.8, 1.0]));
+    let scattering = Scattering { optical_thickness: 0.8, anisotropy: 0.7, albedo: of([0.5, 0.9, 1.0]) };
+    let milk = Medium::new(of([1.4; 3])).with_scattering(scattering).with_transmittance(of([0.7, 1.0, 0.9]));
+    let lobe = Lobe::KCorrelation { width: 0.2 };
+    let diffuser = Diffuser { lobe, transmittance: of([0.9, 0.7, 0.5]), straight_through: 0.2 };
+    let sheet = Interface::Sheet { reflectance: of([0.1, 0.3, 0.0]), absorptance: of([0.0, 0.1, 0.2]) };
+    let whole = of([0.8, 0.5, 0.3]);
+    let reflector = if lambertian {
+        Reflector::Lambertian(whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect())
+    } else {
+        let (basis, common) = (whole.to_vec(), of([0.0, 0.1, 0.2]).to_vec());
+        Reflector::Specular(AngularTable { nodes: Nodes::Constant, basis, mixture: vec![1.0, 0.3], common })
+    };
+    let layers = vec![
+        layer(sheet, Medium::new(of([1.0; 3]))),
+        layer(Interface::Fresnel, milk),
+        layer(Interface::Fresnel, Medium::new(of([1.0; 3]))),
+        layer(Interface::Diffuser(diffuser), glass),
+    ];
+    layered(layers, Base { reflector, inactive_absorptance: of([0.02, 0.0, 0.05]) })
+}
+
+/// Paths that carry many wavelengths and states give for each what paths of its own give.
+#[test]
+fn every_wavelength_and_state_is_its_own() {
+    let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
+    for lambertian in [false, true] {
+        let all = coloured(&[0, 1, 2], lambertian);
+        let all = Runs::new(&all, 15.0, &sources, 128);
+        for bin in 0..3 {
+            let alone = coloured(&[bin], lambertian);
+            let alone = Runs::new(&alone, 15.0, &sources, 128);
+            for (source, state) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 1)] {
+                let what = format!("bin {bin}, state {state}, source {source}, Lambertian {lambertian}");
+                assert_unbiased(&what, 1.0, 0.1, |seed| {
+                    let seen = |e: &Estimate, bins: usize, bin: usize| {
+                        e.rho[source].base[state * bins + bin] + e.rho[source].front[bin]
+                    };
+                    let (x, error_x) = all.mean(2 * seed, |e| seen(e, 3, bin));
+                    let (y, error_y) = alone.mean(2 * seed + 1, |e| seen(e, 1, 0));
+                    (x / y, (x / y) * (error_x / x).hypot(error_y / y))
+                });
+            }
+        }
+    }
+}
+
+/// Layers as thin and as thick as anyone may ask for: the first orders, and an end in time.
+#[test]
+fn from_a_breath_to_a_wall() {
+    // Isotropic and thin, seen along the normal: half of tau goes back up.
+    let breath = layered(vec![under_air(slab(1.0, 1e-6, 0.0, 1.0))], mirror(0.0));
+    let runs = Runs::new(&breath, 0.0, &[Source::Diffuse], 64);
+    runs.check("a breath", 0.5e-6, 0.1, |e| rho(e, 0));
+    // What absorbs nothing returns all but one in a million; the rest needs 10^12 events.
+    let wall = layered(vec![under_air(slab(1.0, 1e6, 0.0, 1.0))], mirror(0.0));
+    let runs = Runs::new(&wall, 0.0, &[Source::Diffuse], 32);
+    runs.check("a wall", 1.0 - 1.7e-6, 0.2, |e| rho(e, 0));
+    // Almost along the surface, through a lobe as narrow as a diffraction limit.
+    let stack = layered(vec![layer(Interface::Diffuser(diffuser(1e-4, 1.0, 0.0)), clear(1.5))], mirror(1.0));
+    let runs = Runs::new(&stack, 89.9, &[Source::Diffuse], 16);
+    let sin = 89.9_f64.to_radians().sin();
+    runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.share_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
+}
+
+/// The sums depend on the numbers and the total of paths, not on how they are split over calls.
+#[test]
+fn split_calls_give_the_same_bits() {
+    let stack = everything(1.0, mirror(0.7));
+    let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
+    let walk = Walk::new(&stack, view(8.0), &sources);
+    let numbers = Numbers::new(Sampler::Sobol, 3, 0);
+    let (mut whole, mut parts) = (walk.replicate(), walk.replicate());
+    walk.trace(&mut whole, &numbers, 100);
+    for count in [1, 60, 39] {
+        walk.trace(&mut parts, &numbers, count);
+    }
+    assert_eq!(walk.estimate(&whole), walk.estimate(&parts));
 }

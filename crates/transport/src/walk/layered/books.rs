@@ -1,8 +1,8 @@
 //! The sums of the paths, and what they mean: reflectance factors and the ledger.
 
+use super::Layered;
 use super::light::{Light, Share};
 use super::sources::Lamps;
-use super::Layered;
 use crate::skeleton::{Field, Going, Ray, Skeleton};
 use crate::{Estimate, Interface, Ledger, Rho, Source};
 

@@ -21,8 +21,8 @@ use papilio_sampling::{PLANNED_BLOCKS, warp};
 use super::{PathNumbers, add_scaled};
 use crate::skeleton::{Field, Going, Ray, Skeleton};
 use crate::{Cone, Diffuser, Interface, Medium, Reflector, Source};
-use books::{Account, Room, Sums};
 pub(super) use books::Tally;
+use books::{Account, Room, Sums};
 use bulk::Bulk;
 use light::Share;
 
@@ -123,8 +123,7 @@ impl<'a> Layered<'a> {
             let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
             let survival = (least, draws.most_survival());
             let Some(meeting) = self.choose(u[0], survival, sums, room) else { return };
-            let Some(next) = self.scatter(sent, meeting, [u[1], u[2], u[3]], &mut draws, sums, room)
-            else {
+            let Some(next) = self.scatter(sent, meeting, [u[1], u[2], u[3]], &mut draws, sums, room) else {
                 return;
             };
             sent = next;
@@ -287,7 +286,8 @@ fn meetings(stack: &crate::Layered) -> Vec<Meeting<'_>> {
     let mut meetings = Vec::new();
     let mut upper = None;
     for (i, layer) in stack.layers.iter().enumerate() {
-        let both_ways = |element, kind| [Going::Down, Going::Up].map(|going| Meeting { element, going, kind });
+        let both_ways =
+            |element, kind| [Going::Down, Going::Up].map(|going| Meeting { element, going, kind });
         match &layer.interface {
             Interface::Diffuser(diffuser) => {
                 meetings.extend(both_ways(2 * i, Kind::Diffuser(diffuser, upper, &layer.medium)));

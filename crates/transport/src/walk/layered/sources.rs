@@ -83,7 +83,8 @@ impl Lamps {
         if walk.discs {
             for of in 0..self.sources.len() {
                 let source = &walk.sources[self.sources[of].source];
-                if let (Source::Disc(_), Some(target)) = (source, Target::sample(source, numbers.on_discs())) {
+                if let (Source::Disc(_), Some(target)) = (source, Target::sample(source, numbers.on_discs()))
+                {
                     self.aim(of, target, walk, skeleton);
                 }
             }
@@ -124,7 +125,16 @@ impl Lamp {
         let mut before = Light::zeros(base.states(), base.bins());
         before.start();
         let field = skeleton.field();
-        Self { source, target, beta: target.beta, drawn: None, field, before, dark: false, gathered: [0.0; 2] }
+        Self {
+            source,
+            target,
+            beta: target.beta,
+            drawn: None,
+            field,
+            before,
+            dark: false,
+            gathered: [0.0; 2],
+        }
     }
 
     /// The balanced weight of a connection by an event that sends light this way with density
