@@ -17,7 +17,7 @@ const ORDER: usize = 12;
 /// The largest error of the table between its nodes.
 const TOLERANCE: f64 = 2e-6;
 
-/// A table of roughness .01 has a fifth of this.
+/// A table of roughness .01 has about a tenth of this.
 const MOST_PIECES: usize = 100;
 
 /// The deficits from both sides, tabulated over the cosine to the face's normal.
