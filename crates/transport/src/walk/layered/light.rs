@@ -31,20 +31,13 @@ impl Light {
         self.met.fill(0.0);
     }
 
-    /// Every part of it with its wavelength's number.
-    fn parts(&mut self) -> impl Iterator<Item = (usize, &mut f64)> {
-        let bins = self.fresh.len();
-        let numbered = move |(k, value)| (k % bins, value);
-        self.fresh.iter_mut().enumerate().chain(self.met.iter_mut().enumerate().map(numbered))
-    }
-
     /// True if nothing is left.
     pub(super) fn is_dark(&self) -> bool {
         self.fresh.iter().chain(&self.met).all(|value| *value == 0.0)
     }
 
     pub(super) fn scale(&mut self, factor: f64) {
-        self.parts().for_each(|(_, value)| *value *= factor);
+        self.fresh.iter_mut().chain(&mut self.met).for_each(|value| *value *= factor);
     }
 
     pub(super) fn add(&mut self, other: &Self, scale: f64) {
@@ -54,16 +47,27 @@ impl Light {
 
     /// Keeps a share, per wavelength; the rest goes to `loss`.
     pub(super) fn keep(&mut self, kept: impl Fn(usize) -> f64, loss: &mut Self) {
-        for ((bin, value), (_, lost)) in self.parts().zip(loss.parts()) {
-            let rest = *value * kept(bin);
-            *lost += *value - rest;
-            *value = rest;
+        let bins = self.fresh.len();
+        for bin in 0..bins {
+            let kept = kept(bin);
+            let keep = |(value, lost): (&mut f64, &mut f64)| {
+                let rest = *value * kept;
+                *lost += *value - rest;
+                *value = rest;
+            };
+            keep((&mut self.fresh[bin], &mut loss.fresh[bin]));
+            let (met, lost) = (self.met.iter_mut().skip(bin), loss.met.iter_mut().skip(bin));
+            met.step_by(bins).zip(lost.step_by(bins)).for_each(keep);
         }
     }
 
     /// Loses the wavelengths that are not kept.
     pub(super) fn keep_where(&mut self, kept: impl Fn(usize) -> bool) {
-        self.parts().filter(|(bin, _)| !kept(*bin)).for_each(|(_, value)| *value = 0.0);
+        let bins = self.fresh.len();
+        for bin in (0..bins).filter(|bin| !kept(*bin)) {
+            self.fresh[bin] = 0.0;
+            self.met.iter_mut().skip(bin).step_by(bins).for_each(|value| *value = 0.0);
+        }
     }
 
     /// `rows[state][wavelength]` times all of this light.
