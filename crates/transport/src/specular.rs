@@ -26,7 +26,7 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
 }
 
 /// [`specular_image`] of any layers: what their flat skeleton sends back.
-fn layered_image(stack: &Layered, beta: Beta) -> Image {
+pub(crate) fn layered_image(stack: &Layered, beta: Beta) -> Image {
     let mut skeleton = Skeleton::new(stack);
     skeleton.set(stack, beta.squared());
     let mut field = skeleton.field();
