@@ -55,8 +55,8 @@ pub enum Interface {
     Rough(Rough),
 }
 
-/// A diffuser given by its BTDF: it reflects nothing; what its lobe sends beyond
-/// |beta| = 1 upwards, or beyond the medium's index downwards, is absorbed in it.
+/// A diffuser given by its BTDF: it reflects nothing; what its lobe sends beyond the index of the
+/// medium there, above (1 in air) or below, is absorbed in it.
 #[derive(Debug, Clone)]
 pub struct Diffuser {
     /// Angular shape of the scattered part.

@@ -1,7 +1,8 @@
-//! Light through the layered display: the stack and the Monte Carlo walk.
+//! Light through the layered display: the stack and its two solvers.
 //!
 //! - [`Panel`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
+//! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
 //! - [`Source`] and [`Cone`]: where light comes from and where it is looked at, as
 //!   directions alone; a source's spectrum and illuminance are the caller's.
 //! - [`walk`]: unbiased Monte Carlo; the answer is, for each source, the reflectance factor
@@ -37,8 +38,8 @@
 //! assert!((rho.base[0] + rho.front[0] - 0.510204).abs() < 1e-3);
 //! ```
 //!
-//! **Limits.** Layers are parallel and uniform; light is unpolarised between them; one
-//! diffuser, which reflects nothing; the glass absorbs nothing.
+//! **Limits.** Layers are parallel and uniform; light is unpolarised between them; a
+//! diffuser given by its BTDF reflects nothing.
 //!
 //! **Out of scope.** Threads, files, spectra of light, colours.
 
