@@ -27,6 +27,7 @@ const UNSEEN_SHIFT: f64 = 0.005;
 /// A number of every direction and what it is.
 struct Large<'a> {
     title: String,
+    scale: fn(&[f64]) -> Axis,
     value: Box<dyn Fn(&ConeView) -> f64 + 'a>,
 }
 
@@ -64,15 +65,17 @@ fn large(result: &ConeResult) -> Vec<Large<'_>> {
     if let Some(name) = result.states.get(white) {
         let luminance = move |view: &ConeView| view.states.get(white).map_or(f64::NAN, |s| s.luminance_cd_m2);
         let title = format!("Luminance of {} (cd/m\u{b2})", shortened(name, 120.0, SMALL));
-        large.push(Large { title, value: Box::new(luminance) });
+        large.push(Large { title, scale: over_decades, value: Box::new(luminance) });
     }
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     large.push(Large {
         title: "Contrast ratio".to_owned(),
+        scale: over_decades,
         value: Box::new(move |view| or_nan(view.contrast_ratio)),
     });
     large.push(Large {
         title: "Gamut area in u\u{2032}v\u{2032} (% of sRGB)".to_owned(),
+        scale: |values| Axis::covering(values.iter().copied(), 6, ""),
         value: Box::new(move |view| or_nan(view.gamut_percent_srgb)),
     });
     large.retain(|one| any(&result.views.iter().map(|view| (one.value)(view)).collect::<Vec<_>>()));
@@ -102,6 +105,10 @@ fn any(values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite())
 }
 
+fn over_decades(values: &[f64]) -> Axis {
+    sequential(values, WIDE)
+}
+
 fn sequential(values: &[f64], wide: f64) -> Axis {
     Axis::logarithmic_beyond(wide, values, "")
         .unwrap_or_else(|| Axis::covering(values.iter().copied(), 6, ""))
@@ -109,7 +116,7 @@ fn sequential(values: &[f64], wide: f64) -> Axis {
 
 fn draw_large(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, one: &Large<'_>, left: f64) {
     let values: Vec<f64> = result.views.iter().map(|view| (one.value)(view)).collect();
-    let scale = sequential(&values, WIDE);
+    let scale = (one.scale)(&values);
     let centre = (left + 56.0 + LARGE, 52.0 + LARGE);
     svg.text((centre.0, 20.0), &one.title, Text::new(13.0, INK).strong().anchor(Anchor::Middle));
     let map = Map { centre, radius: LARGE, scale: &scale, labelled: true };

@@ -120,13 +120,15 @@ impl<'a> Directions<'a> {
                 label(svg, map, &contour, text, &mut places);
             }
         }
+        if map.labelled {
+            self.ring_names(svg, map);
+        }
     }
 
     /// Rings, spokes, and their names.
     fn frame(&self, svg: &mut Svg, map: &Map<'_>) {
         let faint = Stroke::solid("#ffffff", 0.6);
-        let rings = (1..).map(|k| RING_DEG * f64::from(k)).take_while(|ring| *ring < self.rim_deg);
-        for ring in rings {
+        for ring in self.rings() {
             let circle = (0..=72).map(|k| self.at(map, ring, 5.0 * f64::from(k))).collect();
             svg.lines(&[circle], &faint, 0.35);
         }
@@ -146,6 +148,19 @@ impl<'a> Directions<'a> {
             }
         }
         svg.circle(map.centre, map.radius, "none", &Stroke::solid(INK, 1.0));
+    }
+
+    /// Inclinations with a ring, degrees.
+    fn rings(&self) -> impl Iterator<Item = f64> {
+        (1..).map(|k| RING_DEG * f64::from(k)).take_while(|ring| *ring < self.rim_deg)
+    }
+
+    fn ring_names(&self, svg: &mut Svg, map: &Map<'_>) {
+        for ring in self.rings() {
+            let (x, y) = self.at(map, ring, 270.0);
+            let style = Text::new(9.0, "#555555").anchor(Anchor::Middle).halo();
+            svg.text((x, y + 3.0), &degrees(ring), style);
+        }
     }
 
     /// The direction of a light and its mirror image; returns where they are.
