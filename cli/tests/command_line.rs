@@ -303,3 +303,90 @@ fn an_interrupted_scan_saves_the_views_that_are_done() {
     assert!((1..3201).contains(&views), "{views} views");
     assert!(messages.contains(" of 3201 views"), "{messages}");
 }
+
+/// A coarse spectrum makes the cone quick; what is written does not depend on it.
+const COARSE: [&str; 2] = ["--set", "spectrum.step_nm=20"];
+
+#[test]
+fn a_cone_is_written_beside_the_rest_and_figures_as_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = ["--out", folder.path().to_str().unwrap()];
+    let output = run("indoor", &[&out[..], &COARSE, &["--cone", "--png"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("cone: 90 x 72 directions"), "{printed}");
+    let cone = ["cone.csv", "cone.json", "cone.npy", "cone.png", "cone.svg"];
+    let there = names(folder.path());
+    for name in cone.iter().chain(&["overview.png", "overview.svg"]) {
+        assert!(there.iter().any(|n| n == name), "{name} is not among {there:?}");
+    }
+    let rows = fs::read_to_string(folder.path().join("cone.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 90 * 72 * 8);
+    // The next run has none: the old one's would be mistaken for its own.
+    assert!(run("indoor", &[&out[..], &COARSE].concat()).status.success());
+    assert!(names(folder.path()).iter().all(|name| !name.starts_with("cone") && !name.ends_with(".png")));
+}
+
+/// The cone at the scenario's own view says what the run says.
+#[test]
+fn the_cone_agrees_with_a_run_of_the_same_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = ["--out", folder.path().to_str().unwrap(), "--cone"];
+    let view = ["--set", "viewer.theta_deg=8", "--set", "viewer.phi_deg=0"];
+    assert!(run("indoor", &[&out[..], &COARSE, &view].concat()).status.success());
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let result: serde_json::Value = serde_json::from_str(&read("result.json")).unwrap();
+    let white = &result["views"][0]["states"]["white"];
+    let csv = read("cone.csv");
+    let row: Vec<&str> = csv.lines().find(|row| row.starts_with("8,0,white,")).unwrap().split(',').collect();
+    for (cell, key) in row[3..7].iter().zip(["Y", "luminance_cd_m2", "u_prime", "v_prime"]) {
+        let (cell, value): (f64, f64) = (cell.parse().unwrap(), white[key].as_f64().unwrap());
+        // Two levels of discretisation may differ by the target of either.
+        assert!((cell - value).abs() < 2e-3 * value, "{key}: {cell} in the cone, {value} in the run");
+    }
+}
+
+#[test]
+fn files_beside_json_need_a_folder() {
+    for flag in ["--cone", "--png"] {
+        let output = run("indoor", &["--json", flag]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("--out") && output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn the_solver_can_be_chosen() {
+    let method = |solver: &str| {
+        let output = run("indoor", &[&COARSE[..], &["--json", "--solver", solver]].concat());
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (result["solver"].clone(), result["scenario"]["solver"]["method"].clone())
+    };
+    let (walk, named) = method("walk");
+    assert!(walk["paths"].as_u64().unwrap() > 0 && walk["nodes"].is_null() && named == "walk");
+    let (adding, named) = method("adding");
+    assert!(adding["nodes"].as_u64().unwrap() > 0 && adding["paths"].is_null() && named == "adding");
+}
+
+#[test]
+fn a_display_has_a_bsdf_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let brdf = |more: &[&str]| {
+        let mut command = papilio();
+        command.arg("brdf").arg(scenario("indoor")).arg("--out").arg(folder.path());
+        command.args(COARSE).args(more).output().unwrap()
+    };
+    let output = brdf(&["--step", "10"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("share of a beam that leaves"));
+    assert_eq!(names(folder.path()), ["display-bsdf.npz"]);
+    // 8 states, 9 x 9 x 19 directions, 21 wavelengths, 4 bytes each.
+    let bytes = fs::metadata(folder.path().join("display-bsdf.npz")).unwrap().len();
+    let table = 8 * 9 * 9 * 19 * 21 * 4;
+    assert!((table..table + 50_000).contains(&bytes), "{bytes}");
+    for (step, why) in [("0.5", "numbers"), ("7", "divides 90")] {
+        let output = brdf(&["--step", step]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    }
+}
