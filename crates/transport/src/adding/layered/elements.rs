@@ -1,12 +1,15 @@
 //! The stack's layers as parts, one azimuthal order after the other.
 
 use papilio_optics::interface::fresnel_reflectance;
+use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 
 use super::algebra::Operator;
 use super::grid::Grid;
 use super::lobes::LobeOrders;
 use super::part::{Part, Place};
+use super::rough::RoughOrders;
+use super::prepare::Precision;
 use super::slab::{Model, Slab};
 use crate::front::Flat;
 use crate::{Diffuser, Interface, Layered, Medium};
@@ -26,15 +29,17 @@ enum Kind<'a> {
     Diffuser { diffuser: &'a Diffuser, bin: usize, orders: LobeOrders, missing: Vec<f64> },
     Clear(f64),
     Slab { slab: Slab, absorbing_share: f64 },
+    Rough { face: &'a Rough, orders: Option<RoughOrders> },
 }
 
-/// The layers above the base at wavelength number `bin`; `terms` is how many Legendre terms
-/// a phase function of this anisotropy keeps.
+/// The layers above the base at wavelength number `bin`; azimuthal orders beyond the first are
+/// not always asked for.
 pub(super) fn elements<'a>(
     stack: &'a Layered,
     bin: usize,
     grid: &Grid,
-    terms: impl Fn(f64) -> usize,
+    precision: &Precision,
+    beyond_first: bool,
 ) -> Vec<Element<'a>> {
     let mut elements = Vec::new();
     let mut above = 1.0;
@@ -42,18 +47,22 @@ pub(super) fn elements<'a>(
         let below = layer.medium.index()[bin];
         let kind = match &layer.interface {
             Interface::Diffuser(diffuser) => Some(diffuser_kind(diffuser, bin, grid, above, below)),
+            Interface::Rough(face) => {
+                let orders = RoughOrders::new(face, grid, precision.digits, beyond_first);
+                Some(Kind::Rough { face, orders: Some(orders) })
+            }
             Interface::Open => None,
             other => Some(Kind::Interface(other, bin)),
         };
         elements.extend(kind.map(|kind| Element { kind, above, below }));
-        let kind = medium_kind(&layer.medium, bin, grid, &terms);
+        let kind = medium_kind(&layer.medium, bin, grid, precision);
         elements.extend(kind.map(|kind| Element { kind, above: below, below }));
         above = below;
     }
     elements
 }
 
-fn medium_kind(medium: &Medium, bin: usize, grid: &Grid, terms: impl Fn(f64) -> usize) -> Option<Kind<'static>> {
+fn medium_kind(medium: &Medium, bin: usize, grid: &Grid, precision: &Precision) -> Option<Kind<'static>> {
     let transmittance = medium.transmittance().map_or(1.0, |t| t[bin]);
     let Some(scattering) = medium.scattering() else {
         return (transmittance < 1.0).then_some(Kind::Clear(transmittance));
@@ -68,7 +77,7 @@ fn medium_kind(medium: &Medium, bin: usize, grid: &Grid, terms: impl Fn(f64) -> 
         anisotropy: scattering.anisotropy,
         index: medium.index()[bin],
     };
-    let slab = Slab::new(model, terms(scattering.anisotropy), grid);
+    let slab = Slab::new(model, precision.legendre_terms(scattering.anisotropy), grid);
     Some(Kind::Slab { slab, absorbing_share: if lost > 0.0 { absorbing / lost } else { 0.0 } })
 }
 
@@ -97,6 +106,7 @@ impl Element<'_> {
                 papilio_optics::lobe::Lobe::KCorrelation { .. } => usize::MAX,
             },
             Kind::Slab { slab, .. } => slab.orders(),
+            Kind::Rough { orders, .. } => orders.as_ref().map_or(0, RoughOrders::orders),
         }
     }
 
@@ -108,6 +118,7 @@ impl Element<'_> {
                 let missing = missing.get(grid.regular..).unwrap_or_default().to_vec();
                 Kind::Diffuser { diffuser, bin, orders: LobeOrders::new(diffuser.lobe), missing }
             }
+            Kind::Rough { face, .. } => Kind::Rough { face, orders: None },
             flat => flat,
         };
         Self { kind, ..self }
@@ -131,6 +142,13 @@ impl Element<'_> {
             Kind::Diffuser { diffuser, bin, orders, missing } => {
                 let t = diffuser.transmittance[*bin];
                 let part = lobe_part(diffuser.straight_through, t, orders, missing, order, grid, [above, below]);
+                (part, Place::Diffuser)
+            }
+            Kind::Rough { face, orders } => {
+                let part = match orders {
+                    Some(orders) => orders.part(face, order, grid),
+                    None => Part::flat(grid, |_| Flat { t: 0.0, above: 0.0, below: 0.0 }),
+                };
                 (part, Place::Diffuser)
             }
             Kind::Slab { slab, .. } => {

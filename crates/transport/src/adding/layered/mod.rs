@@ -26,6 +26,7 @@ mod grid;
 mod lobes;
 mod part;
 mod prepare;
+mod rough;
 mod slab;
 
 use std::f64::consts::PI;
@@ -33,7 +34,8 @@ use std::f64::consts::PI;
 use faer::Mat;
 
 use super::images::ImagePoints;
-use crate::{Cone, Estimate, Layered, Ledger, Reflector, Rho, Source, specular_image};
+use crate::{Cone, Estimate, Layered, Ledger, Reflector, Rho, Source};
+use crate::specular::layered_image;
 use base::Rising;
 use prepare::{Group, Order, Precision, Ray};
 
@@ -155,11 +157,10 @@ impl Kernel {
     }
 
     fn add_images(&self, stack: &Layered, view: usize, estimate: &mut Estimate) {
-        let whole = crate::Stack::Layered(stack.clone());
         for image in &self.images[view] {
             let rho = &mut estimate.rho[image.source];
             for point in &image.points {
-                let seen = specular_image(&whole, point.beta);
+                let seen = layered_image(stack, point.beta);
                 rho.base.iter_mut().zip(&seen.base).for_each(|(sum, x)| *sum += point.weight * x);
                 rho.front.iter_mut().zip(&seen.front).for_each(|(sum, x)| *sum += point.weight * x);
             }

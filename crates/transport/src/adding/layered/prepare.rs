@@ -1,5 +1,7 @@
 //! What is prepared of a stack before its base is known.
 
+use std::f64::consts::PI;
+
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
@@ -10,7 +12,7 @@ use super::grid::{Density, Grid};
 use super::part::{Absorbed, Part, nothing};
 use crate::adding::quadrature::{Point, cone_points, disc_points};
 use crate::front::Flat;
-use crate::{Cone, Interface, Layered, Source};
+use crate::{Cone, Diffuser, Interface, Layered, Source};
 
 /// What a level stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +38,7 @@ impl Precision {
         }
     }
 
-    fn legendre_terms(&self, anisotropy: f64) -> usize {
+    pub(super) fn legendre_terms(&self, anisotropy: f64) -> usize {
         let g = anisotropy.abs();
         if g < 1e-9 {
             return 1;
@@ -116,7 +118,7 @@ fn smoothness(stack: &Layered) -> f64 {
                     scale = scale.min(width);
                 }
             }
-            Interface::Rough(_) => {}
+            Interface::Rough(face) => scale = scale.min(face.alpha()),
             _ => {}
         }
         if let Some(scattering) = layer.medium.scattering() {
@@ -188,14 +190,16 @@ fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
 fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     let mut density = Density { least: precision.nodes, spacing: f64::INFINITY, angle: None };
     for layer in &stack.layers {
-        if let Interface::Diffuser(diffuser) = &layer.interface {
-            if let Lobe::KCorrelation { width } = diffuser.lobe {
-                density.spacing = density.spacing.min(2.0 * std::f64::consts::PI * width / precision.digits);
-            }
-        }
+        // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
+        let width = match &layer.interface {
+            Interface::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => *width,
+            Interface::Rough(face) => face.alpha(),
+            _ => f64::INFINITY,
+        };
+        density.spacing = density.spacing.min(2.0 * PI * width / precision.digits);
         if let Some(scattering) = layer.medium.scattering() {
             let terms = precision.legendre_terms(scattering.anisotropy) as f64;
-            let spacing = std::f64::consts::PI / terms;
+            let spacing = PI / terms;
             let index = layer.medium.index()[bin];
             if density.angle.is_none_or(|(_, known)| spacing < known) {
                 density.angle = Some((index, spacing));
@@ -225,7 +229,7 @@ fn group(stack: &Layered, bins: Vec<usize>, directions: &Directions, precision: 
     };
     group.light_nodes = group.nodes_of(&directions.sources);
     let view_nodes = group.nodes_of(&directions.views);
-    let mut elements = elements(stack, bin, &group.grid, |g| precision.legendre_terms(g));
+    let mut elements = elements(stack, bin, &group.grid, precision, !group.light_nodes.is_empty());
     let mut grid = group.grid.clone();
     let mut convergence = Convergence::new(view_nodes, group.light_nodes.clone());
     let scattering = elements.iter().map(Element::orders).max().unwrap_or(0);

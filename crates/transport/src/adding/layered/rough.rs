@@ -1,0 +1,167 @@
+//! A rough face as azimuthal orders on a grid.
+//!
+//! The kernel of [`Rough`] has no closed Fourier series: it is sampled over the azimuth,
+//! by the trapezoid rule, which converges exponentially. What the quadrature over directions
+//! finds missing of a node's light is mirrored, so that none is lost.
+
+use std::f64::consts::PI;
+
+use faer::Mat;
+use papilio_optics::Beta;
+use papilio_optics::rough::{Rough, Side};
+
+use super::algebra::Operator;
+use super::grid::Grid;
+use super::part::Part;
+
+/// Azimuths per pair of nodes, at most: grazing light at a fine roughness would need more, and
+/// matters less.
+const MOST_AZIMUTHS: usize = 1024;
+/// Azimuthal orders, at most.
+const MOST_ORDERS: usize = 400;
+
+/// The orders of a rough face's kernel: from above to above, from above to below, from below to
+/// below; single precision serves all but order 0, which holds the energy.
+#[derive(Debug, Clone)]
+pub(super) struct RoughOrders {
+    zeroth: [Mat<f64>; 3],
+    /// `[order - 1][kernel]`, each `[in][out]`.
+    later: Vec<[Vec<f32>; 3]>,
+}
+
+const WAYS: [(Side, Side); 3] =
+    [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
+
+impl RoughOrders {
+    /// `digits` natural ones are kept in azimuth; `orders` of it at least one.
+    pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
+        let count = if beyond_first { orders(face, digits) } else { 1 };
+        let len = grid.len();
+        let zeroth = || Mat::zeros(len, len);
+        let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|_| vec![0.0; len * len]) };
+        let mut all = Self { zeroth: [zeroth(), zeroth(), zeroth()], later: vec![blank(); count - 1] };
+        let mut values = vec![0.0; count];
+        for (way, (from, to)) in WAYS.into_iter().enumerate() {
+            for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
+                let first = if from == to { j } else { 0 };
+                for i in (first..len).filter(|&i| grid.beta[i] < face.index(to)) {
+                    fourier(face, [(from, grid.beta[j]), (to, grid.beta[i])], digits, &mut values);
+                    let scale = grid.scale[i] * grid.scale[j];
+                    all.set(way, i, j, len, &values, scale);
+                    if from == to {
+                        all.set(way, j, i, len, &values, scale);
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    fn set(&mut self, way: usize, out: usize, from: usize, len: usize, values: &[f64], scale: f64) {
+        self.zeroth[way][(out, from)] = values[0] * scale;
+        for (order, value) in self.later.iter_mut().zip(&values[1..]) {
+            order[way][from * len + out] = (value * scale) as f32;
+        }
+    }
+
+    /// How many orders there are.
+    pub(super) fn orders(&self) -> usize {
+        1 + self.later.len()
+    }
+
+    /// The face's part in an order.
+    pub(super) fn part(&self, face: &Rough, order: usize, grid: &Grid) -> Part {
+        let len = grid.len();
+        let operator = |way: usize| {
+            let kernel = match order.checked_sub(1) {
+                None => Some(self.zeroth[way].clone()),
+                Some(later) => self.later.get(later).map(|kernels| {
+                    Mat::from_fn(len, len, |i, j| f64::from(kernels[way][j * len + i]))
+                }),
+            };
+            Operator { regular: grid.regular, straight: vec![0.0; len], kernel }
+        };
+        let [above, down, below] = [operator(0), operator(1), operator(2)];
+        let mut part = Part { above, below, down, absorbed: None };
+        if order == 0 {
+            again(face, grid, &mut part);
+        }
+        let missing = self.missing(face, grid);
+        part.above.straight = missing[0].clone();
+        part.below.straight = missing[1].clone();
+        part
+    }
+
+    /// What the quadrature finds missing of each node's light, from above and from below.
+    fn missing(&self, face: &Rough, grid: &Grid) -> [Vec<f64>; 2] {
+        let operator = |way: usize| Operator {
+            regular: grid.regular,
+            straight: vec![0.0; grid.len()],
+            kernel: Some(self.zeroth[way].clone()),
+        };
+        let mut part = Part { above: operator(0), below: operator(2), down: operator(1), absorbed: None };
+        again(face, grid, &mut part);
+        let ones = vec![1.0; grid.len()];
+        let sum = |operator: &Operator| operator.pull_back(&ones, &grid.scale);
+        let missing = |side: Side, back: &Operator, through: &Operator| {
+            let (back, through) = (sum(back), sum(through));
+            let one = |i: usize| {
+                if grid.beta[i] < face.index(side) { 1.0 - back[i] - through[i] } else { 0.0 }
+            };
+            (0..grid.len()).map(one).collect()
+        };
+        [
+            missing(Side::Above, &part.above, &part.down),
+            missing(Side::Below, &part.below, &part.down.transposed()),
+        ]
+    }
+}
+
+/// Adds the light that meets several microfacets, alike in all azimuths.
+fn again(face: &Rough, grid: &Grid, part: &mut Part) {
+    let deficit = |side: Side| -> Vec<f64> {
+        let one = |i: usize| if grid.beta[i] < face.index(side) { face.deficit(side, grid.beta[i]) } else { 0.0 };
+        (0..grid.len()).map(|i| one(i) * grid.scale[i]).collect()
+    };
+    let [above, below] = [Side::Above, Side::Below].map(deficit);
+    let total: f64 = (0..grid.regular).map(|i| grid.scale[i] * (above[i] + below[i])).sum();
+    for (operator, out, from) in
+        [(&mut part.above, &above, &above), (&mut part.down, &below, &above), (&mut part.below, &below, &below)]
+    {
+        if let Some(kernel) = &mut operator.kernel {
+            let len = out.len();
+            *kernel = Mat::from_fn(len, len, |i, j| kernel[(i, j)] + out[i] * from[j] / total);
+        }
+    }
+}
+
+/// Orders that hold this many natural digits of light at moderate angles.
+fn orders(face: &Rough, digits: f64) -> usize {
+    ((digits / face.alpha()).ceil() as usize).clamp(8, MOST_ORDERS)
+}
+
+/// The first Fourier coefficients of one microfacet's kernel between two directions.
+fn fourier(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64, out: &mut [f64]) {
+    // The kernel's width in azimuth: of the order of alpha times the wave vector's component
+    // along the normal, over the radius.
+    let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).sqrt();
+    let width = face.alpha() * (normal(from, a) + normal(to, b)) / (2.0 * (a * b).sqrt()).max(1e-9);
+    let half = ((digits / width.asinh()).ceil() as usize).clamp(12, MOST_AZIMUTHS / 2);
+    out.fill(0.0);
+    let to_beta = |phi: f64| Beta { x: b * phi.cos(), y: b * phi.sin() };
+    for k in 0..=half {
+        let phi = PI * k as f64 / half as f64;
+        let ends = if k == 0 || k == half { 0.5 } else { 1.0 };
+        let value = ends / half as f64 * face.single(from, Beta { x: a, y: 0.0 }, to, to_beta(phi));
+        // cos(m phi) by its recurrence.
+        let (twice, mut now, mut before) = (2.0 * phi.cos(), 1.0, phi.cos());
+        for (m, sum) in out.iter_mut().enumerate() {
+            // Orders that this rule does not tell apart from lower ones.
+            if 2 * m > half {
+                break;
+            }
+            *sum += value * now;
+            (now, before) = (twice * now - before, now);
+        }
+    }
+}
