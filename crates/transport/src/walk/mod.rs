@@ -25,6 +25,11 @@
 //! its weight on the nodes of the base's [`AngularTable`](crate::AngularTable);
 //! spectra are formed once at the end. Later passes carry them along.
 //!
+//! # Tracers
+//! A bare panel, a panel with a diffuser, and layers in any order have one each. The last sums
+//! all that happens between two scattering events in closed form and is the reference for
+//! everything that the panel is too plain for.
+//!
 //! # Ledger
 //! The same path is also the fate of a unit beam that enters from the view direction
 //! (all kernels are reciprocal). Where light goes is booked by layer; `unaccounted`

@@ -12,19 +12,18 @@
 mod books;
 mod bulk;
 mod light;
+mod scatterers;
 mod sources;
 
 use papilio_optics::Beta;
-use papilio_optics::rough::{Rough, Side};
-use papilio_sampling::{PLANNED_BLOCKS, warp};
+use papilio_sampling::PLANNED_BLOCKS;
 
 use super::{PathNumbers, add_scaled};
-use crate::skeleton::{Field, Going, Ray, Skeleton};
-use crate::{Cone, Diffuser, Interface, Medium, Reflector, Source};
+use crate::skeleton::Ray;
+use crate::{Cone, Reflector, Source};
 pub(super) use books::Tally;
 use books::{Account, Room, Sums};
-use bulk::Bulk;
-use light::Share;
+use scatterers::{Kind, Meeting, at_lambertian_base, meetings};
 
 /// After its first scattering, a path never meets a further scatterer with a lower probability,
 /// if it can at all: light that lamps send to faint scatterers would make rare bright paths.
@@ -43,24 +42,6 @@ pub(super) struct Layered<'a> {
     /// Where each element's absorption is booked.
     accounts: Vec<Account>,
     discs: bool,
-}
-
-/// A scatterer, and light on its way to it.
-#[derive(Debug, Clone, Copy)]
-struct Meeting<'a> {
-    element: usize,
-    going: Going,
-    kind: Kind<'a>,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Kind<'a> {
-    /// Between these media.
-    Diffuser(&'a Diffuser, Option<&'a Medium>, &'a Medium),
-    Rough(&'a Rough),
-    Bulk(Bulk<'a>),
-    /// A Lambertian base of this reflectance, under this medium.
-    Base(&'a [f64], Option<&'a Medium>),
 }
 
 /// Light sent on its way in the flat skeleton.
@@ -198,150 +179,4 @@ impl<'a> Layered<'a> {
             Kind::Rough(_) => meeting.pass_face(sent, draws.next(), sums, room),
         }
     }
-}
-
-impl Kind<'_> {
-    /// A diffuser or a rough face.
-    fn is_face(&self) -> bool {
-        matches!(self, Self::Diffuser(..) | Self::Rough(_))
-    }
-}
-
-impl Meeting<'_> {
-    /// Sets `share` to that of the light that meets the scatterer and is scattered.
-    fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
-        let ray = Ray::meeting(self.element, self.going);
-        if let Kind::Base(..) = self.kind {
-            return share.set(field, ray, |_| 1.0);
-        }
-        let parts = skeleton.element(self.element);
-        share.set(field, ray, |bin| parts[bin].scattered);
-    }
-
-    /// The ways on which a face can send light on.
-    fn ways(&self) -> &'static [Going] {
-        match (self.kind, self.going) {
-            (Kind::Rough(_), _) => &[Going::Up, Going::Down],
-            (_, Going::Up) => &[Going::Up],
-            (_, Going::Down) => &[Going::Down],
-        }
-    }
-
-    /// The density with which a face sends light on.
-    fn density(&self, from: Beta, going: Going, to: Beta) -> f64 {
-        match self.kind {
-            Kind::Diffuser(diffuser, ..) => diffuser.lobe.density(from, to),
-            Kind::Rough(rough) => rough.density(side(self.going, true), from, side(going, false), to),
-            Kind::Bulk(_) | Kind::Base(..) => 0.0,
-        }
-    }
-
-    /// Light that a face sends on; `None` if it absorbs it.
-    fn send(&self, from: Beta, u: [f64; 4]) -> Option<Sent> {
-        let (beta, going) = match self.kind {
-            Kind::Diffuser(diffuser, ..) => (diffuser.lobe.sample(from, [u[0], u[1]])?, self.going),
-            Kind::Rough(rough) => {
-                let (side, beta) = rough.sample(side(self.going, true), from, u);
-                (beta, if side == Side::Above { Going::Up } else { Going::Down })
-            }
-            Kind::Bulk(_) | Kind::Base(..) => return None,
-        };
-        let density = self.density(from, going, beta);
-        Some(Sent { beta, ray: Ray::from_element(self.element, going), density, rival: f64::INFINITY })
-    }
-
-    /// True if the medium into which a face sends the light has such a direction.
-    fn carries(&self, sent: Sent, bin: usize) -> bool {
-        match self.kind {
-            Kind::Diffuser(_, above, below) => {
-                let to = if sent.ray.going == Going::Up { above } else { Some(below) };
-                sent.beta.squared() < index(to, bin).powi(2)
-            }
-            _ => true,
-        }
-    }
-
-    /// Through a diffuser, or through or off a rough face.
-    fn pass_face(&self, sent: Sent, u: [f64; 4], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
-        let (from, ways) = (sent.beta, self.ways());
-        let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
-        let density = |way: usize, lamp| self.density(from, ways[way], lamp);
-        sources::connect(rays, sent.density, density, |_, _| 1.0, sums, room);
-        let Some(next) = self.send(from, u) else {
-            room.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
-            return None;
-        };
-        let kept = |bin| f64::from(u8::from(self.carries(next, bin)));
-        room.light.keep(kept, &mut sums.absorbed.diffuser);
-        Some(Sent { rival: sent.density, ..next })
-    }
-}
-
-/// The side on which light is that goes this way, before or after it meets a face.
-fn side(going: Going, before: bool) -> Side {
-    if (going == Going::Down) == before { Side::Above } else { Side::Below }
-}
-
-fn meetings(stack: &crate::Layered) -> Vec<Meeting<'_>> {
-    let mut meetings = Vec::new();
-    let mut upper = None;
-    for (i, layer) in stack.layers.iter().enumerate() {
-        let both_ways =
-            |element, kind| [Going::Down, Going::Up].map(|going| Meeting { element, going, kind });
-        match &layer.interface {
-            Interface::Diffuser(diffuser) => {
-                meetings.extend(both_ways(2 * i, Kind::Diffuser(diffuser, upper, &layer.medium)));
-            }
-            Interface::Rough(rough) => meetings.extend(both_ways(2 * i, Kind::Rough(rough))),
-            _ => {}
-        }
-        if let Some(bulk) = Bulk::new(2 * i + 1, &layer.medium) {
-            meetings.extend(both_ways(2 * i + 1, Kind::Bulk(bulk)));
-        }
-        upper = Some(&layer.medium);
-    }
-    if let Reflector::Lambertian(reflectance) = &stack.base.reflector {
-        let kind = Kind::Base(reflectance, upper);
-        meetings.push(Meeting { element: 2 * stack.layers.len(), going: Going::Down, kind });
-    }
-    meetings
-}
-
-/// The index of a medium, or of air.
-fn index(medium: Option<&Medium>, bin: usize) -> f64 {
-    medium.map_or(1.0, |medium| medium.index()[bin])
-}
-
-fn at_lambertian_base(
-    reflectance: &[f64],
-    medium: Option<&Medium>,
-    element: usize,
-    u: [f64; 2],
-    sums: &mut Sums,
-    room: &mut Room,
-) -> Sent {
-    let light = &mut room.light;
-    sums.arriving.add(light, 1.0);
-    let rows = light.met.chunks_exact_mut(light.fresh.len());
-    for (row, reflectance) in rows.zip(reflectance.chunks_exact(light.fresh.len())) {
-        for ((met, fresh), r) in row.iter_mut().zip(&light.fresh).zip(reflectance) {
-            *met = (*met + fresh) * r;
-        }
-    }
-    light.fresh.fill(0.0);
-    sums.reflected.add(light, 1.0);
-
-    let ray = Ray { plane: element, going: Going::Up };
-    let largest = medium.map_or(1.0, Medium::largest_index);
-    let density = warp::uniform_disc_density(largest);
-    // Over the disc of each wavelength, where that is drawn is of the largest.
-    let spread = |beta: Beta, bin| {
-        let n = index(medium, bin);
-        if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
-    };
-    sources::connect([ray].into_iter(), f64::INFINITY, |_, _| density, spread, sums, room);
-    let (x, y) = warp::uniform_disc(largest, u);
-    let out = Beta { x, y };
-    room.light.keep(|bin| spread(out, bin), &mut sums.unaccounted);
-    Sent { beta: out, ray, density, rival: f64::INFINITY }
 }
