@@ -18,7 +18,7 @@
 //!
 //! Mirror images of round sources are integrated apart from the paths, over what the
 //! field of view and the image have in common. Those of beams have no radiance; they add
-//! nothing here (see [`specular_image`]).
+//! nothing here (see [`specular_image`](crate::specular_image)).
 //!
 //! # Speed
 //! Scattering does not depend on wavelength. On its first pass a path only drops
