@@ -13,13 +13,6 @@ use crate::describe::display as describe;
 use crate::problem::Problem;
 use crate::source::Origin;
 
-/// What stands between air and glass.
-enum Top {
-    Face,
-    Btdf(scene::Diffuser),
-    Slab(Medium),
-}
-
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
@@ -36,33 +29,26 @@ impl Resolver<'_> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
         let front: Vec<_> = front.iter().map(|component| self.sheet(component, component.origin)).collect();
-        let top = match &display.diffuser.value {
-            Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(Top::Slab),
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Btdf),
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Btdf),
-            None => Some(Top::Face),
+        // A lobe, or a slab, or neither.
+        let diffuser = match &display.diffuser.value {
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(|lobe| (Some(lobe), None)),
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(|lobe| (Some(lobe), None)),
+            Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(|slab| (None, Some(slab))),
+            None => Some((None, None)),
         };
         let glass = self.glass(display);
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
-        let (top, (medium, surface)) = (top?, glass?);
-        let clear = medium.transmittance.min() == 1.0;
-        let diffuser = match top {
-            Top::Btdf(diffuser) => Some(diffuser),
-            Top::Face => None,
-            Top::Slab(slab) => {
-                return Some(Layers::General(self.stack_of(front, Interface::Fresnel, Some(slab), medium)));
-            }
-        };
-        if clear {
+        let ((diffuser, slab), (medium, surface)) = (diffuser?, glass?);
+        if slab.is_none() && medium.transmittance.min() == 1.0 {
             let glass = Glass { index: medium.index, surface };
             return Some(Layers::Panel(Panel { front, diffuser, glass }));
         }
-        let face = match (diffuser, surface) {
-            (Some(diffuser), _) => Interface::Diffuser(diffuser),
-            (None, scene::Surface::Coated) => Interface::Coated,
-            (None, scene::Surface::Fresnel) => Interface::Fresnel,
+        let face = match (diffuser, &slab, surface) {
+            (Some(diffuser), ..) => Interface::Diffuser(diffuser),
+            (None, None, scene::Surface::Coated) => Interface::Coated,
+            _ => Interface::Fresnel,
         };
-        Some(Layers::General(self.stack_of(front, face, None, medium)))
+        Some(Layers::General(self.stack_of(front, face, slab, medium)))
     }
 
     /// The panel's parts in the general form.
