@@ -36,7 +36,10 @@ impl Prepared {
     pub fn run(&mut self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
         let setup = match self.setup.take() {
             Some(setup) => setup.renewed(scene)?,
-            None => Setup::new(scene)?,
+            None => {
+                self.kernels.clear();
+                Setup::new(scene)?
+            }
         };
         let setup = self.setup.insert(setup);
         run_setup(setup, control, &mut self.kernels, &mut self.workers)

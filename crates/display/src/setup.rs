@@ -18,6 +18,8 @@ use crate::scene::{self, AngleMedium, Approximation, Layers, Scene, Surface};
 pub(crate) struct Setup {
     /// What everything else here was made for.
     pub(crate) scene: Scene,
+    /// Another whenever layers, sources or views are others: what kernels of any layers depend on.
+    pub(crate) version: u64,
     /// The reflectances of a film pixel, from which its states are mixed.
     film: Option<FilmBasis>,
     pub(crate) stack: Stack,
@@ -60,6 +62,7 @@ impl Setup {
             views: views(scene, angle_index)?,
             observer,
             states: pixel::state_names(&scene.display.pixel),
+            version: 0,
             scene: scene.clone(),
         })
     }
@@ -70,7 +73,7 @@ impl Setup {
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
         if scene.grid != last.grid || solver_changed {
-            return Self::new(scene);
+            return Ok(Self { version: self.version + 1, ..Self::new(scene)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
@@ -80,14 +83,18 @@ impl Setup {
         if scene.display.layers != last.display.layers {
             let base = base_of(&mut self.stack).clone();
             self.stack = stack(scene, base)?;
+            self.version += 1;
         }
         let angle_index = angle_index(scene)?;
         if scene.lighting != last.lighting || index_changed {
             self.lights = lights(scene, &self.observer)?;
-            self.sources = sources(scene, angle_index)?;
+            let sources = sources(scene, angle_index)?;
+            self.version += u64::from(sources != self.sources);
+            self.sources = sources;
         }
         if scene.viewer != last.viewer || index_changed {
             self.views = views(scene, angle_index)?;
+            self.version += 1;
         }
         Ok(self)
     }

@@ -17,10 +17,39 @@ use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::Stop;
-use crate::setup::ViewPoint;
+use crate::setup::{Setup, ViewPoint};
 
 /// Kernels that were prepared: for each group of views that share them, one of each level.
-pub(crate) type Kernels = Vec<Vec<Kernel>>;
+pub(crate) type Kernels = Vec<Levels>;
+
+/// Kernels from the coarsest level on.
+type Levels = Vec<Level>;
+
+/// A kernel and the version of the setup that it was prepared for last.
+#[derive(Debug)]
+pub(crate) struct Level {
+    kernel: Kernel,
+    version: Option<u64>,
+}
+
+impl Level {
+    fn new(level: u32) -> Self {
+        Self { kernel: Kernel::new(level), version: None }
+    }
+
+    /// The kernel, ready for these views of the setup.
+    fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint]) -> &Kernel {
+        // Operators of any layers know nothing of the base; a panel's kernel plans for it,
+        // and sees for itself what it can keep.
+        let serves = matches!(setup.stack, Stack::Layered(_)) && self.version == Some(setup.version);
+        if !serves {
+            let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
+            self.kernel.prepare(&setup.stack, &fields, &setup.sources);
+            self.version = Some(setup.version);
+        }
+        &self.kernel
+    }
+}
 
 /// Runs a scene, its views in parallel if there are threads for them.
 pub(super) fn run(
@@ -36,8 +65,7 @@ pub(super) fn run(
     let groups: Vec<Option<Group>> = match run.setup.stack {
         Stack::Panel(_) => {
             kernels.resize_with(views.len(), Vec::new);
-            let one =
-                |(view, levels): (usize, &mut Vec<Kernel>)| runner.look(levels, &views[view..=view], None);
+            let one = |(view, levels): (usize, &mut Levels)| runner.look(levels, &views[view..=view], None);
             each(pool, kernels, one)
         }
         Stack::Layered(_) => {
@@ -64,12 +92,7 @@ struct Group {
 
 impl Runner<'_> {
     /// Looks through finer and finer kernels; `None` if it was stopped before there were two.
-    fn look(
-        &self,
-        levels: &mut Vec<Kernel>,
-        views: &[ViewPoint],
-        pool: Option<&ThreadPool>,
-    ) -> Option<Group> {
+    fn look(&self, levels: &mut Levels, views: &[ViewPoint], pool: Option<&ThreadPool>) -> Option<Group> {
         let at = |level| self.at_level(level, levels, views, pool);
         let samples = refine(
             self.target,
@@ -79,14 +102,14 @@ impl Runner<'_> {
                 self.tell(error, if done { views.len() } else { 0 });
             },
         )?;
-        Some(Group { nodes: levels[samples.level].nodes(), samples })
+        Some(Group { nodes: levels[samples.level].kernel.nodes(), samples })
     }
 
     /// What is seen through the kernel of this level; `None` if the run was stopped.
     fn at_level(
         &self,
         level: usize,
-        levels: &mut Vec<Kernel>,
+        levels: &mut Levels,
         views: &[ViewPoint],
         pool: Option<&ThreadPool>,
     ) -> Option<Vec<Sample>> {
@@ -94,13 +117,10 @@ impl Runner<'_> {
             return None;
         }
         for missing in levels.len()..=level {
-            levels.push(Kernel::new(missing as u32));
+            levels.push(Level::new(missing as u32));
         }
         let setup = self.run.setup;
-        let kernel = &mut levels[level];
-        let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
-        kernel.prepare(&setup.stack, &fields, &setup.sources);
-        let kernel = &*kernel;
+        let kernel = levels[level].kernel_for(setup, views);
         let mut samples = vec![None; views.len()];
         each(pool, &mut samples, |(view, sample)| {
             if !self.run.control.stopped() {

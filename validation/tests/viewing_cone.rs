@@ -1,0 +1,146 @@
+//! The viewing cone and the display's BSDF against plain runs.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
+
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::scene::{Method, Scene, Stop};
+use papilio_display::{BrdfGrid, ConeGrid, ConeResult, Control, DisplayError, brdf, cone};
+use papilio_validation::{run_on, scenario};
+
+fn scene(name: &str, target: f64) -> Scene {
+    let mut scene = scenario(name, &["spectrum.step_nm=20"]).unwrap().scene;
+    scene.solver.method = Method::Adding;
+    scene.solver.stop = Stop::RelativeError { target, every_bin: false };
+    scene
+}
+
+fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> ConeResult {
+    let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec() };
+    let stop = AtomicBool::new(false);
+    cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
+}
+
+/// Two roads: a direction of the cone is what a run with that view says.
+#[test]
+fn a_direction_of_the_cone_is_a_run_with_that_view() {
+    for (name, thetas) in [("indoor", [0.0, 15.0, 40.0, 80.0]), ("two-diffusers", [0.0, 15.0, 40.0, 80.0])] {
+        let target = 1e-4;
+        let mut scene = scene(name, target);
+        let phis = [0.0, 40.0, 180.0, 320.0];
+        let cone = seen(&scene, &thetas, &phis, 1);
+        assert!(cone.discretisation_error <= target && cone.nodes > 0, "{name}");
+        (scene.viewer.theta_deg, scene.viewer.phi_deg) = (thetas.to_vec(), phis.to_vec());
+        let run = run_on(&scene, Some(1)).unwrap();
+        assert_eq!((cone.views.len(), &cone.states[0]), (16, &"white".to_owned()));
+        for (k, (in_cone, view)) in cone.views.iter().zip(&run.views).enumerate() {
+            let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 3.0 * target, "{name} {k}: {a} {b}");
+            for (state, (_, exact)) in in_cone.states.iter().zip(view.states.iter()) {
+                close(state.reflectance_factor_y, exact.value.Y);
+                close(state.luminance_cd_m2, exact.value.luminance_cd_m2);
+                close(state.u_prime.unwrap(), exact.value.u_prime.unwrap());
+                close(state.v_prime.unwrap(), exact.value.v_prime.unwrap());
+            }
+            close(in_cone.contrast_ratio.unwrap(), view.contrast_ratio.unwrap());
+            close(in_cone.gamut_percent_srgb.unwrap(), view.gamut_percent_srgb.unwrap());
+            assert_eq!(cone.view(k % 4, k / 4), Some(in_cone));
+        }
+        let along = cone.views[0].states[2];
+        assert!(along.uv_shift.unwrap() < 1e-12, "{along:?}");
+        let aside = cone.views[2].states[2];
+        let from = |a: Option<f64>, b: Option<f64>| a.unwrap() - b.unwrap();
+        let shift = from(aside.u_prime, along.u_prime).hypot(from(aside.v_prime, along.v_prime));
+        assert!((aside.uv_shift.unwrap() - shift).abs() < 1e-12);
+    }
+}
+
+/// What is taken from the other side of the plane of light is what is seen there.
+#[test]
+fn mirrored_directions_are_what_is_computed_there() {
+    let scene = scene("indoor", 1e-5);
+    let thetas = [0.0, 20.0, 50.0];
+    // The first grid holds mirror images, the second none.
+    let both = seen(&scene, &thetas, &[30.0, 120.0, 240.0, 330.0], 1);
+    let one_side = seen(&scene, &thetas, &[240.0, 330.0], 1);
+    for theta in 0..3 {
+        for (mirrored, computed) in [(2, 0), (3, 1)] {
+            let pair = (both.view(theta, mirrored).unwrap(), one_side.view(theta, computed).unwrap());
+            for (a, b) in pair.0.states.iter().zip(&pair.1.states) {
+                let relative = a.reflectance_factor_y / b.reflectance_factor_y - 1.0;
+                assert!(relative.abs() < 2e-5, "{theta} {mirrored}: {relative:e}");
+            }
+        }
+        assert_eq!(both.view(theta, 0), both.view(theta, 3));
+    }
+}
+
+#[test]
+fn threads_do_not_matter_to_a_cone() {
+    for name in ["indoor", "two-diffusers"] {
+        let scene = scene(name, 1e-3);
+        let cones = [1, 2].map(|threads| seen(&scene, &[0.0, 25.0, 60.0], &[0.0, 45.0, 200.0], threads));
+        assert_eq!(cones[0], cones[1]);
+    }
+}
+
+#[test]
+fn cones_that_cannot_be() {
+    let mut scene = scene("indoor", 1e-3);
+    let stop = AtomicBool::new(true);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    assert_eq!(cone(&scene, ConeGrid::default(), &control), Err(DisplayError::Interrupted));
+    scene.viewer.field_deg = 5.0;
+    let below = cone(&scene, ConeGrid::default(), &control);
+    assert!(matches!(below, Err(DisplayError::BelowHorizon { what: "view", .. })), "{below:?}");
+}
+
+fn table(scene: &Scene, grid: BrdfGrid) -> papilio_display::BrdfTable {
+    let stop = AtomicBool::new(false);
+    brdf(scene, grid, &Control { threads: Some(2), progress: &|_| {}, stop: &stop }).unwrap()
+}
+
+/// Paint of reflectance R under bare glass: what is scattered and what is mirrored make up what
+/// leaves, the BRDF is reciprocal, and the glass mirrors 4 % along the normal.
+#[test]
+fn bsdf_of_paint_under_glass() {
+    for name in ["epaper", "indoor"] {
+        let scene = scene(name, 1e-5);
+        let table = table(&scene, BrdfGrid::even(15.0));
+        assert!(table.discretisation_error <= 1e-5 && table.nodes > 0);
+        let (n, phis, bins) = (table.grid.theta_i_deg.len(), table.grid.dphi_deg.len(), table.wavelength_nm.len());
+        let state = &table.states[0];
+        assert_eq!((state.brdf.len(), state.specular.len()), (n * n * phis * bins, n * bins));
+        let at = |i: usize, o: usize, phi: usize| f64::from(state.brdf[((i * n + o) * phis + phi) * bins + 5]);
+        for i in 0..n {
+            for o in 0..n {
+                for phi in 0..phis {
+                    let (there, back) = (at(i, o, phi), at(o, i, phi));
+                    assert!((there - back).abs() < 1e-5 * there + 1e-9, "{name} {i} {o} {phi}: {there} {back}");
+                }
+            }
+            // Light along the normal is scattered alike all around.
+            assert!((at(0, i, 0) / at(0, i, 3) - 1.0).abs() < 1e-4, "{name} {i}");
+        }
+        // The mirror's side is that of azimuth 180 deg: there the lobe is seen.
+        assert!(at(3, 3, phis - 1) >= 0.999 * at(3, 3, 0), "{name}");
+    }
+}
+
+/// A beam in a run is the BSDF at its directions: L = BRDF E.
+#[test]
+fn a_beam_in_a_run_is_the_bsdf() {
+    let mut scene = scene("indoor", 1e-5);
+    scene.lighting.diffuse = 0.0;
+    scene.lighting.directed[0].share = 1.0;
+    (scene.lighting.directed[0].theta_deg, scene.lighting.directed[0].phi_deg) = (30.0, 100.0);
+    (scene.viewer.theta_deg, scene.viewer.phi_deg, scene.viewer.field_deg) = (vec![20.0], vec![250.0], 0.01);
+    let run = run_on(&scene, Some(1)).unwrap();
+    let one = BrdfGrid { theta_i_deg: vec![30.0], theta_o_deg: vec![20.0], dphi_deg: vec![150.0] };
+    let table = table(&scene, one);
+    for (state, (name, exact)) in table.states.iter().zip(run.views[0].states.iter()) {
+        assert_eq!(state.name, name);
+        for (brdf, factor) in state.brdf.iter().zip(&exact.value.reflectance_factor) {
+            assert!((f64::from(*brdf) * PI / factor - 1.0).abs() < 1e-4, "{name}: {brdf} {factor}");
+        }
+    }
+}
