@@ -138,22 +138,9 @@ fn lines(around: &[Crossing]) -> Vec<Vec<Point>> {
     let Some(start) = around.iter().position(|crossing| crossing.at_the_end) else {
         return vec![around.iter().chain(around.first()).map(|crossing| crossing.at).collect()];
     };
-    let turned = around[start..].iter().chain(&around[..=start]);
-    let mut lines: Vec<Vec<Point>> = vec![vec![]];
-    for crossing in turned {
-        let line = lines.last_mut();
-        match line {
-            // From one point at the end of the data straight to another: along that end.
-            Some(line) if crossing.at_the_end && line.len() < 2 => *line = vec![crossing.at],
-            Some(line) => line.push(crossing.at),
-            None => {}
-        }
-        if crossing.at_the_end && lines.last().is_some_and(|line| line.len() > 1) {
-            lines.push(vec![crossing.at]);
-        }
-    }
-    lines.retain(|line| line.len() > 1);
-    lines
+    let turned: Vec<Crossing> = around[start..].iter().chain(&around[..start]).copied().collect();
+    let inside = turned.split(|crossing| crossing.at_the_end).filter(|run| run.len() > 1);
+    inside.map(|run| run.iter().map(|crossing| crossing.at).collect()).collect()
 }
 
 /// The line with fewer points, none of those left out further than `reach` from it.

@@ -73,7 +73,9 @@ impl<'a> Directions<'a> {
                     let at = self.at(map, self.theta_deg[i], self.phi_deg[j] + share * gap);
                     let here = value(i, j);
                     let between = if step == 0 { here } else { here + share * (value(i, next) - here) };
-                    (at, map.scale.share(between).max(-0.5))
+                    // What has no number has no colour; what lies below a logarithmic scale has the lowest.
+                    let share = map.scale.share(between).clamp(-0.5, 1.5);
+                    (at, if between.is_finite() { share } else { f64::NAN })
                 };
                 columns.push((0..self.theta_deg.len()).map(node).collect());
             }
@@ -241,5 +243,42 @@ pub(crate) fn colour_bar(svg: &mut Svg, scale: &Axis, (left, top): Point, height
         let y = bottom - height * scale.share(*tick);
         svg.line((left + WIDTH, y), (left + WIDTH + 3.0, y), &Stroke::solid(INK, 0.8));
         svg.text((left + WIDTH + 6.0, y + 4.0), text, Text::new(SMALL - 1.0, INK));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_number_has_no_colour() {
+        let (theta, phi) = ([0.0, 30.0, 60.0], [0.0, 90.0, 180.0, 270.0]);
+        let directions = Directions::new(&theta, &phi).unwrap();
+        let wide = [1e-9, 1.0];
+        let logarithmic = Axis::logarithmic_beyond(30.0, &wide, "").unwrap();
+        for scale in [Axis::exact(0.0, 1.0, 5, ""), logarithmic] {
+            let map = Map { centre: (0.0, 0.0), radius: 60.0, scale: &scale, labelled: true };
+            let reached = |value: f64| {
+                let field = directions.field(&map, |i, _| if i == 2 { value } else { 0.5 });
+                let areas = field.contour(-1.0).areas;
+                areas.iter().flatten().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)
+            };
+            for value in [0.0, -1.0, 1e-12, 0.5, 1e9] {
+                assert!((reached(value) - 60.0).abs() < 1e-9, "{value}");
+            }
+            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                assert!((reached(value) - 30.0).abs() < 1e-9, "{value}");
+            }
+        }
+    }
+
+    #[test]
+    fn bands_cover_the_scale_from_below() {
+        let scale = Axis::exact(0.0, 1.0, 5, "");
+        let bands = bands(&scale, true);
+        assert_eq!(bands.len(), 20);
+        assert_eq!(bands[0].0, -1.0);
+        assert!((bands[19].0 - 0.95).abs() < 1e-12);
+        assert_eq!((bands[0].1.as_str(), bands[19].1.as_str()), ("#440154", "#fde725"));
     }
 }
