@@ -62,6 +62,7 @@ impl Above {
         let gain = Mat::from_fn(n, columns, once);
         let mut rising = Mat::from_fn(n, columns, |i, c| gain[(i, c)] * arrives[(i, c)]);
         let mut open: Vec<bool> = vec![true; columns];
+        let mut before = vec![f64::INFINITY; columns];
         for _ in 0..ITERATIONS {
             let mut next = arrives.clone();
             matmul(next.as_mut(), Accum::Add, kernel.get(..n, ..n), rising.as_ref(), 1.0, Par::Seq);
@@ -73,7 +74,10 @@ impl Above {
                     size = size.max(value.abs());
                     rising[(i, c)] = value;
                 }
-                open[c] = !(change <= tolerance * size);
+                // Changes fall geometrically: what is left is their sum.
+                let ratio = (change / before[c]).min(1.0);
+                open[c] = change > tolerance * size * (1.0 - ratio);
+                before[c] = change;
             }
             if !open.contains(&true) {
                 return Rising { scattered: rising, beam, node };

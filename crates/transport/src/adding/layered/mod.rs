@@ -7,7 +7,8 @@
 //! preferred azimuth: Fourier orders of the azimuth do not mix.
 //!
 //! - [`grid`]: the nodes; [`algebra`]: operators with light that keeps its direction apart;
-//! - [`slab`], [`lobes`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two parts as one;
+//! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
+//!   parts as one;
 //! - [`base`]: the stack closed by the pixel, by state and wavelength.
 //!
 //! # What the level decides
@@ -27,6 +28,7 @@ mod lobes;
 mod part;
 mod prepare;
 mod rough;
+mod scatterers;
 mod slab;
 
 use std::f64::consts::PI;
@@ -106,7 +108,7 @@ impl Kernel {
                     let leaving = lights.iter().map(|to| order.above.leaves(&rising, to - skipped, &reflectance));
                     seen.orders.push(leaving.collect());
                     if m == 0 {
-                        specular_books(group, order, columns, &rising, &reflectance, &mut seen);
+                        specular_books(group, order, columns, &rising, &mut seen);
                     }
                 }
                 BaseColumns::Lambertian(reflectance) if m == 0 => {
@@ -233,7 +235,6 @@ fn specular_books(
     order: &Order,
     columns: &Columns,
     rising: &Rising,
-    reflectance: &Mat<f64>,
     seen: &mut Seen,
 ) {
     let grid = &group.grid;
@@ -245,7 +246,6 @@ fn specular_books(
     // What rises was sent back by the base: what arrives is what passes plus what returns.
     let returns = total(&order.above.below.pull_back(&ones, &grid.scale));
     let passes = order.above.down.pull_back(&ones, &grid.scale)[rising.node];
-    let _ = reflectance;
     let arrives: Vec<f64> = returns.iter().map(|r| r + passes).collect();
     let upper = group.absorbed.each_ref().map(|books| books.each_ref().map(Vec::as_slice));
     let layers = |place: usize| -> Vec<f64> {

@@ -54,9 +54,14 @@ impl Part {
         Self { above: diagonal(|f| f.above), below: diagonal(|f| f.below), down: diagonal(|f| f.t), absorbed: None }
     }
 
-    /// Books what is neither sent back nor let through, of light that exists: of indices
-    /// above and below.
-    pub(super) fn booked(mut self, grid: &Grid, place: Place, above: f64, below: f64) -> Self {
+    /// A part that takes everything.
+    pub(super) fn dark(grid: &Grid) -> Self {
+        Self::flat(grid, |_| Flat { t: 0.0, above: 0.0, below: 0.0 })
+    }
+
+    /// Books what is neither sent back nor let through, of light that media of these indices,
+    /// above and below, carry.
+    pub(super) fn booked(mut self, grid: &Grid, place: Place, [above, below]: [f64; 2]) -> Self {
         let ones = vec![1.0; grid.len()];
         let lost = |back: &Operator, through: &Operator, index: f64| -> Vec<f64> {
             let back = back.pull_back(&ones, &grid.scale);

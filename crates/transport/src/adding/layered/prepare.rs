@@ -7,11 +7,11 @@ use papilio_optics::lobe::Lobe;
 
 use super::algebra::Operator;
 use super::base::Above;
-use super::elements::{Element, elements};
+use super::elements::{Element, compose, elements};
 use super::grid::{Density, Grid};
 use super::part::{Absorbed, Part, nothing};
+use super::scatterers::{Scattered, Scatterers};
 use crate::adding::quadrature::{Point, cone_points, disc_points};
-use crate::front::Flat;
 use crate::{Cone, Diffuser, Interface, Layered, Source};
 
 /// What a level stands for.
@@ -155,7 +155,7 @@ pub(super) struct Order {
     pub(super) front: Operator,
 }
 
-/// All groups, with prepared.
+/// All groups, prepared.
 pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Precision) -> Vec<Group> {
     let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
     for bin in 0..stack.base.bins() {
@@ -165,7 +165,21 @@ pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Preci
             None => kinds.push((key, vec![bin])),
         }
     }
-    kinds.into_iter().map(|(_, bins)| group(stack, bins, directions, precision)).collect()
+    // Groups of the same indices share their nodes, and what scatters.
+    let mut families: Vec<(Vec<f64>, Vec<Vec<usize>>)> = Vec::new();
+    for (_, bins) in kinds {
+        let indices = indices(stack, bins[0]);
+        match families.iter_mut().find(|(known, _)| *known == indices) {
+            Some((_, family)) => family.push(bins),
+            None => families.push((indices, vec![bins])),
+        }
+    }
+    families.into_iter().flat_map(|(_, family)| prepare(stack, family, directions, precision)).collect()
+}
+
+/// Indices of all media at a wavelength, air first.
+fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
+    std::iter::once(1.0).chain(stack.layers.iter().map(|layer| layer.medium.index()[bin])).collect()
 }
 
 /// Everything that the layers above the base depend on at a wavelength.
@@ -209,53 +223,89 @@ fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     density
 }
 
-fn group(stack: &Layered, bins: Vec<usize>, directions: &Directions, precision: &Precision) -> Group {
-    let bin = bins[0];
-    let mut indices: Vec<f64> = stack.layers.iter().map(|layer| layer.medium.index()[bin]).collect();
-    indices.push(1.0);
-    indices.sort_by(f64::total_cmp);
-    indices.dedup();
-    let grid = Grid::new(&indices, density(stack, bin, precision), &directions.beta);
-    let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[bin]);
-    let mut group = Group {
-        bins,
-        index,
-        orders: Vec::new(),
-        light_nodes: Vec::new(),
-        leaving: Vec::new(),
-        leaving_front: Vec::new(),
-        absorbed: [nothing(grid.len()), nothing(grid.len())],
-        grid,
-    };
-    group.light_nodes = group.nodes_of(&directions.sources);
-    let view_nodes = group.nodes_of(&directions.views);
-    let mut elements = elements(stack, bin, &group.grid, precision, !group.light_nodes.is_empty());
-    let mut grid = group.grid.clone();
-    let mut convergence = Convergence::new(view_nodes, group.light_nodes.clone());
-    let scattering = elements.iter().map(Element::orders).max().unwrap_or(0);
+/// Groups of wavelengths at which all indices are alike.
+fn prepare(
+    stack: &Layered,
+    family: Vec<Vec<usize>>,
+    directions: &Directions,
+    precision: &Precision,
+) -> Vec<Group> {
+    let first = family[0][0];
+    let mut splits = indices(stack, first);
+    let index = splits[splits.len() - 1];
+    splits.sort_by(f64::total_cmp);
+    splits.dedup();
+    let mut grid = Grid::new(&splits, density(stack, first, precision), &directions.beta);
+    let mut scatterers = Scatterers::default();
+    let mut growing: Vec<Growing<'_>> = family
+        .into_iter()
+        .map(|bins| {
+            let group = Group::new(bins, grid.clone(), index, directions);
+            let beyond_first = !group.light_nodes.is_empty();
+            let bin = group.bins[0];
+            let elements = elements(stack, bin, &grid, precision, beyond_first, &mut scatterers);
+            let convergence = Convergence::new(group.nodes_of(&directions.views), group.light_nodes.clone());
+            Growing { group, elements, convergence, stage: Stage::All }
+        })
+        .collect();
     for order in 0.. {
-        if order == scattering.max(1) {
-            elements = elements.into_iter().map(|element| element.extras(&grid)).collect();
+        let beyond = order >= scatterers.orders().max(1);
+        if grid.regular > 0 && (beyond || growing.iter().all(|one| one.stage != Stage::All)) {
+            scatterers = scatterers.extras(&grid);
             grid = grid.extras();
         }
-        let part = compose(&mut elements, order, &grid);
+        let scattered = scatterers.scattered(order, &grid);
+        for one in growing.iter_mut().filter(|one| one.stage != Stage::Done) {
+            one.grow(&scattered, order, &grid, precision.tolerance);
+        }
+        if growing.iter().all(|one| one.stage == Stage::Done) {
+            break;
+        }
+    }
+    growing.into_iter().map(|one| one.group).collect()
+}
+
+/// A group on its way.
+struct Growing<'a> {
+    group: Group,
+    elements: Vec<Element<'a>>,
+    convergence: Convergence,
+    stage: Stage,
+}
+
+impl Growing<'_> {
+    /// Adds an order.
+    fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) {
+        let part = compose(&self.elements, scattered, order, grid);
+        let group = &mut self.group;
         if let Some(absorbed) = &part.absorbed {
             let air = grid.below(1.0);
             group.leaving = part.down.transposed().pull_back(&air, &grid.scale);
             group.leaving_front = part.above.pull_back(&air, &grid.scale);
             group.absorbed = absorbed.clone();
         }
-        let done = convergence.reached(&part, group.grid.len() - grid.len(), precision.tolerance);
+        self.stage = self.convergence.add(&part, group.grid.len() - grid.len(), tolerance);
         let above = Above { down: part.down, below: part.below };
         group.orders.push(Order { above, front: part.above });
-        if done {
-            break;
-        }
     }
-    group
 }
 
 impl Group {
+    fn new(bins: Vec<usize>, grid: Grid, index: f64, directions: &Directions) -> Self {
+        let mut group = Self {
+            bins,
+            index,
+            orders: Vec::new(),
+            light_nodes: Vec::new(),
+            leaving: Vec::new(),
+            leaving_front: Vec::new(),
+            absorbed: [nothing(grid.len()), nothing(grid.len())],
+            grid,
+        };
+        group.light_nodes = group.nodes_of(&directions.sources);
+        group
+    }
+
     /// The node of a direction.
     pub(super) fn node(&self, ray: &Ray) -> usize {
         self.grid.regular + ray.node
@@ -269,60 +319,73 @@ impl Group {
     }
 }
 
+/// How far the orders of azimuth have come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// Light takes all ways.
+    All,
+    /// What is scattered more than once has died down; light is scattered once from a source
+    /// towards a view.
+    Once,
+    /// The rest is below the tolerance.
+    Done,
+}
+
 /// Whether the orders of azimuth so far suffice between any view and any source.
 struct Convergence {
     views: Vec<usize>,
     lights: Vec<usize>,
     /// Sums of what each order can hold, by view and light.
     sums: Vec<f64>,
-    /// Orders in a row that added next to nothing.
-    quiet: usize,
+    /// Orders in a row that added next to nothing, at all and by more than one scattering.
+    quiet: [usize; 2],
     order: usize,
 }
 
+/// So many orders in a row must be small: one may vanish by chance.
+const QUIET_ORDERS: usize = 3;
+
 impl Convergence {
     fn new(views: Vec<usize>, lights: Vec<usize>) -> Self {
-        Self { sums: vec![0.0; views.len() * lights.len()], views, lights, quiet: 0, order: 0 }
+        Self { sums: vec![0.0; views.len() * lights.len()], views, lights, quiet: [0; 2], order: 0 }
     }
 
     /// Adds an order, with the number of nodes that it leaves out.
-    fn reached(&mut self, part: &Part, skipped: usize, tolerance: f64) -> bool {
-        let mut quiet = true;
-        // Orders fall geometrically, some e^14 from the first to the last: what is left
-        // after this one.
+    fn add(&mut self, part: &Part, skipped: usize, tolerance: f64) -> Stage {
+        // Orders fall geometrically, some e^14 from the first to the last: this is what is
+        // left after this one, in units of it.
         let rest = 1.0 + self.order as f64 / 14.0;
+        let mut quiet = [true; 2];
         let pairs = self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (v - skipped, l - skipped)));
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
-            let size = most(part, v, l);
-            *sum += size;
-            quiet &= size * rest <= tolerance * *sum;
+            let (all, often) = most(part, v, l);
+            *sum += all;
+            quiet[0] &= all * rest <= tolerance * *sum;
+            quiet[1] &= often * rest <= tolerance * *sum;
         }
-        self.quiet = if quiet { self.quiet + 1 } else { 0 };
+        for (count, quiet) in self.quiet.iter_mut().zip(quiet) {
+            *count = if quiet { *count + 1 } else { 0 };
+        }
         self.order += 1;
-        self.quiet >= 3 || self.sums.is_empty()
+        match self.quiet.map(|count| count >= QUIET_ORDERS) {
+            [true, _] => Stage::Done,
+            _ if self.sums.is_empty() => Stage::Done,
+            [false, true] => Stage::Once,
+            [false, false] => Stage::All,
+        }
     }
 }
 
-/// What light between two extra nodes can be in this order, over a white base.
-fn most(part: &Part, v: usize, l: usize) -> f64 {
+/// The most that light between two extra nodes can be in this order, over a white base, and
+/// that part of it which takes other directions between.
+fn most(part: &Part, v: usize, l: usize) -> (f64, f64) {
     let Part { above, below, down, .. } = part;
-    let between: f64 = (0..down.regular).map(|i| (down.at(i, v) * down.at(i, l)).abs()).sum();
+    let scattered = |i: usize, node: usize| down.at(i, node).abs() + above.at(i, node).abs();
+    let between: f64 = (0..down.regular).map(|i| scattered(i, v) * scattered(i, l)).sum();
     let [straight_v, straight_l] = [v, l].map(|node| down.straight[node]);
-    above.at(v, l).abs()
-        + between
+    let direct = above.at(v, l).abs()
         + straight_v * down.at(v, l).abs()
         + straight_l * down.at(l, v).abs()
-        + straight_v * straight_l * below.at(v, l).abs()
-}
-
-fn compose(elements: &mut [Element<'_>], order: usize, grid: &Grid) -> Part {
-    let air = |beta: f64| Flat { t: if beta < 1.0 { 1.0 } else { 0.0 }, above: 0.0, below: 0.0 };
-    let mut whole = Part::flat(grid, air);
-    if order == 0 {
-        whole.absorbed = Some([nothing(grid.len()), nothing(grid.len())]);
-    }
-    for element in elements {
-        whole = whole.over(&element.part(order, grid), grid);
-    }
-    whole
+        + straight_v * straight_l * below.at(v, l).abs();
+    (direct + between, between)
 }

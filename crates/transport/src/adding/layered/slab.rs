@@ -73,6 +73,10 @@ impl Slab {
         slab
     }
 
+    pub(super) fn model(&self) -> Model {
+        self.model
+    }
+
     /// The same layer for the extra nodes of its grid alone.
     pub(super) fn extras(self, grid: &Grid) -> Self {
         let regular = self.regular;

@@ -1,0 +1,144 @@
+//! What scatters in a stack, computed once for all wavelengths that share it.
+
+use faer::Mat;
+use papilio_optics::lobe::Lobe;
+use papilio_optics::rough::{Rough, Side};
+
+use super::algebra::Operator;
+use super::grid::Grid;
+use super::lobes::LobeOrders;
+use super::part::Part;
+use super::rough::RoughOrders;
+use super::slab::{Model, Slab};
+
+/// Something that scatters, on one grid.
+#[derive(Debug)]
+enum Scatterer<'a> {
+    Slab(Slab),
+    Diffuser(LobeBetween),
+    Rough { face: &'a Rough, orders: Option<RoughOrders> },
+}
+
+/// A diffuser's lobe between media of these indices.
+#[derive(Debug)]
+struct LobeBetween {
+    lobe: Lobe,
+    indices: [f64; 2],
+    orders: LobeOrders,
+    /// What the quadrature misses of each node's light, on average over both ways.
+    missing: Vec<f64>,
+}
+
+/// What a scatterer does in one azimuthal order.
+#[derive(Debug)]
+pub(super) enum Scattered {
+    /// Reflected and transmitted by a layer that scatters in its bulk.
+    Slab([Operator; 2]),
+    /// Let through by a lobe that transmits everything, from above.
+    Diffuser(Operator),
+    /// Done by a rough face.
+    Rough(Part),
+}
+
+/// All that scatters on a grid.
+#[derive(Debug, Default)]
+pub(super) struct Scatterers<'a>(Vec<Scatterer<'a>>);
+
+impl<'a> Scatterers<'a> {
+    /// The number of this layer, added if it is new.
+    pub(super) fn slab(&mut self, model: Model, terms: usize, grid: &Grid) -> usize {
+        let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Slab(slab) if slab.model() == model);
+        self.find(known, || Scatterer::Slab(Slab::new(model, terms, grid)))
+    }
+
+    /// The number of a lobe between media of these indices, added if it is new.
+    pub(super) fn lobe(&mut self, lobe: Lobe, indices: [f64; 2], grid: &Grid) -> usize {
+        let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.indices == indices);
+        self.find(known, || Scatterer::Diffuser(LobeBetween::new(lobe, indices, grid)))
+    }
+
+    /// The number of this face, added if it is new.
+    pub(super) fn rough(&mut self, face: &'a Rough, orders: impl FnOnce() -> RoughOrders) -> usize {
+        let like = |other: &Rough| {
+            other.alpha() == face.alpha()
+                && [Side::Above, Side::Below].into_iter().all(|side| other.index(side) == face.index(side))
+        };
+        let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Rough { face, .. } if like(face));
+        self.find(known, || Scatterer::Rough { face, orders: Some(orders()) })
+    }
+
+    fn find(&mut self, known: impl Fn(&Scatterer<'a>) -> bool, new: impl FnOnce() -> Scatterer<'a>) -> usize {
+        self.0.iter().position(known).unwrap_or_else(|| {
+            self.0.push(new());
+            self.0.len() - 1
+        })
+    }
+
+    /// How many azimuthal orders are scattered among nodes with weight.
+    pub(super) fn orders(&self) -> usize {
+        let orders = |scatterer: &Scatterer<'_>| match scatterer {
+            Scatterer::Slab(slab) => slab.orders(),
+            Scatterer::Diffuser(LobeBetween { lobe: Lobe::Lambertian, .. }) => 1,
+            Scatterer::Diffuser(_) => usize::MAX,
+            Scatterer::Rough { orders, .. } => orders.as_ref().map_or(0, RoughOrders::orders),
+        };
+        self.0.iter().map(orders).max().unwrap_or(0)
+    }
+
+    /// The same for the extra nodes of the grid alone.
+    pub(super) fn extras(self, grid: &Grid) -> Self {
+        let extras = |scatterer| match scatterer {
+            Scatterer::Slab(slab) => Scatterer::Slab(slab.extras(grid)),
+            Scatterer::Diffuser(lobe) => Scatterer::Diffuser(LobeBetween {
+                orders: LobeOrders::new(lobe.lobe),
+                missing: lobe.missing[grid.regular..].to_vec(),
+                ..lobe
+            }),
+            Scatterer::Rough { face, .. } => Scatterer::Rough { face, orders: None },
+        };
+        Self(self.0.into_iter().map(extras).collect())
+    }
+
+    /// What each does in this order.
+    pub(super) fn scattered(&mut self, order: usize, grid: &Grid) -> Vec<Scattered> {
+        let one = |scatterer: &mut Scatterer<'_>| match scatterer {
+            Scatterer::Slab(slab) => {
+                Scattered::Slab(slab.operators(order).map(|operator| slab.spread(&operator, grid)))
+            }
+            Scatterer::Diffuser(lobe) => Scattered::Diffuser(lobe.operator(order, grid)),
+            Scatterer::Rough { face, orders } => Scattered::Rough(match orders {
+                Some(orders) => orders.part(face, order, grid),
+                None => Part::dark(grid),
+            }),
+        };
+        self.0.iter_mut().map(one).collect()
+    }
+}
+
+impl LobeBetween {
+    fn new(lobe: Lobe, indices: [f64; 2], grid: &Grid) -> Self {
+        let mut orders = LobeOrders::new(lobe);
+        let missing = orders.order(0, grid).map(|kernel| {
+            let found = |j: usize, index: f64| -> f64 {
+                let column = (0..grid.regular).filter(|&i| grid.beta[i] < index);
+                column.map(|i| grid.scale[i] * kernel[(i, j)]).sum::<f64>() / grid.scale[j]
+            };
+            let misses = |j: usize, index| lobe.share_in_disc(grid.beta[j], index) - found(j, index);
+            (0..grid.len()).map(|j| 0.5 * (misses(j, indices[0]) + misses(j, indices[1]))).collect()
+        });
+        Self { lobe, indices, orders, missing: missing.unwrap_or_default() }
+    }
+
+    fn operator(&mut self, order: usize, grid: &Grid) -> Operator {
+        let [above, below] = self.indices;
+        let both = |i: usize| grid.beta[i] < above.min(below);
+        let straight = (0..grid.len()).map(|i| if both(i) { self.missing[i] } else { 0.0 }).collect();
+        let kernel = self.orders.order(order, grid).map(|kernel| {
+            Mat::from_fn(grid.len(), grid.len(), |out, from| {
+                let carried = grid.beta[from] < above && grid.beta[out] < below;
+                if carried { kernel[(out, from)] } else { 0.0 }
+            })
+        });
+        Operator { regular: grid.regular, straight, kernel }
+    }
+}
