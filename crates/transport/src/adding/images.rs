@@ -87,7 +87,8 @@ mod tests {
             let root = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);
             part(a, b) + part(b, a) - 0.5 * root.sqrt()
         };
-        for (a, b, d) in [(0.01, 0.01, 0.012), (0.02, 0.01, 0.015), (0.01, 0.03, 0.0399), (0.01, 0.03, 0.021)] {
+        for (a, b, d) in [(0.01, 0.01, 0.012), (0.02, 0.01, 0.015), (0.01, 0.03, 0.0399), (0.01, 0.03, 0.021)]
+        {
             let view = Cone::new(20.0, 10.0, a, 1.0);
             let mirrored = Cone::new(20.0 + d, 10.0, b, 1.0);
             let share: f64 = overlap(&view, &mirrored, 1.0, 18.0).iter().map(|p| p.weight).sum();

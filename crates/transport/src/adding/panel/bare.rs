@@ -59,11 +59,7 @@ impl Kernel {
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone), digits)),
         };
-        Self {
-            digits,
-            views: views.iter().map(view).collect(),
-            lights: sources.iter().map(light).collect(),
-        }
+        Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
     }
 
     pub(super) fn nodes(&self) -> usize {

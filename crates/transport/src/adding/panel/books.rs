@@ -38,8 +38,12 @@ impl Sums {
     pub(super) fn estimate(self, stack: &Panel, diffuser: &Diffuser, sources: &[Source]) -> Estimate {
         let ledger = self.ledger(stack, diffuser);
         let front = &stack.front;
-        let through: Vec<f64> =
-            front.transmittance.iter().zip(diffuser.transmittance.iter()).map(|(t, d)| (t * d).powi(2)).collect();
+        let through: Vec<f64> = front
+            .transmittance
+            .iter()
+            .zip(diffuser.transmittance.iter())
+            .map(|(t, d)| (t * d).powi(2))
+            .collect();
         let rho = sources.iter().zip(self.directed).map(|(source, directed)| {
             let (mut base, front) = match source {
                 Source::Diffuse => (self.leaving.clone(), front.reflectance_above.to_vec()),

@@ -67,8 +67,8 @@ struct AtIndex {
 struct Recycled {
     group: Group,
     alone: OwnForms,
-    /// By source and the source's group.
-    between: Vec<Vec<Forms>>,
+    /// By source and the source's group, with what a narrow lobe's peak lacks.
+    between: Vec<Vec<(Forms, f64)>>,
 }
 
 impl Kernel {
@@ -255,7 +255,13 @@ impl Kernel {
             };
             let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
-                _ => light.recycled[index].iter().map(|other| recycling.between(&group, other)).collect(),
+                _ => {
+                    let both = |(other, b): (&Group, &Bundle)| {
+                        let peak = recycling.peak(self.diffuser.lobe, &bundle.points, &b.points);
+                        (recycling.between(&group, other), peak)
+                    };
+                    light.recycled[index].iter().zip(&light.groups).map(both).collect()
+                }
             };
             let between = self.sources.iter().zip(kept).map(towards).collect();
             Recycled { group, alone, between }
@@ -317,7 +323,14 @@ impl Kernel {
         sum
     }
 
-    fn over_lambertian(&self, r: &[f64], view: &View, index: usize, sent_back: &[f64], sources: &[Source]) -> Sums {
+    fn over_lambertian(
+        &self,
+        r: &[f64],
+        view: &View,
+        index: usize,
+        sent_back: &[f64],
+        sources: &[Source],
+    ) -> Sums {
         let mut sums = Sums::zeros(r.len(), sources);
         let shares = &self.shares[index];
         let a: f64 = view.groups.iter().map(|g| shares.arriving(&self.diffuser, &g.points)).sum();
@@ -374,6 +387,7 @@ impl Kernel {
             if let (Some(recycling), Some(r)) = (recycling, &reflectances) {
                 let own = straight.reflectance(group.axis);
                 self.recycle(recycling, (&at.recycled[g], &own), index, r, &of_sources, &mut sums);
+                self.add_peaks(&straight, group.axis, &at.recycled[g], &of_sources, &mut sums);
             }
             let trips = straight.round_trips(group.axis);
             all.zip(&sums, |all, sums| add_times(all, sums, &trips));
@@ -387,6 +401,30 @@ impl Kernel {
         self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
     }
 
+    /// Adds what narrow lobes' peaks lack on a grid for wider ones.
+    fn add_peaks(
+        &self,
+        straight: &Straight<'_>,
+        view: Point,
+        recycled: &Recycled,
+        of_sources: &[Vec<(Vec<f64>, Vec<f64>)>],
+        sums: &mut Sums,
+    ) {
+        for (i, (peaks, of_source)) in recycled.between.iter().zip(of_sources).enumerate() {
+            for (j, ((_, peak), (_, trips))) in peaks.iter().zip(of_source).enumerate() {
+                if *peak == 0.0 {
+                    continue;
+                }
+                let [mut value, other] =
+                    [view, self.sources[i].groups[j].axis].map(|point| straight.reflectance_at(point));
+                for (k, (value, other)) in value.iter_mut().zip(other).enumerate() {
+                    *value *= peak * straight.sent_back[k % straight.sent_back.len()] * other;
+                }
+                add_times(&mut sums.directed[i], &value, trips);
+            }
+        }
+    }
+
     fn recycle(
         &self,
         recycling: &Recycling,
@@ -398,7 +436,8 @@ impl Kernel {
     ) {
         let (recycled, own) = view;
         if recycling.sums_columns() {
-            let group = |(group, (own, trips)): (_, &(Vec<f64>, Vec<f64>))| (group, own.clone(), trips.clone());
+            let group =
+                |(group, (own, trips)): (_, &(Vec<f64>, Vec<f64>))| (group, own.clone(), trips.clone());
             let sources: Vec<Vec<_>> = self
                 .sources
                 .iter()
@@ -409,7 +448,7 @@ impl Kernel {
         }
         recycling.add_alone(&recycled.alone, r, sums);
         for ((sum, forms), of_source) in sums.directed.iter_mut().zip(&recycled.between).zip(of_sources) {
-            for (forms, (_, trips)) in forms.iter().zip(of_source) {
+            for ((forms, _), (_, trips)) in forms.iter().zip(of_source) {
                 if trips.is_empty() {
                     recycling.add(forms, r, false, sum);
                 } else {
@@ -436,9 +475,10 @@ struct Straight<'a> {
 impl Straight<'_> {
     /// The base's reflectance of this direction; empty where no light goes straight.
     fn reflectance(&self, point: Point) -> Vec<f64> {
-        if self.share == 0.0 {
-            return Vec::new();
-        }
+        if self.share == 0.0 { Vec::new() } else { self.reflectance_at(point) }
+    }
+
+    fn reflectance_at(&self, point: Point) -> Vec<f64> {
         let base = &self.stack.base;
         let mut r = vec![0.0; base.states() * base.bins()];
         base.reflectance(point.beta.squared(), self.medium, &mut r);

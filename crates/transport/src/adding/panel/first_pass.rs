@@ -105,7 +105,8 @@ impl Pass<'_> {
         let radii = merged_radii(view);
         let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
         for node in &rule {
-            let ring: f64 = radii.iter().map(|(r, weight)| weight * ring(self.diffuser.lobe, *r, node.x)).sum();
+            let ring: f64 =
+                radii.iter().map(|(r, weight)| weight * ring(self.diffuser.lobe, *r, node.x)).sum();
             let weight = (1.0 - self.straight()) * node.weight * ring / (2.0 * std::f64::consts::PI);
             let stencil = self.look_up(node.x);
             reflected.add(&stencil, weight);

@@ -11,6 +11,7 @@ use papilio_optics::lobe::Lobe;
 use super::super::super::quadrature::{Node, Point, Pole, gauss, graded};
 use super::super::first_pass::Pass;
 use super::super::lobes;
+use crate::Nodes;
 
 /// Points of one panel, at most.
 const PANEL: usize = 36;
@@ -53,8 +54,8 @@ pub(super) struct Columns<'a> {
 }
 
 impl Grid {
-    pub(super) fn new(pass: &Pass<'_>, orders: usize, digits: f64) -> Self {
-        let (lobe, straight) = (pass.diffuser.lobe, pass.diffuser.straight_through);
+    pub(super) fn new(pass: &Pass<'_>, lobe: Lobe, orders: usize, digits: f64) -> Self {
+        let straight = pass.straight();
         let width = match lobe {
             Lobe::KCorrelation { width } => width,
             Lobe::Lambertian => 1.0,
@@ -62,10 +63,15 @@ impl Grid {
         let doubled = if straight > 0.0 { width } else { 2.0 * width };
         let air = disc(even(0.0, FRAC_PI_2, doubled, digits), 1.0);
         let rim = (1.0 / pass.index).min(1.0).asin();
-        let mut angles = even(0.0, rim, width / pass.index, digits);
+        let mut angles = Vec::new();
+        let mut from = 0.0;
+        for to in kinks(pass).into_iter().filter(|x| *x < rim).chain([rim]) {
+            angles.extend(even(from, to, width / pass.index, digits));
+            from = to;
+        }
         if rim < FRAC_PI_2 && lobe != Lobe::Lambertian {
             let poles = [1.0, -1.0].map(|at| Pole { at, off: width }.in_arc(pass.index));
-            angles.extend(graded(rim, FRAC_PI_2, &[], &poles, digits));
+            angles.extend(graded(rim, FRAC_PI_2, &kinks(pass), &poles, digits));
         }
         let glass = disc(angles, pass.index);
         let table = |rows: &[Node], columns: &[Node]| {
@@ -251,6 +257,21 @@ fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
         *s += v * scale;
     }
 }
+
+/// Where the base's table has kinks, as angles in the glass; too many are as good as none.
+fn kinks(pass: &Pass<'_>) -> Vec<f64> {
+    match pass.table {
+        Nodes::AnglesInMedium(angles) if angles.len() <= MOST_KINKS => {
+            angles.iter().copied().skip(1).collect()
+        }
+        Nodes::AnglesInAir(angles) if angles.len() <= MOST_KINKS => {
+            angles.iter().skip(1).map(|angle| (angle.sin() / pass.index).min(1.0).asin()).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+const MOST_KINKS: usize = 24;
 
 /// A rule for integrands with poles this far off everywhere.
 fn even(from: f64, to: f64, off: f64, digits: f64) -> Vec<Node> {

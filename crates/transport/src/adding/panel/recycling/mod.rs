@@ -12,6 +12,11 @@
 //! coefficients ([`Forms`]) depend neither on the pixel nor on spectra. Later orders get fewer
 //! terms. Where g is too large for that, the series is summed on the grid for each state and
 //! wavelength.
+//!
+//! Lobes narrower than about .01 would need too large a grid: theirs is made for a wider one,
+//! the narrower the finer the level, and only the peak of the second order is put right
+//! ([`Recycling::peak`]). What the rims and the pixel's angles do to recycled light then errs in
+//! proportion to the width, times g; the difference between levels shows it.
 
 mod grid;
 mod spectra;
@@ -37,10 +42,16 @@ pub(super) struct Plan {
     terms: Vec<usize>,
     /// Azimuthal orders.
     orders: usize,
+    /// Of recycled light, natural.
+    recycled_digits: f64,
+    /// The lobe's width on the grid.
+    width: f64,
 }
 
 /// Natural digits that one more term of the reflectance gives (films, over 0 to 90 deg).
 const DIGITS_A_TERM: f64 = 1.2;
+/// The same for tables with kinks.
+const DIGITS_A_KINK: f64 = 0.5;
 /// The largest forms.
 const MOST_COEFFICIENTS: usize = 5000;
 
@@ -53,16 +64,53 @@ impl Plan {
         if strength <= 0.0 || weakening > digits {
             return None;
         }
-        let orders = 1 + match (pass.diffuser.lobe, reach) {
-            (Lobe::KCorrelation { width }, Some(reach)) => {
-                let width = if pass.straight() > 0.0 { 2.0 * width } else { 4.0 * width };
-                rounded_up((digits - weakening).max(LEAST_DIGITS) * reach / width)
-            }
-            _ => 0,
-        };
-        let mut plan = Self { digits, weakening, terms: Vec::new(), orders };
+        let needed = (digits - weakening).max(LEAST_DIGITS);
+        let mut plan =
+            Self { digits, weakening, terms: Vec::new(), orders: 1, recycled_digits: needed, width: WIDEST };
+        if let Lobe::KCorrelation { width } = pass.diffuser.lobe {
+            plan.width = width.min(WIDEST);
+            plan.fit(pass, reach);
+        }
         plan.terms = plan.forms(pass.table).unwrap_or_default();
         Some(plan)
+    }
+
+    /// Gives up digits, then widens the lobe, until the grid is small enough; a finer level has a larger one.
+    fn fit(&mut self, pass: &Pass<'_>, reach: Option<f64>) {
+        let most = MOST_ELEMENTS * (self.digits / 7.0).exp();
+        self.orders = self.orders_for(pass, reach);
+        while self.size(pass) > most && self.width < WIDEST {
+            if self.recycled_digits > FEWEST_DIGITS_ON_A_LARGE_GRID {
+                self.recycled_digits -= 0.5;
+            } else {
+                self.width *= 1.02;
+            }
+            self.orders = self.orders_for(pass, reach);
+        }
+    }
+
+    /// Away from a narrow lobe's peak light is fainter than there, by the cube of the distance; the
+    /// grid's error is not.
+    fn grid_digits(&self) -> f64 {
+        self.recycled_digits + 3.0 * (WIDTH_WITHOUT_PEAK / self.width).ln().max(0.0)
+    }
+
+    fn orders_for(&self, pass: &Pass<'_>, reach: Option<f64>) -> usize {
+        let lobes = if pass.straight() > 0.0 { 2.0 } else { 4.0 };
+        1 + reach.map_or(0, |reach| rounded_up(self.grid_digits() * reach / (lobes * self.width)))
+    }
+
+    /// Elements of the lobe between the grid's nodes, roughly.
+    fn size(&self, pass: &Pass<'_>) -> f64 {
+        let nodes = 0.4 * self.grid_digits() / self.width;
+        nodes * nodes * pass.index * self.orders as f64
+    }
+
+    /// The azimuthal orders that order `k + 2` of the series needs: fewer where less is left of the light.
+    fn orders_of(&self, k: usize) -> usize {
+        let left = (self.digits - (k + 1) as f64 * self.weakening) / (self.digits - self.weakening).max(1e-9);
+        let orders = ((self.orders - 1) as f64 * left).ceil().max(0.0) as usize;
+        (1 + orders).min(self.orders)
     }
 
     /// The terms of each order, if forms are not too large.
@@ -74,7 +122,13 @@ impl Plan {
             if left < 0.0 {
                 return Some(terms);
             }
-            let count = (1.0 + (left / DIGITS_A_TERM).ceil()).min(table.count() as f64) as usize;
+            let count = match table {
+                Nodes::Constant => 1,
+                Nodes::Cosines(_) => 1 + (left / DIGITS_A_TERM).ceil() as usize,
+                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => {
+                    1 + (left / DIGITS_A_KINK).ceil() as usize
+                }
+            };
             size = size.saturating_add(count.saturating_pow(k as u32));
             if size > MOST_COEFFICIENTS || k > 30 {
                 return None;
@@ -84,6 +138,15 @@ impl Plan {
         None
     }
 }
+
+/// The coarsest level's grid holds some five times as many elements of the lobe at most ...
+const MOST_ELEMENTS: f64 = 6e5;
+/// ... in no fewer natural digits than these, if need be with a wider lobe.
+const FEWEST_DIGITS_ON_A_LARGE_GRID: f64 = 6.0;
+/// The recycled light of lobes from this width on is much the same in all directions.
+const WIDTH_WITHOUT_PEAK: f64 = 0.08;
+/// No grid is coarser than for lobes of this width.
+const WIDEST: f64 = 1.0;
 
 /// Recycled light has at least these natural digits.
 const LEAST_DIGITS: f64 = 3.0;
@@ -144,8 +207,11 @@ pub(super) struct OwnForms {
 
 impl Recycling {
     pub(super) fn new(pass: &Pass<'_>, plan: Plan) -> Self {
-        let digits = (plan.digits - plan.weakening).max(LEAST_DIGITS);
-        let grid = Grid::new(pass, plan.orders, digits);
+        let lobe = match pass.diffuser.lobe {
+            Lobe::KCorrelation { width } => Lobe::KCorrelation { width: width.max(plan.width) },
+            Lobe::Lambertian => Lobe::Lambertian,
+        };
+        let grid = Grid::new(pass, lobe, plan.orders, plan.grid_digits());
         let profiles = plan.terms.iter().map(|count| Profile::new(&grid, pass.index, *count)).collect();
         Self { plan, grid, profiles }
     }
@@ -159,13 +225,12 @@ impl Recycling {
         let azimuth = axis.beta.y.atan2(axis.beta.x);
         let radius = axis.beta.length();
         let meridian = self.grid.meridian(points, azimuth);
-        let orders = 0..self.plan.orders;
         let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
         let mut group = Group { meridian, scattered: Vec::new(), chains: Vec::new() };
         for (k, profile) in self.profiles.iter().enumerate() {
             let own = profile.at(cosine);
             let first = |m| self.grid.scattered(&group.meridian, m, profile.columns(), &own);
-            let scattered: Vec<Vec<f64>> = orders.clone().map(first).collect();
+            let scattered: Vec<Vec<f64>> = (0..self.plan.orders_of(k)).map(first).collect();
             if is_view {
                 let mut chain = scattered.clone();
                 for (m, light) in chain.iter_mut().enumerate() {
@@ -186,13 +251,32 @@ impl Recycling {
         let form = |(k, profile): (usize, &Profile)| {
             let n = profile.cosines.len();
             let mut form = vec![0.0; n.pow(k as u32 + 2)];
-            for m in 0..self.plan.orders {
+            for m in 0..self.plan.orders_of(k) {
                 let scale = PI * azimuth_factor(m, turn);
                 self.grid.product(&view.chains[k][m], &source.scattered[k][m], n, scale, &mut form);
             }
             form
         };
         Forms(self.profiles.iter().enumerate().map(form).collect())
+    }
+
+    /// What the second order lacks between two sets of points because the grid's lobe is wider than the
+    /// true one, as a factor on g and the base's reflectance of both directions: near a narrow
+    /// lobe's peak the reflectance is even, and lobes that follow each other add their widths.
+    pub(super) fn peak(&self, lobe: Lobe, view: &[Point], source: &[Point]) -> f64 {
+        let Lobe::KCorrelation { width } = lobe else { return 0.0 };
+        if width >= self.plan.width {
+            return 0.0;
+        }
+        let s = self.grid.straight;
+        let t = 1.0 - s;
+        let shares = [(2.0, 4.0 * s * s * t * t), (3.0, 4.0 * s * t.powi(3)), (4.0, t.powi(4))];
+        let between = |v: &Point, l: &Point| {
+            let density = |width| Lobe::KCorrelation { width }.density(v.beta, l.beta);
+            let lacks = |(n, share): &(f64, f64)| share * (density(n * width) - density(n * self.plan.width));
+            v.weight * l.weight * shares.iter().map(lacks).sum::<f64>()
+        };
+        PI * view.iter().flat_map(|v| source.iter().map(move |l| between(v, l))).sum::<f64>()
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {

@@ -29,7 +29,12 @@ const LANES: usize = 8;
 
 impl Recycling {
     /// `sent_back` is `r T^2` per wavelength.
-    pub(in super::super) fn reflectances(&self, base: &Base, medium: &Medium, sent_back: &[f64]) -> Reflectances {
+    pub(in super::super) fn reflectances(
+        &self,
+        base: &Base,
+        medium: &Medium,
+        sent_back: &[f64],
+    ) -> Reflectances {
         let columns = base.states() * base.bins();
         let g = sent_back.iter().copied().cycle().take(columns).collect();
         let look_up = |squares: &mut dyn Iterator<Item = f64>| {
@@ -82,8 +87,9 @@ impl Recycling {
         }
     }
 
-    /// Adds the recycled light of a view's group by summing the series on the grid; `own` and
-    /// `of_sources` are the base's reflectances of the groups' directions.
+    /// Adds the recycled light of a view's group by summing the series on the grid. With each group
+    /// comes the base's reflectance of its direction, with a source's also the factor of its
+    /// straight round trips (empty where no light goes straight).
     pub(in super::super) fn add_by_columns(
         &self,
         view: (&Group, &[f64]),
@@ -107,10 +113,11 @@ impl Recycling {
                 self.add_products(&light, &arriving, &r.g, 1.0, &mut sums.arriving);
             }
             for (groups, sum) in sources.iter().zip(&mut sums.directed) {
-                for (group, own, scale) in groups {
+                for (group, own, trips) in groups {
                     let turn = group.meridian.azimuth - view.0.meridian.azimuth;
                     let scattered = grid.scattered(&group.meridian, m, columns, own);
-                    let g: Vec<f64> = r.g.iter().zip(scale).map(|(g, s)| g * s).collect();
+                    let mut g = r.g.clone();
+                    g.iter_mut().zip(trips).for_each(|(g, t)| *g *= t);
                     self.add_products(&light, &scattered, &g, PI * azimuth_factor(m, turn), sum);
                 }
             }
