@@ -237,9 +237,9 @@ mod tests {
         let mean =
             |digits| -> f64 { cone_points(&cone, 0.05, digits).iter().map(|p| p.weight * f(p.beta)).sum() };
         let truth = mean(32.0);
-        for digits in [11.5, 15.0, 18.0] {
+        for digits in [11.5_f64, 15.0, 18.0] {
             let error = (mean(digits) / truth - 1.0).abs();
-            assert!(error < 10.0 * (-digits as f64).exp(), "{digits}: {error}");
+            assert!(error < 10.0 * (-digits).exp(), "{digits}: {error}");
         }
     }
 }

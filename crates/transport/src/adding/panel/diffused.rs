@@ -9,7 +9,7 @@ use super::books::Sums;
 use super::first_pass::{Alone, Pass, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances};
+use super::recycling::{Direction, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
 use crate::specular::panel_image;
 use crate::{AngularTable, Cone, Diffuser, Estimate, Medium, Nodes, Panel, Reflector, Source, Top};
 
@@ -379,25 +379,25 @@ impl Kernel {
             table.weighted_sum(&alone.leaving.0, &mut sums.leaving);
             sums.arriving.fill(alone.reflected.0.iter().sum());
             for ((sum, pairs), of_source) in sums.directed.iter_mut().zip(&at.pairs[g]).zip(&of_sources) {
-                for ((weights, _), (_, trips)) in pairs.iter().zip(of_source) {
+                for ((weights, _), along) in pairs.iter().zip(of_source) {
                     table.weighted_sum(&weights.0, &mut room);
-                    add_times(sum, &room, trips);
+                    add_times(sum, &room, &along.round_trips);
                 }
             }
             if let (Some(recycling), Some(r)) = (recycling, &reflectances) {
-                let own = straight.reflectance(group.axis);
+                let own = straight.along(group.axis);
                 self.recycle(recycling, (&at.recycled[g], &own), index, r, &of_sources, &mut sums);
                 self.add_peaks(&straight, group.axis, &at.recycled[g], &of_sources, &mut sums);
             }
-            let trips = straight.round_trips(group.axis);
-            all.zip(&sums, |all, sums| add_times(all, sums, &trips));
+            let along = straight.along(group.axis);
+            all.zip(&sums, |all, sums| add_times(all, sums, &along.round_trips));
         }
         all
     }
 
     /// For each source and its groups: the base's reflectance, and its straight round trips.
-    fn source_columns(&self, straight: &Straight<'_>) -> Vec<Vec<(Vec<f64>, Vec<f64>)>> {
-        let of = |b: &Bundle| (straight.reflectance(b.axis), straight.round_trips(b.axis));
+    fn source_columns(&self, straight: &Straight<'_>) -> Vec<Vec<Direction>> {
+        let of = |b: &Bundle| straight.along(b.axis);
         self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
     }
 
@@ -407,11 +407,11 @@ impl Kernel {
         straight: &Straight<'_>,
         view: Point,
         recycled: &Recycled,
-        of_sources: &[Vec<(Vec<f64>, Vec<f64>)>],
+        of_sources: &[Vec<Direction>],
         sums: &mut Sums,
     ) {
         for (i, (peaks, of_source)) in recycled.between.iter().zip(of_sources).enumerate() {
-            for (j, ((_, peak), (_, trips))) in peaks.iter().zip(of_source).enumerate() {
+            for (j, ((_, peak), along)) in peaks.iter().zip(of_source).enumerate() {
                 if *peak == 0.0 {
                     continue;
                 }
@@ -420,7 +420,7 @@ impl Kernel {
                 for (k, (value, other)) in value.iter_mut().zip(other).enumerate() {
                     *value *= peak * straight.sent_back[k % straight.sent_back.len()] * other;
                 }
-                add_times(&mut sums.directed[i], &value, trips);
+                add_times(&mut sums.directed[i], &value, &along.round_trips);
             }
         }
     }
@@ -428,33 +428,31 @@ impl Kernel {
     fn recycle(
         &self,
         recycling: &Recycling,
-        view: (&Recycled, &[f64]),
+        view: (&Recycled, &Direction),
         index: usize,
         r: &Reflectances,
-        of_sources: &[Vec<(Vec<f64>, Vec<f64>)>],
+        of_sources: &[Vec<Direction>],
         sums: &mut Sums,
     ) {
         let (recycled, own) = view;
         if recycling.sums_columns() {
-            let group =
-                |(group, (own, trips)): (_, &(Vec<f64>, Vec<f64>))| (group, own.clone(), trips.clone());
             let sources: Vec<Vec<_>> = self
                 .sources
                 .iter()
                 .zip(of_sources)
-                .map(|(light, of)| light.recycled[index].iter().zip(of).map(group).collect())
+                .map(|(light, of)| light.recycled[index].iter().zip(of).collect())
                 .collect();
             return recycling.add_by_columns((&recycled.group, own), &sources, r, sums);
         }
         recycling.add_alone(&recycled.alone, r, sums);
         for ((sum, forms), of_source) in sums.directed.iter_mut().zip(&recycled.between).zip(of_sources) {
-            for ((forms, _), (_, trips)) in forms.iter().zip(of_source) {
-                if trips.is_empty() {
+            for ((forms, _), along) in forms.iter().zip(of_source) {
+                if along.round_trips.is_empty() {
                     recycling.add(forms, r, false, sum);
                 } else {
                     let mut room = vec![0.0; sum.len()];
                     recycling.add(forms, r, false, &mut room);
-                    add_times(sum, &room, trips);
+                    add_times(sum, &room, &along.round_trips);
                 }
             }
         }
@@ -473,9 +471,15 @@ struct Straight<'a> {
 }
 
 impl Straight<'_> {
-    /// The base's reflectance of this direction; empty where no light goes straight.
-    fn reflectance(&self, point: Point) -> Vec<f64> {
-        if self.share == 0.0 { Vec::new() } else { self.reflectance_at(point) }
+    /// The base's reflectance of this direction, and `1/(1 - g s^2 R)`.
+    fn along(&self, point: Point) -> Direction {
+        if self.share == 0.0 {
+            return Direction { reflectance: Vec::new(), round_trips: Vec::new() };
+        }
+        let (reflectance, g) = (self.reflectance_at(point), self.sent_back);
+        let trip = |(k, r): (usize, &f64)| 1.0 / (1.0 - g[k % g.len()] * self.share * self.share * r);
+        let round_trips = reflectance.iter().enumerate().map(trip).collect();
+        Direction { reflectance, round_trips }
     }
 
     fn reflectance_at(&self, point: Point) -> Vec<f64> {
@@ -483,13 +487,6 @@ impl Straight<'_> {
         let mut r = vec![0.0; base.states() * base.bins()];
         base.reflectance(point.beta.squared(), self.medium, &mut r);
         r
-    }
-
-    /// All orders of straight round trips, `1/(1 - g s^2 R)`; empty where they are one.
-    fn round_trips(&self, point: Point) -> Vec<f64> {
-        let g = self.sent_back;
-        let trip = |(k, r): (usize, f64)| 1.0 / (1.0 - g[k % g.len()] * self.share * self.share * r);
-        self.reflectance(point).into_iter().enumerate().map(trip).collect()
     }
 }
 

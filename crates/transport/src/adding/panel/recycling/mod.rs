@@ -192,6 +192,15 @@ pub(super) struct Group {
     chains: Vec<Vec<Vec<f64>>>,
 }
 
+/// A group's direction itself, in columns `[state][wavelength]`; both empty where no light goes straight.
+#[derive(Debug, Clone)]
+pub(super) struct Direction {
+    /// The base's reflectance.
+    pub(super) reflectance: Vec<f64>,
+    /// All orders of straight round trips, E.
+    pub(super) round_trips: Vec<f64>,
+}
+
 /// Coefficients for each order of the series.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Forms(Vec<Vec<f64>>);

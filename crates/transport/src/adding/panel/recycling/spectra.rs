@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::super::books::Sums;
 use super::grid::Columns;
-use super::{Forms, Group, OwnForms, Profile, Recycling, azimuth_factor};
+use super::{Direction, Forms, Group, OwnForms, Profile, Recycling, azimuth_factor};
 use crate::{Base, Medium};
 
 /// The base's reflectances that recycling needs, and g; columns are `[state][wavelength]`.
@@ -87,13 +87,11 @@ impl Recycling {
         }
     }
 
-    /// Adds the recycled light of a view's group by summing the series on the grid. With each group
-    /// comes the base's reflectance of its direction, with a source's also the factor of its
-    /// straight round trips (empty where no light goes straight).
+    /// Adds the recycled light of a view's group by summing the series on the grid.
     pub(in super::super) fn add_by_columns(
         &self,
-        view: (&Group, &[f64]),
-        sources: &[Vec<(&Group, Vec<f64>, Vec<f64>)>],
+        view: (&Group, &Direction),
+        sources: &[Vec<(&Group, &Direction)>],
         r: &Reflectances,
         sums: &mut Sums,
     ) {
@@ -101,7 +99,12 @@ impl Recycling {
         let columns = Columns { count: r.g.len(), glass, air };
         let grid = &self.grid;
         for m in 0..self.plan.orders {
-            let light = self.series(m, grid.scattered(&view.0.meridian, m, columns, view.1), columns, &r.g);
+            let light = self.series(
+                m,
+                grid.scattered(&view.0.meridian, m, columns, &view.1.reflectance),
+                columns,
+                &r.g,
+            );
             if m == 0 {
                 let ones = |n: usize| vec![1.0; n];
                 let leaving = grid.diffuse(columns, &grid.leaving, &grid.leaving_straight);
@@ -113,11 +116,11 @@ impl Recycling {
                 self.add_products(&light, &arriving, &r.g, 1.0, &mut sums.arriving);
             }
             for (groups, sum) in sources.iter().zip(&mut sums.directed) {
-                for (group, own, trips) in groups {
+                for (group, own) in groups {
                     let turn = group.meridian.azimuth - view.0.meridian.azimuth;
-                    let scattered = grid.scattered(&group.meridian, m, columns, own);
+                    let scattered = grid.scattered(&group.meridian, m, columns, &own.reflectance);
                     let mut g = r.g.clone();
-                    g.iter_mut().zip(trips).for_each(|(g, t)| *g *= t);
+                    g.iter_mut().zip(&own.round_trips).for_each(|(g, t)| *g *= t);
                     self.add_products(&light, &scattered, &g, PI * azimuth_factor(m, turn), sum);
                 }
             }

@@ -1,0 +1,121 @@
+//! The deterministic solver of a panel on one core: `cargo bench -p papilio-validation --bench adding`.
+//!
+//! The indoor panel (78 % haze, front .5 %) over a pixel with 33 cosines, 4 gaps, 81 wavelengths and
+//! 8 states, at the levels that 1e-4 takes. `from_scratch`: kernels and estimates; `diffuse`,
+//! `beam`: the kernel of one light; `recycling`: what the front adds to both; `new_light`: a beam
+//! moves under a prepared kernel; `new_pixel`: an estimate through a prepared kernel.
+
+#![allow(missing_docs, reason = "a benchmark")]
+
+use std::f64::consts::PI;
+
+use divan::Bencher;
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_transport::adding::Kernel;
+use papilio_transport::{
+    AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+};
+
+fn main() {
+    divan::main();
+}
+
+const BINS: usize = 81;
+
+/// Fringes that move with gap, angle and wavelength as a film's do.
+fn pixel() -> AngularTable {
+    let (nodes, gaps) = (33, [275.9, 192.3, 137.8, 20.0]);
+    let mut basis = Vec::new();
+    for node in 0..nodes {
+        let cosine = f64::from(node) / 32.0;
+        for gap in gaps {
+            for bin in 0..BINS {
+                let phase = 4.0 * PI * gap * (0.1 + 0.9 * cosine) / (380.0 + 5.0 * bin as f64);
+                basis.push(0.275 + 0.225 * phase.cos());
+            }
+        }
+    }
+    let area = [0.493, 0.381, 0.126];
+    let share = |state: usize, k: usize| if state >> k & 1 == 1 { area[k] } else { 0.0 };
+    let mixture = (0..8).flat_map(|state| {
+        let on = [0, 1, 2].map(|k| 0.873 * share(state, k));
+        [on[0], on[1], on[2], 0.873 - on.iter().sum::<f64>()]
+    });
+    let mixture = mixture.collect();
+    AngularTable { nodes: Nodes::Cosines(33), basis, mixture, common: vec![0.0; BINS] }
+}
+
+fn panel(front_reflectance: f64) -> Stack {
+    let (r, a) = (vec![front_reflectance; BINS], vec![0.01; BINS]);
+    Stack::Panel(Panel {
+        front: Front::exact(BINS, [(&r[..], &a[..])]),
+        top: Top::Diffuser(Diffuser {
+            lobe: Lobe::KCorrelation { width: 0.05667 },
+            transmittance: vec![0.953; BINS].into(),
+            straight_through: 0.0,
+        }),
+        medium: Medium::new(vec![1.5; BINS].into()),
+        base: Base {
+            reflector: Reflector::Specular(pixel()),
+            inactive_absorptance: vec![0.127; BINS].into(),
+        },
+        single_pass: false,
+    })
+}
+
+fn view() -> [Cone; 1] {
+    [Cone::new(8.0, 0.0, 0.05, 1.0)]
+}
+
+fn beam(theta_deg: f64) -> Source {
+    Source::Beam(Beta::from_source(theta_deg, 0.0, 1.0))
+}
+
+fn kernel(level: u32, stack: &Stack, sources: &[Source]) -> Kernel {
+    let mut kernel = Kernel::new(level);
+    kernel.prepare(stack, &view(), sources);
+    kernel
+}
+
+#[divan::bench]
+fn from_scratch(bencher: Bencher<'_, '_>) {
+    let (stack, sources) = (panel(0.005), [Source::Diffuse, beam(-20.0)]);
+    bencher.bench(|| [0, 1].map(|level| kernel(level, &stack, &sources).estimate(&stack, 0)));
+}
+
+#[divan::bench(args = [0, 1])]
+fn diffuse(bencher: Bencher<'_, '_>, level: u32) {
+    let stack = panel(0.0);
+    bencher.bench(|| kernel(level, &stack, &[Source::Diffuse]));
+}
+
+#[divan::bench(args = [0, 1])]
+fn beam_alone(bencher: Bencher<'_, '_>, level: u32) {
+    let stack = panel(0.0);
+    bencher.bench(|| kernel(level, &stack, &[beam(-20.0)]));
+}
+
+#[divan::bench(args = [0.005, 0.04])]
+fn recycling(bencher: Bencher<'_, '_>, front_reflectance: f64) {
+    let (stack, sources) = (panel(front_reflectance), [Source::Diffuse, beam(-20.0)]);
+    bencher.bench(|| kernel(1, &stack, &sources));
+}
+
+#[divan::bench(args = [0, 1])]
+fn new_light(bencher: Bencher<'_, '_>, level: u32) {
+    let stack = panel(0.005);
+    let mut kernel = kernel(level, &stack, &[Source::Diffuse, beam(-20.0)]);
+    let mut theta_deg = -20.0;
+    bencher.bench_local(|| {
+        theta_deg -= 1e-3;
+        kernel.prepare(&stack, &view(), &[Source::Diffuse, beam(theta_deg)]);
+    });
+}
+
+#[divan::bench(args = [0, 1])]
+fn new_pixel(bencher: Bencher<'_, '_>, level: u32) {
+    let stack = panel(0.005);
+    let kernel = kernel(level, &stack, &[Source::Diffuse, beam(-20.0)]);
+    bencher.bench(|| kernel.estimate(&stack, 0));
+}
