@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use papilio_display::result::{RunResult, State, StateValues, View};
+use papilio_display::result::{Ledger, LedgerError, RunResult, State, StateValues, View, ViewError};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -30,7 +30,8 @@ pub struct ResultFile<'a> {
 }
 
 /// Writes `states.csv`: a row for each view and state, every scalar metric
-/// beside its standard error (`Y`, `Y_se`). What is undefined is left empty.
+/// beside its standard error and, of adding, its discretisation error (`Y`, `Y_se`, `Y_de`). What
+/// is undefined is left empty.
 ///
 /// # Errors
 /// Those of `out`.
@@ -56,24 +57,25 @@ pub fn write_states(out: impl Write, result: &RunResult) -> io::Result<()> {
 /// Those of `out`.
 pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record([
-        "theta_deg",
-        "phi_deg",
-        "state",
-        "wavelength_nm",
-        "radiance",
-        "radiance_se",
-        "reflectance_factor",
-        "reflectance_factor_se",
-    ])?;
+    let without_noise = result.views.iter().any(|view| view.discretisation_error.is_some());
+    let of_both = ["radiance", "reflectance_factor"].into_iter().flat_map(|title| {
+        let errors = if without_noise { &["", "_se", "_de"][..] } else { &["", "_se"] };
+        errors.iter().map(move |error| format!("{title}{error}"))
+    });
+    let places = ["theta_deg", "phi_deg", "state", "wavelength_nm"].map(str::to_owned);
+    csv.write_record(places.into_iter().chain(of_both))?;
     for view in &result.views {
         let angles = [view.theta_deg.to_string(), view.phi_deg.to_string()];
         for (name, state) in view.states.iter() {
-            let (value, error) = (&state.value, &state.standard_error);
+            let all = [Some(&state.value), Some(&state.standard_error), state.discretisation_error.as_ref()];
+            let all = || all.into_iter().flatten();
+            let columns: Vec<&[f64]> = all()
+                .map(|values| values.radiance.as_slice())
+                .chain(all().map(|values| values.reflectance_factor.as_slice()))
+                .collect();
             for (i, nm) in result.wavelength_nm.iter().enumerate() {
-                let numbers =
-                    [&value.radiance, &error.radiance, &value.reflectance_factor, &error.reflectance_factor]
-                        .map(|column| cell(column.get(i).copied()));
+                let numbers: Vec<String> =
+                    columns.iter().map(|column| cell(column.get(i).copied())).collect();
                 let start = [angles[0].clone(), angles[1].clone(), name.to_owned(), nm.to_string()];
                 csv.write_record(start.iter().chain(&numbers))?;
             }
@@ -95,29 +97,55 @@ fn scalars(view: &View, name: &str, state: &State) -> Columns {
         ("phi_deg".to_owned(), view.phi_deg.to_string()),
         ("state".to_owned(), name.to_owned()),
     ];
-    let mut push = |title: &str, value: Option<f64>, error: Option<f64>| {
-        columns.push((title.to_owned(), cell(value)));
-        columns.push((format!("{title}_se"), cell(error)));
-    };
-    let errors = of_state(&state.standard_error);
-    for ((title, value), (_, error)) in of_state(&state.value).into_iter().zip(errors) {
-        push(&title, value, error);
-    }
-    let error = &view.standard_error;
-    push("contrast_ratio", view.contrast_ratio, error.contrast_ratio);
-    push("gamut_percent_srgb", view.gamut_percent_srgb, error.gamut_percent_srgb);
-    push("gamut_percent_ebu", view.gamut_percent_ebu, error.gamut_percent_ebu);
-    if let Some(ledger) = view.ledger.get(name) {
-        let (absorbed, error) = (&ledger.absorbed, &ledger.standard_error);
-        push("ledger_returned", Some(ledger.returned), Some(error.returned));
-        push("ledger_front", Some(absorbed.front), Some(error.absorbed.front));
-        push("ledger_diffuser", Some(absorbed.diffuser), Some(error.absorbed.diffuser));
-        push("ledger_glass", Some(absorbed.glass), Some(error.absorbed.glass));
-        push("ledger_pixel", Some(absorbed.pixel), Some(error.absorbed.pixel));
-        push("ledger_inactive", Some(absorbed.inactive), Some(error.absorbed.inactive));
-        push("ledger_unaccounted", Some(ledger.unaccounted), Some(error.unaccounted));
+    let errors = [Some(&state.standard_error), state.discretisation_error.as_ref()].map(|e| e.map(of_state));
+    let error = |which: usize, k: usize| errors[which].as_ref()?.get(k)?.1;
+    let mut numbers: Vec<(String, [Option<f64>; 3])> = of_state(&state.value)
+        .into_iter()
+        .enumerate()
+        .map(|(k, (title, value))| (title, [value, error(0, k), error(1, k)]))
+        .collect();
+    numbers.extend(together(view));
+    numbers.extend(view.ledger.get(name).into_iter().flat_map(of_ledger));
+    for (title, [value, standard, discretisation]) in numbers {
+        columns.push((title.clone(), cell(value)));
+        columns.push((format!("{title}_se"), cell(standard)));
+        if view.discretisation_error.is_some() {
+            columns.push((format!("{title}_de"), cell(discretisation)));
+        }
     }
     columns
+}
+
+/// The metrics of the states together, and their errors.
+fn together(view: &View) -> [(String, [Option<f64>; 3]); 3] {
+    let (standard, discretisation) = (Some(&view.standard_error), view.discretisation_error.as_ref());
+    let with_errors = |title: &str, value, of: fn(&ViewError) -> Option<f64>| {
+        (title.to_owned(), [value, standard.and_then(of), discretisation.and_then(of)])
+    };
+    [
+        with_errors("contrast_ratio", view.contrast_ratio, |e| e.contrast_ratio),
+        with_errors("gamut_percent_srgb", view.gamut_percent_srgb, |e| e.gamut_percent_srgb),
+        with_errors("gamut_percent_ebu", view.gamut_percent_ebu, |e| e.gamut_percent_ebu),
+    ]
+}
+
+/// A ledger's shares, and their errors.
+fn of_ledger(ledger: &Ledger) -> [(String, [Option<f64>; 3]); 7] {
+    let Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error } = ledger;
+    let value = LedgerError { returned: *returned, absorbed: absorbed.clone(), unaccounted: *unaccounted };
+    let shares: [(&str, fn(&LedgerError) -> f64); 7] = [
+        ("returned", |l| l.returned),
+        ("front", |l| l.absorbed.front),
+        ("diffuser", |l| l.absorbed.diffuser),
+        ("glass", |l| l.absorbed.glass),
+        ("pixel", |l| l.absorbed.pixel),
+        ("inactive", |l| l.absorbed.inactive),
+        ("unaccounted", |l| l.unaccounted),
+    ];
+    shares.map(|(title, of)| {
+        let all = [Some(&value), Some(standard_error), discretisation_error.as_ref()];
+        (format!("ledger_{title}"), all.map(|one| one.map(of)))
+    })
 }
 
 fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {

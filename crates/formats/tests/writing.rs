@@ -126,6 +126,29 @@ fn spectra_have_a_row_for_each_wavelength_of_each_state() {
     assert_eq!((rows[1][2].as_str(), rows[1][6].as_str()), ("white, bright", ""));
 }
 
+/// Discretisation errors have columns of their own where there are any.
+#[test]
+fn a_result_without_noise_shows_its_discretisation_errors() {
+    let mut result = result();
+    let view = &mut result.views[0];
+    view.discretisation_error = Some(ViewError { contrast_ratio: Some(0.25), ..view.standard_error });
+    view.states.0.iter_mut().for_each(|(_, state)| state.discretisation_error = Some(values(0.002)));
+    for (_, ledger) in &mut view.ledger.0 {
+        ledger.discretisation_error = Some(LedgerError { returned: 0.125, ..ledger.standard_error.clone() });
+    }
+    let (mut states, mut spectra) = (Vec::new(), Vec::new());
+    write_states(&mut states, &result).unwrap();
+    write_spectra(&mut spectra, &result).unwrap();
+    let (header, rows) = table(&states);
+    let cell = |title: &str| rows[1][header.iter().position(|t| t == title).unwrap()].as_str();
+    assert_eq!((cell("Y"), cell("Y_se"), cell("Y_de")), ("1.01", "1.001", "1.002"));
+    assert_eq!((cell("contrast_ratio_de"), cell("ledger_returned_de")), ("0.25", "0.125"));
+    assert_eq!((cell("peak_nm_de"), cell("gamut_percent_ebu_de")), ("", ""));
+    let (header, rows) = table(&spectra);
+    assert_eq!(header[4..7], ["radiance", "radiance_se", "radiance_de"]);
+    assert_eq!((header.len(), rows[0].len()), (10, 10));
+}
+
 /// What was asked, its hash and seed, then the answer; the same bytes every time.
 #[test]
 fn the_result_file_holds_the_question_and_the_answer() {
