@@ -33,12 +33,14 @@ pub(super) struct Rising {
     pub(super) node: usize,
 }
 
-/// Light that is sent back this often, or less, is followed by iteration.
+/// Light that is sent back this often, or less, is followed by iteration ...
 const ITERATIONS: usize = 60;
+/// ... to this relative error.
+const TOLERANCE: f64 = 1e-11;
 
 impl Above {
     /// Light that rises from a specular base, its reflectance `[node, column]`.
-    pub(super) fn rise(&self, node: usize, base: &Mat<f64>, tolerance: f64) -> Rising {
+    pub(super) fn rise(&self, node: usize, base: &Mat<f64>) -> Rising {
         let (n, columns) = (self.down.regular, base.ncols());
         let beam: Vec<f64> = (0..columns)
             .map(|c| {
@@ -56,7 +58,9 @@ impl Above {
         let arrives =
             Mat::from_fn(n, columns, |i, c| self.down.at(i, node) + self.below.at(i, node) * beam[c]);
         let Some(kernel) = self.below.kernel.as_ref().filter(|_| n > 0) else {
-            let scattered = Mat::from_fn(n, columns, |i, c| if arrives[(i, c)] == 0.0 { 0.0 } else { once(i, c) * arrives[(i, c)] });
+            let scattered = Mat::from_fn(n, columns, |i, c| {
+                if arrives[(i, c)] == 0.0 { 0.0 } else { once(i, c) * arrives[(i, c)] }
+            });
             return Rising { scattered, beam, node };
         };
         let gain = Mat::from_fn(n, columns, once);
@@ -76,7 +80,7 @@ impl Above {
                 }
                 // Changes fall geometrically: what is left is their sum.
                 let ratio = (change / before[c]).min(1.0);
-                open[c] = change > tolerance * size * (1.0 - ratio);
+                open[c] = change > TOLERANCE * size * (1.0 - ratio);
                 before[c] = change;
             }
             if !open.contains(&true) {
@@ -93,7 +97,8 @@ impl Above {
         let n = self.down.regular;
         // 1 - B G acts on what rises.
         let b = base.get(.., column..column + 1);
-        let kernel = Mat::from_fn(self.below.len(), self.below.len(), |i, j| -b[(i, 0)] * self.below.at(i, j));
+        let kernel =
+            Mat::from_fn(self.below.len(), self.below.len(), |i, j| -b[(i, 0)] * self.below.at(i, j));
         let straight = (0..self.below.len()).map(|i| 1.0 - b[(i, 0)] * self.below.straight[i]).collect();
         let closed = Operator { regular: n, straight, kernel: Some(kernel) };
         let lu = PartialPivLu::new(closed.weighted_block().as_ref());

@@ -36,8 +36,8 @@ use std::f64::consts::PI;
 use faer::Mat;
 
 use super::images::ImagePoints;
-use crate::{Cone, Estimate, Layered, Ledger, Reflector, Rho, Source};
 use crate::specular::layered_image;
+use crate::{Cone, Estimate, Layered, Ledger, Reflector, Rho, Source};
 use base::Rising;
 use prepare::{Group, Order, Precision, Ray};
 
@@ -94,9 +94,9 @@ impl Kernel {
 
     /// Everything that a unit beam from this node becomes.
     fn from_node(&self, group: &Group, columns: &Columns, node: usize) -> Seen {
-        let tolerance = self.precision.tolerance;
         let lights = &group.light_nodes;
-        let mut seen = Seen { orders: Vec::new(), diffuse: Vec::new(), diffuse_front: 0.0, ledger: Vec::new() };
+        let mut seen =
+            Seen { orders: Vec::new(), diffuse: Vec::new(), diffuse_front: 0.0, ledger: Vec::new() };
         for (m, order) in group.orders.iter().enumerate() {
             // Later orders may have no nodes with weight.
             let skipped = group.grid.len() - order.above.down.len();
@@ -104,8 +104,9 @@ impl Kernel {
             match &columns.base {
                 BaseColumns::Specular(reflectance) => {
                     let reflectance = reflectance.get(skipped.., ..).to_owned();
-                    let rising = order.above.rise(node, &reflectance, tolerance);
-                    let leaving = lights.iter().map(|to| order.above.leaves(&rising, to - skipped, &reflectance));
+                    let rising = order.above.rise(node, &reflectance);
+                    let leaving =
+                        lights.iter().map(|to| order.above.leaves(&rising, to - skipped, &reflectance));
                     seen.orders.push(leaving.collect());
                     if m == 0 {
                         specular_books(group, order, columns, &rising, &mut seen);
@@ -230,13 +231,7 @@ impl Columns {
     }
 }
 
-fn specular_books(
-    group: &Group,
-    order: &Order,
-    columns: &Columns,
-    rising: &Rising,
-    seen: &mut Seen,
-) {
+fn specular_books(group: &Group, order: &Order, columns: &Columns, rising: &Rising, seen: &mut Seen) {
     let grid = &group.grid;
     let total = |share: &[f64]| base::total(rising, share, grid);
     seen.diffuse = total(&group.leaving);

@@ -49,9 +49,13 @@ impl Part {
     /// A flat part: at each node what `flat` says.
     pub(super) fn flat(grid: &Grid, flat: impl Fn(f64) -> Flat) -> Self {
         let flats: Vec<Flat> = grid.beta.iter().map(|&beta| flat(beta)).collect();
-        let diagonal =
-            |f: fn(&Flat) -> f64| Operator::diagonal(grid.regular, flats.iter().map(f).collect());
-        Self { above: diagonal(|f| f.above), below: diagonal(|f| f.below), down: diagonal(|f| f.t), absorbed: None }
+        let diagonal = |f: fn(&Flat) -> f64| Operator::diagonal(grid.regular, flats.iter().map(f).collect());
+        Self {
+            above: diagonal(|f| f.above),
+            below: diagonal(|f| f.below),
+            down: diagonal(|f| f.t),
+            absorbed: None,
+        }
     }
 
     /// A part that takes everything.

@@ -23,7 +23,7 @@ pub(super) struct Precision {
     nodes: usize,
     /// Natural digits of the forward peak beyond the Legendre terms that are kept.
     terms: f64,
-    /// Of orders of azimuth and of iterations.
+    /// Of orders of azimuth.
     pub(super) tolerance: f64,
 }
 
@@ -356,7 +356,8 @@ impl Convergence {
         // left after this one, in units of it.
         let rest = 1.0 + self.order as f64 / 14.0;
         let mut quiet = [true; 2];
-        let pairs = self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (v - skipped, l - skipped)));
+        let pairs =
+            self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (v - skipped, l - skipped)));
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
             let (all, often) = most(part, v, l);
             *sum += all;

@@ -75,9 +75,10 @@ impl RoughOrders {
         let operator = |way: usize| {
             let kernel = match order.checked_sub(1) {
                 None => Some(self.zeroth[way].clone()),
-                Some(later) => self.later.get(later).map(|kernels| {
-                    Mat::from_fn(len, len, |i, j| f64::from(kernels[way][j * len + i]))
-                }),
+                Some(later) => self
+                    .later
+                    .get(later)
+                    .map(|kernels| Mat::from_fn(len, len, |i, j| f64::from(kernels[way][j * len + i]))),
             };
             Operator { regular: grid.regular, straight: vec![0.0; len], kernel }
         };
@@ -120,14 +121,17 @@ impl RoughOrders {
 /// Adds the light that meets several microfacets, alike in all azimuths.
 fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     let deficit = |side: Side| -> Vec<f64> {
-        let one = |i: usize| if grid.beta[i] < face.index(side) { face.deficit(side, grid.beta[i]) } else { 0.0 };
+        let one =
+            |i: usize| if grid.beta[i] < face.index(side) { face.deficit(side, grid.beta[i]) } else { 0.0 };
         (0..grid.len()).map(|i| one(i) * grid.scale[i]).collect()
     };
     let [above, below] = [Side::Above, Side::Below].map(deficit);
     let total: f64 = (0..grid.regular).map(|i| grid.scale[i] * (above[i] + below[i])).sum();
-    for (operator, out, from) in
-        [(&mut part.above, &above, &above), (&mut part.down, &below, &above), (&mut part.below, &below, &below)]
-    {
+    for (operator, out, from) in [
+        (&mut part.above, &above, &above),
+        (&mut part.down, &below, &above),
+        (&mut part.below, &below, &below),
+    ] {
         if let Some(kernel) = &mut operator.kernel {
             let len = out.len();
             *kernel = Mat::from_fn(len, len, |i, j| kernel[(i, j)] + out[i] * from[j] / total);

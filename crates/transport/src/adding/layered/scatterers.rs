@@ -53,7 +53,8 @@ impl<'a> Scatterers<'a> {
 
     /// The number of a lobe between media of these indices, added if it is new.
     pub(super) fn lobe(&mut self, lobe: Lobe, indices: [f64; 2], grid: &Grid) -> usize {
-        let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.indices == indices);
+        let known =
+            |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.indices == indices);
         self.find(known, || Scatterer::Diffuser(LobeBetween::new(lobe, indices, grid)))
     }
 

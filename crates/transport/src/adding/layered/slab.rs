@@ -67,7 +67,8 @@ impl Slab {
         let mut slab = Self { model, peak, terms, nodes, cosine, scale, regular, missing: Vec::new() };
         let both = slab.phase(0)[0].clone();
         let found = |i: usize| -> f64 {
-            (0..regular).map(|j| 2.0 * slab.scale[j] * both[(i, j)] * slab.cosine[i]).sum::<f64>() / slab.scale[i]
+            (0..regular).map(|j| 2.0 * slab.scale[j] * both[(i, j)] * slab.cosine[i]).sum::<f64>()
+                / slab.scale[i]
         };
         slab.missing = (0..slab.nodes.len()).map(|i| 1.0 - found(i)).collect();
         slab
@@ -113,7 +114,14 @@ impl Slab {
                     (2 * l + 1) as f64 * moment(l as i32) * legendre[from + j][l - order]
                 });
                 let mut sum = Mat::zeros(rows, rows);
-                matmul(sum.as_mut(), Accum::Replace, left.as_ref(), right.as_ref(), 1.0 / (4.0 * PI), Par::Seq);
+                matmul(
+                    sum.as_mut(),
+                    Accum::Replace,
+                    left.as_ref(),
+                    right.as_ref(),
+                    1.0 / (4.0 * PI),
+                    Par::Seq,
+                );
                 sum
             };
             let (g, f) = (self.model.anisotropy, self.peak);
@@ -136,8 +144,12 @@ impl Slab {
         let Model { thickness, albedo, .. } = self.model;
         let tau = thickness * (1.0 - albedo * self.peak);
         let albedo = albedo * (1.0 - self.peak) / (1.0 - albedo * self.peak);
-        let straight: Vec<f64> =
-            self.cosine.iter().zip(&self.missing).map(|(mu, missing)| (1.0 - albedo * missing) / mu).collect();
+        let straight: Vec<f64> = self
+            .cosine
+            .iter()
+            .zip(&self.missing)
+            .map(|(mu, missing)| (1.0 - albedo * missing) / mu)
+            .collect();
         let [even, odd] = self.phase(order).map(|half| Operator {
             regular: self.regular,
             straight: straight.clone(),
@@ -171,8 +183,11 @@ impl Slab {
         let through = transmitted.pull_back(&ones, &self.scale);
         for _ in 0..4 {
             let back = reflected.pull_back(&ones, &self.scale);
-            let factor: Vec<f64> =
-                back.iter().zip(&through).map(|(r, t)| if *r > 0.0 { 0.5 * (1.0 - t - r) / r } else { 0.0 }).collect();
+            let factor: Vec<f64> = back
+                .iter()
+                .zip(&through)
+                .map(|(r, t)| if *r > 0.0 { 0.5 * (1.0 - t - r) / r } else { 0.0 })
+                .collect();
             if let Some(kernel) = &mut reflected.kernel {
                 *kernel = Mat::from_fn(ones.len(), ones.len(), |i, j| {
                     kernel[(i, j)] * (1.0 + factor[i] + factor[j])
