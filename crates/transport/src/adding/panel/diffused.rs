@@ -22,6 +22,8 @@ pub(super) struct Kernel {
     /// Of the base's table; `None` over a Lambertian base.
     table: Option<Nodes>,
     indices: Indices,
+    /// See [`reach`].
+    reach: Option<f64>,
     sources: Vec<Light>,
     views: Vec<View>,
     /// For each index.
@@ -79,6 +81,7 @@ impl Kernel {
             medium: stack.medium.clone(),
             table: table_nodes(stack).cloned(),
             indices: Indices::new(&stack.medium, digits),
+            reach: None,
             sources: Vec::new(),
             views: Vec::new(),
             shares: Vec::new(),
@@ -101,7 +104,8 @@ impl Kernel {
             let at = |index: &f64| Shares::new(&self.diffuser, *index, self.digits);
             self.shares = self.indices.nodes.iter().map(at).collect();
         }
-        let same_recycling = self.prepare_recycling(stack, views, sources);
+        self.reach = reach(views, sources);
+        let same_recycling = self.prepare_recycling(stack);
         self.sources = sources.iter().map(|source| self.light(*source)).collect();
         let kept: Vec<Option<usize>> =
             sources.iter().map(|source| old_sources.iter().position(|old| old.source == *source)).collect();
@@ -117,8 +121,8 @@ impl Kernel {
     }
 
     /// Makes the grid for recycled light; true if it is the one there was.
-    fn prepare_recycling(&mut self, stack: &Panel, views: &[Cone], sources: &[Source]) -> bool {
-        let plan = self.plan(stack, views, sources);
+    fn prepare_recycling(&mut self, stack: &Panel) -> bool {
+        let plan = self.plan(stack);
         let old = self.recycling.as_ref().and_then(|all| all.first()).map(|one| one.plan.clone());
         if plan == old {
             return true;
@@ -131,22 +135,12 @@ impl Kernel {
         false
     }
 
-    fn plan(&self, stack: &Panel, views: &[Cone], sources: &[Source]) -> Option<Plan> {
+    fn plan(&self, stack: &Panel) -> Option<Plan> {
         let pass = self.pass(0)?;
         let Top::Diffuser(diffuser) = &stack.top else { return None };
         let g = sent_back(stack, &diffuser.transmittance).into_iter().fold(0.0, f64::max);
         let strength = if g > 0.0 { g * stack.base.largest_reflectance() } else { 0.0 };
-        let radius = |cone: &Cone| (cone.axis_towards().length() + cone.half_angle()).min(1.0);
-        let directed = sources.iter().filter_map(|source| match source {
-            Source::Diffuse => None,
-            Source::Beam(beta) => Some(beta.length()),
-            Source::Disc(cone) => Some(radius(cone)),
-        });
-        let reach = directed.reduce(f64::max).map(|l| {
-            let v = views.iter().map(radius).fold(0.0, f64::max);
-            (l * v).sqrt()
-        });
-        Plan::new(&pass, strength, reach)
+        Plan::new(&pass, strength, self.reach)
     }
 
     fn pass(&self, index: usize) -> Option<Pass<'_>> {
@@ -300,10 +294,8 @@ impl Kernel {
 
     /// Whether recycled light was prepared for as much of it as this stack has.
     fn recycling_serves(&self, stack: &Panel) -> bool {
-        let cones: Vec<Cone> = self.views.iter().map(|view| view.cone).collect();
-        let sources: Vec<Source> = self.sources.iter().map(|light| light.source).collect();
         let prepared = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
-        self.plan(stack, &cones, &sources).as_ref() == prepared
+        self.plan(stack).as_ref() == prepared
     }
 
     fn sums(&self, stack: &Panel, diffuser: &Diffuser, view: &View, sources: &[Source]) -> Sums {
@@ -498,6 +490,18 @@ fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64]) {
     for ((s, v), f) in sum.iter_mut().zip(values).zip(factors) {
         *s += v * f;
     }
+}
+
+/// The largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, if there is one.
+fn reach(views: &[Cone], sources: &[Source]) -> Option<f64> {
+    let radius = |cone: &Cone| (cone.axis_towards().length() + cone.half_angle()).min(1.0);
+    let directed = sources.iter().filter_map(|source| match source {
+        Source::Diffuse => None,
+        Source::Beam(beta) => Some(beta.length()),
+        Source::Disc(cone) => Some(radius(cone)),
+    });
+    let largest_view = views.iter().map(radius).fold(0.0, f64::max);
+    directed.reduce(f64::max).map(|l| (l * largest_view).sqrt())
 }
 
 fn table_nodes(stack: &Panel) -> Option<&Nodes> {
