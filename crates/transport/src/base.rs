@@ -5,7 +5,7 @@ use papilio_spectra::Spectrum;
 use crate::{AngularTable, Medium};
 
 /// What lies under the medium and sends light back.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Base {
     /// How it reflects.
     pub reflector: Reflector,
@@ -14,7 +14,7 @@ pub struct Base {
 }
 
 /// How a base reflects.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Reflector {
     /// Like a mirror.
     Specular(AngularTable),

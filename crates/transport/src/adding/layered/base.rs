@@ -11,26 +11,41 @@ use faer::{Accum, Mat, Par};
 
 use super::algebra::Operator;
 use super::grid::Grid;
+use super::part::Part;
 
-/// The layers above the base in one azimuthal order.
+/// The layers above the base in one azimuthal order, as far as views and sources ask for it.
+/// Extra nodes count from the first of them, lights from the first light.
 #[derive(Debug, Clone)]
 pub(super) struct Above {
-    /// Light from above, let through to the base.
-    pub(super) down: Operator,
-    /// Light from the base, sent back to it.
-    pub(super) below: Operator,
+    regular: usize,
+    /// Light from above that is sent back, `[extra, light]`.
+    front: Mat<f64>,
+    /// Light that passes to the base unscattered, by node.
+    down_straight: Vec<f64>,
+    /// From extra nodes to the nodes with weight.
+    down: Mat<f64>,
+    /// Between extra nodes and lights: down from an extra node to a light's, `[extra, light]`, ...
+    to_light: Mat<f64>,
+    /// ... and down from a light's to an extra one.
+    from_light: Mat<f64>,
+    /// Light that is sent back to the base unscattered, by node.
+    below_straight: Vec<f64>,
+    /// From all nodes to the nodes with weight.
+    below: Mat<f64>,
+    /// Between extra nodes and lights, `[extra, light]`.
+    below_light: Mat<f64>,
 }
 
-/// Light on its way up from the base, for a unit beam that entered at a node: densities over
-/// the nodes with weight, scaled, by column (state and wavelength), and the rest.
+/// Light on its way up from the base, for a unit beam that entered at an extra node: densities
+/// over the nodes with weight, scaled, by column (state and wavelength), and the rest.
 #[derive(Debug)]
 pub(super) struct Rising {
     /// Scattered light, `[node, column]`.
-    pub(super) scattered: Mat<f64>,
+    scattered: Mat<f64>,
     /// The beam itself, by column.
-    pub(super) beam: Vec<f64>,
-    /// The number of the beam's node.
-    pub(super) node: usize,
+    beam: Vec<f64>,
+    /// The beam's extra node.
+    extra: usize,
 }
 
 /// Light that is sent back this often, or less, is followed by iteration ...
@@ -39,37 +54,67 @@ const ITERATIONS: usize = 60;
 const TOLERANCE: f64 = 1e-11;
 
 impl Above {
+    /// Of a part, with the numbers of the lights' extra nodes.
+    pub(super) fn new(part: &Part, lights: &[usize]) -> Self {
+        let (n, len) = (part.down.regular, part.down.len());
+        let extras = len - n;
+        let pairs = |at: &dyn Fn(usize, usize) -> f64| {
+            Mat::from_fn(extras, lights.len(), |extra, light| at(n + extra, n + lights[light]))
+        };
+        Self {
+            regular: n,
+            front: pairs(&|extra, light| part.above.at(extra, light)),
+            down_straight: part.down.straight.clone(),
+            down: Mat::from_fn(n, extras, |i, extra| part.down.at(i, n + extra)),
+            to_light: pairs(&|extra, light| part.down.at(light, extra)),
+            from_light: pairs(&|extra, light| part.down.at(extra, light)),
+            below_straight: part.below.straight.clone(),
+            below: Mat::from_fn(n, len, |i, j| part.below.at(i, j)),
+            below_light: pairs(&|extra, light| part.below.at(extra, light)),
+        }
+    }
+
+    /// How many nodes have weight.
+    pub(super) fn regular(&self) -> usize {
+        self.regular
+    }
+
+    /// The kernel between an extra node and a light of what never meets the base.
+    pub(super) fn front(&self, extra: usize, light: usize) -> f64 {
+        self.front[(extra, light)]
+    }
+
     /// Light that rises from a specular base, its reflectance `[node, column]`.
-    pub(super) fn rise(&self, node: usize, base: &Mat<f64>) -> Rising {
-        let (n, columns) = (self.down.regular, base.ncols());
+    pub(super) fn rise(&self, extra: usize, base: &Mat<f64>) -> Rising {
+        let (n, columns) = (self.regular, base.ncols());
+        let node = n + extra;
         let beam: Vec<f64> = (0..columns)
-            .map(|c| {
-                let b = base[(node, c)];
-                let open = 1.0 - self.below.straight[node] * b;
-                if open > 0.0 { b * self.down.straight[node] / open } else { 0.0 }
-            })
+            .map(|c| round_trips(base[(node, c)], self.below_straight[node]) * self.down_straight[node])
             .collect();
-        // What one reflection makes of it, unscattered light's trips between base and layers
-        // summed already.
-        let once = |i: usize, c: usize| {
-            let b = base[(i, c)];
-            b / (1.0 - self.below.straight[i] * b).max(f64::MIN_POSITIVE)
-        };
         let arrives =
-            Mat::from_fn(n, columns, |i, c| self.down.at(i, node) + self.below.at(i, node) * beam[c]);
-        let Some(kernel) = self.below.kernel.as_ref().filter(|_| n > 0) else {
-            let scattered = Mat::from_fn(n, columns, |i, c| {
-                if arrives[(i, c)] == 0.0 { 0.0 } else { once(i, c) * arrives[(i, c)] }
-            });
-            return Rising { scattered, beam, node };
-        };
-        let gain = Mat::from_fn(n, columns, once);
-        let mut rising = Mat::from_fn(n, columns, |i, c| gain[(i, c)] * arrives[(i, c)]);
-        let mut open: Vec<bool> = vec![true; columns];
+            Mat::from_fn(n, columns, |i, c| self.down[(i, extra)] + self.below[(i, node)] * beam[c]);
+        let gain = Mat::from_fn(n, columns, |i, c| round_trips(base[(i, c)], self.below_straight[i]));
+        let mut scattered = Mat::from_fn(n, columns, |i, c| gain[(i, c)] * arrives[(i, c)]);
+        let open = self.iterate(&arrives, &gain, &mut scattered);
+        for column in open {
+            self.solve(column, base, &arrives, &mut scattered);
+        }
+        Rising { scattered, beam, extra }
+    }
+
+    /// Follows light between base and layers; says which columns are not done after many orders.
+    fn iterate(&self, arrives: &Mat<f64>, gain: &Mat<f64>, rising: &mut Mat<f64>) -> Vec<usize> {
+        let (n, columns) = (self.regular, arrives.ncols());
+        let mut open: Vec<usize> = (0..columns).collect();
         let mut before = vec![f64::INFINITY; columns];
+        let mut next = Mat::zeros(n, columns);
         for _ in 0..ITERATIONS {
-            let mut next = arrives.clone();
-            matmul(next.as_mut(), Accum::Add, kernel.get(..n, ..n), rising.as_ref(), 1.0, Par::Seq);
+            if open.is_empty() || n == 0 {
+                return Vec::new();
+            }
+            next.copy_from(arrives);
+            matmul(next.as_mut(), Accum::Add, self.below.get(.., ..n), rising.as_ref(), 1.0, Par::Seq);
+            open.clear();
             for c in 0..columns {
                 let (mut change, mut size) = (0.0_f64, 0.0_f64);
                 for i in 0..n {
@@ -80,63 +125,63 @@ impl Above {
                 }
                 // Changes fall geometrically: what is left is their sum.
                 let ratio = (change / before[c]).min(1.0);
-                open[c] = change > TOLERANCE * size * (1.0 - ratio);
+                if change > TOLERANCE * size * (1.0 - ratio) {
+                    open.push(c);
+                }
                 before[c] = change;
             }
-            if !open.contains(&true) {
-                return Rising { scattered: rising, beam, node };
-            }
         }
-        for c in (0..columns).filter(|c| open[*c]) {
-            self.solve(c, base, &arrives, &mut rising);
-        }
-        Rising { scattered: rising, beam, node }
+        open
     }
 
     fn solve(&self, column: usize, base: &Mat<f64>, arrives: &Mat<f64>, rising: &mut Mat<f64>) {
-        let n = self.down.regular;
+        let n = self.regular;
         // 1 - B G acts on what rises.
-        let b = base.get(.., column..column + 1);
-        let kernel =
-            Mat::from_fn(self.below.len(), self.below.len(), |i, j| -b[(i, 0)] * self.below.at(i, j));
-        let straight = (0..self.below.len()).map(|i| 1.0 - b[(i, 0)] * self.below.straight[i]).collect();
+        let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
+        let kernel = Mat::from_fn(n, n, |i, j| -b[i] * self.below[(i, j)]);
+        let straight = (0..n).map(|i| 1.0 - b[i] * self.below_straight[i]).collect();
         let closed = Operator { regular: n, straight, kernel: Some(kernel) };
         let lu = PartialPivLu::new(closed.weighted_block().as_ref());
-        let mut right = Mat::from_fn(n, 1, |i, _| b[(i, 0)] * arrives[(i, column)]);
+        let mut right = Mat::from_fn(n, 1, |i, _| b[i] * arrives[(i, column)]);
         lu.solve_in_place(right.as_mut());
         for i in 0..n {
             rising[(i, column)] = right[(i, 0)];
         }
     }
 
-    /// The kernel of the whole display between the beam and another extra node, by column.
-    pub(super) fn leaves(&self, rising: &Rising, to: usize, base: &Mat<f64>) -> Vec<f64> {
-        let n = self.down.regular;
-        (0..base.ncols())
-            .map(|c| {
-                let beam = rising.beam[c];
-                let (mut out, mut back) = (0.0, self.down.at(to, rising.node));
-                for i in 0..n {
-                    out += self.down.at(i, to) * rising.scattered[(i, c)];
-                    back += self.below.at(to, i) * rising.scattered[(i, c)];
-                }
-                out += self.down.at(rising.node, to) * beam;
-                back += self.below.at(to, rising.node) * beam;
-                let b = base[(to, c)];
-                let open = 1.0 - self.below.straight[to] * b;
-                out + if open > 0.0 { self.down.straight[to] * b / open * back } else { 0.0 }
-            })
-            .collect()
+    /// The kernel of the whole display between the beam and a light at extra node `to`, by column.
+    pub(super) fn leaves(&self, rising: &Rising, light: usize, to: usize, base: &Mat<f64>) -> Vec<f64> {
+        let (n, extra) = (self.regular, rising.extra);
+        let one = |c: usize| {
+            let beam = rising.beam[c];
+            let mut out = self.from_light[(extra, light)] * beam;
+            let mut back = self.to_light[(extra, light)] + self.below_light[(extra, light)] * beam;
+            for i in 0..n {
+                out += self.down[(i, to)] * rising.scattered[(i, c)];
+                back += self.below[(i, n + to)] * rising.scattered[(i, c)];
+            }
+            let trips = round_trips(base[(n + to, c)], self.below_straight[n + to]);
+            out + self.down_straight[n + to] * trips * back
+        };
+        (0..base.ncols()).map(one).collect()
     }
 }
 
-/// The sum of a functional (its value for unit light at each node) over light that rises, by column.
-pub(super) fn total(rising: &Rising, share: &[f64], grid: &Grid) -> Vec<f64> {
-    (0..rising.beam.len())
-        .map(|c| {
+/// Unscattered light that rises after all its round trips between a base and layers that
+/// mirror it, for one that arrives. None, if they let nothing in.
+fn round_trips(base: f64, layers: f64) -> f64 {
+    let open = 1.0 - base * layers;
+    if open > 0.0 { base / open } else { 0.0 }
+}
+
+impl Rising {
+    /// The sum of a functional (its value for unit light at each node), by column.
+    pub(super) fn total(&self, share: &[f64], grid: &Grid) -> Vec<f64> {
+        let one = |c: usize| {
             let scattered: f64 =
-                (0..grid.regular).map(|i| share[i] * grid.scale[i] * rising.scattered[(i, c)]).sum();
-            scattered + share[rising.node] * rising.beam[c]
-        })
-        .collect()
+                (0..grid.regular).map(|i| share[i] * grid.scale[i] * self.scattered[(i, c)]).sum();
+            scattered + share[grid.regular + self.extra] * self.beam[c]
+        };
+        (0..self.beam.len()).map(one).collect()
+    }
 }

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use super::algebra::Operator;
 use super::base::Above;
 use super::elements::{Element, compose, elements};
 use super::grid::{Density, Grid};
@@ -49,20 +48,22 @@ impl Precision {
     }
 }
 
-/// A direction of a view or a source: the number of its node, its azimuth, its weight.
+/// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ray {
-    pub(super) node: usize,
+    pub(super) extra: usize,
     pub(super) turn: f64,
     pub(super) weight: f64,
 }
 
-/// The directions of all views and sources: they share nodes where they have `|beta|` in common.
-/// Numbers of nodes count from the first extra node.
-#[derive(Debug, Clone)]
+/// The directions of all views and sources: they share extra nodes where they have `|beta|` in
+/// common.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Directions {
     pub(super) beta: Vec<f64>,
+    /// For each view, its rays; the weights sum to one.
     pub(super) views: Vec<Vec<Ray>>,
+    /// For each source, its rays: none for diffuse light.
     pub(super) sources: Vec<Vec<Ray>>,
 }
 
@@ -90,14 +91,14 @@ impl Directions {
         points
             .iter()
             .map(|Point { beta, weight }| Ray {
-                node: self.node(*beta),
+                extra: self.extra(*beta),
                 turn: beta.y.atan2(beta.x),
                 weight: *weight,
             })
             .collect()
     }
 
-    fn node(&mut self, beta: Beta) -> usize {
+    fn extra(&mut self, beta: Beta) -> usize {
         // Grazing light has no use for the last digits; it must stay within the air.
         let length = beta.length().min(1.0 - 1e-12);
         self.beta.iter().position(|known| (known - length).abs() < 1e-13).unwrap_or_else(|| {
@@ -136,23 +137,20 @@ pub(super) struct Group {
     pub(super) grid: Grid,
     /// Index of the medium above the base.
     pub(super) index: f64,
-    pub(super) orders: Vec<Order>,
-    /// Nodes of the sources' rays.
-    pub(super) light_nodes: Vec<usize>,
-    /// Of light that rises from the base at each node, the share that leaves.
+    /// By azimuthal order.
+    pub(super) orders: Vec<Above>,
+    /// Extra nodes of the sources' rays, ascending.
+    pub(super) lights: Vec<usize>,
+    /// Of light from above at each node, the share that arrives at the base.
+    pub(super) arriving: Vec<f64>,
+    /// Of light that rises from the base, the share that returns to it.
+    pub(super) returning: Vec<f64>,
+    /// Of light that rises from the base, the share that leaves.
     pub(super) leaving: Vec<f64>,
     /// Of light from above, the share that leaves without having met the base.
     pub(super) leaving_front: Vec<f64>,
     /// Absorbed shares of light from above and of light that rises from the base.
     pub(super) absorbed: [Absorbed; 2],
-}
-
-/// One azimuthal order.
-#[derive(Debug, Clone)]
-pub(super) struct Order {
-    pub(super) above: Above,
-    /// Light from above that is sent back above the base.
-    pub(super) front: Operator,
 }
 
 /// All groups, prepared.
@@ -236,15 +234,26 @@ fn prepare(
     splits.sort_by(f64::total_cmp);
     splits.dedup();
     let mut grid = Grid::new(&splits, density(stack, first, precision), &directions.beta);
+    let lights = extras(&directions.sources);
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
         .map(|bins| {
-            let group = Group::new(bins, grid.clone(), index, directions);
-            let beyond_first = !group.light_nodes.is_empty();
-            let bin = group.bins[0];
-            let elements = elements(stack, bin, &grid, precision, beyond_first, &mut scatterers);
-            let convergence = Convergence::new(group.nodes_of(&directions.views), group.light_nodes.clone());
+            let beyond_first = !lights.is_empty();
+            let elements = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers);
+            let convergence = Convergence::new(extras(&directions.views), lights.clone());
+            let group = Group {
+                bins,
+                grid: grid.clone(),
+                index,
+                orders: Vec::new(),
+                lights: lights.clone(),
+                arriving: Vec::new(),
+                returning: Vec::new(),
+                leaving: Vec::new(),
+                leaving_front: Vec::new(),
+                absorbed: [nothing(0), nothing(0)],
+            };
             Growing { group, elements, convergence, stage: Stage::All }
         })
         .collect();
@@ -279,44 +288,24 @@ impl Growing<'_> {
         let part = compose(&self.elements, scattered, order, grid);
         let group = &mut self.group;
         if let Some(absorbed) = &part.absorbed {
-            let air = grid.below(1.0);
+            let (air, medium) = (grid.below(1.0), grid.below(group.index));
+            group.arriving = part.down.pull_back(&medium, &grid.scale);
+            group.returning = part.below.pull_back(&medium, &grid.scale);
             group.leaving = part.down.transposed().pull_back(&air, &grid.scale);
             group.leaving_front = part.above.pull_back(&air, &grid.scale);
             group.absorbed = absorbed.clone();
         }
-        self.stage = self.convergence.add(&part, group.grid.len() - grid.len(), tolerance);
-        let above = Above { down: part.down, below: part.below };
-        group.orders.push(Order { above, front: part.above });
+        group.orders.push(Above::new(&part, &group.lights));
+        self.stage = self.convergence.add(&part, tolerance);
     }
 }
 
-impl Group {
-    fn new(bins: Vec<usize>, grid: Grid, index: f64, directions: &Directions) -> Self {
-        let mut group = Self {
-            bins,
-            index,
-            orders: Vec::new(),
-            light_nodes: Vec::new(),
-            leaving: Vec::new(),
-            leaving_front: Vec::new(),
-            absorbed: [nothing(grid.len()), nothing(grid.len())],
-            grid,
-        };
-        group.light_nodes = group.nodes_of(&directions.sources);
-        group
-    }
-
-    /// The node of a direction.
-    pub(super) fn node(&self, ray: &Ray) -> usize {
-        self.grid.regular + ray.node
-    }
-
-    fn nodes_of(&self, rays: &[Vec<Ray>]) -> Vec<usize> {
-        let mut nodes: Vec<usize> = rays.iter().flatten().map(|ray| self.node(ray)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
-    }
+/// The extra nodes of rays, ascending.
+fn extras(rays: &[Vec<Ray>]) -> Vec<usize> {
+    let mut extras: Vec<usize> = rays.iter().flatten().map(|ray| ray.extra).collect();
+    extras.sort_unstable();
+    extras.dedup();
+    extras
 }
 
 /// How far the orders of azimuth have come.
@@ -350,14 +339,14 @@ impl Convergence {
         Self { sums: vec![0.0; views.len() * lights.len()], views, lights, quiet: [0; 2], order: 0 }
     }
 
-    /// Adds an order, with the number of nodes that it leaves out.
-    fn add(&mut self, part: &Part, skipped: usize, tolerance: f64) -> Stage {
+    /// Adds an order.
+    fn add(&mut self, part: &Part, tolerance: f64) -> Stage {
         // Orders fall geometrically, some e^14 from the first to the last: this is what is
         // left after this one, in units of it.
         let rest = 1.0 + self.order as f64 / 14.0;
         let mut quiet = [true; 2];
-        let pairs =
-            self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (v - skipped, l - skipped)));
+        let n = part.down.regular;
+        let pairs = self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (n + v, n + l)));
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
             let (all, often) = most(part, v, l);
             *sum += all;
