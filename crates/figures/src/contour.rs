@@ -98,7 +98,11 @@ impl Field {
     fn crossing(&self, side: usize, level: f64) -> Crossing {
         let from = side / 2;
         let (i, j) = (from / self.columns, from % self.columns);
-        let to = if side % 2 == 0 { from + self.columns } else { i * self.columns + (j + 1) % self.columns };
+        let to = if side.is_multiple_of(2) {
+            from + self.columns
+        } else {
+            i * self.columns + (j + 1) % self.columns
+        };
         let (a, b) = (self.values[from], self.values[to]);
         let share = match (a.is_finite(), b.is_finite()) {
             (true, true) => (level - a) / (b - a),

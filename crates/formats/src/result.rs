@@ -129,11 +129,14 @@ fn together(view: &View) -> [(String, [Option<f64>; 3]); 3] {
     ]
 }
 
+/// A share of a ledger: its name, and where it is.
+type Share = (&'static str, fn(&LedgerError) -> f64);
+
 /// A ledger's shares, and their errors.
 fn of_ledger(ledger: &Ledger) -> [(String, [Option<f64>; 3]); 7] {
     let Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error } = ledger;
     let value = LedgerError { returned: *returned, absorbed: absorbed.clone(), unaccounted: *unaccounted };
-    let shares: [(&str, fn(&LedgerError) -> f64); 7] = [
+    let shares: [Share; 7] = [
         ("returned", |l| l.returned),
         ("front", |l| l.absorbed.front),
         ("diffuser", |l| l.absorbed.diffuser),
