@@ -6,7 +6,7 @@ use crate::shell::{self, Outcome, cargo};
 type Drawing = (&'static str, &'static str, &'static [&'static str]);
 
 const DRAWINGS: [Drawing; 3] = [
-    ("run", "indoor", &["overview.svg", "spectra.svg", "chromaticity.svg", "patches.svg"]),
+    ("run", "indoor", &["overview.svg", "spectra.svg", "chromaticity.svg", "patches.svg", "cone.svg"]),
     (
         "run",
         "angle-scan",
@@ -30,6 +30,9 @@ pub(crate) fn pictures() -> Outcome {
         let file = format!("scenarios/{scenario}.toml");
         let mut papilio = cargo(["run", "--release", "--quiet", "--package", "papilio", "--", what, &file]);
         papilio.arg("--out").arg(&out);
+        if figures.contains(&"cone.svg") {
+            papilio.arg("--cone");
+        }
         shell::run(papilio)?;
         for figure in figures {
             std::fs::copy(out.join(figure), pictures.join(figure))
