@@ -249,8 +249,8 @@ fn mixed() -> Stack {
 #[test]
 fn reader_and_lamp_may_change_places() {
     for (a, b, phi) in [(10.0, 50.0, 0.0), (0.0, 30.0, 0.0), (70.0, 20.0, 130.0), (45.0, 45.0, 180.0)] {
-        let there = estimate(0, &mixed(), Cone::new(a, 0.0, 0.0, 1.0), &[beam(b, phi)]);
-        let back = estimate(0, &mixed(), Cone::new(b, phi, 0.0, 1.0), &[beam(a, 0.0)]);
+        let there = estimate(2, &mixed(), Cone::new(a, 0.0, 0.0, 1.0), &[beam(b, phi)]);
+        let back = estimate(2, &mixed(), Cone::new(b, phi, 0.0, 1.0), &[beam(a, 0.0)]);
         let (there, back) = (rho(&there, 0), rho(&back, 0));
         assert_close(&format!("{a} {b} {phi}"), there / back, 1.0, 1e-9);
     }

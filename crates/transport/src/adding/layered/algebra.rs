@@ -9,9 +9,7 @@
 //! carry weight; the rest are *extra*, directions of views and beams: they have rows and columns
 //! and no part in sums over directions.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{PartialPivLu, Solve};
-use faer::{Accum, Mat, Par};
+use super::matrix::{Factors, Matrix};
 
 /// A factor below this is rounding of a difference that is zero: light that nothing lets in.
 const CLOSED: f64 = 1e-14;
@@ -24,7 +22,7 @@ pub(super) struct Operator {
     /// Unscattered: a factor for each node.
     pub(super) straight: Vec<f64>,
     /// Scattered: `[out, in]`, scaled.
-    pub(super) kernel: Option<Mat<f64>>,
+    pub(super) kernel: Option<Matrix>,
 }
 
 impl Operator {
@@ -48,26 +46,23 @@ impl Operator {
         let straight = self.straight.iter().zip(&other.straight).map(|(x, y)| a * x + b * y).collect();
         let kernel = match (&self.kernel, &other.kernel) {
             (None, None) => None,
-            (Some(x), None) => Some(faer::Scale(a) * x),
-            (None, Some(y)) => Some(faer::Scale(b) * y),
-            (Some(x), Some(y)) => {
-                Some(Mat::from_fn(x.nrows(), x.ncols(), |i, j| a * x[(i, j)] + b * y[(i, j)]))
-            }
+            (Some(x), None) => Some(x.clone().scaled(a)),
+            (None, Some(y)) => Some(y.clone().scaled(b)),
+            (Some(x), Some(y)) => Some(x.combine(a, y, b)),
         };
         Self { regular: self.regular, straight, kernel }
     }
 
     /// `factor * self`.
-    pub(super) fn scaled(&self, factor: f64) -> Self {
-        let straight = self.straight.iter().map(|x| factor * x).collect();
-        let kernel = self.kernel.as_ref().map(|kernel| faer::Scale(factor) * kernel);
-        Self { regular: self.regular, straight, kernel }
+    pub(super) fn scaled(mut self, factor: f64) -> Self {
+        self.straight.iter_mut().for_each(|x| *x *= factor);
+        Self { kernel: self.kernel.map(|kernel| kernel.scaled(factor)), ..self }
     }
 
     /// `1 + factor * self`.
     pub(super) fn one_plus(&self, factor: f64) -> Self {
         let straight = self.straight.iter().map(|x| 1.0 + factor * x).collect();
-        let kernel = self.kernel.as_ref().map(|kernel| faer::Scale(factor) * kernel);
+        let kernel = self.kernel.as_ref().map(|kernel| kernel.clone().scaled(factor));
         Self { regular: self.regular, straight, kernel }
     }
 
@@ -78,65 +73,86 @@ impl Operator {
 
     /// Light the other way (reciprocity).
     pub(super) fn transposed(&self) -> Self {
-        let kernel = self.kernel.as_ref().map(|kernel| kernel.transpose().to_owned());
+        let kernel = self.kernel.as_ref().map(Matrix::transposed);
         Self { regular: self.regular, straight: self.straight.clone(), kernel }
     }
 
     /// `self` after `first`.
     pub(super) fn after(&self, first: &Self) -> Self {
         let straight: Vec<f64> = self.straight.iter().zip(&first.straight).map(|(a, b)| a * b).collect();
-        let (n, len) = (self.regular, self.len());
-        let kernel = match (&self.kernel, &first.kernel) {
+        let mut kernel = match (&self.kernel, &first.kernel) {
             (None, None) => None,
-            (Some(a), None) => Some(Mat::from_fn(len, len, |i, j| a[(i, j)] * first.straight[j])),
-            (None, Some(b)) => Some(Mat::from_fn(len, len, |i, j| self.straight[i] * b[(i, j)])),
-            (Some(a), Some(b)) => {
-                let mut product = Mat::from_fn(len, len, |i, j| {
-                    a[(i, j)] * first.straight[j] + self.straight[i] * b[(i, j)]
-                });
-                let (left, right) = (a.get(.., ..n), b.get(..n, ..));
-                matmul(product.as_mut(), Accum::Add, left, right, 1.0, Par::Seq);
-                Some(product)
+            (Some(kernel), _) => {
+                let mut kernel = kernel.clone();
+                for (j, column) in kernel.columns_mut() {
+                    column.iter_mut().for_each(|x| *x *= first.straight[j]);
+                }
+                Some(kernel)
             }
+            (None, Some(_)) => Some(Matrix::zeros(self.len(), self.len())),
         };
-        Self { regular: n, straight, kernel }
+        if let (Some(kernel), Some(right)) = (&mut kernel, &first.kernel) {
+            for (j, column) in kernel.columns_mut() {
+                let terms = self.straight.iter().zip(right.column(j));
+                column.iter_mut().zip(terms).for_each(|(x, (a, b))| *x += a * b);
+            }
+            if let Some(left) = &self.kernel {
+                kernel.add_product(left, right, self.regular);
+            }
+        }
+        Self { regular: self.regular, straight, kernel }
     }
 
     /// The operator that this one makes `right` of: `self^-1 right`.
     pub(super) fn solve(&self, right: &Self) -> Self {
+        self.solve_with(right, self.kernel.as_ref().map(|_| self.weighted_block().factors()), false)
+    }
+
+    /// `self^-1 right` and `(self^-1)^T other`, self symmetric in its factors.
+    pub(super) fn solve_both(&self, right: &Self, other: &Self) -> [Self; 2] {
+        if self.kernel.is_none() {
+            return [self.solve(right), self.solve(other)];
+        }
+        let factors = self.weighted_block().factors();
+        let transposed = self.transposed().solve_with(other, Some(&factors), true);
+        [self.solve_with(right, Some(&factors), false), transposed]
+    }
+
+    fn solve_with<F: AsRef<Factors>>(&self, right: &Self, factors: Option<F>, transposed: bool) -> Self {
         let inverse: Vec<f64> =
             self.straight.iter().map(|d| if d.abs() < CLOSED { 0.0 } else { 1.0 / d }).collect();
         let straight: Vec<f64> = inverse.iter().zip(&right.straight).map(|(a, b)| a * b).collect();
-        let (n, len) = (self.regular, self.len());
-        let kernel = match (&self.kernel, &right.kernel) {
-            (None, None) => None,
-            (None, Some(b)) => Some(Mat::from_fn(len, len, |i, j| inverse[i] * b[(i, j)])),
-            (Some(a), b) => {
-                let b_at = |i: usize, j: usize| b.as_ref().map_or(0.0, |b| b[(i, j)]);
-                let mut x = Mat::from_fn(len, len, |i, j| b_at(i, j) - a[(i, j)] * straight[j]);
-                let lu = PartialPivLu::new(self.weighted_block().as_ref());
-                let (mut top, mut bottom) = x.as_mut().split_at_row_mut(n);
-                lu.solve_in_place(top.as_mut());
-                matmul(bottom.as_mut(), Accum::Add, a.get(n.., ..n), top.as_ref(), -1.0, Par::Seq);
-                for j in 0..len {
-                    for i in 0..len - n {
-                        bottom[(i, j)] *= inverse[n + i];
-                    }
+        let n = self.regular;
+        let zeros = || Matrix::zeros(self.len(), self.len());
+        let kernel = match (&self.kernel, factors) {
+            (Some(left), Some(factors)) => {
+                let mut x = right.kernel.clone().unwrap_or_else(zeros);
+                for (j, column) in x.columns_mut() {
+                    column.iter_mut().zip(left.column(j)).for_each(|(x, a)| *x -= a * straight[j]);
+                }
+                let factors = factors.as_ref();
+                if transposed { factors.solve_transposed(&mut x) } else { factors.solve(&mut x) }
+                x.eliminate(left, n);
+                for (_, column) in x.columns_mut() {
+                    column.iter_mut().zip(&inverse).skip(n).for_each(|(x, inverse)| *x *= inverse);
                 }
                 Some(x)
             }
+            _ => right.kernel.clone().map(|mut x| {
+                for (_, column) in x.columns_mut() {
+                    column.iter_mut().zip(&inverse).for_each(|(x, inverse)| *x *= inverse);
+                }
+                x
+            }),
         };
         Self { regular: n, straight, kernel }
     }
 
     /// The part that acts among the nodes with weight, as one matrix. A direction that light
     /// can neither enter nor leave is made to hold none.
-    pub(super) fn weighted_block(&self) -> Mat<f64> {
+    pub(super) fn weighted_block(&self) -> Matrix {
         let n = self.regular;
-        let mut block = match &self.kernel {
-            Some(kernel) => kernel.get(..n, ..n).to_owned(),
-            None => Mat::zeros(n, n),
-        };
+        let mut block = Matrix::from_fn(n, n, |i, j| self.at(i, j));
         for i in 0..n {
             block[(i, i)] += self.straight[i];
             if self.straight[i].abs() < CLOSED && (0..n).all(|j| block[(i, j)].abs() < CLOSED) {
@@ -149,11 +165,11 @@ impl Operator {
     /// What a functional of the outgoing light is, of the incoming: `share` is its value for
     /// a unit of light at each node, `scale` the kernel's scaling.
     pub(super) fn pull_back(&self, share: &[f64], scale: &[f64]) -> Vec<f64> {
-        let n = self.regular;
+        let weights: Vec<f64> = share.iter().zip(scale).take(self.regular).map(|(s, c)| s * c).collect();
         let mut pulled: Vec<f64> = share.iter().zip(&self.straight).map(|(s, d)| s * d).collect();
         if let Some(kernel) = &self.kernel {
             for (j, value) in pulled.iter_mut().enumerate() {
-                let scattered: f64 = (0..n).map(|i| share[i] * scale[i] * kernel[(i, j)]).sum();
+                let scattered: f64 = weights.iter().zip(kernel.column(j)).map(|(w, k)| w * k).sum();
                 *value += scattered / scale[j];
             }
         }

@@ -5,12 +5,9 @@
 //! state and wavelength, G does not: all of them are iterated at once, one matrix product for
 //! each order of reflection; where light is nearly trapped, a direct solution is cheaper.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::{PartialPivLu, Solve};
-use faer::{Accum, Mat, Par};
-
 use super::algebra::Operator;
 use super::grid::Grid;
+use super::matrix::Matrix;
 use super::part::Part;
 
 /// The layers above the base in one azimuthal order, as far as views and sources ask for it.
@@ -19,21 +16,21 @@ use super::part::Part;
 pub(super) struct Above {
     regular: usize,
     /// Light from above that is sent back, `[extra, light]`.
-    front: Mat<f64>,
+    front: Matrix,
     /// Light that passes to the base unscattered, by node.
     down_straight: Vec<f64>,
     /// From extra nodes to the nodes with weight.
-    down: Mat<f64>,
+    down: Matrix,
     /// Between extra nodes and lights: down from an extra node to a light's, `[extra, light]`, ...
-    to_light: Mat<f64>,
+    to_light: Matrix,
     /// ... and down from a light's to an extra one.
-    from_light: Mat<f64>,
+    from_light: Matrix,
     /// Light that is sent back to the base unscattered, by node.
     below_straight: Vec<f64>,
     /// From all nodes to the nodes with weight.
-    below: Mat<f64>,
+    below: Matrix,
     /// Between extra nodes and lights, `[extra, light]`.
-    below_light: Mat<f64>,
+    below_light: Matrix,
 }
 
 /// Light on its way up from the base, for a unit beam that entered at an extra node: densities
@@ -41,17 +38,15 @@ pub(super) struct Above {
 #[derive(Debug)]
 pub(super) struct Rising {
     /// Scattered light, `[node, column]`.
-    scattered: Mat<f64>,
+    scattered: Matrix,
     /// The beam itself, by column.
     beam: Vec<f64>,
     /// The beam's extra node.
     extra: usize,
 }
 
-/// Light that is sent back this often, or less, is followed by iteration ...
-const ITERATIONS: usize = 60;
-/// ... to this relative error.
-const TOLERANCE: f64 = 1e-11;
+/// Light that is sent back this often, or less, is followed by iteration.
+const ITERATIONS: usize = 40;
 
 impl Above {
     /// Of a part, with the numbers of the lights' extra nodes.
@@ -59,17 +54,17 @@ impl Above {
         let (n, len) = (part.down.regular, part.down.len());
         let extras = len - n;
         let pairs = |at: &dyn Fn(usize, usize) -> f64| {
-            Mat::from_fn(extras, lights.len(), |extra, light| at(n + extra, n + lights[light]))
+            Matrix::from_fn(extras, lights.len(), |extra, light| at(n + extra, n + lights[light]))
         };
         Self {
             regular: n,
             front: pairs(&|extra, light| part.above.at(extra, light)),
             down_straight: part.down.straight.clone(),
-            down: Mat::from_fn(n, extras, |i, extra| part.down.at(i, n + extra)),
+            down: Matrix::from_fn(n, extras, |i, extra| part.down.at(i, n + extra)),
             to_light: pairs(&|extra, light| part.down.at(light, extra)),
             from_light: pairs(&|extra, light| part.down.at(extra, light)),
             below_straight: part.below.straight.clone(),
-            below: Mat::from_fn(n, len, |i, j| part.below.at(i, j)),
+            below: Matrix::from_fn(n, len, |i, j| part.below.at(i, j)),
             below_light: pairs(&|extra, light| part.below.at(extra, light)),
         }
     }
@@ -84,18 +79,27 @@ impl Above {
         self.front[(extra, light)]
     }
 
-    /// Light that rises from a specular base, its reflectance `[node, column]`.
-    pub(super) fn rise(&self, extra: usize, base: &Mat<f64>) -> Rising {
-        let (n, columns) = (self.regular, base.ncols());
+    /// Light that rises from a specular base, its reflectance `[node, column]`, to this error
+    /// relative to the largest density or to `floor`, by column; `floor` is raised to what is found.
+    pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
+        let (n, columns) = (self.regular, base.columns());
         let node = n + extra;
-        let beam: Vec<f64> = (0..columns)
-            .map(|c| round_trips(base[(node, c)], self.below_straight[node]) * self.down_straight[node])
-            .collect();
-        let arrives =
-            Mat::from_fn(n, columns, |i, c| self.down[(i, extra)] + self.below[(i, node)] * beam[c]);
-        let gain = Mat::from_fn(n, columns, |i, c| round_trips(base[(i, c)], self.below_straight[i]));
-        let mut scattered = Mat::from_fn(n, columns, |i, c| gain[(i, c)] * arrives[(i, c)]);
-        let open = self.iterate(&arrives, &gain, &mut scattered);
+        let mut beam = vec![0.0; columns];
+        let mut arrives = Matrix::zeros(n, columns);
+        let mut gain = Matrix::zeros(n, columns);
+        for c in 0..columns {
+            let base = base.column(c);
+            beam[c] = round_trips(base[node], self.below_straight[node]) * self.down_straight[node];
+            if n == 0 {
+                continue;
+            }
+            let scattered = self.down.column(extra).iter().zip(self.below.column(node));
+            arrives.column_mut(c).iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * beam[c]);
+            let straight = base.iter().zip(&self.below_straight);
+            gain.column_mut(c).iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
+        }
+        let mut scattered = Matrix::zeros(n, columns);
+        let open = self.iterate(&arrives, &gain, &mut scattered, tolerance, floor);
         for column in open {
             self.solve(column, base, &arrives, &mut scattered);
         }
@@ -103,67 +107,72 @@ impl Above {
     }
 
     /// Follows light between base and layers; says which columns are not done after many orders.
-    fn iterate(&self, arrives: &Mat<f64>, gain: &Mat<f64>, rising: &mut Mat<f64>) -> Vec<usize> {
-        let (n, columns) = (self.regular, arrives.ncols());
-        let mut open: Vec<usize> = (0..columns).collect();
-        let mut before = vec![f64::INFINITY; columns];
-        let mut next = Mat::zeros(n, columns);
+    fn iterate(
+        &self,
+        arrives: &Matrix,
+        gain: &Matrix,
+        rising: &mut Matrix,
+        tolerance: f64,
+        floor: &mut [f64],
+    ) -> Vec<usize> {
+        let n = self.regular;
+        if n == 0 {
+            return Vec::new();
+        }
+        let mut open: Vec<usize> = (0..arrives.columns()).collect();
+        let mut before = vec![f64::INFINITY; arrives.columns()];
+        let mut next = arrives.clone();
         for _ in 0..ITERATIONS {
-            if open.is_empty() || n == 0 {
-                return Vec::new();
-            }
-            next.copy_from(arrives);
-            matmul(next.as_mut(), Accum::Add, self.below.get(.., ..n), rising.as_ref(), 1.0, Par::Seq);
             open.clear();
-            for c in 0..columns {
-                let (mut change, mut size) = (0.0_f64, 0.0_f64);
-                for i in 0..n {
-                    let value = next[(i, c)] * gain[(i, c)];
-                    change = change.max((value - rising[(i, c)]).abs());
-                    size = size.max(value.abs());
-                    rising[(i, c)] = value;
-                }
+            for (c, old) in rising.columns_mut() {
+                let (change, size) = reflect(old, next.column(c), gain.column(c));
+                let size = size.max(floor[c]);
                 // Changes fall geometrically: what is left is their sum.
                 let ratio = (change / before[c]).min(1.0);
-                if change > TOLERANCE * size * (1.0 - ratio) {
+                if change > tolerance * size * (1.0 - ratio) {
                     open.push(c);
                 }
-                before[c] = change;
+                (before[c], floor[c]) = (change, size);
             }
+            if open.is_empty() {
+                break;
+            }
+            next.copy_from(arrives);
+            next.add_product(&self.below, rising, n);
         }
         open
     }
 
-    fn solve(&self, column: usize, base: &Mat<f64>, arrives: &Mat<f64>, rising: &mut Mat<f64>) {
+    fn solve(&self, column: usize, base: &Matrix, arrives: &Matrix, rising: &mut Matrix) {
         let n = self.regular;
         // 1 - B G acts on what rises.
         let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
-        let kernel = Mat::from_fn(n, n, |i, j| -b[i] * self.below[(i, j)]);
+        let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * self.below[(i, j)]);
         let straight = (0..n).map(|i| 1.0 - b[i] * self.below_straight[i]).collect();
         let closed = Operator { regular: n, straight, kernel: Some(kernel) };
-        let lu = PartialPivLu::new(closed.weighted_block().as_ref());
-        let mut right = Mat::from_fn(n, 1, |i, _| b[i] * arrives[(i, column)]);
-        lu.solve_in_place(right.as_mut());
-        for i in 0..n {
-            rising[(i, column)] = right[(i, 0)];
-        }
+        let mut right = Matrix::from_fn(n, 1, |i, _| b[i] * arrives[(i, column)]);
+        closed.weighted_block().factors().solve(&mut right);
+        rising.column_mut(column).copy_from_slice(right.column(0));
     }
 
     /// The kernel of the whole display between the beam and a light at extra node `to`, by column.
-    pub(super) fn leaves(&self, rising: &Rising, light: usize, to: usize, base: &Mat<f64>) -> Vec<f64> {
+    pub(super) fn leaves(&self, rising: &Rising, light: usize, to: usize, base: &Matrix) -> Vec<f64> {
         let (n, extra) = (self.regular, rising.extra);
         let one = |c: usize| {
             let beam = rising.beam[c];
             let mut out = self.from_light[(extra, light)] * beam;
             let mut back = self.to_light[(extra, light)] + self.below_light[(extra, light)] * beam;
-            for i in 0..n {
-                out += self.down[(i, to)] * rising.scattered[(i, c)];
-                back += self.below[(i, n + to)] * rising.scattered[(i, c)];
+            if n > 0 {
+                let ways = self.down.column(to).iter().zip(self.below.column(n + to));
+                for (rising, (down, below)) in rising.scattered.column(c).iter().zip(ways) {
+                    out += down * rising;
+                    back += below * rising;
+                }
             }
             let trips = round_trips(base[(n + to, c)], self.below_straight[n + to]);
             out + self.down_straight[n + to] * trips * back
         };
-        (0..base.ncols()).map(one).collect()
+        (0..base.columns()).map(one).collect()
     }
 }
 
@@ -174,12 +183,42 @@ fn round_trips(base: f64, layers: f64) -> f64 {
     if open > 0.0 { base / open } else { 0.0 }
 }
 
+/// Sets `rising` to `next` times `gain`; the largest change and the largest value.
+fn reflect(rising: &mut [f64], next: &[f64], gain: &[f64]) -> (f64, f64) {
+    // Chunks of fixed size, so that they become vectors.
+    let (rising, rising_rest) = rising.as_chunks_mut::<8>();
+    let (next, next_rest) = next.as_chunks::<8>();
+    let (gain, gain_rest) = gain.as_chunks::<8>();
+    let (mut change, mut size) = ([0.0; 8], [0.0; 8]);
+    for ((rising, next), gain) in rising.iter_mut().zip(next).zip(gain) {
+        for k in 0..8 {
+            let value = next[k] * gain[k];
+            change[k] = larger((value - rising[k]).abs(), change[k]);
+            size[k] = larger(value.abs(), size[k]);
+            rising[k] = value;
+        }
+    }
+    for ((rising, next), gain) in rising_rest.iter_mut().zip(next_rest).zip(gain_rest) {
+        let value = next * gain;
+        change[0] = larger((value - *rising).abs(), change[0]);
+        size[0] = larger(value.abs(), size[0]);
+        *rising = value;
+    }
+    [change, size].map(|lanes| lanes.into_iter().fold(0.0, larger)).into()
+}
+
+/// The larger one; a comparison that vectors can do.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 impl Rising {
     /// The sum of a functional (its value for unit light at each node), by column.
     pub(super) fn total(&self, share: &[f64], grid: &Grid) -> Vec<f64> {
+        let weights: Vec<f64> = (0..grid.regular).map(|i| share[i] * grid.scale[i]).collect();
         let one = |c: usize| {
-            let scattered: f64 =
-                (0..grid.regular).map(|i| share[i] * grid.scale[i] * self.scattered[(i, c)]).sum();
+            let scattered: f64 = weights.iter().zip(self.scattered.column(c)).map(|(w, x)| w * x).sum();
             scattered + share[grid.regular + self.extra] * self.beam[c]
         };
         (0..self.beam.len()).map(one).collect()

@@ -135,7 +135,7 @@ impl Element<'_> {
         let Kind::Diffuser { transmittance, straight_through, .. } = &self.kind else {
             return lobe.clone();
         };
-        let mut down = lobe.scaled(transmittance * (1.0 - straight_through));
+        let mut down = lobe.clone().scaled(transmittance * (1.0 - straight_through));
         for (straight, beta) in down.straight.iter_mut().zip(&grid.beta) {
             if *beta < self.above.min(self.below) {
                 *straight += transmittance * straight_through;

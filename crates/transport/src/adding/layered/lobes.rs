@@ -8,10 +8,10 @@
 
 use std::f64::consts::PI;
 
-use faer::Mat;
 use papilio_optics::lobe::Lobe;
 
 use super::grid::Grid;
+use super::matrix::Matrix;
 
 /// Orders that are computed together.
 const BATCH: usize = 16;
@@ -23,7 +23,7 @@ pub(super) struct LobeOrders {
     lobe: Lobe,
     /// The first order at hand.
     first: usize,
-    batch: Vec<Mat<f64>>,
+    batch: Vec<Matrix>,
 }
 
 impl LobeOrders {
@@ -32,7 +32,7 @@ impl LobeOrders {
     }
 
     /// The kernel of this order.
-    pub(super) fn order(&mut self, order: usize, grid: &Grid) -> Option<&Mat<f64>> {
+    pub(super) fn order(&mut self, order: usize, grid: &Grid) -> Option<&Matrix> {
         if matches!(self.lobe, Lobe::Lambertian) && order > 0 {
             return None;
         }
@@ -48,10 +48,10 @@ impl LobeOrders {
         match self.lobe {
             Lobe::Lambertian => {
                 let inside = |i: usize| if grid.beta[i] <= 1.0 { grid.scale[i] } else { 0.0 };
-                self.batch = vec![Mat::from_fn(len, len, |i, j| inside(i) * inside(j) / PI)];
+                self.batch = vec![Matrix::from_fn(len, len, |i, j| inside(i) * inside(j) / PI)];
             }
             Lobe::KCorrelation { width } => {
-                self.batch = vec![Mat::zeros(len, len); BATCH];
+                self.batch = vec![Matrix::zeros(len, len); BATCH];
                 let mut orders = [0.0; BATCH];
                 for j in 0..len {
                     for i in 0..=j {

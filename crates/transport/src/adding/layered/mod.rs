@@ -7,6 +7,7 @@
 //! preferred azimuth: Fourier orders of the azimuth do not mix.
 //!
 //! - [`grid`]: the nodes; [`algebra`]: operators with light that keeps its direction apart;
+//!   [`matrix`]: what they are made of;
 //! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
 //!   parts as one;
 //! - [`base`]: the stack closed by the pixel, by state and wavelength; [`seen`]: what comes of it.
@@ -25,6 +26,7 @@ mod elements;
 mod gauss;
 mod grid;
 mod lobes;
+mod matrix;
 mod part;
 mod prepare;
 mod rough;
@@ -107,7 +109,7 @@ impl Kernel {
         for ray in &self.directions.views[view] {
             let seen = over.seen[ray.extra].get_or_init(|| {
                 let groups = self.groups.iter().zip(&over.columns);
-                groups.map(|(group, columns)| Seen::new(group, columns, ray.extra)).collect()
+                groups.map(|(group, columns)| Seen::new(group, columns, ray.extra, self.precision.iteration)).collect()
             });
             for ((group, columns), seen) in self.groups.iter().zip(&over.columns).zip(seen) {
                 self.add_ray(group, columns, ray, seen, &mut estimate);

@@ -24,6 +24,8 @@ pub(super) struct Precision {
     terms: f64,
     /// Of orders of azimuth.
     pub(super) tolerance: f64,
+    /// Of light that goes to and fro between layers and base.
+    pub(super) iteration: f64,
 }
 
 impl Precision {
@@ -34,6 +36,7 @@ impl Precision {
             nodes: 8 + (4.0 * level) as usize,
             terms: 3.0 + 1.5 * level,
             tolerance: 1e-6 * (-2.0 * level).exp(),
+            iteration: 1e-8 * (-2.0 * level).exp(),
         }
     }
 

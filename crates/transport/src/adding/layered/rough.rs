@@ -6,12 +6,12 @@
 
 use std::f64::consts::PI;
 
-use faer::Mat;
 use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;
 use super::grid::Grid;
+use super::matrix::Matrix;
 use super::part::Part;
 
 /// Azimuths per pair of nodes, at most: grazing light at a fine roughness would need more, and
@@ -24,7 +24,7 @@ const MOST_ORDERS: usize = 400;
 /// below; single precision serves all but order 0, which holds the energy.
 #[derive(Debug, Clone)]
 pub(super) struct RoughOrders {
-    zeroth: [Mat<f64>; 3],
+    zeroth: [Matrix; 3],
     /// `[order - 1][kernel]`, each `[in][out]`.
     later: Vec<[Vec<f32>; 3]>,
 }
@@ -37,7 +37,7 @@ impl RoughOrders {
     pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
         let count = if beyond_first { orders(face, digits) } else { 1 };
         let len = grid.len();
-        let zeroth = || Mat::zeros(len, len);
+        let zeroth = || Matrix::zeros(len, len);
         let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|_| vec![0.0; len * len]) };
         let mut all = Self { zeroth: [zeroth(), zeroth(), zeroth()], later: vec![blank(); count - 1] };
         let mut values = vec![0.0; count];
@@ -78,7 +78,7 @@ impl RoughOrders {
                 Some(later) => self
                     .later
                     .get(later)
-                    .map(|kernels| Mat::from_fn(len, len, |i, j| f64::from(kernels[way][j * len + i]))),
+                    .map(|kernels| Matrix::from_fn(len, len, |i, j| f64::from(kernels[way][j * len + i]))),
             };
             Operator { regular: grid.regular, straight: vec![0.0; len], kernel }
         };
@@ -134,7 +134,7 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     ] {
         if let Some(kernel) = &mut operator.kernel {
             let len = out.len();
-            *kernel = Mat::from_fn(len, len, |i, j| kernel[(i, j)] + out[i] * from[j] / total);
+            *kernel = Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + out[i] * from[j] / total);
         }
     }
 }

@@ -1,12 +1,12 @@
 //! What scatters in a stack, computed once for all wavelengths that share it.
 
-use faer::Mat;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;
 use super::grid::Grid;
 use super::lobes::LobeOrders;
+use super::matrix::Matrix;
 use super::part::Part;
 use super::rough::RoughOrders;
 use super::slab::{Model, Slab};
@@ -135,7 +135,7 @@ impl LobeBetween {
         let both = |i: usize| grid.beta[i] < above.min(below);
         let straight = (0..grid.len()).map(|i| if both(i) { self.missing[i] } else { 0.0 }).collect();
         let kernel = self.orders.order(order, grid).map(|kernel| {
-            Mat::from_fn(grid.len(), grid.len(), |out, from| {
+            Matrix::from_fn(grid.len(), grid.len(), |out, from| {
                 let carried = grid.beta[from] < above && grid.beta[out] < below;
                 if carried { kernel[(out, from)] } else { 0.0 }
             })

@@ -3,9 +3,8 @@
 //! All kernels are reciprocal: the beam that enters against the view's direction tells what the
 //! view sees, of diffuse light (the share that leaves) and of a beam (the kernel towards it).
 
-use faer::Mat;
-
 use super::base::Rising;
+use super::matrix::Matrix;
 use super::prepare::Group;
 use crate::{Layered, Reflector};
 
@@ -34,7 +33,7 @@ pub(super) struct Columns {
 #[derive(Debug)]
 enum BaseColumns {
     /// `[node, column]`.
-    Specular(Mat<f64>),
+    Specular(Matrix),
     /// By column.
     Lambertian(Vec<f64>),
 }
@@ -66,9 +65,9 @@ impl Columns {
 }
 
 /// The base's reflectance at every node that its medium carries.
-fn specular(stack: &Layered, group: &Group, place: &[usize]) -> Mat<f64> {
+fn specular(stack: &Layered, group: &Group, place: &[usize]) -> Matrix {
     let mut all = vec![0.0; stack.base.states() * stack.base.bins()];
-    let mut table = Mat::zeros(group.grid.len(), place.len());
+    let mut table = Matrix::zeros(group.grid.len(), place.len());
     let air = crate::Medium::new(vec![1.0; stack.base.bins()].into());
     let medium = stack.layers.last().map_or(&air, |layer| &layer.medium);
     for (i, beta) in group.grid.beta.iter().enumerate().filter(|(_, beta)| **beta < group.index) {
@@ -79,22 +78,23 @@ fn specular(stack: &Layered, group: &Group, place: &[usize]) -> Mat<f64> {
 }
 
 impl Seen {
-    pub(super) fn new(group: &Group, columns: &Columns, extra: usize) -> Self {
+    pub(super) fn new(group: &Group, columns: &Columns, extra: usize, tolerance: f64) -> Self {
         let diffuse_front = group.leaving_front[group.grid.regular + extra];
         let mut seen = Self { diffuse_front, ..Self::default() };
         match &columns.base {
-            BaseColumns::Specular(base) => seen.specular(group, columns, extra, base),
+            BaseColumns::Specular(base) => seen.specular(group, columns, extra, base, tolerance),
             BaseColumns::Lambertian(reflectance) => seen.lambertian(group, columns, extra, reflectance),
         }
         seen
     }
 
-    fn specular(&mut self, group: &Group, columns: &Columns, extra: usize, base: &Mat<f64>) {
-        let extras_alone = base.get(group.grid.regular.., ..).to_owned();
+    fn specular(&mut self, group: &Group, columns: &Columns, extra: usize, base: &Matrix, tolerance: f64) {
+        let mut floor = vec![0.0; columns.len()];
+        let extras_alone = base.rows_from(group.grid.regular);
         for (m, above) in group.orders.iter().enumerate() {
             // Later orders have no nodes with weight.
             let base = if above.regular() > 0 { base } else { &extras_alone };
-            let rising = above.rise(extra, base);
+            let rising = above.rise(extra, base, tolerance, &mut floor);
             let towards = |(number, to): (usize, &usize)| above.leaves(&rising, number, *to, base);
             self.orders.push(group.lights.iter().enumerate().map(towards).collect());
             if m == 0 {

@@ -20,11 +20,9 @@
 
 use std::f64::consts::PI;
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
-
 use super::algebra::Operator;
 use super::grid::Grid;
+use super::matrix::Matrix;
 
 /// Optical properties of a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,37 +96,32 @@ impl Slab {
 
     /// The phase function's even and odd halves `(P+ + P-)/2`, `(P+ - P-)/2` of an order, as
     /// kernels per optical depth at an albedo of one.
-    fn phase(&self, order: usize) -> [Mat<f64>; 2] {
+    fn phase(&self, order: usize) -> [Matrix; 2] {
         let len = self.nodes.len();
         let exact = self.exact_terms();
         let legendre: Vec<Vec<f64>> =
             self.cosine.iter().map(|mu| legendre(*mu, order, self.terms.max(exact))).collect();
         let per_area = |i: usize| self.scale[i] / (self.cosine[i] * self.model.index);
-        let half = |parity: usize| -> Mat<f64> {
+        let half = |parity: usize| -> Matrix {
             let moments = |from: usize, terms: usize, moment: &dyn Fn(i32) -> f64| {
                 let rows = self.cosine.len() - from;
                 let degrees: Vec<usize> = (order..terms).filter(|l| (l + order) % 2 == parity).collect();
-                let left = Mat::from_fn(rows, degrees.len(), |i, k| legendre[from + i][degrees[k] - order]);
-                let right = Mat::from_fn(degrees.len(), rows, |k, j| {
+                let left = Matrix::from_fn(rows, degrees.len(), |i, k| legendre[from + i][degrees[k] - order]);
+                let right = Matrix::from_fn(degrees.len(), rows, |k, j| {
                     let l = degrees[k];
                     (2 * l + 1) as f64 * moment(l as i32) * legendre[from + j][l - order]
                 });
-                let mut sum = Mat::zeros(rows, rows);
-                matmul(
-                    sum.as_mut(),
-                    Accum::Replace,
-                    left.as_ref(),
-                    right.as_ref(),
-                    1.0 / (4.0 * PI),
-                    Par::Seq,
-                );
-                sum
+                let mut sum = Matrix::zeros(rows, rows);
+                sum.add_product(&left, &right, degrees.len());
+                sum.scaled(1.0 / (4.0 * PI))
             };
             let (g, f) = (self.model.anisotropy, self.peak);
             let mut sum = moments(0, self.terms, &|l| (g.powi(l) - f) / (1.0 - f));
             let extra = moments(self.regular, exact, &|l| g.powi(l) / (1.0 - f));
-            sum.as_mut().get_mut(self.regular.., self.regular..).copy_from(&extra);
-            Mat::from_fn(len, len, |i, j| sum[(i, j)] * per_area(i) * per_area(j))
+            for j in self.regular..len {
+                sum.column_mut(j)[self.regular..].copy_from_slice(extra.column(j - self.regular));
+            }
+            Matrix::from_fn(len, len, |i, j| sum[(i, j)] * per_area(i) * per_area(j))
         };
         [half(0), half(1)]
     }
@@ -153,17 +146,15 @@ impl Slab {
         let [even, odd] = self.phase(order).map(|half| Operator {
             regular: self.regular,
             straight: straight.clone(),
-            kernel: Some(faer::Scale(-2.0 * albedo) * half),
+            kernel: Some(half.scaled(-2.0 * albedo)),
         });
         let steepest = straight.iter().copied().fold(0.0, f64::max);
         let doublings = (2.0 * tau * steepest).log2().ceil().max(0.0) as i32;
         let [mut z_even, mut z_odd] = thin(&even, &odd, 0.5 * tau * 0.5_f64.powi(doublings));
         for _ in 0..doublings {
+            // Z_e (1 + Z_o Z_e)^-1 is its own transpose.
             let both = z_odd.after(&z_even).one_plus(1.0);
-            // Z_e (1 + Z_o Z_e)^-1, its own transpose.
-            let next_even = both.transposed().solve(&z_even);
-            z_odd = both.solve(&z_odd).scaled(2.0);
-            z_even = next_even.scaled(2.0);
+            [z_odd, z_even] = both.solve_both(&z_odd, &z_even).map(|z| z.scaled(2.0));
         }
         let [sum, difference] = [z_even, z_odd].map(|z| z.one_plus(1.0).solve(&z.one_plus(-1.0)));
         let mut reflected = sum.combine(0.5, &difference, -0.5);
@@ -189,7 +180,7 @@ impl Slab {
                 .map(|(r, t)| if *r > 0.0 { 0.5 * (1.0 - t - r) / r } else { 0.0 })
                 .collect();
             if let Some(kernel) = &mut reflected.kernel {
-                *kernel = Mat::from_fn(ones.len(), ones.len(), |i, j| {
+                *kernel = Matrix::from_fn(ones.len(), ones.len(), |i, j| {
                     kernel[(i, j)] * (1.0 + factor[i] + factor[j])
                 });
             }
@@ -199,7 +190,7 @@ impl Slab {
     /// An operator on the whole grid; what the medium does not carry, it does not hold.
     pub(super) fn spread(&self, operator: &Operator, grid: &Grid) -> Operator {
         let mut straight = vec![0.0; grid.len()];
-        let mut kernel = Mat::zeros(grid.len(), grid.len());
+        let mut kernel = Matrix::zeros(grid.len(), grid.len());
         for (a, &i) in self.nodes.iter().enumerate() {
             straight[i] = operator.straight[a];
             for (b, &j) in self.nodes.iter().enumerate() {

@@ -1,0 +1,149 @@
+//! Dense matrices, column after column: products and factorisations are `faer`'s, on one thread.
+
+use std::ops::{Index, IndexMut};
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+use faer::{Accum, MatMut, MatRef, Par};
+
+/// A dense matrix.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Matrix {
+    rows: usize,
+    columns: usize,
+    values: Vec<f64>,
+}
+
+/// A factorised square matrix.
+pub(super) struct Factors(PartialPivLu<f64>);
+
+impl Matrix {
+    pub(super) fn zeros(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, values: vec![0.0; rows * columns] }
+    }
+
+    /// From its elements by row and column.
+    pub(super) fn from_fn(rows: usize, columns: usize, element: impl Fn(usize, usize) -> f64) -> Self {
+        let mut values = Vec::with_capacity(rows * columns);
+        for j in 0..columns {
+            values.extend((0..rows).map(|i| element(i, j)));
+        }
+        Self { rows, columns, values }
+    }
+
+    pub(super) fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Column number `j`.
+    pub(super) fn column(&self, j: usize) -> &[f64] {
+        &self.values[j * self.rows..][..self.rows]
+    }
+
+    /// Column number `j`.
+    pub(super) fn column_mut(&mut self, j: usize) -> &mut [f64] {
+        &mut self.values[j * self.rows..][..self.rows]
+    }
+
+    /// The columns in turn, each with its number.
+    pub(super) fn columns_mut(&mut self) -> impl Iterator<Item = (usize, &mut [f64])> {
+        // No rows: no columns to speak of.
+        self.values.chunks_exact_mut(self.rows.max(1)).enumerate()
+    }
+
+    /// Rows from `first` on.
+    pub(super) fn rows_from(&self, first: usize) -> Self {
+        Self::from_fn(self.rows - first, self.columns, |i, j| self[(first + i, j)])
+    }
+
+    pub(super) fn transposed(&self) -> Self {
+        Self::from_fn(self.columns, self.rows, |i, j| self[(j, i)])
+    }
+
+    /// `factor` times all elements.
+    pub(super) fn scaled(mut self, factor: f64) -> Self {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+        self
+    }
+
+    /// `a * self + b * other`.
+    pub(super) fn combine(&self, a: f64, other: &Self, b: f64) -> Self {
+        let values = self.values.iter().zip(&other.values).map(|(x, y)| a * x + b * y).collect();
+        Self { values, ..*self }
+    }
+
+    /// Overwrites this one with another of the same shape.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.values.copy_from_slice(&other.values);
+    }
+
+    /// Adds `left right`: of `left` the first `inner` columns, of `right` the first `inner` rows.
+    pub(super) fn add_product(&mut self, left: &Self, right: &Self, inner: usize) {
+        if inner > 0 && !self.values.is_empty() {
+            let (left, right) = (left.view().subcols(0, inner), right.view().subrows(0, inner));
+            matmul(self.view_mut(), Accum::Add, left, right, 1.0, Par::Seq);
+        }
+    }
+
+    /// Takes from the rows after the first `first` what `left` makes of those.
+    pub(super) fn eliminate(&mut self, left: &Self, first: usize) {
+        if first > 0 && first < self.rows {
+            let left = left.view().submatrix(first, 0, self.rows - first, first);
+            let (top, bottom) = self.view_mut().split_at_row_mut(first);
+            matmul(bottom, Accum::Add, left, top.as_ref(), -1.0, Par::Seq);
+        }
+    }
+
+    /// Gauss's elimination with partial pivoting.
+    pub(super) fn factors(&self) -> Factors {
+        Factors(PartialPivLu::new(self.view()))
+    }
+
+    fn view(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
+    }
+
+    fn view_mut(&mut self) -> MatMut<'_, f64> {
+        MatMut::from_column_major_slice_mut(&mut self.values, self.rows, self.columns)
+    }
+}
+
+impl AsRef<Factors> for Factors {
+    fn as_ref(&self) -> &Factors {
+        self
+    }
+}
+
+impl Factors {
+    /// Solves for the first rows of `right`, as many as the matrix has.
+    pub(super) fn solve(&self, right: &mut Matrix) {
+        let rows = self.0.U().nrows();
+        if rows > 0 && right.columns > 0 {
+            self.0.solve_in_place(right.view_mut().subrows_mut(0, rows));
+        }
+    }
+
+    /// The same for the transposed matrix.
+    pub(super) fn solve_transposed(&self, right: &mut Matrix) {
+        let rows = self.0.U().nrows();
+        if rows > 0 && right.columns > 0 {
+            self.0.solve_transpose_in_place(right.view_mut().subrows_mut(0, rows));
+        }
+    }
+}
+
+impl Index<(usize, usize)> for Matrix {
+    type Output = f64;
+
+    #[inline]
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.values[column * self.rows + row]
+    }
+}
+
+impl IndexMut<(usize, usize)> for Matrix {
+    #[inline]
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
+        &mut self.values[column * self.rows + row]
+    }
+}
