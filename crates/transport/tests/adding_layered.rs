@@ -14,7 +14,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
 use papilio_sampling::Sampler;
 use papilio_spectra::Spectrum;
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{Kernel, MOST_NODES, nodes_needed};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium, Nodes, Panel,
     Reflector, Scattering, Source, Stack, Top,
@@ -405,6 +405,24 @@ fn extremes() {
     let mirrors =
         stack([(sheet(1.0, 0.0), clear(1.0)), (Interface::Fresnel, slab(1.0, 0.5, 1.0, 1.5))], mirror(1.0));
     assert_close("closed", rho(&estimate(0, &mirrors, view(10.0), &[Source::Diffuse]), 0), 1.0, 1e-12);
+}
+
+/// What a level takes is known beforehand, so that a caller can refuse.
+#[test]
+fn nodes_are_counted_before_the_work() {
+    let lobe = |width| stack([(diffuser(width, 0.9, 0.0), clear(1.5))], mirror(0.5));
+    for level in [0, 2] {
+        let mut kernel = Kernel::new(level);
+        kernel.prepare(&lobe(0.1), &[view(8.0)], &[beam(-20.0, 0.0)]);
+        // And one for the view, one for the beam.
+        assert_eq!(kernel.nodes(), nodes_needed(&lobe(0.1), level) + 2);
+    }
+    let haze_65 = nodes_needed(&lobe(0.03869), 2);
+    assert!(haze_65 < MOST_NODES, "{haze_65}");
+    assert!(nodes_needed(&lobe(1e-4), 0) > MOST_NODES);
+    assert!(
+        nodes_needed(&stack([(Interface::Fresnel, slab(1.0, 0.999, 1.0, 1.5))], mirror(0.5)), 0) > MOST_NODES
+    );
 }
 
 /// States and wavelengths each get what they would alone, dispersive media included.

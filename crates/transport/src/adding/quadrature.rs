@@ -35,7 +35,7 @@ static RULES: LazyLock<Vec<Vec<Node>>> = LazyLock::new(|| (0..=MOST_POINTS).map(
 
 /// Gauss and Legendre's rule of this many points on (-1, 1), by Newton's method from
 /// Tricomi's first guess.
-fn legendre(points: usize) -> Vec<Node> {
+pub(super) fn legendre(points: usize) -> Vec<Node> {
     let n = points as f64;
     let node = |i: usize| {
         let mut x = (PI * (n - i as f64 - 0.25) / (n + 0.5)).cos();

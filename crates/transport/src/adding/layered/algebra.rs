@@ -131,7 +131,11 @@ impl Operator {
                     column.iter_mut().zip(left.column(j)).for_each(|(x, a)| *x -= a * straight[j]);
                 }
                 let factors = factors.as_ref();
-                if transposed { factors.solve_transposed(&mut x) } else { factors.solve(&mut x) }
+                if transposed {
+                    factors.solve_transposed(&mut x)
+                } else {
+                    factors.solve(&mut x)
+                }
                 x.eliminate(left, n);
                 for (_, column) in x.columns_mut() {
                     column.iter_mut().zip(&inverse).skip(n).for_each(|(x, inverse)| *x *= inverse);

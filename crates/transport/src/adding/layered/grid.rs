@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::gauss::gauss_legendre;
+use crate::adding::quadrature::legendre;
 
 /// Nodes in `|beta|`: those with weight ascend; then extra ones, the directions of views and
 /// beams.
@@ -34,6 +34,12 @@ pub(super) struct Density {
 }
 
 impl Density {
+    /// The number of nodes with weight when split at these indices (ascending).
+    pub(super) fn total(&self, indices: &[f64]) -> usize {
+        let starts = std::iter::once(&0.0).chain(indices);
+        starts.zip(indices).map(|(a, b)| self.count(*a, *b)).sum()
+    }
+
     /// The number of nodes from a to b.
     fn count(&self, a: f64, b: f64) -> usize {
         // The rule's nodes are least dense in the middle: pi/2 farther apart than evenly.
@@ -53,13 +59,12 @@ impl Grid {
         let (mut beta, mut scale) = (Vec::new(), Vec::new());
         let mut a = 0.0;
         for &b in indices {
-            let (nodes, weights) = gauss_legendre(density.count(a, b));
-            for (t, w) in nodes.iter().zip(&weights) {
+            for node in legendre(density.count(a, b)) {
                 // The rule's nodes go from -1 to 1; t from 0 to 1.
-                let turn = PI * 0.25 * (t + 1.0);
+                let turn = PI * 0.25 * (node.x + 1.0);
                 beta.push((a * a + (b * b - a * a) * turn.sin().powi(2)).sqrt());
                 // d(beta^2) = (b^2 - a^2) sin(2 turn) d(turn).
-                let area = PI * (b * b - a * a) * (2.0 * turn).sin() * PI * 0.25 * w;
+                let area = PI * (b * b - a * a) * (2.0 * turn).sin() * PI * 0.25 * node.weight;
                 scale.push(area.sqrt());
             }
             a = b;

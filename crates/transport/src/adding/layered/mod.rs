@@ -23,7 +23,6 @@
 mod algebra;
 mod base;
 mod elements;
-mod gauss;
 mod grid;
 mod lobes;
 mod matrix;
@@ -42,6 +41,11 @@ use crate::specular::layered_image;
 use crate::{Base, Cone, Estimate, Layered, Ledger, Rho, Source};
 use prepare::{Directions, Group, Precision, Ray};
 use seen::{Columns, Seen};
+
+/// Radial nodes, besides the directions of views and sources, that a level takes.
+pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
+    prepare::nodes_needed(stack, &Precision::new(level))
+}
 
 /// Prepared for a stack, its views and its sources.
 #[derive(Debug)]
@@ -109,7 +113,9 @@ impl Kernel {
         for ray in &self.directions.views[view] {
             let seen = over.seen[ray.extra].get_or_init(|| {
                 let groups = self.groups.iter().zip(&over.columns);
-                groups.map(|(group, columns)| Seen::new(group, columns, ray.extra, self.precision.iteration)).collect()
+                groups
+                    .map(|(group, columns)| Seen::new(group, columns, ray.extra, self.precision.iteration))
+                    .collect()
             });
             for ((group, columns), seen) in self.groups.iter().zip(&over.columns).zip(seen) {
                 self.add_ray(group, columns, ray, seen, &mut estimate);

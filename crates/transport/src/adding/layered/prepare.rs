@@ -224,6 +224,20 @@ fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     density
 }
 
+/// Where the nodes of a wavelength are split, ascending.
+fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
+    let mut splits = indices(stack, bin);
+    splits.sort_by(f64::total_cmp);
+    splits.dedup();
+    splits
+}
+
+/// Nodes with weight that the stack takes at most, over its wavelengths.
+pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
+    let at = |bin| density(stack, bin, precision).total(&splits(stack, bin));
+    (0..stack.base.bins()).map(at).max().unwrap_or(0)
+}
+
 /// Groups of wavelengths at which all indices are alike.
 fn prepare(
     stack: &Layered,
@@ -232,11 +246,8 @@ fn prepare(
     precision: &Precision,
 ) -> Vec<Group> {
     let first = family[0][0];
-    let mut splits = indices(stack, first);
-    let index = splits[splits.len() - 1];
-    splits.sort_by(f64::total_cmp);
-    splits.dedup();
-    let mut grid = Grid::new(&splits, density(stack, first, precision), &directions.beta);
+    let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
+    let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
     let lights = extras(&directions.sources);
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
@@ -353,8 +364,9 @@ impl Convergence {
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
             let (all, often) = most(part, v, l);
             *sum += all;
-            quiet[0] &= all * rest <= tolerance * *sum;
-            quiet[1] &= often * rest <= tolerance * *sum;
+            // Said such that what is no number ends it, too.
+            quiet[0] &= !(all * rest > tolerance * *sum);
+            quiet[1] &= !(often * rest > tolerance * *sum);
         }
         for (count, quiet) in self.quiet.iter_mut().zip(quiet) {
             *count = if quiet { *count + 1 } else { 0 };

@@ -106,7 +106,8 @@ impl Slab {
             let moments = |from: usize, terms: usize, moment: &dyn Fn(i32) -> f64| {
                 let rows = self.cosine.len() - from;
                 let degrees: Vec<usize> = (order..terms).filter(|l| (l + order) % 2 == parity).collect();
-                let left = Matrix::from_fn(rows, degrees.len(), |i, k| legendre[from + i][degrees[k] - order]);
+                let left =
+                    Matrix::from_fn(rows, degrees.len(), |i, k| legendre[from + i][degrees[k] - order]);
                 let right = Matrix::from_fn(degrees.len(), rows, |k, j| {
                     let l = degrees[k];
                     (2 * l + 1) as f64 * moment(l as i32) * legendre[from + j][l - order]
