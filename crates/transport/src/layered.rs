@@ -69,6 +69,7 @@ pub struct Diffuser {
 
 /// A display in either form.
 #[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant, reason = "there is one stack, not many")]
 pub enum Stack {
     /// The ordinary panel.
     Panel(Panel),

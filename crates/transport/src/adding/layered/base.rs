@@ -87,14 +87,14 @@ impl Above {
         let mut beam = vec![0.0; columns];
         let mut arrives = Matrix::zeros(n, columns);
         let mut gain = Matrix::zeros(n, columns);
-        for c in 0..columns {
+        for (c, beam) in beam.iter_mut().enumerate() {
             let base = base.column(c);
-            beam[c] = round_trips(base[node], self.below_straight[node]) * self.down_straight[node];
+            *beam = round_trips(base[node], self.below_straight[node]) * self.down_straight[node];
             if n == 0 {
                 continue;
             }
             let scattered = self.down.column(extra).iter().zip(self.below.column(node));
-            arrives.column_mut(c).iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * beam[c]);
+            arrives.column_mut(c).iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * *beam);
             let straight = base.iter().zip(&self.below_straight);
             gain.column_mut(c).iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
         }

@@ -5,7 +5,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use super::algebra::Operator;
 use super::grid::Grid;
 use super::part::{Part, Place, nothing};
-use super::prepare::Precision;
+use super::precision::Precision;
 use super::rough::RoughOrders;
 use super::scatterers::{Scattered, Scatterers};
 use super::slab::Model;

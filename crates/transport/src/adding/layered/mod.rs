@@ -6,7 +6,9 @@
 //! solving for the light between them, all orders of inter-reflection at once. Stacks have no
 //! preferred azimuth: Fourier orders of the azimuth do not mix.
 //!
-//! - [`grid`]: the nodes; [`algebra`]: operators with light that keeps its direction apart;
+//! - [`precision`]: what a level is; [`directions`]: views and sources; [`grid`]: the nodes;
+//!   [`convergence`]: the azimuthal orders;
+//! - [`algebra`]: operators with light that keeps its direction apart;
 //!   [`matrix`]: what they are made of;
 //! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
 //!   parts as one;
@@ -22,11 +24,14 @@
 
 mod algebra;
 mod base;
+mod convergence;
+mod directions;
 mod elements;
 mod grid;
 mod lobes;
 mod matrix;
 mod part;
+mod precision;
 mod prepare;
 mod rough;
 mod scatterers;
@@ -39,7 +44,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::images::ImagePoints;
 use crate::specular::layered_image;
 use crate::{Base, Cone, Estimate, Layered, Ledger, Rho, Source};
-use prepare::{Directions, Group, Precision, Ray};
+use directions::{Directions, Ray};
+use precision::Precision;
+use prepare::Group;
 use seen::{Columns, Seen};
 
 /// Radial nodes, besides the directions of views and sources, that a level takes.

@@ -27,19 +27,25 @@ pub(super) struct RoughOrders {
     zeroth: [Matrix; 3],
     /// `[order - 1][kernel]`, each `[in][out]`.
     later: Vec<[Vec<f32>; 3]>,
+    /// What the quadrature finds missing of each node's light, from above and from below.
+    missing: [Vec<f64>; 2],
 }
 
 const WAYS: [(Side, Side); 3] =
     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
 
 impl RoughOrders {
-    /// `digits` natural ones are kept in azimuth; `orders` of it at least one.
+    /// To so many natural digits in azimuth; orders beyond the first only where they are asked for.
     pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
         let count = if beyond_first { orders(face, digits) } else { 1 };
         let len = grid.len();
         let zeroth = || Matrix::zeros(len, len);
         let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|_| vec![0.0; len * len]) };
-        let mut all = Self { zeroth: [zeroth(), zeroth(), zeroth()], later: vec![blank(); count - 1] };
+        let mut all = Self {
+            zeroth: [zeroth(), zeroth(), zeroth()],
+            later: vec![blank(); count - 1],
+            missing: Default::default(),
+        };
         let mut values = vec![0.0; count];
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
@@ -54,6 +60,7 @@ impl RoughOrders {
                 }
             }
         }
+        all.missing = missing(face, &all.part(face, 0, grid), grid);
         all
     }
 
@@ -87,35 +94,25 @@ impl RoughOrders {
         if order == 0 {
             again(face, grid, &mut part);
         }
-        let missing = self.missing(face, grid);
-        part.above.straight = missing[0].clone();
-        part.below.straight = missing[1].clone();
+        for (operator, missing) in [&mut part.above, &mut part.below].into_iter().zip(&self.missing) {
+            operator.straight.iter_mut().zip(missing).for_each(|(straight, missing)| *straight += missing);
+        }
         part
     }
+}
 
-    /// What the quadrature finds missing of each node's light, from above and from below.
-    fn missing(&self, face: &Rough, grid: &Grid) -> [Vec<f64>; 2] {
-        let operator = |way: usize| Operator {
-            regular: grid.regular,
-            straight: vec![0.0; grid.len()],
-            kernel: Some(self.zeroth[way].clone()),
-        };
-        let mut part = Part { above: operator(0), below: operator(2), down: operator(1), absorbed: None };
-        again(face, grid, &mut part);
-        let ones = vec![1.0; grid.len()];
-        let sum = |operator: &Operator| operator.pull_back(&ones, &grid.scale);
-        let missing = |side: Side, back: &Operator, through: &Operator| {
-            let (back, through) = (sum(back), sum(through));
-            let one = |i: usize| {
-                if grid.beta[i] < face.index(side) { 1.0 - back[i] - through[i] } else { 0.0 }
-            };
-            (0..grid.len()).map(one).collect()
-        };
-        [
-            missing(Side::Above, &part.above, &part.down),
-            missing(Side::Below, &part.below, &part.down.transposed()),
-        ]
-    }
+/// What the quadrature finds missing of each node's light, from above and from below.
+fn missing(face: &Rough, part: &Part, grid: &Grid) -> [Vec<f64>; 2] {
+    let ones = vec![1.0; grid.len()];
+    let missing = |side: Side, back: &Operator, through: &Operator| {
+        let [back, through] = [back, through].map(|operator| operator.pull_back(&ones, &grid.scale));
+        let one = |i: usize| if grid.beta[i] < face.index(side) { 1.0 - back[i] - through[i] } else { 0.0 };
+        (0..grid.len()).map(one).collect()
+    };
+    [
+        missing(Side::Above, &part.above, &part.down),
+        missing(Side::Below, &part.below, &part.down.transposed()),
+    ]
 }
 
 /// Adds the light that meets several microfacets, alike in all azimuths.

@@ -31,6 +31,7 @@ struct LobeBetween {
 
 /// What a scatterer does in one azimuthal order.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "there are as many as layers, and large parts are on the heap")]
 pub(super) enum Scattered {
     /// Reflected and transmitted by a layer that scatters in its bulk.
     Slab([Operator; 2]),

@@ -1,0 +1,98 @@
+//! The directions of views and sources.
+
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+
+use super::precision::Precision;
+use crate::adding::quadrature::{Point, cone_points, disc_points};
+use crate::{Cone, Interface, Layered, Source};
+
+/// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ray {
+    pub(super) extra: usize,
+    pub(super) turn: f64,
+    pub(super) weight: f64,
+}
+
+/// The directions of all views and sources: they share extra nodes where they have `|beta|` in
+/// common.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Directions {
+    pub(super) beta: Vec<f64>,
+    /// For each view, its rays; the weights sum to one.
+    pub(super) views: Vec<Vec<Ray>>,
+    /// For each source, its rays: none for diffuse light.
+    pub(super) sources: Vec<Vec<Ray>>,
+}
+
+impl Directions {
+    pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
+        let (scale, digits) = (smoothness(stack), precision.digits);
+        let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };
+        for view in views {
+            let rays = directions.rays(&cone_points(view, scale, digits));
+            directions.views.push(rays);
+        }
+        for source in sources {
+            let points = match source {
+                Source::Diffuse => Vec::new(),
+                Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
+                Source::Disc(cone) => disc_points(cone, scale, digits),
+            };
+            let rays = directions.rays(&points);
+            directions.sources.push(rays);
+        }
+        directions
+    }
+
+    fn rays(&mut self, points: &[Point]) -> Vec<Ray> {
+        points
+            .iter()
+            .map(|Point { beta, weight }| Ray {
+                extra: self.extra(*beta),
+                turn: beta.y.atan2(beta.x),
+                weight: *weight,
+            })
+            .collect()
+    }
+
+    fn extra(&mut self, beta: Beta) -> usize {
+        // Grazing light has no use for the last digits; it must stay within the air.
+        let length = beta.length().min(1.0 - 1e-12);
+        self.beta.iter().position(|known| (known - length).abs() < 1e-13).unwrap_or_else(|| {
+            self.beta.push(length);
+            self.beta.len() - 1
+        })
+    }
+}
+
+/// The distance in direction cosines over which what is seen changes.
+fn smoothness(stack: &Layered) -> f64 {
+    // Films and faces, whatever scatters.
+    let mut scale = 0.3_f64;
+    for layer in &stack.layers {
+        match &layer.interface {
+            Interface::Diffuser(diffuser) => {
+                if let Lobe::KCorrelation { width } = diffuser.lobe {
+                    scale = scale.min(width);
+                }
+            }
+            Interface::Rough(face) => scale = scale.min(face.alpha()),
+            _ => {}
+        }
+        if let Some(scattering) = layer.medium.scattering() {
+            // The phase function's pole lies at this imaginary angle.
+            scale = scale.min(-scattering.anisotropy.abs().max(1e-9).ln());
+        }
+    }
+    scale
+}
+
+/// The extra nodes of rays, ascending.
+pub(super) fn extras(rays: &[Vec<Ray>]) -> Vec<usize> {
+    let mut extras: Vec<usize> = rays.iter().flatten().map(|ray| ray.extra).collect();
+    extras.sort_unstable();
+    extras.dedup();
+    extras
+}
