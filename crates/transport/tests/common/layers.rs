@@ -7,7 +7,7 @@ use papilio_transport::{
     Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Scattering, Source, Stack,
 };
 
-use crate::common::{one, view};
+use crate::common::one;
 
 pub(crate) fn clear(index: f64) -> Medium {
     Medium::new(one(index))
