@@ -114,7 +114,8 @@ fn a_prepared_display_equals_a_plain_run() {
 #[test]
 fn scenes_in_turn_do_not_mix() {
     with_stop(1, |control| {
-        let scenes = ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny"].map(|name| scene(name, &[]));
+        let scenes =
+            ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny"].map(|name| scene(name, &[]));
         let plain = scenes.each_ref().map(|scene| text(&papilio_display::run(scene, control).unwrap()));
         let mut prepared = Prepared::new(&scenes[0]).unwrap();
         for k in [0, 1, 0, 2, 3, 2, 4, 0, 3, 1, 4, 4] {

@@ -6,11 +6,11 @@ use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Source, Stack, Top,
+    Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source, Stack, Top,
 };
 
 use crate::DisplayError;
-use crate::pixel::{self, FilmBasis};
+use crate::pixel::{self, FilmKey};
 use crate::scene::{self, AngleMedium, Approximation, Layers, Scene, Surface};
 
 /// A scene, ready for light.
@@ -20,8 +20,8 @@ pub(crate) struct Setup {
     pub(crate) scene: Scene,
     /// Another whenever layers, sources or views are others: what kernels of any layers depend on.
     pub(crate) version: u64,
-    /// The reflectances of a film pixel, from which its states are mixed.
-    film: Option<FilmBasis>,
+    /// What the reflectances in the stack's base belong to, if they are a film's.
+    film: Option<FilmKey>,
     pub(crate) stack: Stack,
     /// The diffuse light first, then the directed ones in the scene's order.
     pub(crate) lights: Vec<Light>,
@@ -53,7 +53,7 @@ impl Setup {
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
-        let base = pixel::base(scene, &mut film)?;
+        let base = pixel::base(scene, &mut film, None)?;
         Ok(Self {
             stack: stack(scene, base)?,
             film,
@@ -77,11 +77,16 @@ impl Setup {
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
-            *base_of(&mut self.stack) = pixel::base(scene, &mut self.film)?;
+            let base = base_of(&mut self.stack);
+            *base = pixel::base(scene, &mut self.film, Some(base))?;
             self.states = pixel::state_names(&scene.display.pixel);
         }
         if scene.display.layers != last.display.layers {
-            let base = base_of(&mut self.stack).clone();
+            let nothing = Base {
+                reflector: Reflector::Lambertian(Vec::new()),
+                inactive_absorptance: Vec::new().into(),
+            };
+            let base = std::mem::replace(base_of(&mut self.stack), nothing);
             self.stack = stack(scene, base)?;
             self.version += 1;
         }

@@ -7,16 +7,18 @@
 //! The values are those of a few *basis* reflectances (one for each gap of a film
 //! pixel); a drive state is a mixture of them plus a part that all states share.
 
-use crate::Medium;
+use crate::{CosinePanels, Medium};
 
 /// Where the nodes of a table lie.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Nodes {
     /// One value for all directions.
     Constant,
-    /// Evenly spaced in cos(theta) of the medium from 0 to 1, at least 6 of them.
-    /// A film's reflectance is analytic in that cosine; six-point Lagrange interpolation.
+    /// Evenly spaced in cos(theta) of the medium from 0 to 1, at least 8 of them.
+    /// A film's reflectance is analytic in that cosine; eight-point Lagrange interpolation.
     Cosines(usize),
+    /// The same in panels of different widths.
+    CosinePanels(CosinePanels),
     /// At these angles in the medium, radians, ascending from 0; linear between them,
     /// the last value held beyond the last angle.
     AnglesInMedium(Vec<f64>),
@@ -30,6 +32,7 @@ impl Nodes {
         match self {
             Self::Constant => 1,
             Self::Cosines(nodes) => *nodes,
+            Self::CosinePanels(panels) => panels.count(),
             Self::AnglesInMedium(angles) | Self::AnglesInAir(angles) => angles.len(),
         }
     }
@@ -42,6 +45,9 @@ impl Nodes {
             Self::Cosines(nodes) => {
                 let cosine = (1.0 - beta_squared / (index * index)).max(0.0).sqrt();
                 Stencil::lagrange(cosine * (nodes - 1) as f64, *nodes)
+            }
+            Self::CosinePanels(panels) => {
+                panels.stencil((1.0 - beta_squared / (index * index)).max(0.0).sqrt())
             }
             Self::AnglesInMedium(angles) => {
                 Stencil::linear((beta_squared.sqrt() / index).min(1.0).asin(), angles)
@@ -59,26 +65,35 @@ pub(crate) struct Stencil {
 }
 
 impl Stencil {
-    pub(crate) const LEN: usize = 6;
+    pub(crate) const LEN: usize = 8;
 
     /// The look-up of a table with one node.
-    pub(crate) const ONLY_NODE: Self = Self { first: 0, weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+    pub(crate) const ONLY_NODE: Self = Self { first: 0, weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
 
-    /// Six-point Lagrange interpolation at position `x` among nodes 0, 1, ... `nodes - 1`.
+    /// Eight-point Lagrange interpolation at position `x` among nodes 0, 1, ... `nodes - 1`.
     #[inline]
-    fn lagrange(x: f64, nodes: usize) -> Self {
-        let first = (x as usize).saturating_sub(2).min(nodes - Self::LEN);
-        let t: [f64; 6] = std::array::from_fn(|k| x - (first + k) as f64);
-        let left = [1.0, t[0], t[0] * t[1], t[0] * t[1] * t[2]];
-        let right = [t[5] * t[4] * t[3], t[5] * t[4], t[5], 1.0];
-        let weights = [
-            t[1] * t[2] * right[0] * (-1.0 / 120.0),
-            t[0] * t[2] * right[0] * (1.0 / 24.0),
-            left[2] * right[0] * (-1.0 / 12.0),
-            left[3] * right[1] * (1.0 / 12.0),
-            left[3] * t[3] * right[2] * (-1.0 / 24.0),
-            left[3] * t[3] * t[4] * (1.0 / 120.0),
+    pub(crate) fn lagrange(x: f64, nodes: usize) -> Self {
+        // 1 over the product of k - j over all other j.
+        const SCALE: [f64; Stencil::LEN] = [
+            -1.0 / 5040.0,
+            1.0 / 720.0,
+            -1.0 / 240.0,
+            1.0 / 144.0,
+            -1.0 / 144.0,
+            1.0 / 240.0,
+            -1.0 / 720.0,
+            1.0 / 5040.0,
         ];
+        let first = (x as usize).saturating_sub(Self::LEN / 2 - 1).min(nodes - Self::LEN);
+        let mut weights = SCALE;
+        let (mut left, mut right) = (1.0, 1.0);
+        for k in 0..Self::LEN {
+            weights[k] *= left;
+            left *= x - (first + k) as f64;
+            let mirrored = Self::LEN - 1 - k;
+            weights[mirrored] *= right;
+            right *= x - (first + mirrored) as f64;
+        }
         Self { first, weights }
     }
 
@@ -185,8 +200,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn six_points_reproduce_a_quintic() {
-        let quintic = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(5);
+    fn eight_points_reproduce_a_septic() {
+        let septic = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(7);
         let nodes = Nodes::Cosines(9);
         for step in 0..=100 {
             let theta = f64::from(step) * std::f64::consts::FRAC_PI_2 / 100.0;
@@ -196,9 +211,9 @@ mod tests {
                 .weights
                 .iter()
                 .enumerate()
-                .map(|(k, weight)| weight * quintic((stencil.first + k) as f64 / 8.0))
+                .map(|(k, weight)| weight * septic((stencil.first + k) as f64 / 8.0))
                 .sum();
-            assert!((found - quintic(theta.cos())).abs() < 1e-12, "{step}");
+            assert!((found - septic(theta.cos())).abs() < 1e-12, "{step}");
         }
     }
 

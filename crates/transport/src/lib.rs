@@ -46,6 +46,7 @@
 pub mod adding;
 mod angular;
 mod base;
+mod cosines;
 mod estimate;
 mod front;
 mod layered;
@@ -58,6 +59,7 @@ pub mod walk;
 
 pub use angular::{AngularTable, Nodes};
 pub use base::{Base, Reflector};
+pub use cosines::CosinePanels;
 pub use estimate::{Estimate, Ledger, Rho};
 pub use front::Front;
 pub use layered::{Diffuser, Interface, Layer, Layered, Stack};

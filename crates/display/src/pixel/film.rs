@@ -5,7 +5,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use papilio_optics::film::GapFilm;
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, CosinePanels, Medium, Nodes, Reflector};
 
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
@@ -14,78 +14,54 @@ use crate::scene::{Drive, FilmLayer, FilmPixel};
 /// each gap, direction and wavelength (checked midway between nodes).
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Node counts that are tried, fewest first: each has the nodes of the one before and those
-/// midway between them. Only extremely thick films need more than the last.
-const NODE_COUNTS: [usize; 6] = [33, 65, 129, 257, 513, 1025];
+/// Halvings of the panel from 0 to 1 to begin with, and at most: only extremely thick films need more.
+const HALVINGS: (u32, u32) = (1, 6);
 
-/// A film pixel as the base of a stack.
+/// A film pixel as the base of a stack; of `before`, the base of a stack whose film is described
+/// by `kept`, what still serves is taken.
 pub(super) fn base(
     film: &FilmPixel,
     grid: &Grid,
     index: &Spectrum,
-    kept: &mut Option<FilmBasis>,
+    kept: &mut Option<FilmKey>,
+    before: Option<&mut Base>,
 ) -> Result<Base, DisplayError> {
     let mixture = Mixture::new(film)?;
-    let basis = match kept.take() {
-        Some(basis) if basis.serves(film, grid, index, &mixture.gaps_nm) => basis,
-        _ => FilmBasis::new(film, grid, index, &mixture.gaps_nm)?,
+    let key = kept.take().filter(|key| key.serves(film, grid, index, &mixture.gaps_nm));
+    let (nodes, reflectance) = match (key.is_some(), before.map(|base| &mut base.reflector)) {
+        (true, Some(Reflector::Specular(table))) => {
+            (std::mem::replace(&mut table.nodes, Nodes::Constant), std::mem::take(&mut table.basis))
+        }
+        _ => tabulated(film, grid, index, &mixture.gaps_nm)?,
     };
-    let table = mixture.table(Nodes::Cosines(basis.nodes), basis.reflectance.clone(), film);
-    *kept = Some(basis);
+    *kept = Some(key.unwrap_or_else(|| FilmKey::new(film, grid, index, &mixture.gaps_nm)));
     let inactive = film.inactive_reflectance.map(|r| (1.0 - film.fill_factor) * (1.0 - r));
+    let table = mixture.table(nodes, reflectance, film);
     Ok(Base { reflector: Reflector::Specular(table), inactive_absorptance: inactive })
 }
 
-/// The reflectances of a film at its gaps, tabulated against direction; what they belong to.
+/// What a film's reflectances depend on.
 #[derive(Debug)]
-pub(crate) struct FilmBasis {
+pub(crate) struct FilmKey {
     layers: Vec<FilmLayer>,
     substrate: Vec<Complex64>,
     grid: Grid,
     index: Spectrum,
     gaps_nm: Vec<f64>,
-    /// Evenly spaced in cos(theta).
-    nodes: usize,
-    /// Shape `[node][gap][wavelength]`.
-    reflectance: Vec<f64>,
 }
 
-impl FilmBasis {
-    /// As many nodes as an interpolation error of [`TABLE_ERROR`] needs.
-    fn new(film: &FilmPixel, grid: &Grid, index: &Spectrum, gaps_nm: &[f64]) -> Result<Self, DisplayError> {
-        let at = |cosines: Vec<f64>| basis_at(film, grid, index, gaps_nm, &cosines);
-        let cosine = |node: usize, nodes: usize| node as f64 / (nodes - 1) as f64;
-        let mut nodes = NODE_COUNTS[0];
-        let mut reflectance = at((0..nodes).map(|node| cosine(node, nodes)).collect())?;
-        let width = gaps_nm.len() * grid.len();
-        for next in &NODE_COUNTS[1..] {
-            let midway: Vec<f64> = (1..*next).step_by(2).map(|node| cosine(node, *next)).collect();
-            let exact = at(midway.clone())?;
-            let coarse = AngularTable {
-                nodes: Nodes::Cosines(nodes),
-                basis: reflectance,
-                mixture: vec![1.0],
-                common: vec![0.0; width],
-            };
-            let error = interpolation_error(&coarse, &midway, &exact);
-            reflectance = interleaved(&coarse.basis, &exact, width);
-            nodes = *next;
-            if error < TABLE_ERROR {
-                break;
-            }
-        }
-        Ok(Self {
+impl FilmKey {
+    fn new(film: &FilmPixel, grid: &Grid, index: &Spectrum, gaps_nm: &[f64]) -> Self {
+        Self {
             layers: film.layers.clone(),
             substrate: film.substrate.clone(),
             grid: *grid,
             index: index.clone(),
             gaps_nm: gaps_nm.to_vec(),
-            nodes,
-            reflectance,
-        })
+        }
     }
 
-    /// True if these are the reflectances of this film at these gaps.
+    /// True if the reflectances are those of this film at these gaps.
     fn serves(&self, film: &FilmPixel, grid: &Grid, index: &Spectrum, gaps_nm: &[f64]) -> bool {
         self.grid == *grid
             && self.gaps_nm == gaps_nm
@@ -95,15 +71,90 @@ impl FilmBasis {
     }
 }
 
-/// The largest difference of `coarse` from the exact values at these cosines. Gaps and
-/// wavelengths are alike here: one basis of so many "wavelengths".
-fn interpolation_error(coarse: &AngularTable, cosines: &[f64], exact: &[f64]) -> f64 {
-    let width = coarse.common.len();
+/// A panel of the table in the making.
+struct Panel {
+    start: f64,
+    halvings: u32,
+    /// Shape `[node][gap][wavelength]`.
+    values: Vec<f64>,
+}
+
+impl Panel {
+    fn cosine(&self, position: f64) -> f64 {
+        self.start + 0.5_f64.powi(self.halvings as i32) * position / CosinePanels::INTERVALS as f64
+    }
+
+    /// Midway between nodes.
+    fn midway(&self) -> impl Iterator<Item = f64> {
+        (0..CosinePanels::INTERVALS).map(|node| self.cosine(node as f64 + 0.5))
+    }
+
+    /// Its two halves, from what is known midway between the nodes.
+    fn halves(&self, midway: &[f64], width: usize) -> [Self; 2] {
+        let values = interleaved(&self.values, midway, width);
+        let half = CosinePanels::INTERVALS;
+        [0, half].map(|first| Self {
+            start: self.cosine(0.5 * first as f64),
+            halvings: self.halvings + 1,
+            values: values[first * width..][..CosinePanels::NODES * width].to_vec(),
+        })
+    }
+}
+
+/// The reflectances at the gaps, shape `[node][gap][wavelength]`: panels are halved until
+/// interpolation is good to [`TABLE_ERROR`].
+fn tabulated(
+    film: &FilmPixel,
+    grid: &Grid,
+    index: &Spectrum,
+    gaps_nm: &[f64],
+) -> Result<(Nodes, Vec<f64>), DisplayError> {
+    let width = gaps_nm.len() * grid.len();
+    let film = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
+    let first = CosinePanels::new(&vec![HALVINGS.0; 1 << HALVINGS.0]);
+    let known = film.at_cosines(first.nodes())?;
+    let panel = |(number, values): (usize, &[f64])| Panel {
+        start: number as f64 * 0.5_f64.powi(HALVINGS.0 as i32),
+        halvings: HALVINGS.0,
+        values: values.to_vec(),
+    };
+    let mut open: Vec<Panel> =
+        known.chunks_exact(CosinePanels::NODES * width).enumerate().map(panel).collect();
+    let mut done: Vec<Panel> = Vec::new();
+    while let Some(panel) = open.pop() {
+        if panel.halvings == HALVINGS.1 {
+            done.push(panel);
+            continue;
+        }
+        let exact = film.at_cosines(panel.midway())?;
+        if interpolation_error(&panel, &exact, width) < TABLE_ERROR {
+            done.push(panel);
+        } else {
+            open.extend(panel.halves(&exact, width));
+        }
+    }
+    done.sort_by(|a, b| a.start.total_cmp(&b.start));
+    let nodes = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
+    let mut reflectance = Vec::with_capacity(nodes.count() * width);
+    done.iter().for_each(|panel| reflectance.extend_from_slice(&panel.values));
+    Ok((Nodes::CosinePanels(nodes), reflectance))
+}
+
+/// The largest difference of interpolated values midway between a panel's nodes from the exact
+/// ones. Gaps and wavelengths are alike here: one basis of so many "wavelengths".
+fn interpolation_error(panel: &Panel, exact: &[f64], width: usize) -> f64 {
+    let table = AngularTable {
+        nodes: Nodes::CosinePanels(CosinePanels::new(&[0])),
+        basis: panel.values.clone(),
+        mixture: vec![1.0],
+        common: vec![0.0; width],
+    };
     let medium = Medium::new(vec![1.0; width].into());
     let mut out = vec![0.0; width];
     let mut worst = 0.0_f64;
-    for (cosine, exact) in cosines.iter().zip(exact.chunks_exact(width)) {
-        coarse.reflectance(1.0 - cosine * cosine, &medium, &mut out);
+    for (node, exact) in exact.chunks_exact(width).enumerate() {
+        let position = (node as f64 + 0.5) / CosinePanels::INTERVALS as f64;
+        table.reflectance(1.0 - position * position, &medium, &mut out);
         worst = out.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(worst, f64::max);
     }
     worst
@@ -177,58 +228,66 @@ pub(super) enum Beta {
     InGlass,
 }
 
-fn basis_at(
-    film: &FilmPixel,
-    grid: &Grid,
-    index: &Spectrum,
-    gaps_nm: &[f64],
-    cosines: &[f64],
-) -> Result<Vec<f64>, DisplayError> {
-    let sines: Vec<f64> = cosines.iter().map(|cosine| (1.0 - cosine * cosine).sqrt()).collect();
-    film_basis(film, grid, index, gaps_nm, &sines, Beta::InGlass)
+/// A film over the grid, condensed for its gaps.
+pub(super) struct Film<'a> {
+    index: &'a Spectrum,
+    gaps_nm: &'a [f64],
+    kind: Beta,
+    /// One over all wavelengths, or one for each: the same angle in a dispersive glass has
+    /// another beta at each.
+    parts: Vec<GapFilm>,
 }
 
-/// Mean reflectance of s and p; shape `[angle][gap][wavelength]`. A grazing ray in the glass
-/// is reflected whole.
-pub(super) fn film_basis(
-    film: &FilmPixel,
-    grid: &Grid,
-    index: &Spectrum,
-    gaps_nm: &[f64],
-    sines: &[f64],
-    kind: Beta,
-) -> Result<Vec<f64>, DisplayError> {
-    let bins = grid.len();
-    let mut basis = vec![0.0; sines.len() * gaps_nm.len() * bins];
-    let wavelengths_nm = grid.wavelengths_nm();
-    let part = |bins: Range<usize>, out: &mut [f64]| -> Result<(), DisplayError> {
-        let layers: Vec<_> = film.layers.iter().map(|layer| layer_at(layer, &bins)).collect();
-        let substrate = &film.substrate[bins.clone()];
-        let gap_film = GapFilm::new(&wavelengths_nm[bins.clone()], &index[bins.clone()], &layers, substrate)?;
-        let scale = if kind == Beta::Air { 1.0 } else { index[bins.start] };
-        let beta: Vec<f64> = sines.iter().map(|sine| scale * sine).collect();
-        Ok(gap_film.reflectance(&beta, gaps_nm, out)?)
-    };
-    if kind == Beta::Air || index.is_constant() {
-        part(0..bins, &mut basis)?;
-    } else {
-        // The same angle in a dispersive glass has another beta at each wavelength.
-        let mut one = vec![0.0; sines.len() * gaps_nm.len()];
-        for bin in 0..bins {
-            part(bin..bin + 1, &mut one)?;
-            one.iter().enumerate().for_each(|(k, value)| basis[k * bins + bin] = *value);
-        }
+impl<'a> Film<'a> {
+    pub(super) fn new(
+        film: &FilmPixel,
+        grid: &Grid,
+        index: &'a Spectrum,
+        gaps_nm: &'a [f64],
+        kind: Beta,
+    ) -> Result<Self, DisplayError> {
+        let wavelengths_nm = grid.wavelengths_nm();
+        let part = |bins: Range<usize>| {
+            let layers: Vec<_> = film.layers.iter().map(|layer| layer_at(layer, &bins)).collect();
+            let (nm, index) = (&wavelengths_nm[bins.clone()], &index[bins.clone()]);
+            GapFilm::new(nm, index, &layers, &film.substrate[bins])
+        };
+        let alike = kind == Beta::Air || index.is_constant();
+        let parts: Result<Vec<GapFilm>, _> = if alike {
+            [part(0..grid.len())].into_iter().collect()
+        } else {
+            (0..grid.len()).map(|bin| part(bin..bin + 1)).collect()
+        };
+        Ok(Self { index, gaps_nm, kind, parts: parts? })
     }
-    for (angle, sine) in sines.iter().enumerate() {
-        let row = &mut basis[angle * gaps_nm.len() * bins..][..gaps_nm.len() * bins];
-        for (k, value) in row.iter_mut().enumerate() {
-            let beta = if kind == Beta::Air { *sine } else { sine * index[k % bins] };
-            if beta >= index[k % bins] {
-                *value = 1.0;
+
+    /// Mean reflectance of s and p; shape `[angle][gap][wavelength]`. A grazing ray in the glass
+    /// is reflected whole.
+    pub(super) fn reflectance(&self, sines: &[f64]) -> Result<Vec<f64>, DisplayError> {
+        let (bins, gaps) = (self.index.len(), self.gaps_nm.len());
+        let mut reflectance = vec![0.0; sines.len() * gaps * bins];
+        let scale = |bin: usize| if self.kind == Beta::Air { 1.0 } else { self.index[bin] };
+        let beta_at = |bin: usize| -> Vec<f64> { sines.iter().map(|sine| scale(bin) * sine).collect() };
+        if let [all] = &self.parts[..] {
+            all.reflectance(&beta_at(0), self.gaps_nm, &mut reflectance)?;
+        } else {
+            let mut one = vec![0.0; sines.len() * gaps];
+            for (bin, part) in self.parts.iter().enumerate() {
+                part.reflectance(&beta_at(bin), self.gaps_nm, &mut one)?;
+                one.iter().enumerate().for_each(|(k, value)| reflectance[k * bins + bin] = *value);
             }
         }
+        for (row, sine) in reflectance.chunks_exact_mut(gaps * bins).zip(sines) {
+            let grazing = (0..bins).filter(|bin| scale(*bin) * sine >= self.index[*bin]);
+            grazing.for_each(|bin| row.iter_mut().skip(bin).step_by(bins).for_each(|value| *value = 1.0));
+        }
+        Ok(reflectance)
     }
-    Ok(basis)
+
+    /// The same at these cosines of the angle in the glass.
+    fn at_cosines(&self, cosines: impl Iterator<Item = f64>) -> Result<Vec<f64>, DisplayError> {
+        self.reflectance(&cosines.map(|cosine| (1.0 - cosine * cosine).sqrt()).collect::<Vec<f64>>())
+    }
 }
 
 fn layer_at(layer: &FilmLayer, bins: &Range<usize>) -> FilmLayer {

@@ -8,9 +8,9 @@ mod film;
 
 use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
 
-pub(crate) use film::FilmBasis;
+pub(crate) use film::FilmKey;
 pub use film::TABLE_ERROR;
-use film::{Beta, Mixture, film_basis};
+use film::{Beta, Film, Mixture};
 
 use crate::scene::{AngleMedium, Pixel, Scene, TableAngles, TablePixel, UniformKind, UniformPixel};
 use crate::{DisplayError, setup};
@@ -55,7 +55,7 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
     if let Pixel::Film(film) = pixel {
         let mixture = Mixture::new(film)?;
         let beta = if in_air { Beta::Air } else { Beta::InGlass };
-        let basis = film_basis(film, &scene.grid, index, &mixture.gaps_nm, &sines, beta)?;
+        let basis = Film::new(film, &scene.grid, index, &mixture.gaps_nm, beta)?.reflectance(&sines)?;
         for one in basis.chunks_exact(mixture.gaps_nm.len() * bins) {
             let table = mixture.table(Nodes::Constant, one.to_vec(), film);
             let mut out = vec![0.0; count * bins];
@@ -63,7 +63,7 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
             keep(&out);
         }
     } else {
-        let base = base(scene, &mut None)?;
+        let base = base(scene, &mut None, None)?;
         let medium = setup::medium(scene);
         let scale = setup::angle_index(scene)?;
         for sine in sines {
@@ -79,11 +79,19 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
     Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
 }
 
-/// The pixel as the base of a stack. A film's reflectances are taken from `film` if they still
-/// serve, and kept there.
-pub(crate) fn base(scene: &Scene, film: &mut Option<FilmBasis>) -> Result<Base, DisplayError> {
+/// The pixel as the base of a stack. A film's reflectances are taken from the base that there was
+/// `before`, if they still serve; `film` says what they belong to.
+pub(crate) fn base(
+    scene: &Scene,
+    film: &mut Option<FilmKey>,
+    before: Option<&mut Base>,
+) -> Result<Base, DisplayError> {
+    let index = scene.display.index_above_pixel();
+    if !matches!(scene.display.pixel, Pixel::Film(_)) {
+        *film = None;
+    }
     match &scene.display.pixel {
-        Pixel::Film(pixel) => film::base(pixel, &scene.grid, scene.display.index_above_pixel(), film),
+        Pixel::Film(pixel) => film::base(pixel, &scene.grid, index, film, before),
         Pixel::Table(table) => Ok(table_base(table, scene.grid.len())),
         Pixel::Uniform(uniform) => Ok(uniform_base(uniform, scene.grid.len())),
     }

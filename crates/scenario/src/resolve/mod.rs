@@ -38,7 +38,7 @@ const MOST_NUMBERS: usize = 10_000_000;
 /// States x wavelengths x (directed sources + 8): what a path carries, and a worker adds up.
 const MOST_WORK: usize = 8_000_000;
 
-/// Distinct film gaps x wavelengths: the films are tabulated at up to 1025 angles each.
+/// Distinct film gaps x wavelengths: the films are tabulated at up to 1088 angles each.
 const MOST_FILMS: usize = 100_000;
 
 /// A view has 32 replicates of at least one path each.

@@ -76,7 +76,7 @@ impl Pass<'_> {
             breaks.push(1.0);
         }
         match self.table {
-            Nodes::Constant | Nodes::Cosines(_) => {}
+            Nodes::Constant | Nodes::Cosines(_) | Nodes::CosinePanels(_) => {}
             Nodes::AnglesInMedium(angles) => breaks.extend(angles.iter().map(|a| self.index * a.sin())),
             Nodes::AnglesInAir(angles) => {
                 breaks.extend(angles.iter().map(|a| a.sin()));

@@ -124,7 +124,7 @@ impl Plan {
             }
             let count = match table {
                 Nodes::Constant => 1,
-                Nodes::Cosines(_) => 1 + (left / DIGITS_A_TERM).ceil() as usize,
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => 1 + (left / DIGITS_A_TERM).ceil() as usize,
                 Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => {
                     1 + (left / DIGITS_A_KINK).ceil() as usize
                 }
