@@ -47,7 +47,7 @@ fn a_direction_of_the_cone_is_a_run_with_that_view() {
                 (in_cone.gamut_percent_ebu, view.gamut_percent_ebu),
             ];
             for (here, there) in pairs {
-                assert_eq!((here.is_some(), there.is_some()), (name == "indoor", name == "indoor"));
+                assert_eq!(here.is_some(), there.is_some(), "{name}");
                 here.zip(there).into_iter().for_each(|(here, there)| close(here, there));
             }
             assert_eq!(cone.view(k % 4, k / 4), Some(in_cone));
