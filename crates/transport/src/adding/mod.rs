@@ -17,12 +17,12 @@ use crate::{Cone, Estimate, Source, Stack};
 /// The finest level.
 pub const FINEST: u32 = 6;
 
-/// More radial nodes than this are beyond *adding* ([`nodes_needed`]): minutes, and gigabytes.
-pub const MOST_NODES: usize = 400;
+/// More radial nodes than this are beyond *adding* ([`nodes_needed`]): a minute, and a gigabyte.
+pub const MOST_NODES: usize = 300;
 
 /// Radial nodes that these layers take at a level, besides the directions of views and sources;
-/// 0 for a panel, which finds its own. They grow as 1/width of the narrowest lobe and 1/(1 - g) of
-/// a phase function; work grows with their cube and more. The caller refuses what takes more than
+/// 0 for a panel, which finds its own. They grow as 1/width of the narrowest lobe, 1/(alpha times the
+/// difference of indices) of a rough face and 1/(1 - g) of a phase function; work grows with their cube and more. The caller refuses what takes more than
 /// [`MOST_NODES`], or leaves it to the walk.
 pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
     match stack {

@@ -4,6 +4,7 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::precision::Precision;
+use super::rough;
 use crate::adding::quadrature::{Point, cone_points, disc_points};
 use crate::{Cone, Interface, Layered, Source};
 
@@ -78,7 +79,7 @@ fn smoothness(stack: &Layered) -> f64 {
                     scale = scale.min(width);
                 }
             }
-            Interface::Rough(face) => scale = scale.min(face.alpha()),
+            Interface::Rough(face) => scale = scale.min(rough::width(face)),
             _ => {}
         }
         if let Some(scattering) = layer.medium.scattering() {

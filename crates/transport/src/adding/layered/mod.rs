@@ -16,11 +16,13 @@
 //!
 //! # What the level decides
 //! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
-//! error falls by more than five from level to level.
+//! error falls by a factor of five to ten from level to level. Wide rough faces do worse, two or
+//! three: light that facets refract along the face jumps to zero there.
 //!
 //! # Cost
-//! Wavelengths at which the layers above the base are alike share their operators. Work grows with
-//! the cube of the nodes, nodes as 1/width of the narrowest lobe.
+//! Wavelengths at which the layers above the base are alike share their operators; where indices
+//! are alike, the nodes and what scatters. Work grows with the square to the cube of the nodes, and with
+//! azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes order 0 alone.
 
 mod algebra;
 mod base;

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use papilio_optics::lobe::Lobe;
 
 use super::grid::Density;
+use super::rough;
 use crate::{Diffuser, Interface, Layered};
 
 /// What a level stands for.
@@ -53,7 +54,7 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
         // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
         let width = match &layer.interface {
             Interface::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => *width,
-            Interface::Rough(face) => face.alpha(),
+            Interface::Rough(face) => rough::width(face),
             _ => f64::INFINITY,
         };
         density.spacing = density.spacing.min(2.0 * PI * width / precision.digits);

@@ -136,18 +136,27 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     }
 }
 
-/// Orders that hold this many natural digits of light at moderate angles.
+/// The distance in direction cosines over which the kernel changes most: refracted light
+/// about the normal, where a facet's slope bends it by the difference of the indices.
+pub(super) fn width(face: &Rough) -> f64 {
+    face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
+}
+
+/// Orders that hold this many natural digits of light, up to grazing.
 fn orders(face: &Rough, digits: f64) -> usize {
-    ((digits / face.alpha()).ceil() as usize).clamp(8, MOST_ORDERS)
+    ((digits / width(face)).ceil() as usize).clamp(8, MOST_ORDERS)
 }
 
 /// The first Fourier coefficients of one microfacet's kernel between two directions.
 fn fourier(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64, out: &mut [f64]) {
-    // The kernel's width in azimuth: of the order of alpha times the wave vector's component
+    // The kernel's width in azimuth: alpha times the change of the wave vector's component
     // along the normal, over the radius.
     let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).sqrt();
-    let width = face.alpha() * (normal(from, a) + normal(to, b)) / (2.0 * (a * b).sqrt()).max(1e-9);
-    let half = ((digits / width.asinh()).ceil() as usize).clamp(12, MOST_AZIMUTHS / 2);
+    let (q_a, q_b) = (normal(from, a), normal(to, b));
+    let turn = if from == to { q_a + q_b } else { (q_a - q_b).abs() };
+    let width = (face.alpha() * turn / (a * b).sqrt().max(1e-9)).max(1e-9);
+    // Poles are double: three digits more.
+    let half = (((digits + 3.0) / width.asinh()).ceil() as usize).clamp(12, MOST_AZIMUTHS / 2);
     out.fill(0.0);
     let to_beta = |phi: f64| Beta { x: b * phi.cos(), y: b * phi.sin() };
     for k in 0..=half {
@@ -158,7 +167,7 @@ fn fourier(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64, ou
         let (twice, mut now, mut before) = (2.0 * phi.cos(), 1.0, phi.cos());
         for (m, sum) in out.iter_mut().enumerate() {
             // Orders that this rule does not tell apart from lower ones.
-            if 2 * m > half {
+            if m > half {
                 break;
             }
             *sum += value * now;
