@@ -76,6 +76,11 @@ impl Cone {
         (out.hypot(side).atan2(dot(self.axis, other.axis)), side.atan2(out))
     }
 
+    /// True if the other is this one turned about the normal.
+    pub(crate) fn is_turned(&self, other: &Self) -> bool {
+        (self.axis[2], self.half_angle, self.index) == (other.axis[2], other.half_angle, other.index)
+    }
+
     /// True if it has no width.
     pub(crate) fn is_point(&self) -> bool {
         self.half_angle == 0.0

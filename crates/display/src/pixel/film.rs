@@ -121,13 +121,13 @@ fn tabulated(
     let mut open: Vec<Panel> =
         known.chunks_exact(CosinePanels::NODES * width).enumerate().map(panel).collect();
     let mut done: Vec<Panel> = Vec::new();
-    while let Some(panel) = open.pop() {
+    while let Some(mut panel) = open.pop() {
         if panel.halvings == HALVINGS.1 {
             done.push(panel);
             continue;
         }
         let exact = film.at_cosines(panel.midway())?;
-        if interpolation_error(&panel, &exact, width) < TABLE_ERROR {
+        if interpolation_error(&mut panel, &exact, width) < TABLE_ERROR {
             done.push(panel);
         } else {
             open.extend(panel.halves(&exact, width));
@@ -142,10 +142,10 @@ fn tabulated(
 
 /// The largest difference of interpolated values midway between a panel's nodes from the exact
 /// ones. Gaps and wavelengths are alike here: one basis of so many "wavelengths".
-fn interpolation_error(panel: &Panel, exact: &[f64], width: usize) -> f64 {
+fn interpolation_error(panel: &mut Panel, exact: &[f64], width: usize) -> f64 {
     let table = AngularTable {
         nodes: Nodes::CosinePanels(CosinePanels::new(&[0])),
-        basis: panel.values.clone(),
+        basis: std::mem::take(&mut panel.values),
         mixture: vec![1.0],
         common: vec![0.0; width],
     };
@@ -157,6 +157,7 @@ fn interpolation_error(panel: &Panel, exact: &[f64], width: usize) -> f64 {
         table.reflectance(1.0 - position * position, &medium, &mut out);
         worst = out.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(worst, f64::max);
     }
+    panel.values = table.basis;
     worst
 }
 

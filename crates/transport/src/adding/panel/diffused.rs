@@ -106,18 +106,24 @@ impl Kernel {
         }
         self.reach = reach(views, sources);
         let same_recycling = self.prepare_recycling(stack);
-        self.sources = sources.iter().map(|source| self.light(*source)).collect();
         let kept: Vec<Option<usize>> =
             sources.iter().map(|source| old_sources.iter().position(|old| old.source == *source)).collect();
+        let light = |(source, kept): (&Source, &Option<usize>)| match kept {
+            Some(kept) if same_recycling => old_sources[*kept].clone(),
+            _ => self.light(*source),
+        };
+        self.sources = sources.iter().zip(&kept).map(light).collect();
         let old_view = |k: usize, cone: &Cone| {
             let same = old_views.get(k).filter(|old| old.cone == *cone);
             same.or_else(|| old_views.iter().find(|old| old.cone == *cone))
         };
-        self.views = views
-            .iter()
-            .enumerate()
-            .map(|(k, cone)| self.view(cone, sources, old_view(k, cone), &kept, same_recycling))
-            .collect();
+        let mut made: Vec<View> = Vec::with_capacity(views.len());
+        for (k, cone) in views.iter().enumerate() {
+            let turned = made.iter().rev().find(|view| view.cone.is_turned(cone));
+            let view = self.view(cone, sources, (old_view(k, cone), turned), &kept, same_recycling);
+            made.push(view);
+        }
+        self.views = made;
     }
 
     /// Makes the grid for recycled light; true if it is the one there was.
@@ -192,7 +198,7 @@ impl Kernel {
         &self,
         cone: &Cone,
         sources: &[Source],
-        old: Option<&View>,
+        (old, turned): (Option<&View>, Option<&View>),
         kept: &[Option<usize>],
         same_recycling: bool,
     ) -> View {
@@ -207,7 +213,8 @@ impl Kernel {
         let at = (0..self.indices.nodes.len())
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));
-                self.view_at(j, &groups, old, kept, same_recycling)
+                let turned = turned.and_then(|turned| turned.at.get(j));
+                self.view_at(j, &groups, (old, turned), kept, same_recycling)
             })
             .collect();
         View { cone: *cone, groups, images, at }
@@ -217,14 +224,17 @@ impl Kernel {
         &self,
         index: usize,
         groups: &[Bundle],
-        old: Option<&AtIndex>,
+        (old, turned): (Option<&AtIndex>, Option<&AtIndex>),
         kept: &[Option<usize>],
         same_recycling: bool,
     ) -> AtIndex {
         let Some(pass) = self.pass(index) else { return AtIndex::default() };
         let alone = match old {
             Some(old) => old.alone.clone(),
-            None => groups.iter().map(|group| pass.alone(&group.points)).collect(),
+            None => match turned {
+                Some(turned) => turned.alone.clone(),
+                None => groups.iter().map(|group| pass.alone(&group.points)).collect(),
+            },
         };
         let pairs = groups.iter().enumerate().map(|(g, group)| {
             let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
@@ -239,9 +249,11 @@ impl Kernel {
         };
         let recycled = groups.iter().enumerate().map(|(g, bundle)| {
             let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
-            let (group, alone) = match old {
-                Some(old) => (old.group.clone(), old.alone.clone()),
-                None => {
+            let turned = turned.and_then(|turned| turned.recycled.get(g));
+            let (group, alone) = match (old, turned) {
+                (Some(old), _) => (old.group.clone(), old.alone.clone()),
+                (None, Some(turned)) => (turned.group.turned_to(bundle.axis), turned.alone.clone()),
+                (None, None) => {
                     let group = recycling.group(&bundle.points, bundle.axis, pass.index, true);
                     let alone = recycling.alone(&group);
                     (group, alone)

@@ -201,6 +201,19 @@ pub(super) struct Direction {
     pub(super) round_trips: Vec<f64>,
 }
 
+impl Group {
+    /// The same group at another azimuth, that of its axis there.
+    pub(super) fn turned_to(&self, axis: Point) -> Self {
+        let mut group = self.clone();
+        group.meridian.azimuth = azimuth(axis);
+        group
+    }
+}
+
+fn azimuth(axis: Point) -> f64 {
+    axis.beta.y.atan2(axis.beta.x)
+}
+
 /// Coefficients for each order of the series.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Forms(Vec<Vec<f64>>);
@@ -231,7 +244,7 @@ impl Recycling {
 
     /// A view's or a source's group of points, symmetric about `azimuth`.
     pub(super) fn group(&self, points: &[Point], axis: Point, index: f64, is_view: bool) -> Group {
-        let azimuth = axis.beta.y.atan2(axis.beta.x);
+        let azimuth = azimuth(axis);
         let radius = axis.beta.length();
         let meridian = self.grid.meridian(points, azimuth);
         let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
