@@ -10,6 +10,7 @@ use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
+pub mod random_stacks;
 pub mod table_5_1;
 
 /// An example scenario of the repository, with overrides `PATH=VALUE`.

@@ -19,7 +19,7 @@ type Chore = (&'static str, &'static str, fn() -> Outcome);
 
 const CHORES: [Chore; 6] = [
     ("test", "format, lints, all tests, documentation, every example scenario", test::test),
-    ("full", "test, with ten times the seeds; then oracle and deny", full),
+    ("full", "test, with ten times the seeds and random displays; then oracle and deny", full),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
     ("deny", "licences, advisories and sources of all dependencies", deny),
     ("bench", "all benchmarks", bench),
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
 }
 
 fn full() -> Outcome {
-    test::with_seeds(10 * test::SEEDS)?;
+    test::with_more(10 * test::SEEDS, 2000)?;
     oracle::oracle()?;
     deny()
 }

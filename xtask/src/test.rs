@@ -14,15 +14,18 @@ pub(crate) const SEEDS: u64 = 48;
 /// `PAPILIO_SEEDS` is read by the statistical tests of `crates/transport`.
 const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 
+/// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.
+const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
+
 /// The chore.
 pub(crate) fn test() -> Outcome {
     all_checks(cargo(TESTS))
 }
 
-/// The chore, with the statistics over that many seeds.
-pub(crate) fn with_seeds(seeds: u64) -> Outcome {
+/// The chore, with the statistics over that many seeds and random displays.
+pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     let mut tests = cargo(TESTS);
-    tests.env(SEEDS_VARIABLE, seeds.to_string());
+    tests.env(SEEDS_VARIABLE, seeds.to_string()).env(STACKS_VARIABLE, stacks.to_string());
     all_checks(tests)
 }
 

@@ -48,7 +48,10 @@ pub(super) struct Plan {
     width: f64,
 }
 
-/// Natural digits that one more term of the reflectance gives (films, over 0 to 90 deg).
+/// Terms before which a polynomial does not follow the swings of a film's reflectance over angle
+/// at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
+const TERMS_OF_SWINGS: f64 = 5.0;
+/// Natural digits that one more term of the reflectance gives from there on (films, over 0 to 90 deg).
 const DIGITS_A_TERM: f64 = 1.2;
 /// The same for tables with kinks.
 const DIGITS_A_KINK: f64 = 0.5;
@@ -124,7 +127,9 @@ impl Plan {
             }
             let count = match table {
                 Nodes::Constant => 1,
-                Nodes::Cosines(_) | Nodes::CosinePanels(_) => 1 + (left / DIGITS_A_TERM).ceil() as usize,
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
+                    1 + (left / DIGITS_A_TERM + left.min(1.0) * TERMS_OF_SWINGS).ceil() as usize
+                }
                 Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => {
                     1 + (left / DIGITS_A_KINK).ceil() as usize
                 }
