@@ -1,0 +1,254 @@
+//! A family of random displays for comparing the two solvers: every kind of layer, order,
+//! light and view, thin and thick, narrow and wide. A number names a member for ever.
+
+use num_complex::Complex64;
+use papilio_optics::Beta;
+use papilio_optics::film::{Coating, SpectralLayer, Thickness};
+use papilio_optics::lobe::Lobe;
+use papilio_optics::rough::Rough;
+use papilio_sampling::{Numbers, Sampler};
+use papilio_spectra::Spectrum;
+use papilio_transport::{
+    AngularTable, Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
+    Scattering, Source, Stack, Top,
+};
+
+/// Wavelengths of every member, nm.
+pub const WAVELENGTHS_NM: [f64; 2] = [480.0, 620.0];
+
+/// Drive states of every member.
+pub const STATES: usize = 2;
+
+/// A display, where it is looked at, and its lights.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// The layers, in words.
+    pub name: String,
+    /// The display.
+    pub stack: Stack,
+    /// The viewer's field.
+    pub view: Cone,
+    /// Diffuse light, a beam, a disc.
+    pub sources: Vec<Source>,
+}
+
+/// Member number `number` of the family.
+pub fn member(number: u64) -> Member {
+    let mut dice = Dice { numbers: Numbers::new(Sampler::Random, FAMILY, number), thrown: 0 };
+    let (name, stack) = if dice.one_in(3) { panel(&mut dice) } else { layered(&mut dice) };
+    let direction = |dice: &mut Dice, most_deg: f64| (dice.between(0.0, most_deg), dice.between(0.0, 360.0));
+    let (theta, phi) = direction(&mut dice, 75.0);
+    let half_field = if dice.one_in(2) { 0.05 } else { dice.between(0.0, 5.0) };
+    let view = Cone::new(theta, phi, half_field, 1.0);
+    let (theta, phi) = direction(&mut dice, 80.0);
+    let beam = Source::Beam(Beta::from_source(theta, phi, 1.0));
+    let (theta, phi) = direction(&mut dice, 70.0);
+    let disc = Source::Disc(Cone::new(theta, phi, dice.log_between(0.25, 15.0), 1.0));
+    Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
+}
+
+/// Another family than any that tests are tuned on would have another number.
+const FAMILY: u64 = 3;
+
+/// A stream of random choices.
+struct Dice {
+    numbers: Numbers,
+    thrown: u32,
+}
+
+impl Dice {
+    fn throw(&mut self) -> f64 {
+        let thrown = self.thrown;
+        self.thrown += 1;
+        self.numbers.block(0, thrown / 4)[(thrown % 4) as usize]
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.throw()
+    }
+
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn one_in(&mut self, count: u32) -> bool {
+        self.throw() * f64::from(count) < 1.0
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.throw() * count as f64) as usize
+    }
+
+    fn spectrum(&mut self, low: f64, high: f64) -> Spectrum {
+        WAVELENGTHS_NM.map(|_| self.between(low, high)).to_vec().into()
+    }
+}
+
+fn constant(value: f64) -> Spectrum {
+    WAVELENGTHS_NM.map(|_| value).to_vec().into()
+}
+
+fn index(dice: &mut Dice) -> f64 {
+    [1.0, 1.33, 1.5, 1.5, 1.7, 2.0][dice.below(6)]
+}
+
+/// A mirror whose reflectance varies over angle, or white paint.
+fn base(dice: &mut Dice) -> Base {
+    let bins = WAVELENGTHS_NM.len();
+    let inactive_absorptance = dice.spectrum(0.0, 0.1);
+    let most = if dice.one_in(8) { 1.0 } else { 0.85 };
+    if dice.one_in(3) {
+        let reflectance = (0..STATES * bins).map(|_| dice.between(0.0, most)).collect();
+        let reflector = Reflector::Lambertian(reflectance);
+        return Base { reflector, inactive_absorptance: constant(0.0) };
+    }
+    // Smooth over the cosine, as films are.
+    let nodes = 17;
+    let curves: Vec<[f64; 3]> = (0..STATES * bins)
+        .map(|_| [dice.between(0.05, 0.5), dice.between(0.0, 0.4), dice.between(0.5, 6.0)])
+        .collect();
+    let at =
+        |cosine: f64, [level, swing, speed]: [f64; 3]| level + swing * (0.5 + 0.5 * (speed * cosine).cos());
+    let values = (0..nodes)
+        .flat_map(|node| curves.iter().map(move |curve| at(node as f64 / (nodes - 1) as f64, *curve)))
+        .collect();
+    let table = AngularTable {
+        nodes: Nodes::Cosines(nodes),
+        basis: values,
+        mixture: vec![1.0, 0.0, 0.25, 0.75],
+        common: vec![0.0; bins],
+    };
+    Base { reflector: Reflector::Specular(table), inactive_absorptance }
+}
+
+fn diffuser(dice: &mut Dice) -> (String, Diffuser) {
+    let lobe = if dice.one_in(5) {
+        Lobe::Lambertian
+    } else {
+        Lobe::KCorrelation { width: dice.log_between(0.02, 0.4) }
+    };
+    let straight_through = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
+    let transmittance = dice.spectrum(0.7, 1.0);
+    let name = match lobe {
+        Lobe::KCorrelation { width } => format!("diffuser b {width:.3} s {straight_through:.2}"),
+        Lobe::Lambertian => format!("Lambertian diffuser s {straight_through:.2}"),
+    };
+    (name, Diffuser { lobe, transmittance, straight_through })
+}
+
+fn panel(dice: &mut Dice) -> (String, Stack) {
+    let components = dice.below(3);
+    let parts: Vec<(Spectrum, Spectrum)> =
+        (0..components).map(|_| (dice.spectrum(0.0, 0.08), dice.spectrum(0.0, 0.05))).collect();
+    let front = Front::exact(WAVELENGTHS_NM.len(), parts.iter().map(|(r, a)| (&**r, &**a)));
+    let glass: Spectrum = if dice.one_in(3) { vec![1.53, 1.50].into() } else { constant(1.5) };
+    let (name, top) = match dice.below(4) {
+        0 => ("coated".to_owned(), Top::Coated),
+        1 => ("Fresnel".to_owned(), Top::Fresnel(glass.clone())),
+        _ => {
+            let (name, diffuser) = diffuser(dice);
+            (name, Top::Diffuser(diffuser))
+        }
+    };
+    let name = format!("panel: {components} fronts, {name}");
+    let panel = Panel { front, top, medium: Medium::new(glass), base: base(dice), single_pass: false };
+    (name, Stack::Panel(panel))
+}
+
+fn layered(dice: &mut Dice) -> (String, Stack) {
+    let count = 1 + dice.below(4);
+    let mut names = Vec::new();
+    let mut layers = Vec::new();
+    let mut above = 1.0;
+    for _ in 0..count {
+        let (name, layer, below) = layer(dice, above);
+        names.push(name);
+        layers.push(layer);
+        above = below;
+    }
+    let base = base(dice);
+    let kind = if matches!(base.reflector, Reflector::Specular(_)) { "mirror" } else { "paint" };
+    names.push(kind.to_owned());
+    (names.join(", "), Stack::Layered(Layered { layers, base }))
+}
+
+/// A layer under a medium of this index, its name, and its own index.
+fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
+    let kind = dice.below(7);
+    let same = Medium::new(constant(above));
+    match kind {
+        0 => {
+            let interface = Interface::Sheet {
+                reflectance: dice.spectrum(0.0, 0.3),
+                absorptance: dice.spectrum(0.0, 0.2),
+            };
+            ("sheet".to_owned(), Layer { interface, medium: same }, above)
+        }
+        1 | 2 => {
+            let (name, diffuser) = diffuser(dice);
+            let below = if dice.one_in(2) { index(dice) } else { above };
+            let medium = Medium::new(constant(below));
+            (format!("{name} on {below}"), Layer { interface: Interface::Diffuser(diffuser), medium }, below)
+        }
+        3 | 4 => {
+            let below = index(dice);
+            let (name, medium) = slab(dice, below);
+            let interface = if below == above { Interface::Open } else { Interface::Fresnel };
+            (name, Layer { interface, medium }, below)
+        }
+        5 => {
+            let below = index(dice);
+            let medium = Medium::new(constant(below)).with_transmittance(dice.spectrum(0.6, 1.0));
+            let interface = face(dice, above, below);
+            (format!("{} {below}", name_of(&interface)), Layer { interface, medium }, below)
+        }
+        _ => {
+            let below = if above == 1.5 { 1.0 } else { 1.5 };
+            let alpha = dice.log_between(0.05, 0.6);
+            let interface = Interface::Rough(Rough::new(alpha, above, below));
+            let medium = Medium::new(constant(below));
+            (format!("rough {alpha:.2} {below}"), Layer { interface, medium }, below)
+        }
+    }
+}
+
+fn slab(dice: &mut Dice, index: f64) -> (String, Medium) {
+    let optical_thickness = dice.log_between(0.01, 20.0);
+    let anisotropy = [0.0, -0.3, dice.between(0.3, 0.8), dice.between(0.8, 0.95)][dice.below(4)];
+    let albedo = if dice.one_in(2) { constant(1.0) } else { dice.spectrum(0.5, 1.0) };
+    let name = format!("slab n {index} tau {optical_thickness:.2} g {anisotropy:.2}");
+    let scattering = Scattering { optical_thickness, anisotropy, albedo };
+    (name, Medium::new(constant(index)).with_scattering(scattering))
+}
+
+fn face(dice: &mut Dice, above: f64, below: f64) -> Interface {
+    match dice.below(3) {
+        0 => Interface::Coated,
+        1 => coating(dice, above, below).unwrap_or(Interface::Fresnel),
+        _ if above == below => Interface::Open,
+        _ => Interface::Fresnel,
+    }
+}
+
+/// One or two films, the second perhaps a thin metal.
+fn coating(dice: &mut Dice, above: f64, below: f64) -> Option<Interface> {
+    let film = |index: Complex64, nm: f64| SpectralLayer {
+        index: vec![index; WAVELENGTHS_NM.len()],
+        thickness: Thickness::Fixed(nm),
+    };
+    let mut layers = vec![film(1.38.into(), dice.between(5.0, 200.0))];
+    if dice.one_in(2) {
+        layers.push(film(Complex64::new(3.0, 3.3), dice.between(2.0, 8.0)));
+    }
+    let coating = Coating::new(&WAVELENGTHS_NM, &constant(above), &layers, &constant(below)).ok()?;
+    Some(Interface::Coating(coating))
+}
+
+fn name_of(interface: &Interface) -> &'static str {
+    match interface {
+        Interface::Coated => "coated",
+        Interface::Coating(_) => "films",
+        Interface::Open => "open",
+        _ => "Fresnel",
+    }
+}

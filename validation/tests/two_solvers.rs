@@ -1,0 +1,208 @@
+//! The two solvers against each other: a family of random displays, every kind of layer,
+//! light and view. Each number that the walk estimates is compared with adding's, and all
+//! z-scores together must scatter as Student's t does.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test says what it expects by unwrapping")]
+
+use papilio_display::result::{State, StateValues, View};
+use papilio_sampling::{Numbers, Sampler};
+use papilio_transport::Estimate;
+use papilio_transport::adding::Kernel;
+use papilio_transport::walk::Walk;
+use papilio_validation::random_stacks::{Member, STATES, WAVELENGTHS_NM, member};
+use papilio_validation::{run, scenario};
+use rayon::prelude::*;
+
+const REPLICATES: u64 = 32;
+
+/// Every number of an estimate that both solvers claim, `unaccounted` apart.
+fn numbers(estimate: &Estimate) -> Vec<f64> {
+    let bins = WAVELENGTHS_NM.len();
+    let mut all = Vec::new();
+    for rho in &estimate.rho {
+        all.extend((0..STATES * bins).map(|k| rho.base[k] + rho.front[k % bins]));
+    }
+    let ledger = &estimate.ledger;
+    for part in
+        [&ledger.returned, &ledger.front, &ledger.diffuser, &ledger.glass, &ledger.pixel, &ledger.inactive]
+    {
+        all.extend(part);
+    }
+    all
+}
+
+/// What both solvers say of one number.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    walk: f64,
+    standard_error: f64,
+    adding: f64,
+    discretisation_error: f64,
+}
+
+impl Pair {
+    fn z(self) -> f64 {
+        // Closed forms in both solvers: what rounding may do.
+        let rounding = 1e-9 * self.adding.abs().max(1e-3);
+        let error = self.standard_error.hypot(self.discretisation_error).hypot(rounding);
+        (self.walk - self.adding) / error
+    }
+}
+
+/// Mean and standard error of each number over the walk's replicates.
+fn walk(member: &Member, paths: u64) -> Vec<(f64, f64)> {
+    let walk = Walk::new(&member.stack, member.view, &member.sources);
+    let replicates: Vec<Vec<f64>> = (0..REPLICATES)
+        .map(|stream| {
+            let mut replicate = walk.replicate();
+            walk.trace(&mut replicate, &Numbers::new(Sampler::Random, 0, stream), paths);
+            numbers(&walk.estimate(&replicate))
+        })
+        .collect();
+    let n = REPLICATES as f64;
+    (0..replicates[0].len())
+        .map(|k| {
+            let mean = replicates.iter().map(|r| r[k]).sum::<f64>() / n;
+            let squares: f64 = replicates.iter().map(|r| (r[k] - mean).powi(2)).sum();
+            (mean, (squares / (n - 1.0) / n).sqrt())
+        })
+        .collect()
+}
+
+/// The finest level that is tried: some narrow rough faces take minutes beyond it. What error
+/// is left then is part of the z-scores.
+const FINEST: u32 = 2;
+
+/// Each number and its discretisation error, refined until the latter is small against
+/// the walk's standard errors.
+fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut before: Option<Vec<f64>> = None;
+    let mut found = Vec::new();
+    for level in 0..=FINEST {
+        let mut kernel = Kernel::new(level);
+        kernel.prepare(&member.stack, &[member.view], &member.sources);
+        let now = numbers(&kernel.estimate(&member.stack, 0));
+        if let Some(before) = before {
+            found = now.iter().zip(&before).map(|(now, before)| (*now, (now - before).abs())).collect();
+            let good =
+                |((_, error), (_, standard)): (&(f64, f64), &(f64, f64))| *error <= 0.2 * standard + 1e-9;
+            if found.iter().zip(walk).all(good) {
+                break;
+            }
+        }
+        before = Some(now);
+    }
+    found
+}
+
+fn compare(member: &Member, paths: u64) -> Vec<Pair> {
+    let walk = walk(member, paths);
+    let adding = adding(member, &walk);
+    walk.into_iter()
+        .zip(adding)
+        .map(|((walk, standard_error), (adding, discretisation_error))| Pair {
+            walk,
+            standard_error,
+            adding,
+            discretisation_error,
+        })
+        .collect()
+}
+
+/// How many members: 200, or as `PAPILIO_STACKS` says.
+fn count() -> u64 {
+    std::env::var("PAPILIO_STACKS").map_or(200, |more| more.parse().unwrap())
+}
+
+/// What one member adds to the statistics.
+struct Scores {
+    /// One number of each source and one of the ledger, drawn by the member's number.
+    drawn: Vec<f64>,
+    /// The largest deviation of all, and what it is of.
+    worst: (f64, String),
+}
+
+fn scores(number: u64) -> Scores {
+    let member = member(number);
+    let pairs = compare(&member, 512);
+    let each = STATES * WAVELENGTHS_NM.len();
+    let ledger = member.sources.len() * each;
+    let chosen = (0..member.sources.len()).map(|source| source * each + number as usize % each);
+    let chosen = chosen.chain([ledger + number as usize % (pairs.len() - ledger)]);
+    let drawn = chosen.map(|k| pairs[k].z()).collect();
+    let (k, pair) = pairs.iter().enumerate().max_by(|a, b| a.1.z().abs().total_cmp(&b.1.z().abs())).unwrap();
+    Scores { drawn, worst: (pair.z(), format!("{number} ({}) [{k}] {pair:?}", member.name)) }
+}
+
+/// All numbers of a member share their paths and are far from independent, so the
+/// distribution is tested on a few of each; the largest deviation is looked for among all.
+///
+/// Mean and mean square are tested at 4.5 sigma. The largest deviation: 36 numbers each of 200
+/// members, of Student's t with 31 degrees of freedom; 6.5 happens to one of 5 million.
+#[test]
+fn random_stacks_scatter_as_they_should() {
+    let all: Vec<Scores> = (0..count()).into_par_iter().map(scores).collect();
+    let drawn: Vec<f64> = all.iter().flat_map(|scores| scores.drawn.iter().copied()).collect();
+    let mut worst: Vec<&(f64, String)> = all.iter().map(|scores| &scores.worst).collect();
+    worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    for (z, what) in worst.iter().take(10) {
+        println!("z {z:.2}: {what}");
+    }
+    let n = drawn.len() as f64;
+    let mean = drawn.iter().sum::<f64>() / n;
+    let square = drawn.iter().map(|z| z * z).sum::<f64>() / n;
+    let student = 31.0 / 29.0;
+    println!("{n} z-scores: mean {mean:.3}, mean square {square:.3}; Student's t: 0, {student:.3}");
+    assert!(mean.abs() < 4.5 * (student / n).sqrt(), "mean z {mean}");
+    assert!((square - student).abs() < 4.5 * (2.55 / n).sqrt(), "mean square of z {square}");
+    assert!(worst[0].0.abs() < 6.5, "{worst:?}");
+}
+
+/// Values of a view with their errors, in a fixed order.
+fn of_view(view: &View, of_solver: impl Fn(&State) -> &StateValues) -> Vec<(String, f64, f64)> {
+    let mut all = Vec::new();
+    for (name, state) in view.states.iter() {
+        let (value, error) = (&state.value, of_solver(state));
+        all.push((format!("{name} Y"), value.Y, error.Y));
+        all.push((format!("{name} X"), value.X, error.X));
+        all.push((format!("{name} Z"), value.Z, error.Z));
+        all.push((format!("{name} diffuse"), value.terms.diffuse, error.terms.diffuse));
+        for bin in (0..value.radiance.len()).step_by(16) {
+            all.push((format!("{name} radiance {bin}"), value.radiance[bin], error.radiance[bin]));
+        }
+    }
+    all
+}
+
+/// Every scenario of the repository through both solvers, at every view: colours, spectra and parts.
+/// About 3000 numbers: 6.5 of Student's 31 degrees of freedom happens to one of 5 million.
+#[test]
+fn every_scenario_agrees() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let mut names: Vec<String> = folder
+        .read_dir()
+        .unwrap()
+        .flatten()
+        .filter(|entry| entry.path().extension().is_some_and(|extension| extension == "toml"))
+        .map(|entry| entry.path().file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert!(names.len() >= 13, "{names:?}");
+    for name in names {
+        let by = |overrides: &[&str]| run(&scenario(&name, overrides).unwrap().scene).unwrap();
+        // A coarse grid: what is compared is transport, wavelength by wavelength.
+        let adding = by(&["solver.method=adding", "spectrum.step_nm=20"]);
+        let walk = by(&["solver.method=walk", "solver.paths=65536", "spectrum.step_nm=20"]);
+        for (exact, noisy) in adding.views.iter().zip(&walk.views) {
+            let exact = of_view(exact, |state| state.discretisation_error.as_ref().unwrap());
+            let noisy = of_view(noisy, |state| &state.standard_error);
+            for ((what, exact, discretisation), (_, noisy, standard)) in exact.into_iter().zip(noisy) {
+                let error = standard.hypot(discretisation) + 1e-7 * exact.abs() + 1e-12;
+                let z = (noisy - exact) / error;
+                assert!(
+                    z.abs() < 6.5,
+                    "{name}: {what}: walk {noisy} +- {standard}, adding {exact} +- {discretisation}"
+                );
+            }
+        }
+    }
+}
