@@ -42,6 +42,17 @@ pub enum DisplayError {
     /// A number overflowed: something in the scene is far outside of what displays are made of.
     #[error("a result is not a finite number: something in the scenario is far too small or far too large")]
     NotFinite,
+    /// Something scatters into an angle too narrow for adding to resolve between other layers.
+    #[error(
+        "a lobe, a phase function or a rough face is too narrow for adding among these layers: it would take \
+         {nodes} directions, more than {most} are a matter of hours; the walk takes it (method = \"walk\")"
+    )]
+    TooNarrow {
+        /// Radial nodes that two levels need.
+        nodes: usize,
+        /// The most that are tried.
+        most: usize,
+    },
     /// A number of paths says nothing to a solver without paths.
     #[error("adding traces no paths: it needs a relative error to stop at")]
     NoPaths,

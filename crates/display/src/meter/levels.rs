@@ -1,7 +1,11 @@
 //! Errors of adding: the difference between two levels of discretisation.
 //!
 //! The finer level's numbers are reported. Each level gains much on the one before, so the
-//! difference is nearly the coarser one's error, and bounds the finer one's from above.
+//! difference is nearly the coarser one's error, and bounds the finer one's from above (where
+//! levels gain little, it is multiplied: [`error_over_difference`]). One number may have hardly
+//! changed by chance: none is claimed to be better, relatively, than the worst Y of its view.
+
+use papilio_transport::adding::error_over_difference;
 
 use super::Meter;
 use super::metrics::ViewScalars;
@@ -27,7 +31,7 @@ impl Meter<'_> {
                 worst = bins.fold(worst, largest);
             }
         }
-        worst
+        worst * error_over_difference(&self.setup.stack)
     }
 
     /// A view's result from two levels; `specular` has shape `[state][light]`.
@@ -39,9 +43,12 @@ impl Meter<'_> {
         specular: &[Vec<f64>],
     ) -> View {
         let scalars = self.scalars(finer);
+        let times = error_over_difference(&self.setup.stack);
+        let least = Some(self.difference(finer, coarser, false)).filter(|least| least.is_finite());
+        let error = |a: f64, b: f64| (times * (a - b).abs()).max(least.unwrap_or(0.0) * a.abs());
         let discretisation = Numbers {
-            linear: finer.difference(coarser),
-            scalars: ViewScalars::difference(&scalars, &self.scalars(coarser)),
+            linear: finer.combine(coarser, error),
+            scalars: ViewScalars::combine(&scalars, &self.scalars(coarser), error),
         };
         let noise = Numbers { linear: Sample::zeros(finer), scalars: scalars.zeros() };
         let value = Numbers { linear: finer.clone(), scalars };

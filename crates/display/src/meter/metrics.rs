@@ -117,11 +117,11 @@ impl Scalars {
 }
 
 impl ViewScalars {
-    /// How far each number is from the other's; `None` where one of the two is missing.
-    pub(crate) fn difference(one: &Self, other: &Self) -> Self {
+    /// Each number with the other's; `None` where one of the two is missing.
+    pub(crate) fn combine(one: &Self, other: &Self, with: impl Fn(f64, f64) -> f64) -> Self {
         let both = [one.clone(), other.clone()];
         Self::reduce(&both, &|values| match [values.next(), values.next()] {
-            [Some(Some(a)), Some(Some(b))] => Some((a - b).abs()),
+            [Some(Some(a)), Some(Some(b))] => Some(with(a, b)),
             _ => None,
         })
     }

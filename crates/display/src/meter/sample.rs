@@ -29,9 +29,9 @@ impl Sample {
         Self((0..samples[0].0.len()).map(|k| spread(samples.iter().map(|s| s.0[k])).1).collect())
     }
 
-    /// How far each entry is from the other's.
-    pub(crate) fn difference(&self, other: &Self) -> Self {
-        Self(self.0.iter().zip(&other.0).map(|(a, b)| (a - b).abs()).collect())
+    /// Each entry with the other's.
+    pub(crate) fn combine(&self, other: &Self, with: impl Fn(f64, f64) -> f64) -> Self {
+        Self(self.0.iter().zip(&other.0).map(|(a, b)| with(*a, *b)).collect())
     }
 
     /// As many zeros.

@@ -11,7 +11,7 @@ use papilio_transport::adding::Kernel;
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, largest, refine};
+use super::refine::{Refined, finest, largest, refine};
 use super::{Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
@@ -61,7 +61,8 @@ pub(super) fn run(
         return Err(DisplayError::NoPaths);
     };
     let views = &run.setup.views;
-    let runner = Runner { run, target, every_bin, views_done: AtomicUsize::new(0) };
+    let finest = finest(&run.setup.stack)?;
+    let runner = Runner { run, target, finest, every_bin, views_done: AtomicUsize::new(0) };
     let groups: Vec<Option<Group>> = match run.setup.stack {
         Stack::Panel(_) => {
             kernels.resize_with(views.len(), Vec::new);
@@ -79,6 +80,7 @@ pub(super) fn run(
 struct Runner<'a> {
     run: &'a Run<'a>,
     target: f64,
+    finest: usize,
     every_bin: bool,
     views_done: AtomicUsize,
 }
@@ -96,6 +98,7 @@ impl Runner<'_> {
         let at = |level| self.at_level(level, levels, views, pool);
         let samples = refine(
             self.target,
+            self.finest,
             at,
             |a, b| self.difference(a, b),
             |error, done| {

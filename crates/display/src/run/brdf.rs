@@ -8,12 +8,12 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_optics::Beta;
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Estimate, Rho, Source, Stack, specular_image};
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
-use super::refine::{Refined, largest, refine};
+use super::refine::{Refined, finest, largest, refine};
 use super::{Control, Progress, Workers, each};
 use crate::DisplayError;
 use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
@@ -34,7 +34,8 @@ pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<Brdf
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let beam = |theta: &f64| Source::Beam(Beta::from_source(*theta, 0.0, 1.0));
     let beams = grid.theta_i_deg.iter().map(beam).collect();
-    let survey = Survey { setup: &setup, control, grid: &grid, beams };
+    let finest = finest(&setup.stack)?;
+    let survey = Survey { setup: &setup, control, grid: &grid, beams, finest };
     let table = survey.run(pool).ok_or(DisplayError::Interrupted)?;
     let finite = |state: &BrdfState| {
         state.brdf.iter().all(|value| value.is_finite())
@@ -49,6 +50,8 @@ struct Survey<'a> {
     grid: &'a BrdfGrid,
     /// One for each inclination of the light, from azimuth 0.
     beams: Vec<Source>,
+    /// The finest level that the layers can be taken to.
+    finest: usize,
 }
 
 /// Y of each state, under each source and from each view.
@@ -110,10 +113,11 @@ impl Survey<'_> {
                     .collect(),
             )
         };
+        let bound = error_over_difference(&self.setup.stack);
         let difference = |finer: &Luminous, coarser: &Luminous| {
-            finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
+            bound * finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
         };
-        refine(target, at, difference, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, difference, |error, _| self.tell(error, target, 0))
     }
 
     fn tell(&self, relative_error: f64, target: f64, done: usize) {

@@ -7,11 +7,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_colour::Xyz;
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, largest, refine};
+use super::refine::{Refined, finest, largest, refine};
 use super::{Control, Progress, Run, Workers, each};
 use crate::DisplayError;
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
@@ -41,7 +41,9 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let run = Run { scene: &everywhere, control, setup: &setup, meter: &meter };
-    let survey = Survey { run, alike: alike(&grid.phi_deg, &scene.lighting.directed), grid, normal };
+    let finest = finest(&setup.stack)?;
+    let alike = alike(&grid.phi_deg, &scene.lighting.directed);
+    let survey = Survey { run, alike, grid, normal, finest };
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
@@ -51,6 +53,8 @@ struct Survey<'a> {
     /// For each azimuth the first one that looks the same.
     alike: Vec<usize>,
     normal: ViewPoint,
+    /// The finest level that the layers can be taken to.
+    finest: usize,
 }
 
 /// Colours of each direction and state.
@@ -110,11 +114,12 @@ impl Survey<'_> {
             kernel.prepare(&setup.stack, &fields, &setup.sources);
             Some((0..fields.len()).map(|view| self.colours(kernel, view)).collect())
         };
+        let bound = error_over_difference(&setup.stack);
         let difference = |finer: &Colours, coarser: &Colours| {
             let pairs = finer.iter().flatten().zip(coarser.iter().flatten());
-            pairs.map(|(a, b)| relative((a.y, (a.y - b.y).abs()))).fold(0.0, largest)
+            bound * pairs.map(|(a, b)| relative((a.y, (a.y - b.y).abs()))).fold(0.0, largest)
         };
-        refine(target, at, difference, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, difference, |error, _| self.tell(error, target, 0))
     }
 
     fn colours(&self, kernel: &Kernel, view: usize) -> Vec<Xyz> {

@@ -1,6 +1,21 @@
 //! Finer and finer levels of discretisation, until two successive ones agree.
 
-use papilio_transport::adding::FINEST;
+use papilio_transport::Stack;
+use papilio_transport::adding::{FINEST, MOST_NODES, nodes_needed};
+
+use crate::DisplayError;
+
+/// The finest level that the layers can be taken to.
+///
+/// # Errors
+/// If not even two levels are within what can be computed.
+pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
+    let fits = |level: &u32| nodes_needed(stack, *level) <= MOST_NODES;
+    match (0..=FINEST).take_while(fits).last() {
+        Some(level) if level > 0 => Ok(level as usize),
+        _ => Err(DisplayError::TooNarrow { nodes: nodes_needed(stack, 1), most: MOST_NODES }),
+    }
+}
 
 /// What two successive levels gave.
 pub(crate) struct Refined<T> {
@@ -14,11 +29,12 @@ pub(crate) struct Refined<T> {
     pub(crate) finished: bool,
 }
 
-/// Levels from 0 on until the difference of two is at most the target, or to the finest; `None` if
-/// it was stopped before there were two. `at` computes a level, `None` if it was stopped;
+/// Levels from 0 on until the difference of two is at most the target, or to the finest (1 or more);
+/// `None` if it was stopped before there were two. `at` computes a level, `None` if it was stopped;
 /// `tell` hears each difference, and whether it was the last.
 pub(crate) fn refine<T>(
     target: f64,
+    finest: usize,
     mut at: impl FnMut(usize) -> Option<T>,
     difference: impl Fn(&T, &T) -> f64,
     tell: impl Fn(f64, bool),
@@ -29,7 +45,7 @@ pub(crate) fn refine<T>(
         refined.error = difference(&refined.finer, &refined.coarser);
         // An error that is not a number will not become one.
         let enough = refined.error <= target || refined.error.is_nan();
-        refined.finished = enough || refined.level == FINEST as usize;
+        refined.finished = enough || refined.level >= finest;
         tell(refined.error, refined.finished);
         if refined.finished {
             return Some(refined);
@@ -51,7 +67,7 @@ mod tests {
 
     fn by_tenths(target: f64, stop_at: usize) -> Option<Refined<f64>> {
         let at = |level: usize| (level < stop_at).then(|| 0.1_f64.powi(level as i32));
-        refine(target, at, |finer, coarser| (finer - coarser).abs(), |_, _| {})
+        refine(target, 6, at, |finer, coarser| (finer - coarser).abs(), |_, _| {})
     }
 
     #[test]
@@ -64,7 +80,7 @@ mod tests {
     #[test]
     fn the_finest_is_the_last() {
         let refined = by_tenths(0.0, 99).unwrap();
-        assert_eq!((refined.level, refined.finished), (FINEST as usize, true));
+        assert_eq!((refined.level, refined.finished), (6, true));
     }
 
     #[test]
@@ -76,7 +92,7 @@ mod tests {
 
     #[test]
     fn what_is_not_a_number_ends_it() {
-        let refined = refine(0.1, |_| Some(f64::NAN), |a, b| a - b, |_, _| {}).unwrap();
+        let refined = refine(0.1, 6, |_| Some(f64::NAN), |a, b| a - b, |_, _| {}).unwrap();
         assert!(refined.error.is_nan() && refined.finished && refined.level == 1);
         assert!(
             largest(f64::NAN, 1.0).is_nan() && largest(1.0, f64::NAN).is_nan() && largest(1.0, 2.0) == 2.0

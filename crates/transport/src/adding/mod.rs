@@ -12,7 +12,7 @@ mod layered;
 mod panel;
 mod quadrature;
 
-use crate::{Cone, Estimate, Source, Stack};
+use crate::{Cone, Estimate, Interface, Layer, Source, Stack};
 
 /// The finest level.
 pub const FINEST: u32 = 6;
@@ -28,6 +28,18 @@ pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
     match stack {
         Stack::Panel(_) => 0,
         Stack::Layered(layered) => layered::nodes_needed(layered, level),
+    }
+}
+
+/// By how much the difference between two levels must be multiplied to bound the error of the
+/// finer one: a rough face's refracted light ends abruptly in direction, and its levels gain as
+/// little as a factor of 1.3 (the sum of the differences to come is then up to 4 times the last);
+/// all others gain 2 or far more.
+pub fn error_over_difference(stack: &Stack) -> f64 {
+    let rough = |layer: &Layer| matches!(layer.interface, Interface::Rough(_));
+    match stack {
+        Stack::Layered(layered) if layered.layers.iter().any(rough) => 4.0,
+        _ => 1.0,
     }
 }
 
