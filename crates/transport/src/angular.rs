@@ -37,6 +37,22 @@ impl Nodes {
         }
     }
 
+    /// `|beta|` between which the table is smooth and changes no faster than a few points of a
+    /// Gauss rule follow: every kink of a linear table, every [`SMOOTH_STEPS`] of a finer one.
+    pub(crate) fn breaks(&self, index: f64) -> Vec<f64> {
+        let of_cosine = |cosine: f64| index * (1.0 - cosine * cosine).max(0.0).sqrt();
+        match self {
+            Self::Constant => Vec::new(),
+            Self::Cosines(nodes) => {
+                let step = 1.0 / (nodes - 1) as f64;
+                (0..*nodes).step_by(SMOOTH_STEPS).map(|node| of_cosine(node as f64 * step)).collect()
+            }
+            Self::CosinePanels(panels) => panels.halves().map(of_cosine).collect(),
+            Self::AnglesInMedium(angles) => angles.iter().map(|angle| index * angle.sin()).collect(),
+            Self::AnglesInAir(angles) => angles.iter().map(|angle| angle.sin()).collect(),
+        }
+    }
+
     /// The weights that a look-up at `|beta|^2` in a medium of this index gives to the nodes.
     #[inline]
     pub(crate) fn stencil(&self, beta_squared: f64, index: f64) -> Stencil {
@@ -56,6 +72,10 @@ impl Nodes {
         }
     }
 }
+
+/// Where eight-point interpolation is good, singularities are several nodes off: so many steps
+/// between nodes are an interval that they are not close to.
+const SMOOTH_STEPS: usize = CosinePanels::INTERVALS / 2;
 
 /// Interpolation weights for consecutive nodes from `first` on.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -59,6 +59,11 @@ impl CosinePanels {
         })
     }
 
+    /// Where panels begin, and their middles.
+    pub(crate) fn halves(&self) -> impl Iterator<Item = f64> {
+        self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])
+    }
+
     /// Eight-point interpolation within the panel of this cosine.
     #[inline]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {

@@ -5,7 +5,8 @@
 //! `D(v, beta) R(beta) D(beta, l)` over the glass's disc. `R` is linear in the table's values:
 //! the pass is a set of weights on its nodes. Around azimuth lobes are summed by a rule that
 //! converges exponentially (one lobe: in closed form); over the radius by panels graded around the
-//! lobes' centres, the rim of the air's disc and the table's kinks.
+//! lobes' centres and the rim of the air's disc, none of them wider than the table's (a film's
+//! resonance may be sharper than any lobe).
 
 use papilio_optics::lobe::Lobe;
 
@@ -71,19 +72,14 @@ impl Pass<'_> {
         if rim {
             lobes::poles(self.diffuser.lobe, 1.0, &mut sharp);
         }
-        let mut breaks = vec![];
+        let mut breaks = self.table.breaks(self.index);
         if self.diffuser.lobe == Lobe::Lambertian || (rim && self.straight() > 0.0) {
             breaks.push(1.0);
         }
-        match self.table {
-            Nodes::Constant | Nodes::Cosines(_) | Nodes::CosinePanels(_) => {}
-            Nodes::AnglesInMedium(angles) => breaks.extend(angles.iter().map(|a| self.index * a.sin())),
-            Nodes::AnglesInAir(angles) => {
-                breaks.extend(angles.iter().map(|a| a.sin()));
-                // The angle in air has a square root on the rim.
-                sharp.push(Pole { at: 1.0, off: 0.0 });
-                breaks.push(1.0);
-            }
+        if matches!(self.table, Nodes::AnglesInAir(_)) {
+            // The angle in air has a square root on the rim.
+            sharp.push(Pole { at: 1.0, off: 0.0 });
+            breaks.push(1.0);
         }
         radial(self.index, &breaks, &sharp, digits)
     }
