@@ -30,6 +30,7 @@ impl Problem {
             Self::SlabIndex { .. } => {
                 "expected one real index for all wavelengths: slabs have no other".to_owned()
             }
+            Self::TooThickToWalk { limit, .. } => format!("expected at most {limit} with method = \"walk\""),
             Self::NoFace => "expected two media of different index".to_owned(),
             Self::DispersiveFace { .. } => "expected the same index at all wavelengths".to_owned(),
             Self::NoFilm { .. } => "expected n and k up to 1000, and |n + ik| of .001 or more".to_owned(),
@@ -113,6 +114,9 @@ impl Problem {
             }
             Self::SlabIndex { .. } => {
                 "give the index at 550 nm, as a number; what the slab absorbs is 1 - `albedo`".to_owned()
+            }
+            Self::TooThickToWalk { .. } => {
+                "use method = \"adding\", which takes thick slabs in its stride".to_owned()
             }
             Self::NoGlass { n, k, largest_k, .. }
                 if (1.0..=10.0).contains(n) && *k > *largest_k && *k <= ABSORBING_K =>

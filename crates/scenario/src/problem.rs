@@ -183,6 +183,14 @@ pub enum Problem {
         /// Largest k.
         k: f64,
     },
+    /// A slab in which a walk takes for ever.
+    #[error("a walk through an optical thickness of {optical_thickness} takes hours")]
+    TooThickToWalk {
+        /// Its optical thickness.
+        optical_thickness: f64,
+        /// The largest that is walked.
+        limit: f64,
+    },
     /// Shares that should make a whole and do not.
     #[error("{what} sum to {}", tidy(*.sum))]
     Sum {

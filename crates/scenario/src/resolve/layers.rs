@@ -8,10 +8,12 @@ use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::stack::Stack;
-use crate::describe::diffuser::Slab;
+use crate::describe::File;
+use crate::describe::diffuser::{Diffuser, Slab};
 use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
 use crate::describe::layers as describe;
 use crate::describe::numbers;
+use crate::describe::solver::Method;
 use crate::problem::{ABSORBING_K, CLEAR_K, Problem, tidy};
 use crate::read::At;
 use crate::source::Origin;
@@ -20,6 +22,8 @@ use crate::source::Origin;
 const MOST_LAYERS: usize = 64;
 /// Nanometres in a millimetre.
 const NM_PER_MM: f64 = 1e6;
+/// A path takes the more turns the thicker a slab is; beyond this optical thickness a walk takes hours.
+const THICKEST_WALK: f64 = 200.0;
 
 /// An entry of the list.
 enum Part {
@@ -147,6 +151,29 @@ impl Resolver<'_> {
             transmittance: Spectrum::constant(&self.grid, 1.0),
             scattering: Some(Scattering { optical_thickness, anisotropy, albedo }),
         })
+    }
+
+    /// No walk through a slab that it does not get out of in time.
+    pub(super) fn check_walk(&mut self, file: &File) {
+        if file.solver.method.value != Method::Walk {
+            return;
+        }
+        let diffuser = match &file.display.diffuser.value {
+            Some(Diffuser::Slab(slab)) => Some(slab),
+            _ => None,
+        };
+        let layers = file.display.layers.iter().flatten().filter_map(|layer| match &layer.value {
+            describe::Layer::Slab(slab) => Some(slab),
+            _ => None,
+        });
+        for slab in diffuser.into_iter().chain(layers) {
+            let optical_thickness = slab.optical_thickness.0;
+            if optical_thickness > THICKEST_WALK {
+                let at = slab.optical_thickness.origin.or_set([file.solver.method.origin]);
+                let problem = Problem::TooThickToWalk { optical_thickness, limit: THICKEST_WALK };
+                self.errors.push(at, problem);
+            }
+        }
     }
 
     fn coating(&mut self, path: &str, coating: &describe::Coating) -> Option<Vec<FilmLayer>> {

@@ -118,6 +118,7 @@ impl Resolver<'_> {
         let display = self.display(file);
         let lighting = self.lighting(&file.lighting);
         let viewer = self.viewer(&file.viewer);
+        self.check_walk(file);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
         let scene = Scene { grid: self.grid, display, lighting, viewer, solver };
         self.check_panel(file, &scene);

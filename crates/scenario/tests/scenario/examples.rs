@@ -53,7 +53,7 @@ fn the_flagship_is_the_reference_display() {
     assert_eq!(film.sub_pixels.iter().map(|sub_pixel| sub_pixel.area).sum::<f64>(), 1.0);
     assert_eq!((scene.lighting.diffuse, scene.lighting.directed[0].theta_deg), (0.5, -20.0));
     assert_eq!(scene.viewer.theta_deg, [8.0]);
-    assert_eq!(scene.solver.method, Method::Walk);
+    assert_eq!(scene.solver.method, Method::Adding);
     assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, every_bin: false });
 }
 

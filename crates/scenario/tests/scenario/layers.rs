@@ -287,6 +287,35 @@ const WRONG: &[Case] = &[
     ),
 ];
 
+/// Adding takes a slab of any thickness, a walk one of 200; said at the thickness, or where a `--set` spoils it.
+#[test]
+fn a_walk_does_not_go_through_a_thick_slab() {
+    let thick = changed_in(LAYERED, &[("optical_thickness = 2", "optical_thickness = 1000")]);
+    let walked = format!("{thick}[solver]\nmethod = \"walk\"\n");
+    let behind = changed(&[(
+        "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9",
+        "model = \"slab\"\noptical_thickness = 1000\nanisotropy = 0",
+    )]);
+    let walk = "solver.method=walk";
+    let cases = [
+        (&walked, None, "test.toml", Some((10, 40))),
+        (&thick, Some(walk), "--set #1", None),
+        (&behind, Some(walk), "--set #1", None),
+    ];
+    for (text, set, name, place) in cases {
+        let errors = resolve(text, Path::new(""), set.as_slice()).unwrap_err();
+        let [error] = errors.iter().collect::<Vec<_>>()[..] else { panic!("{errors}") };
+        assert_eq!(error.problem, Problem::TooThickToWalk { optical_thickness: 1000.0, limit: 200.0 });
+        assert_eq!(error.place.name, name);
+        assert!(place.is_none() || error.place.line_column() == place, "{errors}");
+        assert!(errors.to_string().contains("use method = \"adding\""), "{errors}");
+    }
+    for text in [&thick, &behind] {
+        assert!(resolve(text, Path::new(""), &["solver.method=adding"]).is_ok());
+    }
+    assert!(resolve(LAYERED, Path::new(""), &[walk, "display.layers.7.optical_thickness=200"]).is_ok());
+}
+
 #[test]
 fn every_mistake_is_shown_where_it_is() {
     let mut wrong = Vec::new();
