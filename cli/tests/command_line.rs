@@ -58,7 +58,7 @@ fn a_run_writes_its_results_and_a_table() {
         serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
     let white = &result["views"][0]["states"]["white"];
     let y = white["Y"].as_f64().unwrap();
-    assert!(white["standard_error"]["Y"].as_f64().unwrap() < 0.001 * y);
+    assert!(white["discretisation_error"]["Y"].as_f64().unwrap() < 0.001 * y);
     assert_eq!(result["wavelength_nm"].as_array().unwrap().len(), 81);
     assert_eq!(result["seed"], 0);
     assert_eq!(result["hash"].as_str().unwrap().len(), 64);
@@ -110,7 +110,7 @@ fn json_prints_json_and_nothing_else_and_writes_nothing() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bytes_and_a_seed_does_not() {
-    let json = |more: &[&str]| run("indoor", &[&["--json"], more].concat()).stdout;
+    let json = |more: &[&str]| run("indoor", &[&["--json", "--solver", "walk"], more].concat()).stdout;
     let one = json(&["--threads", "1"]);
     assert!(!one.is_empty());
     assert_eq!(one, json(&["--threads", "4"]));
@@ -260,14 +260,14 @@ fn a_folder_that_cannot_be_made_is_the_users_mistake() {
     assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
 }
 
-/// The result and the messages of a long run of the indoor scenario that gets Ctrl-C.
+/// The result and the messages of a long walk of the indoor scenario that gets Ctrl-C.
 #[cfg(unix)]
 fn interrupted(set: &str) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().unwrap();
     let child = papilio()
         .arg("run")
         .arg(scenario("indoor"))
-        .args(["--set", set, "--out"])
+        .args(["--solver", "walk", "--set", set, "--out"])
         .arg(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -9,14 +9,14 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use papilio_display::scene::{Scene, Stop};
-use papilio_validation::{run_on, scenario};
+use papilio_validation::{run_on, walked};
 
 fn main() {
     divan::main();
 }
 
 fn scene(name: &str, stop: Stop) -> Scene {
-    let mut scene = scenario(name, &[]).unwrap().scene;
+    let mut scene = walked(name, &[]).unwrap().scene;
     scene.solver.stop = stop;
     scene
 }
@@ -38,5 +38,5 @@ fn to_0_1_percent<const EVERY_BIN: bool>(bencher: Bencher<'_, '_>, name: &str) {
 
 #[divan::bench(args = ["indoor", "reference-pixel", "table-pixel"])]
 fn resolve(bencher: Bencher<'_, '_>, name: &str) {
-    bencher.bench(|| scenario(name, &[]).unwrap());
+    bencher.bench(|| walked(name, &[]).unwrap());
 }

@@ -24,6 +24,14 @@ pub fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErro
     Scenario::load(&file, &overrides)?.resolve()
 }
 
+/// An example scenario by the walk, with overrides `PATH=VALUE`.
+///
+/// # Errors
+/// As the scenario's own.
+pub fn walked(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
+    scenario(name, &[&["solver.method=walk"], overrides].concat())
+}
+
 /// Runs a scene on this many threads, without a word.
 ///
 /// # Errors

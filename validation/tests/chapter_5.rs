@@ -3,15 +3,15 @@
 
 use papilio_display::result::RunResult;
 use papilio_display::scene::Layers;
-use papilio_validation::{run, scenario, state};
+use papilio_validation::{run, state, walked};
 
 fn overcast(overrides: &[&str]) -> RunResult {
-    run(&scenario("overcast", overrides).unwrap().scene).unwrap()
+    run(&walked("overcast", overrides).unwrap().scene).unwrap()
 }
 
 /// The same panel, bare: no diffuser, no front of screen.
 fn bare(overrides: &[&str]) -> RunResult {
-    let scenario = scenario("overcast", overrides).unwrap();
+    let scenario = walked("overcast", overrides).unwrap();
     let mut scene = scenario.scene;
     let Layers::Panel(panel) = &mut scene.display.layers else { panic!("an ordinary panel") };
     panel.diffuser = None;
@@ -74,7 +74,7 @@ fn gamut_falls_with_the_viewing_angle() {
     let falls = |at: &dyn Fn(&[&str]) -> RunResult| {
         gamut(&at(&["viewer.theta_deg=8"])) / gamut(&at(&["viewer.theta_deg=20"]))
     };
-    let in_glass = |overrides: &[&str]| run(&scenario("reference-pixel", overrides).unwrap().scene).unwrap();
+    let in_glass = |overrides: &[&str]| run(&walked("reference-pixel", overrides).unwrap().scene).unwrap();
     let (diffused, bare_in_air, bare_in_glass) = (falls(&overcast), falls(&bare), falls(&in_glass));
     assert!(bare_in_air > 1.0 && diffused > bare_in_air, "{diffused} {bare_in_air}");
     assert!(bare_in_glass > diffused, "{bare_in_glass} {diffused}");
@@ -83,7 +83,7 @@ fn gamut_falls_with_the_viewing_angle() {
 /// Each part of Y by light is there, and they sum to Y (eq. 3-1).
 #[test]
 fn parts_of_y_sum_to_y() {
-    let result = run(&scenario("indoor", &[]).unwrap().scene).unwrap();
+    let result = run(&walked("indoor", &[]).unwrap().scene).unwrap();
     for (name, state) in result.views[0].states.iter() {
         let terms = &state.value.terms;
         let sum = terms.diffuse + terms.directed.iter().sum::<f64>() + terms.front_reflection;
@@ -98,7 +98,7 @@ fn parts_of_y_sum_to_y() {
 #[test]
 fn ledgers_close() {
     for name in ["indoor", "overcast", "epaper", "table-pixel", "own-material"] {
-        let result = run(&scenario(name, &[]).unwrap().scene).unwrap();
+        let result = run(&walked(name, &[]).unwrap().scene).unwrap();
         for view in &result.views {
             for (state, ledger) in view.ledger.iter() {
                 let a = &ledger.absorbed;

@@ -1,9 +1,9 @@
-//! Standard errors mean what they say, of derived metrics too: over many seeds, the
+//! Standard errors of the walk mean what they say, of derived metrics too: over many seeds, the
 //! deviations from a long run have the size that the errors claim.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
 
 use papilio_display::result::{RunResult, View};
-use papilio_validation::{run, run_on, scenario};
+use papilio_validation::{run, run_on, walked};
 
 /// Metrics and their standard errors, linear and not.
 fn metrics(view: &View) -> Vec<(&'static str, f64, f64)> {
@@ -35,7 +35,7 @@ fn indoor(sampler: &str, seed: u64, relative_error: f64) -> RunResult {
         format!("solver.relative_error={relative_error}"),
     ];
     let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
-    run(&scenario("indoor", &overrides).unwrap().scene).unwrap()
+    run(&walked("indoor", &overrides).unwrap().scene).unwrap()
 }
 
 /// z-scores are Student's with 31 degrees of freedom: mean 0, mean square 31/29. Tested at
@@ -73,7 +73,7 @@ fn z_scores_of_every_metric() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let scene = scenario("angle-scan", &[]).unwrap().scene;
+    let scene = walked("angle-scan", &[]).unwrap().scene;
     let one = run_on(&scene, Some(1)).unwrap();
     assert_eq!(one, run_on(&scene, Some(3)).unwrap());
     assert_eq!(one, run_on(&scene, None).unwrap());
@@ -83,7 +83,7 @@ fn the_number_of_threads_changes_nothing() {
 fn a_run_stops_where_it_is_told() {
     let result = indoor("random", 3, 0.02);
     assert!(result.solver.relative_error_reached <= 0.02);
-    let every_bin = scenario("overcast", &["solver.every_bin=true"]).unwrap().scene;
+    let every_bin = walked("overcast", &["solver.every_bin=true"]).unwrap().scene;
     let result = run(&every_bin).unwrap();
     for (name, state) in result.views[0].states.iter() {
         let most = state.value.radiance.iter().copied().fold(0.0, f64::max);

@@ -4,7 +4,7 @@
 
 use papilio_display::pixel::scan;
 use papilio_display::scene::{AngleMedium, Lobe, Scene};
-use papilio_validation::{run, scenario, state};
+use papilio_validation::{run, state, walked};
 
 const INDEX: f64 = 1.5;
 const PI: f64 = std::f64::consts::PI;
@@ -80,7 +80,7 @@ fn around(centre: f64, width: f64, g: impl Fn(f64, f64) -> f64) -> f64 {
 #[test]
 fn directed_light() {
     let overrides = ["lighting.diffuse=0.0", "lighting.directed.0.share=1.0"];
-    let scene = scenario("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
+    let scene = walked("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
     let reflectance = WhiteReflectance::new(&scene);
     let ((width, t), (front_t, _)) = (diffuser(&scene), front(&scene));
     let (view, light) = (8.0_f64.to_radians().sin(), 20.0_f64.to_radians().sin());
@@ -111,7 +111,7 @@ fn directed_light() {
 #[test]
 fn diffuse_light() {
     let overrides = ["lighting.diffuse=1.0", "lighting.directed=[]"];
-    let scene = scenario("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
+    let scene = walked("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
     let reflectance = WhiteReflectance::new(&scene);
     let ((width, t), (front_t, front_r)) = (diffuser(&scene), front(&scene));
     let view = 8.0_f64.to_radians().sin();
