@@ -347,6 +347,32 @@ fn wide_lobes_over_a_resonance() {
     }
 }
 
+/// A Lambertian diffuser makes the panel Lambertian: T^2 R_p/(1 - r R_p) of light that scatters,
+/// R_p the pixel's mean over the disc of air; wide lobes converge.
+#[test]
+fn recycled_light_over_a_resonance() {
+    let (wide, anywhere) = (Lobe::KCorrelation { width: 1.0 }, Beta { x: 0.1, y: 0.0 });
+    let mean = over_the_resonance(Lobe::Lambertian, anywhere, anywhere)[1];
+    for (table, base) in resonant_bases() {
+        for (lobe, r) in
+            [Lobe::Lambertian, wide].into_iter().flat_map(|l| [0.005, 0.05, 0.2, 0.5].map(|r| (l, r)))
+        {
+            let top = Top::Diffuser(Diffuser { lobe, transmittance: one(1.0), straight_through: 0.0 });
+            let mut stack = panel(top, base.clone());
+            stack.front = front(&[(r, 0.0)], false);
+            let values =
+                [0, 1, 2, 3].map(|level| rho(&solve(&stack, view(8.0), &[beam(-20.0, 40.0)], level), 0));
+            let exact = (1.0_f64 - r).powi(2) * mean / (1.0 - r * mean);
+            let truth = if lobe == Lobe::Lambertian { exact } else { values[3] };
+            let error = values.map(|value| (value / truth - 1.0).abs());
+            assert!(
+                error[0] < 3e-5 && error[1] < 3e-6 && error[2] < 1e-6,
+                "{table}, {lobe:?}, {r}: {error:?}"
+            );
+        }
+    }
+}
+
 /// Lobes too narrow for the grid of recycled light: bounded work, and the lobe's peak is right.
 #[test]
 fn narrow_lobes_under_a_front() {
@@ -400,7 +426,7 @@ fn reader_and_lamp_may_change_places() {
 #[test]
 fn a_kept_kernel_is_a_new_one() {
     for (name, panel) in family() {
-        let (mut kept, views) = (Kernel::new(1), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
+        let (mut kept, views) = (Kernel::new(0), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
         let mut other = panel.clone();
         other.front = front(&[(0.02, 0.0)], false);
         kept.prepare(&Stack::Panel(panel.clone()), &views[..2], &[beam(50.0, 0.0), Source::Diffuse]);
@@ -408,7 +434,7 @@ fn a_kept_kernel_is_a_new_one() {
         kept.prepare(&Stack::Panel(panel.clone()), &views[1..], &lights()[..2]);
         let stack = Stack::Panel(panel);
         kept.prepare(&stack, &views, &lights());
-        let mut fresh = Kernel::new(1);
+        let mut fresh = Kernel::new(0);
         fresh.prepare(&stack, &views, &lights());
         for view in 0..3 {
             assert_eq!(kept.estimate(&stack, view), fresh.estimate(&stack, view), "{name}");

@@ -371,7 +371,7 @@ impl Kernel {
         };
         let straight = Straight { stack, medium: &medium, share: self.diffuser.straight_through, sent_back };
         let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
-        let reflectances = recycling.map(|r| r.reflectances(&stack.base, &medium, sent_back));
+        let reflectances = recycling.map(|r| r.reflectances(&stack.base, table, &medium, sent_back));
         let of_sources = self.source_columns(&straight);
         let at = &view.at[index];
         let mut all = Sums::zeros(len, sources);

@@ -29,18 +29,18 @@ pub(super) struct Pass<'a> {
 pub(super) struct Weights(pub(super) Vec<f64>);
 
 impl Weights {
-    fn new(nodes: &Nodes) -> Self {
+    pub(super) fn new(nodes: &Nodes) -> Self {
         // A look-up always touches `Stencil::LEN` consecutive slots.
         Self(vec![0.0; nodes.count() + Stencil::LEN])
     }
 
     #[inline]
-    fn add(&mut self, stencil: &Stencil, weight: f64) {
+    pub(super) fn add(&mut self, stencil: &Stencil, weight: f64) {
         let slots = &mut self.0[stencil.first..][..Stencil::LEN];
         slots.iter_mut().zip(stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
-    fn finish(mut self, nodes: &Nodes) -> Self {
+    pub(super) fn finish(mut self, nodes: &Nodes) -> Self {
         self.0.truncate(nodes.count());
         self
     }
@@ -84,7 +84,7 @@ impl Pass<'_> {
         radial(self.index, &breaks, &sharp, digits)
     }
 
-    fn look_up(&self, radius: f64) -> Stencil {
+    pub(super) fn look_up(&self, radius: f64) -> Stencil {
         self.table.stencil(radius * radius, self.index)
     }
 

@@ -54,24 +54,30 @@ pub(super) struct Columns<'a> {
 }
 
 impl Grid {
-    pub(super) fn new(pass: &Pass<'_>, lobe: Lobe, orders: usize, digits: f64) -> Self {
+    /// `terms` of the polynomials that the grid has to tell apart; none: it resolves the table itself.
+    pub(super) fn new(pass: &Pass<'_>, lobe: Lobe, orders: usize, digits: f64, terms: usize) -> Self {
         let straight = pass.straight();
+        let (resolved, least) = (terms == 0, if terms > 1 { terms + 3 } else { 0 });
         let width = match lobe {
             Lobe::KCorrelation { width } => width,
             Lobe::Lambertian => 1.0,
         };
         let doubled = if straight > 0.0 { width } else { 2.0 * width };
-        let air = disc(even(0.0, FRAC_PI_2, doubled, digits), 1.0);
+        let air = disc(even(0.0, FRAC_PI_2, doubled, digits, least), 1.0);
         let rim = (1.0 / pass.index).min(1.0).asin();
         let mut angles = Vec::new();
         let mut from = 0.0;
-        for to in kinks(pass).into_iter().filter(|x| *x < rim).chain([rim]) {
-            angles.extend(even(from, to, width / pass.index, digits));
+        let breaks = if resolved && width > NARROW { table_breaks(pass) } else { kinks(pass) };
+        for to in breaks.iter().copied().filter(|x| *x < rim).chain([rim]).filter(|x| *x > 0.0) {
+            let off = if resolved { SMOOTH_OFF * (to - from) } else { f64::INFINITY };
+            angles.extend(even(from, to, off.min(width / pass.index), digits, least));
             from = to;
         }
         if rim < FRAC_PI_2 && lobe != Lobe::Lambertian {
+            // Wide lobes leave few panels here; at 3.6 digits a point, half as many points each.
+            let enough = if width > NARROW { 1.8 * least as f64 } else { 0.0 };
             let poles = [1.0, -1.0].map(|at| Pole { at, off: width }.in_arc(pass.index));
-            angles.extend(graded(rim, FRAC_PI_2, &kinks(pass), &poles, digits));
+            angles.extend(graded(rim, FRAC_PI_2, &breaks, &poles, digits.max(enough)));
         }
         let glass = disc(angles, pass.index);
         let table = |rows: &[Node], columns: &[Node]| {
@@ -273,8 +279,21 @@ fn kinks(pass: &Pass<'_>) -> Vec<f64> {
 
 const MOST_KINKS: usize = 24;
 
-/// A rule for integrands with poles this far off everywhere.
-fn even(from: f64, to: f64, off: f64, digits: f64) -> Vec<Node> {
+/// Between which the table is smooth, as angles in the glass.
+fn table_breaks(pass: &Pass<'_>) -> Vec<f64> {
+    let angle = |radius: &f64| (radius / pass.index).min(1.0).asin();
+    let mut angles: Vec<f64> = pass.table.breaks(pass.index).iter().map(angle).collect();
+    angles.sort_by(f64::total_cmp);
+    angles
+}
+
+/// Lobes up to this width have a grid that follows the reflectance as it is.
+pub(super) const NARROW: f64 = 0.03;
+/// How far off a table's singularities are, in the distance between breaks.
+const SMOOTH_OFF: f64 = 1.0;
+
+/// A rule for integrands with poles this far off everywhere, of so many points at least.
+fn even(from: f64, to: f64, off: f64, digits: f64, least: usize) -> Vec<Node> {
     let points = |panels: usize| {
         let half = 0.5 * (to - from) / panels as f64;
         (digits / (2.0 * (off / half).asinh())).ceil().max(2.0) as usize
@@ -284,9 +303,8 @@ fn even(from: f64, to: f64, off: f64, digits: f64) -> Vec<Node> {
         panels *= 2;
     }
     let step = (to - from) / panels as f64;
-    (0..panels)
-        .flat_map(|k| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, points(panels)))
-        .collect()
+    let count = points(panels).max(least);
+    (0..panels).flat_map(|k| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, count)).collect()
 }
 
 /// From a rule in `x` of `|beta| = radius sin x` to one in the radius, weights with `2 pi |beta|`.

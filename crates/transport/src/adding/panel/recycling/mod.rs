@@ -8,7 +8,8 @@
 //!
 //! the first of which is [`first_pass`](super::first_pass)'s. Since g is small, the rest needs
 //! few digits, and the reflectance R in it few terms: order k of the series is a form of degree
-//! k in R at a few cosines (Lagrange's polynomials between Chebyshev's points), whose
+//! k in the terms of R (Lagrange's polynomials between a few cosines; under wide lobes fitted, so
+//! that means over directions are right even where R is sharper than a polynomial), whose
 //! coefficients ([`Forms`]) depend neither on the pixel nor on spectra. Later orders get fewer
 //! terms. Where g is too large for that, the series is summed on the grid for each state and
 //! wavelength.
@@ -25,10 +26,11 @@ use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
 
-use super::super::quadrature::{Node, Point};
-use super::first_pass::Pass;
+use super::super::quadrature::{Node, Point, gauss, graded};
+use super::first_pass::{Pass, Weights};
 use crate::Nodes;
-use grid::{Columns, Grid, Meridian};
+use crate::angular::Stencil;
+use grid::{Columns, Grid, Meridian, NARROW};
 pub(super) use spectra::Reflectances;
 
 /// How far recycled light is followed.
@@ -177,8 +179,10 @@ pub(super) struct Recycling {
 /// Polynomials in the cosine in the glass, one at one point and zero at the others.
 #[derive(Debug, Clone)]
 struct Profile {
-    /// Chebyshev's points.
+    /// Gauss's points, or Chebyshev's under a narrow lobe.
     cosines: Vec<f64>,
+    /// What makes the reflectance's term at each of a table.
+    terms: Vec<Weights>,
     /// `[glass][term]` and `[air][term]`.
     glass: Vec<f64>,
     air: Vec<f64>,
@@ -238,8 +242,14 @@ impl Recycling {
             Lobe::KCorrelation { width } => Lobe::KCorrelation { width: width.max(plan.width) },
             Lobe::Lambertian => Lobe::Lambertian,
         };
-        let grid = Grid::new(pass, lobe, plan.orders, plan.grid_digits());
-        let profiles = plan.terms.iter().map(|count| Profile::new(&grid, pass.index, *count)).collect();
+        let grid = Grid::new(
+            pass,
+            lobe,
+            plan.orders,
+            plan.grid_digits(),
+            plan.terms.iter().copied().max().unwrap_or(0),
+        );
+        let profiles = plan.terms.iter().map(|count| Profile::new(&grid, pass, *count)).collect();
         Self { plan, grid, profiles }
     }
 
@@ -330,13 +340,19 @@ fn azimuth_factor(m: usize, turn: f64) -> f64 {
 }
 
 impl Profile {
-    fn new(grid: &Grid, index: f64, count: usize) -> Self {
-        let cosines: Vec<f64> = if count == 1 {
-            vec![TYPICAL_COSINE]
-        } else {
-            (0..count).map(|p| 0.5 + 0.5 * (PI * (p as f64 + 0.5) / count as f64).cos()).collect()
+    fn new(grid: &Grid, pass: &Pass<'_>, count: usize) -> Self {
+        let index = pass.index;
+        // A Lambertian lobe sends nothing beyond the disc of air.
+        let from = match pass.diffuser.lobe {
+            Lobe::KCorrelation { .. } => 0.0,
+            Lobe::Lambertian => (1.0 - index.powi(-2)).max(0.0).sqrt(),
         };
-        let mut profile = Self { cosines, glass: vec![], air: vec![], leaving: vec![], reflected: vec![] };
+        let fitted = count == 1 || is_fitted(pass);
+        let points: Vec<Node> = if fitted { gauss(from, 1.0, count).collect() } else { chebyshev(count) };
+        let cosines = points.iter().map(|point| point.x).collect();
+        let mut profile =
+            Self { cosines, terms: vec![], glass: vec![], air: vec![], leaving: vec![], reflected: vec![] };
+        profile.terms = if fitted { profile.fit(pass, from, &points) } else { profile.look_ups(pass) };
         let at = |nodes: &[Node]| -> Vec<f64> {
             nodes.iter().flat_map(|n| profile.at((1.0 - (n.x / index).powi(2)).max(0.0).sqrt())).collect()
         };
@@ -346,6 +362,33 @@ impl Profile {
         let reflected = grid.diffuse(columns, &vec![1.0; grid.glass.len()], &vec![1.0; grid.air.len()]);
         (profile.glass, profile.air, profile.leaving, profile.reflected) = (glass, air, leaving, reflected);
         profile
+    }
+
+    /// Least squares: the polynomials are orthogonal, each with its point's weight. One term alone is
+    /// the mean by projected area.
+    fn fit(&self, pass: &Pass<'_>, from: f64, points: &[Node]) -> Vec<Weights> {
+        let breaks: Vec<f64> = pass.table.breaks(pass.index);
+        let breaks: Vec<f64> =
+            breaks.iter().map(|b| (1.0 - (b / pass.index).powi(2)).max(0.0).sqrt()).collect();
+        let mut terms = vec![Weights::new(pass.table); points.len()];
+        for node in graded(from, 1.0, &breaks, &[], pass.digits) {
+            let stencil = look_up(pass, node.x);
+            for ((term, value), point) in terms.iter_mut().zip(self.at(node.x)).zip(points) {
+                let area = if points.len() == 1 { node.x / point.x } else { 1.0 };
+                term.add(&stencil, node.weight * area * value / point.weight);
+            }
+        }
+        terms.into_iter().map(|term| term.finish(pass.table)).collect()
+    }
+
+    /// Interpolation.
+    fn look_ups(&self, pass: &Pass<'_>) -> Vec<Weights> {
+        let term = |cosine: &f64| {
+            let mut term = Weights::new(pass.table);
+            term.add(&look_up(pass, *cosine), 1.0);
+            term.finish(pass.table)
+        };
+        self.cosines.iter().map(term).collect()
     }
 
     fn columns(&self) -> Columns<'_> {
@@ -363,5 +406,19 @@ impl Profile {
     }
 }
 
-/// Where a reflectance of one term is taken: diffuse light in glass, on average.
-const TYPICAL_COSINE: f64 = 0.87;
+fn look_up(pass: &Pass<'_>, cosine: f64) -> Stencil {
+    pass.look_up(pass.index * (1.0 - cosine * cosine).max(0.0).sqrt())
+}
+
+/// Whether means count: interpolation is better near a direction, where narrow lobes keep recycled
+/// light, and of tables over angles, which have no resonances.
+fn is_fitted(pass: &Pass<'_>) -> bool {
+    let narrow = matches!(pass.diffuser.lobe, Lobe::KCorrelation { width } if width <= NARROW);
+    !narrow && matches!(pass.table, Nodes::Cosines(_) | Nodes::CosinePanels(_))
+}
+
+/// Chebyshev's points on (0, 1).
+fn chebyshev(count: usize) -> Vec<Node> {
+    let x = |p: usize| 0.5 + 0.5 * (PI * (p as f64 + 0.5) / count as f64).cos();
+    (0..count).map(|p| Node { x: x(p), weight: 1.0 }).collect()
+}

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use super::super::books::Sums;
 use super::grid::Columns;
 use super::{Direction, Forms, Group, OwnForms, Profile, Recycling, azimuth_factor};
-use crate::{Base, Medium};
+use crate::{AngularTable, Base, Medium};
 
 /// The base's reflectances that recycling needs, and g; columns are `[state][wavelength]`.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ pub(in super::super) struct Reflectances {
 #[derive(Debug, Clone)]
 enum At {
     /// For each order of the series, `[term][column]`.
-    Cosines(Vec<Vec<f64>>),
+    Terms(Vec<Vec<f64>>),
     /// At the grid's nodes, `[glass][column]` and `[air][column]`.
     Nodes { glass: Vec<f64>, air: Vec<f64> },
 }
@@ -32,6 +32,7 @@ impl Recycling {
     pub(in super::super) fn reflectances(
         &self,
         base: &Base,
+        table: &AngularTable,
         medium: &Medium,
         sent_back: &[f64],
     ) -> Reflectances {
@@ -46,15 +47,20 @@ impl Recycling {
             }
             all
         };
-        let area = medium.largest_index().powi(2);
         let at = if self.sums_columns() {
             let glass = look_up(&mut self.grid.glass.iter().map(|n| n.x * n.x));
             let straight = self.grid.straight > 0.0;
             let air = self.grid.air.iter().filter(|_| straight);
             At::Nodes { glass, air: look_up(&mut air.map(|n| n.x * n.x)) }
         } else {
-            let of = |p: &Profile| look_up(&mut p.cosines.iter().map(|c| area * (1.0 - c * c)));
-            At::Cosines(self.profiles.iter().map(of).collect())
+            let of = |profile: &Profile| {
+                let mut all = vec![0.0; profile.terms.len() * columns];
+                for (term, values) in profile.terms.iter().zip(all.chunks_exact_mut(columns)) {
+                    table.weighted_sum(&term.0, values);
+                }
+                all
+            };
+            At::Terms(self.profiles.iter().map(of).collect())
         };
         Reflectances { g, at }
     }
@@ -73,7 +79,7 @@ impl Recycling {
 
     /// Adds the value of forms, `one_less` than the order in degree or not.
     pub(in super::super) fn add(&self, forms: &Forms, r: &Reflectances, one_less: bool, out: &mut [f64]) {
-        let At::Cosines(values) = &r.at else { return };
+        let At::Terms(values) = &r.at else { return };
         for (k, ((form, values), profile)) in forms.0.iter().zip(values).zip(&self.profiles).enumerate() {
             let degree = if one_less { k + 1 } else { k + 2 };
             let value = Form { coefficients: form, terms: profile.cosines.len(), degree };
