@@ -263,7 +263,8 @@ fn lights() -> Vec<Source> {
 /// The difference between levels is the coarser one's error, and it falls.
 #[test]
 fn levels_converge() {
-    for (name, stack) in family() {
+    // Every top and every base, in a chequerboard of them.
+    for (name, stack) in family().into_iter().step_by(2) {
         let view = Cone::new(12.0, 0.0, 0.3, 1.0);
         let estimates: Vec<Estimate> = (0..4).map(|level| solve(&stack, view, &lights(), level)).collect();
         for source in 0..3 {
