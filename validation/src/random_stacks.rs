@@ -121,13 +121,16 @@ fn base(dice: &mut Dice) -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance }
 }
 
-fn diffuser(dice: &mut Dice) -> (String, Diffuser) {
+/// `narrowest`: between any layers, adding takes minutes for what it does in milliseconds in a panel.
+fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
+    let straight_through = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
+    // Straight light makes each point of a field or disc a direction of its own: minutes, if narrow.
+    let narrowest = if straight_through > 0.0 { narrowest.max(0.07) } else { narrowest };
     let lobe = if dice.one_in(5) {
         Lobe::Lambertian
     } else {
-        Lobe::KCorrelation { width: dice.log_between(0.02, 0.4) }
+        Lobe::KCorrelation { width: dice.log_between(narrowest, 0.4) }
     };
-    let straight_through = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
     let transmittance = dice.spectrum(0.7, 1.0);
     let name = match lobe {
         Lobe::KCorrelation { width } => format!("diffuser b {width:.3} s {straight_through:.2}"),
@@ -146,7 +149,7 @@ fn panel(dice: &mut Dice) -> (String, Stack) {
         0 => ("coated".to_owned(), Top::Coated),
         1 => ("Fresnel".to_owned(), Top::Fresnel(glass.clone())),
         _ => {
-            let (name, diffuser) = diffuser(dice);
+            let (name, diffuser) = diffuser(dice, 0.01);
             (name, Top::Diffuser(diffuser))
         }
     };
@@ -185,7 +188,7 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
             ("sheet".to_owned(), Layer { interface, medium: same }, above)
         }
         1 | 2 => {
-            let (name, diffuser) = diffuser(dice);
+            let (name, diffuser) = diffuser(dice, 0.07);
             let below = if dice.one_in(2) { index(dice) } else { above };
             let medium = Medium::new(constant(below));
             (format!("{name} on {below}"), Layer { interface: Interface::Diffuser(diffuser), medium }, below)
@@ -204,7 +207,7 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
         }
         _ => {
             let below = if above == 1.5 { 1.0 } else { 1.5 };
-            let alpha = dice.log_between(0.05, 0.6);
+            let alpha = dice.log_between(0.2, 0.8);
             let interface = Interface::Rough(Rough::new(alpha, above, below));
             let medium = Medium::new(constant(below));
             (format!("rough {alpha:.2} {below}"), Layer { interface, medium }, below)

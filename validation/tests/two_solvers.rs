@@ -6,7 +6,7 @@
 use papilio_display::result::{State, StateValues, View};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_transport::Estimate;
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{Kernel, error_over_difference, nodes_needed};
 use papilio_transport::walk::Walk;
 use papilio_validation::random_stacks::{Member, STATES, WAVELENGTHS_NM, member};
 use papilio_validation::{run, scenario};
@@ -68,21 +68,27 @@ fn walk(member: &Member, paths: u64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The finest level that is tried: some narrow rough faces take minutes beyond it. What error
-/// is left then is part of the z-scores.
+/// The finest level that is tried, and the most nodes: rough faces take minutes beyond. What
+/// error is left then is part of the z-scores.
 const FINEST: u32 = 2;
+const MOST_NODES: usize = 150;
 
 /// Each number and its discretisation error, refined until the latter is small against
 /// the walk's standard errors.
 fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut before: Option<Vec<f64>> = None;
     let mut found = Vec::new();
+    let bound = error_over_difference(&member.stack);
     for level in 0..=FINEST {
+        if level > 1 && nodes_needed(&member.stack, level) > MOST_NODES {
+            break;
+        }
         let mut kernel = Kernel::new(level);
         kernel.prepare(&member.stack, &[member.view], &member.sources);
         let now = numbers(&kernel.estimate(&member.stack, 0));
         if let Some(before) = before {
-            found = now.iter().zip(&before).map(|(now, before)| (*now, (now - before).abs())).collect();
+            found =
+                now.iter().zip(&before).map(|(now, before)| (*now, bound * (now - before).abs())).collect();
             let good =
                 |((_, error), (_, standard)): (&(f64, f64), &(f64, f64))| *error <= 0.2 * standard + 1e-9;
             if found.iter().zip(walk).all(good) {
