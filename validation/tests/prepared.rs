@@ -23,8 +23,11 @@ fn with_stop<T>(threads: usize, run: impl FnOnce(&Control<'_>) -> T) -> T {
     run(&Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) })
 }
 
+/// What is changed, and how.
+type Change = (&'static str, fn(&mut Scene));
+
 /// Changes of every kind of key, in an order in which each meets what the others left.
-fn changes() -> Vec<(&'static str, fn(&mut Scene))> {
+fn changes() -> Vec<Change> {
     vec![
         ("nothing", |_| {}),
         ("a light's direction", |s| s.lighting.directed[0].theta_deg = -31.0),
