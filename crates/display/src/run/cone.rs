@@ -82,9 +82,8 @@ impl Survey<'_> {
         let mut warnings = self.run.mirror_images(&self.run.specular());
         if sample.error > target {
             warnings.push(format!(
-                "relative error {:.2e} instead of {target:.2e}: {}",
-                sample.error,
-                super::FINEST_REACHED
+                "relative error {:.2e} instead of {target:.2e}: adding's finest level is reached",
+                sample.error
             ));
         }
         Some(Ok(ConeResult {
