@@ -93,7 +93,7 @@ pub fn write_cone_csv(out: impl Write, cone: &ConeResult) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes `cone.npy`: float64, [theta][phi][state][quantity], NaN where undefined.
+/// Writes `cone.npy`: float64, `[theta][phi][state][quantity]`, NaN where undefined.
 ///
 /// # Errors
 /// Those of `out`.
