@@ -52,11 +52,11 @@ pub struct BrdfTable {
 pub struct BrdfState {
     /// Name of the state.
     pub name: String,
-    /// The scattering part, `dL_o/dE_i` in 1/sr, [theta_i][theta_o][dphi][wavelength] (the
+    /// The scattering part, `dL_o/dE_i` in 1/sr, `[theta_i][theta_o][dphi][wavelength]` (the
     /// last fastest). Single precision: the table is large, and seven digits are more than
     /// any of them are worth.
     pub brdf: Vec<f32>,
-    /// The mirror part: share of a beam that leaves in the mirror direction, [theta_i][wavelength].
+    /// The mirror part: share of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
     pub specular: Vec<f64>,
     /// Share of a beam that leaves at all (scattered and mirrored), [theta_i][wavelength].
     pub directional_hemispherical: Vec<f64>,
