@@ -58,7 +58,7 @@ pub struct BrdfState {
     pub brdf: Vec<f32>,
     /// The mirror part: share of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
     pub specular: Vec<f64>,
-    /// Share of a beam that leaves at all (scattered and mirrored), [theta_i][wavelength].
+    /// Share of a beam that leaves at all (scattered and mirrored), `[theta_i][wavelength]`.
     pub directional_hemispherical: Vec<f64>,
 }
 
