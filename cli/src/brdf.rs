@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use papilio_display::pixel::state_names;
-use papilio_display::scene::Scene;
+use papilio_display::scene::{Scene, Stop};
 use papilio_display::{BrdfGrid, BrdfTable};
 use papilio_formats::{BsdfSource, write_bsdf, write_file};
 use papilio_scenario::Scenario;
@@ -35,12 +35,24 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         Ok::<_, Failure>(write_file(&folder.join(FILE), |out| write_bsdf(out, &source, &table))?)
     })?;
     output::announce(&folder, &[FILE.to_owned()]);
-    warn(&table);
+    let target = match resolved.scene.solver.stop {
+        Stop::RelativeError { target, .. } => Some(target),
+        Stop::Paths(_) => None,
+    };
+    warn(&table, target);
     Ok(())
 }
 
-/// Says so where the table's directions are too few for what the display does between them.
-fn warn(table: &BrdfTable) {
+/// Says so where adding has not reached the scenario's target, and where the table's directions are
+/// too few for what the display does between them.
+fn warn(table: &BrdfTable, target: Option<f64>) {
+    if let Some(target) = target.filter(|target| table.discretisation_error > *target) {
+        say(&format!(
+            "warning: relative error {:.2e} instead of {target:.2e} in the worst of the sampled directions (which may \
+             be a faint one): adding's finest level is reached",
+            table.discretisation_error
+        ));
+    }
     /// What a user may overlook.
     const MISSED: f64 = 0.02;
     let missed = table.missed();
