@@ -1,0 +1,25 @@
+//! A grid of inclinations and azimuths of light and viewer.
+
+/// A product of angles, degrees, each ascending. Cells in the order theta_i, phi_i, theta_o, phi_o, the last
+/// fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SphericalGrid {
+    /// Inclinations of the light.
+    pub theta_i_deg: Vec<f64>,
+    /// Azimuths of the light.
+    pub phi_i_deg: Vec<f64>,
+    /// Inclinations of the viewer.
+    pub theta_o_deg: Vec<f64>,
+    /// Azimuths of the viewer.
+    pub phi_o_deg: Vec<f64>,
+}
+
+impl SphericalGrid {
+    /// How many cells there are.
+    pub fn cells(&self) -> usize {
+        [&self.theta_i_deg, &self.phi_i_deg, &self.theta_o_deg, &self.phi_o_deg]
+            .into_iter()
+            .map(Vec::len)
+            .product()
+    }
+}

@@ -1,0 +1,22 @@
+//! Measured scattering: what goniometers and imaging spheres give, and what is done with it.
+//!
+//! A [`Measurement`] is a BSDF as a file holds it: one [`Part`] for each way that light takes
+//! (reflected or transmitted, from the front or from the back), its values at the cells of a
+//! [`Geometry`] in one or more [`Channel`]s. Nothing in it is filled, smoothed or renormalised: a
+//! cell that was not measured is NaN.
+//!
+//! **Conventions.** Values are `f` in 1/sr, radiance out over irradiance in, without the cosine,
+//! referred to air. A [`Direction`] points away from the sample, its inclination is from the normal
+//! of the side that the light is on, and the azimuth turns alike on both sides. So the mirror
+//! direction and the straight-through direction of light from (theta, phi) are both
+//! (theta, phi + 180 deg).
+//!
+//! **Limits**: unpolarised light, a uniform sample, no fluorescence.
+
+mod direction;
+mod geometry;
+mod measurement;
+
+pub use direction::Direction;
+pub use geometry::{Geometry, Ring, SpecularGrid, SphericalGrid, Symmetry};
+pub use measurement::{Channel, Measurement, Part, Provenance, Way};

@@ -1,0 +1,95 @@
+//! A BSDF as a file holds it.
+
+use crate::Geometry;
+
+/// A measured, simulated or computed BSDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Where it comes from.
+    pub provenance: Provenance,
+    /// Index of the medium on the front and on the back, 1 in air.
+    pub media: [f64; 2],
+    /// At most one for each [`Way`].
+    pub parts: Vec<Part>,
+}
+
+/// Where a measurement comes from, in the file's own words.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Provenance {
+    /// The file format, as users call it: `Radiant/Zemax tabular BSDF`.
+    pub format: String,
+    /// Name of the sample, as far as the file gives it.
+    pub sample: String,
+    /// Where the numbers come from, as far as the file says: `Measured`, `synthetic`, the instrument.
+    pub source: String,
+    /// Comments and header lines worth keeping, in order.
+    pub remarks: Vec<String>,
+}
+
+/// The way that light takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Way {
+    /// From the front, reflected.
+    FrontReflection,
+    /// From the front, transmitted to the back.
+    FrontTransmission,
+    /// From the back, transmitted to the front.
+    BackTransmission,
+    /// From the back, reflected.
+    BackReflection,
+}
+
+impl Way {
+    /// True if light leaves on the other side.
+    pub fn is_transmission(self) -> bool {
+        matches!(self, Self::FrontTransmission | Self::BackTransmission)
+    }
+}
+
+/// What a value was weighted with over wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Channel {
+    /// The luminous one, or of a file that does not say.
+    Monochrome,
+    /// CIE tristimulus X.
+    X,
+    /// CIE tristimulus Y.
+    Y,
+    /// CIE tristimulus Z.
+    Z,
+    /// Red of a camera.
+    Red,
+    /// Green of a camera.
+    Green,
+    /// Blue of a camera.
+    Blue,
+    /// The solar spectrum, 300 to 2500 nm.
+    Solar,
+    /// One wavelength, nm.
+    Wavelength(f64),
+}
+
+/// One way of light through, or off, a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// From where to where.
+    pub way: Way,
+    /// At least one; alike in all cells.
+    pub channels: Vec<Channel>,
+    /// Where the values were taken.
+    pub geometry: Geometry,
+    /// f, 1/sr, without the cosine; NaN where nothing was measured. Shape `[channel][cell]`,
+    /// cells in the geometry's order.
+    pub values: Vec<f64>,
+    /// Total integrated scatter as the file gives it, 0 to 1: shape `[channel][rotation][incidence]`
+    /// in the geometry's order; empty if the file gives none.
+    pub tis: Vec<f64>,
+}
+
+impl Part {
+    /// The values of a channel, by its number.
+    pub fn channel(&self, channel: usize) -> &[f64] {
+        let cells = self.geometry.cells();
+        &self.values[channel * cells..][..cells]
+    }
+}
