@@ -13,10 +13,14 @@
 //!
 //! **Limits**: unpolarised light, a uniform sample, no fluorescence.
 
+mod audit;
 mod direction;
 mod geometry;
 mod measurement;
+mod shape;
 
+pub use audit::{Audit, Incidence};
 pub use direction::Direction;
 pub use geometry::{Geometry, Ring, SpecularGrid, SphericalGrid, Symmetry};
 pub use measurement::{Channel, Measurement, Part, Provenance, Way};
+pub use shape::{Fill, Shape};

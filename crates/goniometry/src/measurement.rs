@@ -82,7 +82,7 @@ pub struct Part {
     /// cells in the geometry's order.
     pub values: Vec<f64>,
     /// Total integrated scatter as the file gives it, 0 to 1: shape `[channel][rotation][incidence]`
-    /// in the geometry's order; empty if the file gives none.
+    /// of a specular-centred grid; empty if the file gives none.
     pub tis: Vec<f64>,
 }
 
@@ -91,5 +91,12 @@ impl Part {
     pub fn channel(&self, channel: usize) -> &[f64] {
         let cells = self.geometry.cells();
         &self.values[channel * cells..][..cells]
+    }
+
+    /// Total integrated scatter as the file gives it, by number of channel, rotation and incidence.
+    pub fn tis(&self, channel: usize, rotation: usize, incidence: usize) -> Option<f64> {
+        let Geometry::Specular(grid) = &self.geometry else { return None };
+        let turn = channel * grid.rotations_deg.len() + rotation;
+        self.tis.get(turn * grid.incidences_deg.len() + incidence).copied()
     }
 }

@@ -48,7 +48,8 @@ impl SpecularGrid {
         let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
         let towards = sin_r * cos_azimuth;
         let d = [cos_r * sin_a - towards * cos_a, -sin_r * sin_azimuth, cos_r * cos_a + towards * sin_a];
-        (d[2] >= 0.0).then(|| Direction::of_vector(d))
+        // The horizon itself belongs to it, however it is rounded.
+        (d[2] >= -1e-12).then(|| Direction::of_vector([d[0], d[1], d[2].max(0.0)]))
     }
 }
 

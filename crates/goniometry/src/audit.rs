@@ -1,0 +1,217 @@
+//! What a measurement is worth: coverage, energy, reciprocity, holes, noise, haze.
+//!
+//! Haze and clarity are what a hazemeter would find in the same light, computed from the goniometric data. ASTM
+//! D1003 defines haze up to 30 %; above that it defers to goniometric methods (ASTM E2387).
+//! Clarity has no standard: here it is `(C - R)/(C + R)` of the light within 1 deg of the direct beam, C, and between 1 and
+//! 2.5 deg, R.
+
+use papilio_optics::Beta;
+
+use crate::{Fill, Geometry, Part, Shape, SpecularGrid};
+
+/// Haze is light beyond this, degrees (ASTM D1003).
+const HAZE_DEG: f64 = 2.5;
+/// The border of clarity's inner disc, degrees.
+const CLEAR_DEG: f64 = 1.0;
+/// Around the direction of the light, its source may hide the cells within this, degrees.
+const BEAM_DEG: f64 = 7.5;
+/// Reciprocity is judged where both values exceed this share of the peak.
+const FAINT: f64 = 1e-3;
+
+/// What is found in one channel of one part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Audit {
+    /// How many cells lie in the hemisphere.
+    pub cells: usize,
+    /// Those of them that hold a positive value.
+    pub lit: usize,
+    /// Those of them that were not measured (NaN).
+    pub unmeasured: usize,
+    /// Negative values.
+    pub negative: usize,
+    /// Inclination beyond which no cell holds light, degrees.
+    pub dark_beyond_deg: f64,
+    /// Cells without light that lie below that inclination.
+    pub holes: usize,
+    /// Cells without light close to where the light comes from, on its side (reflection).
+    pub beam_holes: usize,
+    /// Noise: standard deviation of neighbouring values in the faint half of the cells, 1/sr.
+    pub noise: f64,
+    /// Smallest and largest positive value, 1/sr.
+    pub range: [f64; 2],
+    /// Mirrored and turned cells differ by so much of their mean (root mean square).
+    pub asymmetry: f64,
+    /// f(i, o) and f(o, i) differ by so much of their mean: root mean square, weighted by the light; and the worst.
+    pub reciprocity: Option<[f64; 2]>,
+    /// Share of the transmitted light that is more than 2.5 deg off, at the smallest incidence; of a transmission.
+    pub haze: Option<f64>,
+    /// See the module's page.
+    pub clarity: Option<f64>,
+    /// By incidence.
+    pub incidences: Vec<Incidence>,
+}
+
+/// What is found at one incidence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Incidence {
+    /// Inclination of the light, degrees.
+    pub theta_deg: f64,
+    /// Total integrated scatter as the file gives it (the first rotation's).
+    pub tis: Option<f64>,
+    /// The integral of the values, dark cells as they are.
+    pub integral: f64,
+    /// The same with tails that go on through dark cells.
+    pub integral_filled: f64,
+    /// How far the grid leaves the integral unknown, relative.
+    pub grid_error: f64,
+    /// Value in the specular direction, 1/sr.
+    pub peak: f64,
+    /// Distance from the specular direction to half the peak, degrees: towards the normal, across, away from it.
+    pub half_widths_deg: [Option<f64>; 3],
+}
+
+impl Audit {
+    /// Of one channel, by its number; `None` for a part that is not on a specular-centred grid.
+    pub fn of(part: &Part, channel: usize) -> Option<Self> {
+        let Geometry::Specular(grid) = &part.geometry else { return None };
+        let values = part.channel(channel);
+        let shape = Shape::of_grid(grid, values, Fill::None);
+        let filled = Shape::of_grid(grid, values, Fill::Tail);
+        let incidence = |k: usize| Incidence {
+            theta_deg: grid.incidences_deg[k],
+            tis: part.tis(channel, 0, k),
+            integral: shape.total(k),
+            integral_filled: filled.total(k),
+            grid_error: shape.grid_error(k),
+            peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
+            half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| half_width(&shape, k, azimuth)),
+        };
+        let beyond = |degrees: f64| {
+            let all = shape.total(0);
+            (all > 0.0).then(|| 1.0 - shape.total_within(0, degrees.to_radians().sin()) / all)
+        };
+        let transmission = part.way.is_transmission();
+        let haze = beyond(HAZE_DEG).filter(|_| transmission);
+        let clarity = beyond(CLEAR_DEG).zip(haze).map(|(beyond_disc, haze)| {
+            let (disc, ring) = (1.0 - beyond_disc, beyond_disc - haze);
+            (disc - ring) / (disc + ring)
+        });
+        let incidences: Vec<Incidence> = (0..grid.incidences_deg.len()).map(incidence).collect();
+        Some(Self {
+            asymmetry: shape.asymmetry(),
+            reciprocity: reciprocity(&shape, incidences.iter().map(|i| i.peak).fold(0.0, f64::max)),
+            haze,
+            clarity,
+            incidences,
+            ..Self::of_cells(grid, values, transmission)
+        })
+    }
+
+    /// The largest of the relative errors that the grid leaves in the integrals.
+    pub fn grid_error(&self) -> f64 {
+        self.incidences.iter().map(|incidence| incidence.grid_error).fold(0.0, f64::max)
+    }
+
+    /// What the cells tell by themselves.
+    fn of_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
+        let mut audit = Self {
+            cells: 0,
+            lit: 0,
+            unmeasured: 0,
+            negative: 0,
+            dark_beyond_deg: 0.0,
+            holes: 0,
+            beam_holes: 0,
+            noise: noise(grid, values),
+            range: [f64::INFINITY, 0.0],
+            asymmetry: 0.0,
+            reciprocity: None,
+            haze: None,
+            clarity: None,
+            incidences: Vec::new(),
+        };
+        let mut dark = Vec::new();
+        for (cell, value) in values.iter().enumerate() {
+            let (rest, radial) =
+                (cell / grid.radials_deg.len(), grid.radials_deg[cell % grid.radials_deg.len()]);
+            let (rest, azimuth) =
+                (rest / grid.azimuths_deg.len(), grid.azimuths_deg[rest % grid.azimuths_deg.len()]);
+            let incidence = grid.incidences_deg[rest % grid.incidences_deg.len()];
+            let Some(to) = SpecularGrid::direction(incidence, azimuth, radial) else { continue };
+            audit.cells += 1;
+            audit.unmeasured += usize::from(value.is_nan());
+            audit.negative += usize::from(*value < 0.0);
+            if *value > 0.0 {
+                audit.lit += 1;
+                audit.dark_beyond_deg = audit.dark_beyond_deg.max(to.theta_deg);
+                audit.range = [audit.range[0].min(*value), audit.range[1].max(*value)];
+            } else {
+                // The light comes from azimuth 180 deg.
+                let [x, _, z] = to.vector();
+                let (sin, cos) = incidence.to_radians().sin_cos();
+                let from_light = (-x * sin + z * cos).clamp(-1.0, 1.0).acos().to_degrees();
+                dark.push((to.theta_deg, from_light));
+            }
+        }
+        let below = dark.iter().filter(|(theta, _)| *theta < audit.dark_beyond_deg);
+        let beam = |(_, from_light): &&(f64, f64)| !transmission && *from_light < BEAM_DEG;
+        audit.beam_holes = below.clone().filter(beam).count();
+        audit.holes = below.count() - audit.beam_holes;
+        audit
+    }
+}
+
+/// The distance along an azimuth at which a lobe has half its peak, degrees.
+fn half_width(shape: &Shape, incidence: usize, azimuth_deg: f64) -> Option<f64> {
+    let half = 0.5 * shape.along(incidence, azimuth_deg, 0.0)?;
+    let above = |radial: f64| shape.along(incidence, azimuth_deg, radial).map(|f| f > half);
+    let mut outer = 0.1;
+    while above(outer)? {
+        outer *= 1.25;
+    }
+    let mut inner = if outer > 0.1 { outer / 1.25 } else { 0.0 };
+    for _ in 0..40 {
+        let middle = 0.5 * (inner + outer);
+        if above(middle)? { inner = middle } else { outer = middle }
+    }
+    Some(0.5 * (inner + outer))
+}
+
+/// Root mean square and worst difference of f(i, o) and f(o, i), relative to their mean.
+fn reciprocity(shape: &Shape, peak: f64) -> Option<[f64; 2]> {
+    let thetas: Vec<f64> = shape.incidences_deg().collect();
+    let (mut squares, mut sizes, mut worst) = (0.0, 0.0, 0.0_f64);
+    for (i, from) in thetas.iter().enumerate() {
+        for (j, to) in thetas.iter().enumerate().skip(i + 1) {
+            for azimuth in (0..=180).step_by(10) {
+                let (sin, cos) = f64::from(azimuth).to_radians().sin_cos();
+                let [a, b] = [(i, from, to), (j, to, from)].map(|(k, from, to)| {
+                    let [from, to] = [from, to].map(|theta| theta.to_radians().sin());
+                    shape.value(k, Beta { x: to * cos - from, y: to * sin })
+                });
+                let mean = 0.5 * (a + b);
+                if a.min(b) > FAINT * peak {
+                    squares += (a - b).powi(2);
+                    sizes += mean * mean;
+                    worst = worst.max((a - b).abs() / mean);
+                }
+            }
+        }
+    }
+    (sizes > 0.0).then(|| [(squares / sizes).sqrt(), worst])
+}
+
+/// Standard deviation from second differences along the lines, median over the faint half of the cells.
+fn noise(grid: &SpecularGrid, values: &[f64]) -> f64 {
+    let mut triples: Vec<[f64; 2]> = values
+        .chunks_exact(grid.radials_deg.len())
+        .flat_map(|line| line.windows(3))
+        .filter(|three| three.iter().all(|value| *value > 0.0))
+        .map(|three| [three[1], (three[0] - 2.0 * three[1] + three[2]).abs()])
+        .collect();
+    triples.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut differences: Vec<f64> = triples[..triples.len() / 2].iter().map(|[_, d]| *d).collect();
+    differences.sort_by(f64::total_cmp);
+    // A normal law's median of |d| is .6745 sigma, and the variances add as 1 + 4 + 1.
+    differences.get(differences.len() / 2).map_or(0.0, |median| median / 0.6745 / 6.0_f64.sqrt())
+}

@@ -1,0 +1,104 @@
+//! One line of a measurement, from the peak outwards.
+
+/// Values of a lobe along a line, interpolated in `x = ln(1 + (|delta|/w)^2)`: by the logarithm where
+/// they are positive, cubically with the slopes of the parabola through three points
+/// (no tail is too steep for it), and linearly next to zeros.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Line {
+    x: Vec<f64>,
+    /// ln f; minus infinity at zeros.
+    logs: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl Line {
+    /// Through these points, `x` ascending, at least one; what is not positive counts as zero.
+    pub(super) fn new(x: Vec<f64>, values: &[f64]) -> Self {
+        let logs: Vec<f64> =
+            values.iter().map(|f| if *f > 0.0 { f.ln() } else { f64::NEG_INFINITY }).collect();
+        let slopes = (0..x.len()).map(|k| slope(&x, &logs, k)).collect();
+        Self { x, logs, slopes }
+    }
+
+    /// The value at `x`; beyond the last point, along the line's last slope if that falls, else held.
+    pub(super) fn value(&self, x: f64) -> f64 {
+        let last = self.x.len() - 1;
+        let upper = self.x.partition_point(|known| *known <= x);
+        if upper == 0 {
+            return self.logs[0].exp();
+        }
+        if upper > last {
+            return (self.logs[last] + self.slopes[last].min(0.0) * (x - self.x[last])).exp();
+        }
+        let (lower, width) = (upper - 1, self.x[upper] - self.x[upper - 1]);
+        let t = (x - self.x[lower]) / width;
+        let [a, b] = [self.logs[lower], self.logs[upper]];
+        if !(a.is_finite() && b.is_finite()) {
+            return (1.0 - t) * a.exp() + t * b.exp();
+        }
+        let [p, q] = [self.slopes[lower], self.slopes[upper]].map(|slope| slope * width);
+        let (s, rise) = (1.0 - t, b - a);
+        (a + t * rise + t * s * (s * (p - rise) - t * (q - rise))).exp()
+    }
+
+    /// The line through every other point, from the first.
+    pub(super) fn coarser(&self) -> Self {
+        let half = |values: &[f64]| -> Vec<f64> { values.iter().copied().step_by(2).collect() };
+        let (x, logs) = (half(&self.x), half(&self.logs));
+        let slopes = (0..x.len()).map(|k| slope(&x, &logs, k)).collect();
+        Self { x, logs, slopes }
+    }
+}
+
+/// The slope at a point, of the parabola through it and its positive neighbours.
+fn slope(x: &[f64], logs: &[f64], k: usize) -> f64 {
+    if !logs[k].is_finite() {
+        return 0.0;
+    }
+    let secant = |a: usize, b: usize| (logs[b] - logs[a]) / (x[b] - x[a]);
+    let good = |k: usize| logs.get(k).is_some_and(|log| log.is_finite());
+    match (k > 0 && good(k - 1), good(k + 1)) {
+        (true, true) => {
+            let (before, after) = (x[k] - x[k - 1], x[k + 1] - x[k]);
+            (secant(k - 1, k) * after + secant(k, k + 1) * before) / (before + after)
+        }
+        (false, true) if good(k + 2) => {
+            end(secant(k, k + 1), secant(k + 1, k + 2), x[k + 1] - x[k], x[k + 2] - x[k + 1])
+        }
+        (true, false) if k > 1 && good(k - 2) => {
+            end(secant(k - 1, k), secant(k - 2, k - 1), x[k] - x[k - 1], x[k - 1] - x[k - 2])
+        }
+        (false, true) => secant(k, k + 1),
+        (true, false) => secant(k - 1, k),
+        (false, false) => 0.0,
+    }
+}
+
+/// The slope of a parabola at its end, from the two secants next to it and their widths.
+fn end(near: f64, far: f64, width: f64, next: f64) -> f64 {
+    near + (near - far) * width / (width + next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parabolas_of_the_logarithm_are_exact() {
+        let law = |x: f64| (1.0 - 2.0 * x + 0.3 * x * x).exp();
+        let x = vec![0.0, 0.3, 0.5, 1.1, 1.4];
+        let values: Vec<f64> = x.iter().map(|x| law(*x)).collect();
+        let line = Line::new(x, &values);
+        for k in 0..14 {
+            let x = 0.1 * f64::from(k);
+            assert!((line.value(x) / law(x) - 1.0).abs() < 1e-14, "{x}");
+        }
+    }
+
+    #[test]
+    fn zeros_stay_zeros_and_nothing_turns_negative() {
+        let line = Line::new(vec![0.0, 1.0, 2.0, 3.0], &[2.0, 1.0, 0.0, 0.0]);
+        assert_eq!(line.value(1.5), 0.5);
+        assert_eq!([2.0, 2.5, 3.0, 9.0].map(|x| line.value(x)), [0.0; 4]);
+    }
+}
