@@ -65,4 +65,26 @@ pub enum OpticsError {
         /// How long it is.
         found: usize,
     },
+    /// The nodes of a table are out of order or range.
+    #[error("{what} (expected {expected})")]
+    Axis {
+        /// Which nodes.
+        what: &'static str,
+        /// What they should be.
+        expected: &'static str,
+    },
+    /// A density that is none.
+    #[error("density number {at} is {value} (expected a finite number, 0 or more)")]
+    Density {
+        /// Its number from 0 in the order given.
+        at: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A root mean square slope that no face has.
+    #[error("a slope of {alpha} (expected .005 to 1)")]
+    Slope {
+        /// The slope asked for.
+        alpha: f64,
+    },
 }

@@ -9,6 +9,7 @@
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
 //! - [`rough`]: a rough face that sends light to both sides and loses none;
+//! - [`scatter`]: scattering faces by numbers or formulas;
 //! - [`phase`]: the phase function of scattering media;
 //! - [`Beta`]: the direction cosines that all of them speak.
 //!
@@ -40,6 +41,7 @@ pub mod interface;
 pub mod lobe;
 pub mod phase;
 pub mod rough;
+pub mod scatter;
 
 pub use direction::Beta;
 pub use error::OpticsError;

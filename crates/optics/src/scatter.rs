@@ -1,0 +1,185 @@
+//! Scattering faces given by numbers or by formulas: densities over direction cosines.
+//!
+//! **What.** A face that scatters light from one air hemisphere into one air hemisphere, to the
+//! same side (reflection) or through (transmission), by its BSDF f in 1/sr without the cosine,
+//! referred to air: since `cos(theta) d omega = d^2 beta`, f is the density per area of direction
+//! cosines of what becomes of a unit of light. Unlike a [`Lobe`](crate::lobe::Lobe) it says what
+//! becomes of all light: `value` integrates to the share that is sent, and what is neither sent
+//! nor reflected is absorbed.
+//!
+//! **Kinds.** [`Ward`]: a formula, for faces and (flipped) for films. [`Table`]: what was
+//! measured, interpolated smoothly.
+//!
+//! **Validity.** Isotropic samples: turned about its normal the face stays the same, and light
+//! scattered left and right of the plane of incidence is alike. Only light of the air disc
+//! `|beta| <= 1` is scattered, and only into it.
+//!
+//! **Reciprocity.** `f(from, to) = f(to, from)` in cosines of propagation holds for a reflection;
+//! a table need not know that. [`Scatter::reciprocal`] is the mean of both readings. Of light
+//! that goes up through a diffuser measured downwards, [`Scatter::reversed`] says what becomes.
+
+mod axis;
+mod proposal;
+mod smooth;
+mod table;
+mod totals;
+mod ward;
+
+use std::sync::Arc;
+
+pub use table::Table;
+pub use ward::{Normalisation, Ward};
+
+use crate::Beta;
+
+/// A scattering kernel.
+#[derive(Debug, Clone)]
+pub enum Scatter {
+    /// By formula.
+    Ward(Arc<Ward>),
+    /// By numbers, read in this sense.
+    Table(Arc<Table>, Sense),
+}
+
+/// How a table's numbers are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// As they stand: from the incidence to the scattered direction.
+    Forward,
+    /// For light that retraces these ways.
+    Reversed,
+    /// The mean of both: reciprocal.
+    Mean,
+}
+
+/// A direction drawn, and the density per area of direction cosines that it was drawn with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampled {
+    /// Where the light goes.
+    pub beta: Beta,
+    /// The proposal's density there.
+    pub pdf: f64,
+}
+
+impl From<Table> for Scatter {
+    fn from(table: Table) -> Self {
+        Self::Table(Arc::new(table), Sense::Forward)
+    }
+}
+
+impl From<Ward> for Scatter {
+    fn from(ward: Ward) -> Self {
+        Self::Ward(Arc::new(ward))
+    }
+}
+
+/// Kernels are alike if they share their numbers.
+impl PartialEq for Scatter {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Ward(a), Self::Ward(b)) => Arc::ptr_eq(a, b) || a == b,
+            (Self::Table(a, sense), Self::Table(b, other)) => Arc::ptr_eq(a, b) && sense == other,
+            _ => false,
+        }
+    }
+}
+
+impl Scatter {
+    /// f in 1/sr: the density per area of direction cosines of light from `from` that is sent to
+    /// `to`, both of propagation. 0 beyond the air disc.
+    #[inline]
+    pub fn value(&self, from: Beta, to: Beta) -> f64 {
+        if from.squared() > 1.0 || to.squared() > 1.0 {
+            return 0.0;
+        }
+        match self {
+            Self::Ward(ward) => ward.value(from, to),
+            Self::Table(table, Sense::Forward) => table.value(from, to),
+            Self::Table(table, Sense::Reversed) => table.value(to, from),
+            Self::Table(table, Sense::Mean) => 0.5 * (table.value(from, to) + table.value(to, from)),
+        }
+    }
+
+    /// A direction for light from `from`, drawn with [`Self::pdf`] from four uniform numbers; `None`
+    /// where the proposal misses the air disc, and the light is lost. Its weight is value over pdf.
+    #[inline]
+    pub fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sampled> {
+        let beta = match self {
+            Self::Ward(ward) => ward.sample(from, [u[0], u[1]])?,
+            Self::Table(table, Sense::Forward) => table.sample(from, u, false),
+            Self::Table(table, Sense::Reversed) => table.sample(from, u, true),
+            Self::Table(table, Sense::Mean) if u[3] < 0.5 => {
+                table.sample(from, [u[0], u[1], u[2], 2.0 * u[3]], false)
+            }
+            Self::Table(table, Sense::Mean) => table.sample(from, [u[0], u[1], u[2], 2.0 * u[3] - 1.0], true),
+        };
+        let pdf = self.pdf(from, beta);
+        (pdf > 0.0).then_some(Sampled { beta, pdf })
+    }
+
+    /// The density of [`Self::sample`] per area of direction cosines; 0 beyond the air disc, over
+    /// which it integrates to one or less.
+    #[inline]
+    pub fn pdf(&self, from: Beta, to: Beta) -> f64 {
+        if from.squared() > 1.0 || to.squared() > 1.0 {
+            return 0.0;
+        }
+        match self {
+            Self::Ward(ward) => ward.pdf(from, to),
+            Self::Table(table, Sense::Forward) => table.pdf(from, to, false),
+            Self::Table(table, Sense::Reversed) => table.pdf(from, to, true),
+            Self::Table(table, Sense::Mean) => 0.5 * (table.pdf(from, to, false) + table.pdf(from, to, true)),
+        }
+    }
+
+    /// The share of light that arrives with this `|beta|`, 0 to 1, that is sent on: the integral
+    /// of [`Self::value`] over the air disc, within about 1e-4.
+    #[inline]
+    pub fn total(&self, from_length: f64) -> f64 {
+        match self {
+            Self::Ward(ward) => ward.total(from_length),
+            Self::Table(table, Sense::Forward) => table.total(from_length, false),
+            Self::Table(table, Sense::Reversed) => table.total(from_length, true),
+            Self::Table(table, Sense::Mean) => {
+                0.5 * (table.total(from_length, false) + table.total(from_length, true))
+            }
+        }
+    }
+
+    /// The distance in direction cosines over which the kernel changes, about its peak: that of
+    /// a k-correlation lobe of this width.
+    pub fn width(&self) -> f64 {
+        match self {
+            Self::Ward(ward) => ward.width(),
+            Self::Table(table, _) => table.width(),
+        }
+    }
+
+    /// The kernel of light that retraces its ways: `reversed.value(a, b) = value(b, a)`.
+    pub fn reversed(&self) -> Self {
+        match self {
+            Self::Ward(ward) => Self::Ward(Arc::clone(ward)),
+            Self::Table(table, sense) => {
+                let sense = match sense {
+                    Sense::Forward => Sense::Reversed,
+                    Sense::Reversed => Sense::Forward,
+                    Sense::Mean => Sense::Mean,
+                };
+                Self::Table(Arc::clone(table), sense)
+            }
+        }
+    }
+
+    /// The mean of this kernel and its reverse.
+    pub fn reciprocal(&self) -> Self {
+        match self {
+            Self::Ward(ward) => Self::Ward(Arc::clone(ward)),
+            Self::Table(table, _) => Self::Table(Arc::clone(table), Sense::Mean),
+        }
+    }
+
+    /// True if no direction of either light makes a difference: value is the same both ways.
+    pub fn is_reciprocal(&self) -> bool {
+        matches!(self, Self::Ward(_) | Self::Table(_, Sense::Mean))
+    }
+}

@@ -1,0 +1,179 @@
+//! Directions drawn from a kernel on a working grid, exactly by the density that it says.
+//!
+//! Between nodes the density times the distance from the specular direction is bilinear; the
+//! distance is drawn by its marginal, the azimuth given that, both by inverting their cumulative
+//! sums. Between two incidences one of the two is drawn. A small share of directions is drawn
+//! evenly from the air disc, so that no weight is without bound.
+
+use std::f64::consts::PI;
+
+use papilio_sampling::warp;
+
+use super::axis::Axis;
+use super::totals::turned;
+use crate::Beta;
+
+/// The share of directions that is drawn evenly.
+const EVEN: f64 = 1.0 / 64.0;
+
+/// A density of directions for each incidence.
+#[derive(Debug, Clone)]
+pub(super) struct Proposal {
+    incidence: Axis,
+    radial: Axis,
+    azimuth: Axis,
+    /// The kernel times the distance, `[incidence][radial][azimuth]`.
+    density: Vec<f64>,
+    /// Its integral over azimuth up to each node.
+    around: Vec<f64>,
+    /// The integral of the whole over distance up to each node, `[incidence][radial]`.
+    outward: Vec<f64>,
+}
+
+impl Proposal {
+    /// Of a kernel, on working nodes; light that it sends well beyond the air disc is left out.
+    pub(super) fn new(axes: [&[f64]; 3], value: impl Fn(Beta, Beta) -> f64) -> Self {
+        let [incidence, radial, azimuth] = axes.map(|nodes| Axis::mirrored(nodes.to_vec()));
+        let mut density = Vec::with_capacity(axes.iter().map(|axis| axis.len()).product());
+        let reach = |nodes: &[f64], i: usize| {
+            let last = nodes.len() - 1;
+            [i.max(1) - 1, i, (i + 1).min(last)].map(|i| nodes[i])
+        };
+        for &length in axes[0] {
+            for (k, &r) in axes[1].iter().enumerate() {
+                for (j, &angle) in axes[2].iter().enumerate() {
+                    // A node counts if a cell that it ends has a corner on the disc.
+                    let near = reach(axes[1], k).into_iter().any(|r| {
+                        reach(axes[2], j).into_iter().any(|a| turned(length, r, a)[1].squared() <= 1.0)
+                    });
+                    let [from, to] = turned(length, r, angle);
+                    density.push(if near { r * value(from, to) } else { 0.0 });
+                }
+            }
+        }
+        let mut all = Self { incidence, radial, azimuth, density, around: Vec::new(), outward: Vec::new() };
+        all.integrate();
+        all
+    }
+
+    fn integrate(&mut self) {
+        let azimuths = self.azimuth.nodes();
+        for row in self.density.chunks_exact(azimuths.len()) {
+            self.around.extend(cumulative(azimuths, row.iter().copied()));
+        }
+        let distances = self.radial.nodes();
+        for plane in self.around.chunks_exact(azimuths.len() * distances.len()) {
+            let rows = plane.chunks_exact(azimuths.len()).map(|row| row[row.len() - 1]);
+            self.outward.extend(cumulative(distances, rows));
+        }
+    }
+
+    /// Drawn for light from `from`; may lie beyond the air disc.
+    pub(super) fn sample(&self, from: Beta, u: [f64; 4]) -> Beta {
+        let even = |u: [f64; 2]| {
+            let (x, y) = warp::uniform_disc(1.0, u);
+            Beta { x, y }
+        };
+        if u[3] < EVEN {
+            return even([u[1], u[2]]);
+        }
+        let length = from.length();
+        let place = self.incidence.place(length);
+        let (incidence, mut side) = if u[0] < place.t {
+            (place.cell + 1, u[0] / place.t)
+        } else {
+            (place.cell, (u[0] - place.t) / (1.0 - place.t))
+        };
+        if self.whole(incidence) <= 0.0 {
+            return even([u[1], u[2]]);
+        }
+        side -= 0.5;
+        let (distance, azimuth) = self.draw(incidence, [u[1], u[2]]);
+        let (sin, cos) = azimuth.sin_cos();
+        let (along, across) = (distance * cos, distance * sin.copysign(side));
+        // The frame of the incidence; along the normal any will do.
+        let (x, y) = if length > 0.0 { (from.x / length, from.y / length) } else { (1.0, 0.0) };
+        from + Beta { x: along * x - across * y, y: along * y + across * x }
+    }
+
+    fn draw(&self, incidence: usize, u: [f64; 2]) -> (f64, f64) {
+        let (distances, azimuths) = (self.radial.nodes(), self.azimuth.nodes());
+        let outward = &self.outward[incidence * distances.len()..][..distances.len()];
+        let row = |k: usize| (incidence * distances.len() + k) * azimuths.len();
+        let around = |k: usize, j: usize| self.around[row(k) + j];
+        let last = azimuths.len() - 1;
+        let (k, share) = find(|k| outward[k], distances.len(), u[0]);
+        let t = linear(around(k, last), around(k + 1, last), share);
+        let distance = distances[k] + t * (distances[k + 1] - distances[k]);
+        let at = |values: &[f64], j: usize| {
+            let [near, far] = [values[row(k) + j], values[row(k + 1) + j]];
+            near + t * (far - near)
+        };
+        let (j, share) = find(|j| at(&self.around, j), azimuths.len(), u[1]);
+        let t = linear(at(&self.density, j), at(&self.density, j + 1), share);
+        (distance, azimuths[j] + t * (azimuths[j + 1] - azimuths[j]))
+    }
+
+    /// The integral over half the plane at an incidence.
+    fn whole(&self, incidence: usize) -> f64 {
+        let distances = self.radial.nodes().len();
+        self.outward[incidence * distances + distances - 1]
+    }
+
+    /// The density of [`Self::sample`] at a distance and azimuth, on the air disc.
+    #[inline]
+    pub(super) fn pdf(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
+        let i = self.incidence.place(length);
+        // The density is finite at the peak: it is the limit.
+        let distance = distance.max(1e-9);
+        let (k, j) = (self.radial.place(distance), self.azimuth.place(azimuth));
+        let (distances, azimuths) = (self.radial.nodes().len(), self.azimuth.nodes().len());
+        let of = |incidence: usize| {
+            let whole = self.whole(incidence);
+            if whole <= 0.0 {
+                return 1.0 / PI;
+            }
+            if distance > self.radial.last() {
+                return 0.0;
+            }
+            let at = (incidence * distances + k.cell) * azimuths + j.cell;
+            let along = |at: usize| self.density[at] + j.t * (self.density[at + 1] - self.density[at]);
+            let [near, far] = [along(at), along(at + azimuths)];
+            (near + k.t * (far - near)) / (2.0 * whole * distance)
+        };
+        let drawn = (1.0 - i.t) * of(i.cell) + i.t * of(i.cell + 1);
+        EVEN / PI + (1.0 - EVEN) * drawn
+    }
+}
+
+/// Integrals up to each node of what is linear between them.
+fn cumulative(nodes: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut before = None;
+    let one = |(node, value): (&f64, f64)| {
+        if let Some((start, first)) = before.replace((*node, value)) {
+            sum += 0.5 * (first + value) * (node - start);
+        }
+        sum
+    };
+    nodes.iter().zip(values).map(one).collect()
+}
+
+/// The cell of ascending sums in which a share `u` of the last is reached, and how far in it.
+fn find(sums: impl Fn(usize) -> f64, count: usize, u: f64) -> (usize, f64) {
+    let wanted = u * sums(count - 1);
+    let (mut low, mut high) = (0, count - 1);
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        if sums(middle) <= wanted { low = middle } else { high = middle }
+    }
+    let (start, end) = (sums(low), sums(low + 1));
+    let share = if end > start { (wanted - start) / (end - start) } else { 0.5 };
+    (low, share.clamp(0.0, 1.0))
+}
+
+/// Where a density that goes linearly from a to b over 0 to 1 has this share before it.
+fn linear(a: f64, b: f64, share: f64) -> f64 {
+    let below = a + (a * a + share * (b * b - a * a)).max(0.0).sqrt();
+    if below > 0.0 { (share * (a + b) / below).min(1.0) } else { share }
+}

@@ -1,0 +1,189 @@
+//! A kernel given by numbers: a measured BTDF or BRDF.
+//!
+//! **Coordinates.** `|beta|` of the incidence (the sine of its angle in air), and the scattered
+//! direction about the specular one: distance and azimuth of `beta_out - beta_in`, both of
+//! propagation, azimuth 0 away from the normal, pi towards it. So the peak moves with the
+//! incidence, where a table of plain directions would show it twice in between; and a lobe that
+//! depends on that difference alone (k-correlation) is the same at all incidences.
+//!
+//! **Between the numbers** the kernel is cubic in its logarithm, along diameters through the
+//! peak and over azimuth and incidence, and does not overshoot ([`smooth`](super::smooth)). A
+//! k-correlation lobe on a grid as coarse as its width b keeps its values within a few per cent
+//! and its integral within one.
+//!
+//! **At the edges.** Before the first and beyond the last incidence their values hold; beyond the
+//! last distance nothing is sent. Along the normal, and at the peak, the mean over azimuth
+//! counts: an isotropic sample has no azimuth there.
+//!
+//! **Sampling.** [`sample`](super::Scatter::sample) draws from a working table that is bilinear
+//! between finer nodes: what is drawn follows `pdf` exactly, and value over pdf is the total,
+//! within some per cent.
+
+use std::f64::consts::PI;
+
+use super::axis::Axis;
+use super::proposal::Proposal;
+use super::smooth::Smooth;
+use super::totals::{Totals, integral, turned};
+use crate::{Beta, OpticsError};
+
+/// A kernel by its numbers.
+#[derive(Debug, Clone)]
+pub struct Table {
+    smooth: Smooth,
+    /// Forward, and for light that retraces its ways.
+    proposals: [Proposal; 2],
+    totals: [Totals; 2],
+    width: f64,
+}
+
+/// Working incidences, distances and azimuths are no farther apart.
+const WORKING_INCIDENCE: f64 = 0.1;
+const WORKING_AZIMUTH: f64 = PI / 18.0;
+/// Distances are halved while the working table has fewer cells.
+const WORKING_CELLS: usize = 60_000;
+
+impl Table {
+    /// From f in 1/sr in `[incidence][azimuth][radial]` order, at ascending `|beta|` of incidence
+    /// (0 to 1), azimuths (radians, from 0 to pi, or one for all) and distances (0 to 2).
+    ///
+    /// # Errors
+    /// An axis that does not ascend or leaves its range; a value that is negative or not finite;
+    /// a wrong number of values.
+    pub fn new(
+        incidence: &[f64],
+        radial: &[f64],
+        azimuth: &[f64],
+        values: &[f64],
+    ) -> Result<Self, OpticsError> {
+        ascending("|beta| of incidence", incidence, 1.0, 1)?;
+        ascending("distances", radial, 2.0, 2)?;
+        ascending("azimuths", azimuth, PI, 1)?;
+        if let [first, .., last] = azimuth
+            && (*first > 1e-9 || *last < PI - 1e-9)
+        {
+            return Err(OpticsError::Axis { what: "azimuths", expected: "numbers from 0 to pi" });
+        }
+        let expected = incidence.len() * azimuth.len() * radial.len();
+        if values.len() != expected {
+            return Err(OpticsError::Length { what: "densities", expected, found: values.len() });
+        }
+        if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+            return Err(OpticsError::Density { at, value: values[at] });
+        }
+        Ok(Self::of(Smooth::new(incidence, radial, azimuth, values)))
+    }
+
+    fn of(smooth: Smooth) -> Self {
+        let forward = |from, to| raw(&smooth, from, to);
+        let reversed = |from, to| raw(&smooth, to, from);
+        let incidence = finer(smooth.incidence.nodes(), 1.0, WORKING_INCIDENCE);
+        let azimuth = finer(smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
+        let mut radial = smooth.radial.nodes().to_vec();
+        while 2 * radial.len() * azimuth.len() * incidence.len() < WORKING_CELLS {
+            radial = halved(&radial);
+        }
+        let axes = [&incidence[..], &radial, &azimuth];
+        let (distances, angles) = (Axis::mirrored(radial.clone()), Axis::mirrored(azimuth.clone()));
+        let proposals = [Proposal::new(axes, forward), Proposal::new(axes, reversed)];
+        let total = |value: &dyn Fn(Beta, Beta) -> f64| {
+            Totals::new(|length| {
+                integral(&distances, &angles, length, |distance, angle| {
+                    let [from, to] = turned(length, distance, angle);
+                    value(from, to)
+                })
+            })
+        };
+        let totals = [total(&forward), total(&reversed)];
+        let width = width(&smooth);
+        Self { smooth, proposals, totals, width }
+    }
+
+    #[inline]
+    pub(super) fn value(&self, from: Beta, to: Beta) -> f64 {
+        raw(&self.smooth, from, to)
+    }
+
+    #[inline]
+    pub(super) fn sample(&self, from: Beta, u: [f64; 4], reversed: bool) -> Beta {
+        self.proposals[usize::from(reversed)].sample(from, u)
+    }
+
+    #[inline]
+    pub(super) fn pdf(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
+        let (length, distance, azimuth) = place(from, to);
+        self.proposals[usize::from(reversed)].pdf(length, distance, azimuth)
+    }
+
+    #[inline]
+    pub(super) fn total(&self, length: f64, reversed: bool) -> f64 {
+        self.totals[usize::from(reversed)].at(length)
+    }
+
+    pub(super) fn width(&self) -> f64 {
+        self.width
+    }
+}
+
+/// The kernel with nothing said of the air disc.
+#[inline]
+fn raw(smooth: &Smooth, from: Beta, to: Beta) -> f64 {
+    let (length, distance, azimuth) = place(from, to);
+    smooth.value(length, distance, azimuth)
+}
+
+/// `|beta|` of incidence, then distance and azimuth of the way to `to`.
+#[inline]
+fn place(from: Beta, to: Beta) -> (f64, f64, f64) {
+    let way = to - from;
+    let along = way.x * from.x + way.y * from.y;
+    let across = way.y * from.x - way.x * from.y;
+    (from.length(), way.length(), across.abs().atan2(along))
+}
+
+/// The least width of a k-correlation lobe that falls to a half of its peak where this kernel
+/// does at some incidence and azimuth.
+fn width(smooth: &Smooth) -> f64 {
+    // Of a lobe of width 1.
+    let half_of_lobe = (2.0_f64.powf(2.0 / 3.0) - 1.0).sqrt();
+    let mut least = f64::INFINITY;
+    for &incidence in smooth.incidence.nodes() {
+        for &azimuth in smooth.azimuth.nodes() {
+            let peak = smooth.value(incidence, 0.0, azimuth);
+            let below = |r: f64| smooth.value(incidence, r, azimuth) < 0.5 * peak;
+            let Some(node) = smooth.radial.nodes().iter().position(|r| below(*r)) else { continue };
+            let (mut low, mut high) = (smooth.radial.nodes()[node.max(1) - 1], smooth.radial.nodes()[node]);
+            for _ in 0..30 {
+                let middle = 0.5 * (low + high);
+                if below(middle) { high = middle } else { low = middle }
+            }
+            least = least.min(high / half_of_lobe);
+        }
+    }
+    least.clamp(1e-3, 1.0)
+}
+
+/// Nodes and as many between them, up to `end`, that none are farther apart than `step`.
+fn finer(nodes: &[f64], end: f64, step: f64) -> Vec<f64> {
+    let mut all = vec![nodes[0]];
+    let ends = nodes[1..].iter().copied().chain((nodes[nodes.len() - 1] < end).then_some(end));
+    for node in ends {
+        let start = all[all.len() - 1];
+        let parts = ((node - start) / step - 1e-9).ceil().max(1.0);
+        all.extend((1..=parts as usize).map(|part| start + (node - start) * part as f64 / parts));
+    }
+    all
+}
+
+fn halved(nodes: &[f64]) -> Vec<f64> {
+    let mut all: Vec<f64> = nodes.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect();
+    all.extend(nodes.last());
+    all
+}
+
+fn ascending(what: &'static str, nodes: &[f64], last: f64, least: usize) -> Result<(), OpticsError> {
+    let good = nodes.len() >= least
+        && nodes.windows(2).all(|pair| pair[1] > pair[0])
+        && nodes.iter().all(|node| (0.0..=last + 1e-9).contains(node));
+    if good { Ok(()) } else { Err(OpticsError::Axis { what, expected: "ascending numbers in their range" }) }
+}

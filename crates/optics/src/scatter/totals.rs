@@ -1,0 +1,87 @@
+//! The share of light that a kernel sends into the air disc, by incidence.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::axis::Axis;
+use crate::Beta;
+
+/// Integrals over the air disc at evenly spaced angles of incidence.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Totals {
+    values: Vec<f64>,
+}
+
+const STEPS: usize = 36;
+
+impl Totals {
+    /// Of a function of `|beta|` that is the integral.
+    pub(super) fn new(integral: impl Fn(f64) -> f64) -> Self {
+        let at = |step: usize| integral((FRAC_PI_2 * step as f64 / STEPS as f64).sin());
+        Self { values: (0..=STEPS).map(at).collect() }
+    }
+
+    /// At `|beta|`, 0 to 1.
+    #[inline]
+    pub(super) fn at(&self, length: f64) -> f64 {
+        let x = length.min(1.0).asin() / FRAC_PI_2 * STEPS as f64;
+        let first = (x as usize).saturating_sub(1).min(STEPS - 3);
+        let s = x - first as f64;
+        // Lagrange's four points.
+        let weights = [
+            -(s - 1.0) * (s - 2.0) * (s - 3.0) / 6.0,
+            s * (s - 2.0) * (s - 3.0) / 2.0,
+            -s * (s - 1.0) * (s - 3.0) / 2.0,
+            s * (s - 1.0) * (s - 2.0) / 6.0,
+        ];
+        let sum: f64 = weights.iter().zip(&self.values[first..]).map(|(w, v)| w * v).sum();
+        sum.max(0.0)
+    }
+}
+
+/// The integral over the air disc of a function of distance and azimuth about `|beta| = length`
+/// that is smooth between these nodes.
+pub(super) fn integral(radial: &Axis, azimuth: &Axis, length: f64, value: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut radii = radial.nodes().to_vec();
+    // Where the rim of the disc begins and ends to cut circles, the integrand has a square root.
+    let rims = [1.0 - length, 1.0 + length].into_iter();
+    let graded =
+        rims.flat_map(|r| [0.0, 0.001, 0.004, 0.016, 0.064].into_iter().flat_map(move |d| [r - d, r + d]));
+    radii.extend(graded.filter(|r| (0.0..radial.last()).contains(r)));
+    radii.sort_by(f64::total_cmp);
+    let cells = radii.len() * azimuth.nodes().len();
+    let points = if cells < 1000 { 3 } else { 2 };
+    let mut sum = 0.0;
+    for pair in radii.windows(2).filter(|pair| pair[1] > pair[0]) {
+        for (r, weight) in gauss(pair[0], pair[1], points) {
+            // Light beyond this azimuth stays within the disc.
+            let cosine = (1.0 - length * length - r * r) / (2.0 * length * r).max(1e-300);
+            if cosine <= -1.0 {
+                continue;
+            }
+            let from = cosine.min(1.0).acos();
+            for turn in azimuth.nodes().windows(2).filter(|turn| turn[1] > from) {
+                for (angle, part) in gauss(turn[0].max(from), turn[1], points) {
+                    sum += 2.0 * r * weight * part * value(r, angle);
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Gauss and Legendre's two or three points.
+fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = (f64, f64)> {
+    const TWO: &[(f64, f64)] = &[(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+    const THREE: &[(f64, f64)] =
+        &[(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let rule = if points == 2 { TWO } else { THREE };
+    rule.iter().map(move |(x, weight)| (middle + half * x, half * weight))
+}
+
+/// Light at `|beta| = length` along x that is turned by a distance at an azimuth about it.
+pub(super) fn turned(length: f64, distance: f64, azimuth: f64) -> [Beta; 2] {
+    debug_assert!((-1e-9..=PI + 1e-9).contains(&azimuth));
+    let (sin, cos) = azimuth.sin_cos();
+    [Beta { x: length, y: 0.0 }, Beta { x: length + distance * cos, y: distance * sin }]
+}
