@@ -4,6 +4,7 @@ use std::fmt;
 
 use papilio_spectra::SpectraError;
 
+use crate::bsdf::BsdfProblem;
 use crate::place::{Place, Remark};
 
 /// A file that cannot be used: what is wrong, and where in it.
@@ -145,9 +146,18 @@ pub enum Problem {
     /// No entry gives the refractive index.
     #[error("no `DATA` entry gives the refractive index n")]
     NoIndex,
+    /// Something about a BSDF.
+    #[error(transparent)]
+    Bsdf(Box<BsdfProblem>),
     /// The table or formula makes no sense as optical data.
     #[error(transparent)]
     Spectra(#[from] SpectraError),
+}
+
+impl From<BsdfProblem> for Problem {
+    fn from(problem: BsdfProblem) -> Self {
+        Self::Bsdf(Box::new(problem))
+    }
 }
 
 /// What [`is_name`](crate::is_name) takes.
@@ -160,6 +170,7 @@ impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<&'static str> {
         Some(match self {
+            Self::Bsdf(problem) => return problem.expected(),
             Self::TooFew { .. } => "expected at least two wavelengths",
             Self::BadName => GOOD_NAME,
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
@@ -178,6 +189,7 @@ impl Problem {
     /// What to do about it.
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
+            Self::Bsdf(problem) => return problem.hint(),
             Self::NotUtf8 => "save it as plain text in UTF-8",
             Self::Columns { count, found, .. } if found < count => {
                 "separate the columns with commas, semicolons, tabs or blanks"

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::error::{FormatError, Problem};
 use crate::place::Place;
 
-/// No input file may be larger, in bytes.
+/// No input file may be larger, in bytes, save for those of measured scattering.
 pub const LARGEST_FILE: u64 = 64 << 20;
 
 /// A file of the user's, read into memory.
@@ -25,6 +25,14 @@ impl DataFile {
     /// # Errors
     /// If it cannot be read or holds more than [`LARGEST_FILE`] bytes.
     pub fn open(path: &Path, name: &str) -> Result<Self, FormatError> {
+        Self::open_within(path, name, LARGEST_FILE)
+    }
+
+    /// As [`DataFile::open`], for a file of `limit` bytes at most.
+    ///
+    /// # Errors
+    /// If it cannot be read or is larger.
+    pub fn open_within(path: &Path, name: &str, limit: u64) -> Result<Self, FormatError> {
         let error = |problem| FormatError { place: Place::whole(name), problem };
         let unreadable = |e: io::Error| error(Problem::Unreadable { reason: in_words(&e) });
         // Looked at before it is opened: opening a pipe waits for its other end.
@@ -34,9 +42,9 @@ impl DataFile {
         }
         let file = File::open(path).map_err(unreadable)?;
         let mut bytes = Vec::new();
-        file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-        if bytes.len() as u64 > LARGEST_FILE {
-            return Err(error(Problem::TooLarge { bytes: kind.len(), limit: LARGEST_FILE }));
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(unreadable)?;
+        if bytes.len() as u64 > limit {
+            return Err(error(Problem::TooLarge { bytes: kind.len(), limit }));
         }
         Ok(Self { name: name.to_owned(), bytes })
     }

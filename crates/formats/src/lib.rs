@@ -6,6 +6,7 @@
 //! | [`read_shares`], [`read_light`] | the same, with the range of shares, or of a light |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//! | [`read_bsdf`] | measured scattering in any of many formats (told apart by content) |
 //!
 //! | out | to |
 //! |---|---|
@@ -13,14 +14,16 @@
 //! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; what they are: [`ConeFile`] with [`write_json`] |
+//! | [`AuditFile`] with [`write_json`] | what was found in a measurement |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
+//! | [`write_measurement`] | measured scattering as a [`BsdfFormat`] |
 //!
 //! A file is read whole, at most [`LARGEST_FILE`] bytes, as a [`DataFile`]; a
 //! [`FormatError`] names the file, line and column and prints as compilers do. A
 //! file is written whole or not at all by [`write_file`]. Numbers are written so
 //! that they read back as they were, bit for bit.
 //!
-//! **Out of scope**: BSDF files to read, light maps. Readers check what a
+//! **Out of scope**: light maps. Readers check what a
 //! file says, not what it is for: whether a spectrum covers a grid is the caller's question.
 //!
 //! ```
@@ -33,6 +36,7 @@
 //! # Ok::<(), papilio_formats::FormatError>(())
 //! ```
 
+mod audit;
 mod bsdf;
 mod cone;
 mod error;
@@ -47,7 +51,11 @@ mod result;
 mod rows;
 mod spectrum;
 
-pub use bsdf::{BsdfSource, write_bsdf};
+pub use audit::AuditFile;
+pub use bsdf::{
+    BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, Warned, WriteError, read_bsdf,
+    write_bsdf, write_measurement,
+};
 pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};

@@ -1,5 +1,7 @@
 //! A BSDF as a file holds it.
 
+use std::fmt;
+
 use crate::Geometry;
 
 /// A measured, simulated or computed BSDF.
@@ -44,6 +46,16 @@ impl Way {
     pub fn is_transmission(self) -> bool {
         matches!(self, Self::FrontTransmission | Self::BackTransmission)
     }
+
+    /// What it is called: `front transmission`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FrontReflection => "front reflection",
+            Self::FrontTransmission => "front transmission",
+            Self::BackTransmission => "back transmission",
+            Self::BackReflection => "back reflection",
+        }
+    }
 }
 
 /// What a value was weighted with over wavelength.
@@ -69,6 +81,24 @@ pub enum Channel {
     Wavelength(f64),
 }
 
+impl fmt::Display for Channel {
+    /// A name, or the wavelength's number in nm.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = match self {
+            Self::Monochrome => "monochrome",
+            Self::X => "X",
+            Self::Y => "Y",
+            Self::Z => "Z",
+            Self::Red => "red",
+            Self::Green => "green",
+            Self::Blue => "blue",
+            Self::Solar => "solar",
+            Self::Wavelength(nm) => return write!(f, "{nm}"),
+        };
+        f.write_str(name)
+    }
+}
+
 /// One way of light through, or off, a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
@@ -91,6 +121,17 @@ impl Part {
     pub fn channel(&self, channel: usize) -> &[f64] {
         let cells = self.geometry.cells();
         &self.values[channel * cells..][..cells]
+    }
+
+    /// The number of the luminous channel: Y, monochrome or green, or the wavelength closest to 555 nm.
+    pub fn luminous(&self) -> usize {
+        let off = |channel: &Channel| match channel {
+            Channel::Y | Channel::Monochrome | Channel::Green => 0.0,
+            Channel::Wavelength(nm) => (nm - 555.0).abs(),
+            _ => f64::INFINITY,
+        };
+        let channels = 0..self.channels.len();
+        channels.min_by(|a, b| off(&self.channels[*a]).total_cmp(&off(&self.channels[*b]))).unwrap_or(0)
     }
 
     /// Total integrated scatter as the file gives it, by number of channel, rotation and incidence.

@@ -47,6 +47,34 @@ impl Geometry {
             Self::Patches { incoming, outgoing } => patches(incoming) * patches(outgoing),
         }
     }
+
+    /// Where the middle of a cell lies: the directions of light and viewer; `None` if it is outside the
+    /// hemisphere.
+    pub fn directions(&self, cell: usize) -> Option<[Direction; 2]> {
+        match self {
+            Self::Specular(grid) => grid.directions(cell),
+            Self::Spherical(grid) => grid.directions(cell),
+            Self::Pairs(pairs) => pairs.get(cell).copied(),
+            Self::Patches { incoming, outgoing } => {
+                let count = patches(outgoing);
+                let light = patch_centre(incoming, cell.checked_div(count)?)?.specular();
+                Some([light, patch_centre(outgoing, cell % count)?])
+            }
+        }
+    }
+}
+
+/// The middle of a patch; the patch about the normal has the normal.
+fn patch_centre(rings: &[Ring], mut patch: usize) -> Option<Direction> {
+    for (k, ring) in rings.iter().enumerate() {
+        if patch < ring.patches {
+            let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
+            let theta_deg = if ring.patches == 1 { ring.from_deg } else { (ring.from_deg + to_deg) / 2.0 };
+            return Some(Direction::new(theta_deg, 360.0 * patch as f64 / ring.patches as f64));
+        }
+        patch -= ring.patches;
+    }
+    None
 }
 
 fn patches(rings: &[Ring]) -> usize {

@@ -1,9 +1,12 @@
 //! The grid of an imaging sphere: rings about the specular direction.
 //!
-//! Light comes from inclination `a` at azimuth 180 deg (rotated with the sample), so that its specular
+//! Light comes from inclination `a` at azimuth 180 deg, so that its specular
 //! direction is `s = (sin a, 0, cos a)`. A cell at radial distance `r` and azimuth `A` about it lies in
 //! `d = cos r s + sin r (cos A e0 + sin A e1)` with `e0 = (-cos a, 0, sin a)`, which points from `s`
 //! towards the normal, and `e1 = s x e0 = (0, -1, 0)`. Cells with `d.z < 0` are outside the hemisphere.
+//!
+//! A sample that was turned by `w` about its normal, counter-clockwise seen from the front, has seen all
+//! of it turned by `-w`: light from azimuth `180 - w`.
 
 use crate::Direction;
 
@@ -39,6 +42,21 @@ impl SpecularGrid {
             * self.incidences_deg.len()
             * self.azimuths_deg.len()
             * self.radials_deg.len()
+    }
+
+    /// Directions of light and viewer of a cell, in the coordinates of the sample; `None` outside the
+    /// hemisphere.
+    pub(crate) fn directions(&self, cell: usize) -> Option<[Direction; 2]> {
+        let (radials, azimuths) = (self.radials_deg.len(), self.azimuths_deg.len());
+        let radial = self.radials_deg.get(cell.checked_rem(radials)?)?;
+        let azimuth = self.azimuths_deg.get((cell / radials).checked_rem(azimuths)?)?;
+        let incidence = cell / radials / azimuths;
+        let incidences = self.incidences_deg.len();
+        let incidence_deg = *self.incidences_deg.get(incidence.checked_rem(incidences)?)?;
+        let rotation = self.rotations_deg.get(incidence / incidences)?;
+        let viewer = Self::direction(incidence_deg, *azimuth, *radial)?;
+        let light = Direction::new(incidence_deg, 180.0 - rotation);
+        Some([light, Direction::new(viewer.theta_deg, viewer.phi_deg - rotation)])
     }
 
     /// Where a cell lies, for light from azimuth 180 deg; `None` outside the hemisphere.

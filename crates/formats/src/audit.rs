@@ -1,0 +1,107 @@
+//! What `papilio diffuser inspect --json` prints.
+
+use papilio_goniometry::{Audit, Measurement, Part};
+use serde::Serialize;
+
+/// A measurement and what was found in it; angles in degrees, values in 1/sr, shares of 1.
+#[derive(Debug, Serialize)]
+pub struct AuditFile<'a> {
+    format: &'a str,
+    sample: &'a str,
+    source: &'a str,
+    media: [f64; 2],
+    remarks: &'a [String],
+    parts: Vec<PartFile>,
+}
+
+#[derive(Debug, Serialize)]
+struct PartFile {
+    way: &'static str,
+    cells: usize,
+    channels: Vec<ChannelFile>,
+}
+
+#[derive(Debug, Serialize)]
+struct ChannelFile {
+    channel: String,
+    cells_in_hemisphere: usize,
+    lit: usize,
+    holes: usize,
+    beam_holes: usize,
+    unmeasured: usize,
+    negative: usize,
+    dark_beyond_deg: f64,
+    noise: f64,
+    smallest: f64,
+    largest: f64,
+    asymmetry: f64,
+    reciprocity_rms: Option<f64>,
+    reciprocity_worst: Option<f64>,
+    haze: Option<f64>,
+    clarity: Option<f64>,
+    grid_error: f64,
+    incidences: Vec<IncidenceFile>,
+}
+
+#[derive(Debug, Serialize)]
+struct IncidenceFile {
+    theta_deg: f64,
+    tis: Option<f64>,
+    integral: f64,
+    integral_filled: f64,
+    grid_error: f64,
+    peak: f64,
+    half_widths_deg: [Option<f64>; 3],
+}
+
+impl<'a> AuditFile<'a> {
+    /// Of a measurement, and for each part the audits of its channels.
+    pub fn new(measurement: &'a Measurement, audits: &[(&Part, Vec<Audit>)]) -> Self {
+        let provenance = &measurement.provenance;
+        let part = |(part, audits): &(&Part, Vec<Audit>)| PartFile {
+            way: part.way.name(),
+            cells: part.geometry.cells(),
+            channels: part.channels.iter().zip(audits).map(|(name, audit)| channel(name.to_string(), audit)).collect(),
+        };
+        Self {
+            format: &provenance.format,
+            sample: &provenance.sample,
+            source: &provenance.source,
+            media: measurement.media,
+            remarks: &provenance.remarks,
+            parts: audits.iter().map(part).collect(),
+        }
+    }
+}
+
+fn channel(channel: String, audit: &Audit) -> ChannelFile {
+    let incidence = |found: &papilio_goniometry::Incidence| IncidenceFile {
+        theta_deg: found.theta_deg,
+        tis: found.tis,
+        integral: found.integral,
+        integral_filled: found.integral_filled,
+        grid_error: found.grid_error,
+        peak: found.peak,
+        half_widths_deg: found.half_widths_deg,
+    };
+    ChannelFile {
+        channel,
+        cells_in_hemisphere: audit.cells,
+        lit: audit.lit,
+        holes: audit.holes,
+        beam_holes: audit.beam_holes,
+        unmeasured: audit.unmeasured,
+        negative: audit.negative,
+        dark_beyond_deg: audit.dark_beyond_deg,
+        noise: audit.noise,
+        smallest: audit.range[0],
+        largest: audit.range[1],
+        asymmetry: audit.asymmetry,
+        reciprocity_rms: audit.reciprocity.map(|[rms, _]| rms),
+        reciprocity_worst: audit.reciprocity.map(|[_, worst]| worst),
+        haze: audit.haze,
+        clarity: audit.clarity,
+        grid_error: audit.grid_error(),
+        incidences: audit.incidences.iter().map(incidence).collect(),
+    }
+}

@@ -1,0 +1,65 @@
+//! Files of measured scattering, in and out. `docs/bsdf-files.md` describes each of them.
+//!
+//! A file is recognised by its content, never by its name. What a reader takes is bounded, so that no
+//! file can exhaust memory: memory grows with the size of the file, and beyond [`MOST_CELLS`] values it
+//! is refused.
+
+mod display;
+mod problem;
+mod radiant_read;
+mod radiant_write;
+mod table_read;
+mod table_write;
+mod text;
+mod write;
+
+pub use display::{BsdfSource, write_bsdf};
+pub use problem::BsdfProblem;
+pub use write::{BsdfFormat, WriteError, write_measurement};
+
+use papilio_goniometry::Measurement;
+
+use crate::error::FormatError;
+use crate::file::DataFile;
+use crate::place::Place;
+
+/// No file of measured scattering may be larger, in bytes: what to give [`DataFile::open_within`].
+pub const LARGEST_BSDF_FILE: u64 = 256 << 20;
+
+/// No measurement may have more values, all channels of a part together.
+pub const MOST_CELLS: usize = 50_000_000;
+
+/// No line of a text may be longer, in bytes.
+const LONGEST_LINE: usize = 1 << 20;
+
+/// A value, and what its user should know about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Warned<T> {
+    /// The value.
+    pub value: T,
+    /// Whole sentences without a final stop.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a BSDF in any format that is known.
+///
+/// # Errors
+/// With line and column where there are any: what is malformed, cut off, out of order, negative or too
+/// large, and a file that is none of the formats.
+///
+/// ```
+/// use papilio_formats::{DataFile, read_bsdf};
+/// let text = b"theta_i,phi_i,theta_o,phi_o,value\n0,0,0,0,0.3\n0,0,30,0,0.2\n";
+/// let read = read_bsdf(&DataFile { name: "a.csv".into(), bytes: text.to_vec() })?;
+/// assert_eq!(read.value.parts[0].values, [0.3, 0.2]);
+/// # Ok::<(), papilio_formats::FormatError>(())
+/// ```
+pub fn read_bsdf(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    if radiant_read::is_radiant(file) {
+        radiant_read::read(file)
+    } else if table_read::is_table(file) {
+        table_read::read(file)
+    } else {
+        Err(FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() })
+    }
+}

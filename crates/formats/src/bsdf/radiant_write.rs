@@ -1,0 +1,138 @@
+//! Writes the tabular BSDF of Radiant Imaging and Zemax.
+
+use std::io::Write;
+
+use papilio_goniometry::{Channel, Geometry, Measurement, Part, SpecularGrid, Symmetry, Way};
+
+use super::radiant_read::{AXES, NAME, block_name};
+use super::write::{Number, WriteError, lost_media, one_line};
+
+pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
+    let mut lost = Vec::new();
+    lost_media(measurement, &mut lost);
+    let part = choose_part(measurement, &mut lost)?;
+    let channels = choose_channels(part, &mut lost)?;
+    let Geometry::Specular(grid) = &part.geometry else {
+        return Err(WriteError::CannotHold {
+            format: NAME,
+            what: "cells that are no grid about the specular direction",
+        });
+    };
+    header(out, measurement, part, grid, channels.len())?;
+    for (name, channel) in channels {
+        writeln!(out, "\n{}\nDataBegin", block_name(name))?;
+        block(out, part, grid, channel)?;
+        writeln!(out, "DataEnd")?;
+    }
+    if part.values.iter().any(|value| value.is_nan()) {
+        lost.push("cells without a value are written as 0".to_owned());
+    }
+    if part.tis.is_empty() {
+        lost.push("TIS is written as 0: the measurement gives none".to_owned());
+    }
+    Ok(lost)
+}
+
+/// The one way that the file will hold.
+fn choose_part<'a>(measurement: &'a Measurement, lost: &mut Vec<String>) -> Result<&'a Part, WriteError> {
+    let order = [Way::FrontTransmission, Way::FrontReflection, Way::BackTransmission, Way::BackReflection];
+    let part = order.iter().find_map(|way| measurement.parts.iter().find(|part| part.way == *way));
+    let part = part.ok_or(WriteError::CannotHold { format: NAME, what: "a measurement without values" })?;
+    for other in measurement.parts.iter().filter(|other| other.way != part.way) {
+        lost.push(format!("{} is left out: the format holds one way of light", other.way.name()));
+    }
+    if matches!(part.way, Way::BackTransmission | Way::BackReflection) {
+        lost.push(format!("that it is {} is left out", part.way.name()));
+    }
+    Ok(part)
+}
+
+/// The channels that the file will hold: what they are called, and their numbers.
+fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, usize)>, WriteError> {
+    let at = |channel| part.channels.iter().position(|c| *c == channel).map(|k| (channel, k));
+    let xyz: Option<Vec<_>> = [Channel::X, Channel::Y, Channel::Z].into_iter().map(at).collect();
+    let chosen = xyz.or_else(|| Some(vec![single(part)?]));
+    let chosen = chosen.ok_or(WriteError::CannotHold { format: NAME, what: "a part without channels" })?;
+    for (k, channel) in part.channels.iter().enumerate() {
+        if !chosen.iter().any(|(_, number)| *number == k) {
+            lost.push(format!("the channel {channel} is left out"));
+        } else if chosen.len() == 1 && *channel != Channel::Monochrome {
+            lost.push(format!("that the values are of the channel {channel} is left out"));
+        }
+    }
+    Ok(chosen)
+}
+
+/// The channel nearest to a luminous one.
+fn single(part: &Part) -> Option<(Channel, usize)> {
+    let rank = |channel: &Channel| match channel {
+        Channel::Monochrome => 0.0,
+        Channel::Y => 1.0,
+        Channel::Green => 2.0,
+        Channel::Wavelength(nm) => 3.0 + (nm - 555.0).abs(),
+        _ => f64::INFINITY,
+    };
+    let channels = part.channels.iter().enumerate();
+    let best = channels.min_by(|(_, a), (_, b)| rank(a).total_cmp(&rank(b)))?;
+    Some((Channel::Monochrome, best.0))
+}
+
+fn header(
+    out: &mut dyn Write,
+    measurement: &Measurement,
+    part: &Part,
+    grid: &SpecularGrid,
+    channels: usize,
+) -> Result<(), WriteError> {
+    let provenance = &measurement.provenance;
+    if !provenance.sample.is_empty() {
+        writeln!(out, "# sample: {}", one_line(&provenance.sample))?;
+    }
+    for remark in &provenance.remarks {
+        writeln!(out, "# {}", one_line(remark))?;
+    }
+    let source = match one_line(&provenance.source) {
+        source if source.is_empty() => "Measured".to_owned(),
+        source => source,
+    };
+    let symmetry = match grid.symmetry {
+        Symmetry::Plane => "PlaneSymmetrical",
+        Symmetry::None if grid.rotations_deg.len() > 1 => "Asymmetrical4D",
+        Symmetry::None => "Asymmetrical",
+    };
+    let content = if channels == 1 { "Monochrome" } else { "XYZ" };
+    let scatter = if part.way.is_transmission() { "BTDF" } else { "BRDF" };
+    writeln!(
+        out,
+        "Source  {source}\nSymmetry  {symmetry}\nSpectralContent  {content}\nScatterType  {scatter}"
+    )?;
+    let axes = [&grid.rotations_deg, &grid.incidences_deg, &grid.azimuths_deg, &grid.radials_deg];
+    for ((keyword, ..), axis) in AXES.iter().zip(axes) {
+        writeln!(out, "{keyword}  {}", axis.len())?;
+        row(out, axis)?;
+    }
+    Ok(())
+}
+
+fn block(out: &mut dyn Write, part: &Part, grid: &SpecularGrid, channel: usize) -> Result<(), WriteError> {
+    let incidences = grid.rotations_deg.len() * grid.incidences_deg.len();
+    let radials = grid.radials_deg.len();
+    let rows = part.channel(channel).chunks(radials);
+    for (k, row_values) in rows.enumerate() {
+        if k % grid.azimuths_deg.len() == 0 {
+            let incidence = channel * incidences + k / grid.azimuths_deg.len();
+            writeln!(out, "TIS  {}", Number(part.tis.get(incidence).copied().unwrap_or(0.0)))?;
+        }
+        row(out, row_values)?;
+    }
+    Ok(())
+}
+
+/// Numbers on a line; what is none is 0.
+fn row(out: &mut dyn Write, values: &[f64]) -> Result<(), WriteError> {
+    for (k, value) in values.iter().enumerate() {
+        let value = if value.is_nan() { 0.0 } else { *value };
+        write!(out, "{}{}", if k == 0 { "" } else { "\t" }, Number(value))?;
+    }
+    Ok(writeln!(out)?)
+}

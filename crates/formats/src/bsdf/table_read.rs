@@ -1,0 +1,369 @@
+//! Reads a CSV of `theta_i,phi_i,theta_o,phi_o[,wavelength],value`.
+//!
+//! Without a column `way`, inclinations are from the front's normal to 180 deg: above 90 deg light
+//! comes from, or goes to, the back. Where the rows are all pairs of some axes they are a grid.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use papilio_goniometry::{Channel, Direction, Geometry, Measurement, Part, Provenance, SphericalGrid, Way};
+
+use super::text::{Lines, Text};
+use super::{BsdfProblem, MOST_CELLS, Warned};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+
+/// How the format is called.
+pub(super) const NAME: &str = "CSV";
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Column {
+    Way,
+    /// An angle: of the row's four.
+    Angle(usize),
+    Channel,
+    Value,
+}
+
+/// The angles' names.
+const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_o", "phi_o"];
+
+impl Column {
+    fn of_name(name: &str) -> Option<Self> {
+        let name = name.trim_matches('"').trim().to_ascii_lowercase();
+        let bare = name.strip_suffix("_deg").unwrap_or(&name);
+        Some(match bare {
+            "way" => Self::Way,
+            "wavelength" | "wavelength_nm" | "channel" => Self::Channel,
+            "value" | "bsdf" | "brdf" | "btdf" | "f" => Self::Value,
+            angle => Self::Angle(ANGLES.iter().position(|known| *known == angle)?),
+        })
+    }
+}
+
+/// How the lines are to be parted.
+struct Layout {
+    separator: Option<u8>,
+    columns: Vec<Column>,
+    has_header: bool,
+}
+
+pub(super) fn is_table(file: &DataFile) -> bool {
+    let text = Text::new(file);
+    Lines::new(text).next().ok().flatten().is_some_and(|line| Layout::of(text, line).is_some())
+}
+
+impl Layout {
+    /// What the first line says, or `None` if it cannot be the first line of such a table.
+    fn of(text: Text<'_>, line: Range<usize>) -> Option<Self> {
+        use Column::{Angle, Channel, Value};
+        let bytes = &text.bytes[line.clone()];
+        let separator = [b';', b',', b'\t'].into_iter().find(|s| bytes.contains(s));
+        let cells = cells(text, line, separator).take(20);
+        let words: Vec<String> = cells.map(|cell| text.quote(cell)).collect();
+        if words.iter().all(|word| word.parse::<f64>().is_ok()) {
+            let columns = match words.len() {
+                5 => vec![Angle(0), Angle(1), Angle(2), Angle(3), Value],
+                6 => vec![Angle(0), Angle(1), Angle(2), Angle(3), Channel, Value],
+                _ => return None,
+            };
+            return Some(Self { separator, columns, has_header: false });
+        }
+        let columns: Option<Vec<Column>> = words.iter().map(|word| Column::of_name(word)).collect();
+        let columns = columns.filter(|columns| {
+            let needed = [Angle(0), Angle(1), Angle(2), Angle(3), Value];
+            let twice = (1..columns.len()).any(|k| columns[..k].contains(&columns[k]));
+            !twice && needed.iter().all(|column| columns.contains(column))
+        })?;
+        Some(Self { separator, columns, has_header: true })
+    }
+}
+
+/// The cells of a line, without blanks around them.
+fn cells(text: Text<'_>, line: Range<usize>, separator: Option<u8>) -> impl Iterator<Item = Range<usize>> {
+    let bytes = text.bytes;
+    let blanks = move |range: Range<usize>| {
+        let cell = &bytes[range.clone()];
+        let start = range.end - cell.trim_ascii_start().len();
+        start..start + cell.trim_ascii().len()
+    };
+    let mut rest = Some(line);
+    std::iter::from_fn(move || {
+        let line = rest.clone()?;
+        let ends = |b: &u8| separator.map_or(b.is_ascii_whitespace(), |s| *b == s);
+        let end = bytes[line.clone()].iter().position(ends).map(|length| line.start + length);
+        let cell = blanks(line.start..end.unwrap_or(line.end));
+        rest = end.map(|end| match separator {
+            Some(_) => end + 1..line.end,
+            None => blanks(end..line.end),
+        });
+        Some(cell)
+    })
+}
+
+pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    let text = Text::new(file);
+    let mut lines = Lines::new(text);
+    let first = lines.expect("its first row")?;
+    let layout = Layout::of(text, first.clone()).ok_or_else(|| text.whole(BsdfProblem::Unknown))?;
+    let mut rows = Rows::default();
+    if !layout.has_header {
+        rows.take(text, &layout, first)?;
+    }
+    while let Some(line) = lines.next()? {
+        rows.take(text, &layout, line)?;
+    }
+    if rows.count == 0 {
+        return Err(text.ends("its first row"));
+    }
+    let channels = rows.channels.iter().filter_map(|channel| match channel {
+        Channel::Wavelength(nm) => Some(*nm),
+        _ => None,
+    });
+    if channels.clone().count() > 0 && channels.clone().all(|nm| nm < 30.0) {
+        return Err(text.whole(Problem::Micrometres));
+    }
+    let parts = rows.parts(text)?;
+    let provenance = provenance(lines.comments);
+    Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts }, warnings: Vec::new() })
+}
+
+fn provenance(comments: Vec<String>) -> Provenance {
+    let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
+    for comment in comments {
+        match comment.split_once(": ") {
+            Some(("sample", sample)) if provenance.sample.is_empty() => {
+                sample.clone_into(&mut provenance.sample)
+            }
+            Some(("source", source)) if provenance.source.is_empty() => {
+                source.clone_into(&mut provenance.source)
+            }
+            _ => provenance.remarks.push(comment),
+        }
+    }
+    provenance
+}
+
+/// All rows, sorted by way.
+#[derive(Default)]
+struct Rows {
+    count: usize,
+    channels: Vec<Channel>,
+    numbers: HashMap<u64, usize>,
+    ways: [Pairs; 4],
+}
+
+/// The rows of one way.
+#[derive(Default)]
+struct Pairs {
+    pairs: Vec<[f64; 4]>,
+    numbers: HashMap<[u64; 4], u32>,
+    /// Pair, channel, value and where the row begins.
+    entries: Vec<(u32, u32, f64, usize)>,
+}
+
+const WAYS: [Way; 4] =
+    [Way::FrontReflection, Way::FrontTransmission, Way::BackTransmission, Way::BackReflection];
+
+impl Rows {
+    fn take(&mut self, text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<(), FormatError> {
+        let mut angles = [0.0; 4];
+        let (mut way, mut channel, mut value) = (None, Channel::Monochrome, f64::NAN);
+        let mut found = 0;
+        let most = if layout.columns.contains(&Column::Way) { 90.0 } else { 180.0 };
+        for (cell, column) in cells(text, line.clone(), layout.separator).zip(&layout.columns) {
+            found += 1;
+            match *column {
+                Column::Angle(k) => angles[k] = angle(text, cell, k, most)?,
+                Column::Way => way = Some(way_of(text, cell)?),
+                Column::Channel => channel = channel_of(text, cell)?,
+                // A cell without a value was not measured.
+                Column::Value if cell.is_empty() => {}
+                Column::Value => value = text.value(cell)?,
+            }
+        }
+        let count = layout.columns.len();
+        let all = cells(text, line.clone(), layout.separator).take(count + 1).count();
+        if all != count || found != count {
+            let expected =
+                "expected theta_i,phi_i,theta_o,phi_o[,wavelength],value, or the columns of the header";
+            return Err(text.error(line, Problem::Columns { count, expected, found: all }));
+        }
+        let way = way.unwrap_or_else(|| unfold(&mut angles));
+        let channel = self.channel(text, &line, channel)?;
+        self.count += 1;
+        self.ways[way].take(angles, channel, value, line.start);
+        Ok(())
+    }
+
+    fn channel(&mut self, text: Text<'_>, line: &Range<usize>, channel: Channel) -> Result<u32, FormatError> {
+        let key = match channel {
+            Channel::Wavelength(nm) => nm.to_bits(),
+            named => NAMED.iter().position(|known| *known == named).unwrap_or(0) as u64,
+        };
+        let next = self.channels.len();
+        let number = *self.numbers.entry(key).or_insert(next);
+        if number == next {
+            self.channels.push(channel);
+        }
+        u32::try_from(number)
+            .map_err(|_| text.error(line.clone(), BsdfProblem::TooManyCells { limit: MOST_CELLS }))
+    }
+
+    fn parts(self, text: Text<'_>) -> Result<Vec<Part>, FormatError> {
+        let mut order: Vec<usize> = (0..self.channels.len()).collect();
+        if self.channels.iter().all(|channel| matches!(channel, Channel::Wavelength(_))) {
+            let nm = |k: usize| match self.channels[k] {
+                Channel::Wavelength(nm) => nm,
+                _ => 0.0,
+            };
+            order.sort_by(|&a, &b| nm(a).total_cmp(&nm(b)));
+        }
+        let mut parts = Vec::new();
+        for (pairs, way) in self.ways.into_iter().zip(WAYS) {
+            if !pairs.pairs.is_empty() {
+                parts.push(pairs.part(text, way, &self.channels, &order)?);
+            }
+        }
+        Ok(parts)
+    }
+}
+
+/// The channels that have names.
+const NAMED: [Channel; 8] = [
+    Channel::Monochrome,
+    Channel::X,
+    Channel::Y,
+    Channel::Z,
+    Channel::Red,
+    Channel::Green,
+    Channel::Blue,
+    Channel::Solar,
+];
+
+fn angle(text: Text<'_>, cell: Range<usize>, k: usize, most: f64) -> Result<f64, FormatError> {
+    let value = text.number(cell.clone())?;
+    let (least, most) = if k.is_multiple_of(2) { (0.0, most) } else { (-360.0, 720.0) };
+    if (least..=most).contains(&value) {
+        // A negative zero is a zero.
+        return Ok(value + 0.0);
+    }
+    let expected = match (k % 2, most) {
+        (0, 90.0) => "expected degrees from the normal of its side, 0 to 90",
+        (0, _) => "expected degrees from the front's normal, 0 to 180",
+        _ => "expected degrees, -360 to 720",
+    };
+    Err(text.error(cell, Problem::OutOfRange { what: ANGLES[k], value, expected }))
+}
+
+fn way_of(text: Text<'_>, cell: Range<usize>) -> Result<usize, FormatError> {
+    let word = text.quote(cell.clone());
+    WAYS.iter().position(|way| way.name() == word).ok_or_else(|| {
+        let expected =
+            "expected `front reflection`, `front transmission`, `back transmission` or `back reflection`";
+        text.error(cell, BsdfProblem::Unexpected { found: word, expected })
+    })
+}
+
+fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError> {
+    let word = text.quote(cell.clone());
+    if let Some(named) = NAMED.iter().find(|named| named.to_string().eq_ignore_ascii_case(&word)) {
+        return Ok(*named);
+    }
+    match text.number(cell.clone())? {
+        nm if nm > 0.0 => Ok(Channel::Wavelength(nm)),
+        value => {
+            let expected = "expected a wavelength in nm";
+            Err(text.error(cell, Problem::OutOfRange { what: "a wavelength", value, expected }))
+        }
+    }
+}
+
+/// The way of angles that are from the front's normal, made angles from their own sides' normals.
+fn unfold(angles: &mut [f64; 4]) -> usize {
+    let from_back = angles[0] > 90.0;
+    let to_back = angles[2] > 90.0;
+    for (k, back) in [(0, from_back), (2, to_back)] {
+        if back {
+            angles[k] = 180.0 - angles[k];
+        }
+    }
+    match (from_back, to_back) {
+        (false, false) => 0,
+        (false, true) => 1,
+        (true, false) => 2,
+        (true, true) => 3,
+    }
+}
+
+impl Pairs {
+    fn take(&mut self, angles: [f64; 4], channel: u32, value: f64, at: usize) {
+        let next = self.pairs.len() as u32;
+        let number = *self.numbers.entry(angles.map(f64::to_bits)).or_insert(next);
+        if number == next {
+            self.pairs.push(angles);
+        }
+        self.entries.push((number, channel, value, at));
+    }
+
+    fn part(
+        self,
+        text: Text<'_>,
+        way: Way,
+        channels: &[Channel],
+        order: &[usize],
+    ) -> Result<Part, FormatError> {
+        let present: Vec<usize> = {
+            let mut used = vec![false; channels.len()];
+            self.entries.iter().for_each(|entry| used[entry.1 as usize] = true);
+            order.iter().copied().filter(|&k| used[k]).collect()
+        };
+        let cells = self.pairs.len();
+        let all = cells.checked_mul(present.len()).filter(|all| *all <= MOST_CELLS);
+        let all = all.ok_or_else(|| text.whole(BsdfProblem::TooManyCells { limit: MOST_CELLS }))?;
+        if all > 4 * self.entries.len() + 1000 {
+            return Err(text.whole(BsdfProblem::Missing { what: "value for most pairs and wavelengths" }));
+        }
+        let (geometry, place) = self.geometry();
+        let mut place_of_channel = vec![0; channels.len()];
+        present.iter().enumerate().for_each(|(place, &k)| place_of_channel[k] = place);
+        let mut values = vec![f64::NAN; all];
+        let mut taken = vec![false; all];
+        for &(pair, channel, value, at) in &self.entries {
+            let cell = place_of_channel[channel as usize] * cells + place[pair as usize];
+            if std::mem::replace(&mut taken[cell], true) {
+                return Err(
+                    text.error(at..text.bytes.len(), BsdfProblem::Twice { what: "this pair".to_owned() })
+                );
+            }
+            values[cell] = value;
+        }
+        let channels = present.iter().map(|&k| channels[k]).collect();
+        Ok(Part { way, channels, geometry, values, tis: Vec::new() })
+    }
+
+    /// A grid if the pairs are one, and the cell of each pair.
+    fn geometry(&self) -> (Geometry, Vec<usize>) {
+        let axes: [Vec<f64>; 4] = std::array::from_fn(|k| {
+            let mut axis: Vec<f64> = self.pairs.iter().map(|pair| pair[k]).collect();
+            axis.sort_by(f64::total_cmp);
+            axis.dedup();
+            axis
+        });
+        let product = axes.iter().try_fold(1_usize, |cells, axis| cells.checked_mul(axis.len()));
+        if product != Some(self.pairs.len()) {
+            let pairs =
+                self.pairs.iter().map(|&[ti, pi, to, po]| [Direction::new(ti, pi), Direction::new(to, po)]);
+            return (Geometry::Pairs(pairs.collect()), (0..self.pairs.len()).collect());
+        }
+        let cell = |pair: &[f64; 4]| {
+            axes.iter().zip(pair).fold(0, |cell, (axis, angle)| {
+                cell * axis.len() + axis.partition_point(|other| other < angle)
+            })
+        };
+        let place = self.pairs.iter().map(cell).collect();
+        let [theta_i_deg, phi_i_deg, theta_o_deg, phi_o_deg] = axes;
+        (Geometry::Spherical(SphericalGrid { theta_i_deg, phi_i_deg, theta_o_deg, phi_o_deg }), place)
+    }
+}

@@ -1,0 +1,89 @@
+//! Writes a CSV: a row for each pair of directions and channel.
+
+use std::collections::HashSet;
+use std::io::Write;
+
+use papilio_goniometry::{Channel, Direction, Geometry, Measurement, Part, Symmetry};
+
+use super::write::{Number, WriteError, lost_media, one_line};
+
+pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
+    let mut lost = Vec::new();
+    lost_media(measurement, &mut lost);
+    let provenance = &measurement.provenance;
+    for (what, text) in [("sample", &provenance.sample), ("source", &provenance.source)] {
+        if !text.is_empty() {
+            writeln!(out, "# {what}: {}", one_line(text))?;
+        }
+    }
+    for remark in &provenance.remarks {
+        writeln!(out, "# {}", one_line(remark))?;
+    }
+    let monochrome = measurement.parts.iter().all(|part| part.channels == [Channel::Monochrome]);
+    let channel = if monochrome { "" } else { "channel," };
+    writeln!(out, "way,theta_i,phi_i,theta_o,phi_o,{channel}value")?;
+    for part in &measurement.parts {
+        if !part.tis.is_empty() {
+            lost.push(format!("TIS of {} is left out", part.way.name()));
+        }
+        write_part(out, part, monochrome, &mut lost)?;
+    }
+    Ok(lost)
+}
+
+fn write_part(
+    out: &mut dyn Write,
+    part: &Part,
+    monochrome: bool,
+    lost: &mut Vec<String>,
+) -> Result<(), WriteError> {
+    let rows = rows(&part.geometry);
+    if let Geometry::Specular(_) | Geometry::Patches { .. } = part.geometry {
+        lost.push("the grid is left out: its cells are written as pairs of directions".to_owned());
+    }
+    for (k, channel) in part.channels.iter().enumerate() {
+        let values = part.channel(k);
+        for (cell, [i, o]) in &rows {
+            let angles = [i.theta_deg, i.phi_deg, o.theta_deg, o.phi_deg].map(Number);
+            let [theta_i, phi_i, theta_o, phi_o] = angles;
+            write!(out, "{},{theta_i},{phi_i},{theta_o},{phi_o},", part.way.name())?;
+            if !monochrome {
+                write!(out, "{channel},")?;
+            }
+            match values[*cell] {
+                value if value.is_nan() => writeln!(out)?,
+                value => writeln!(out, "{}", Number(value))?,
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The cells that lie in the hemisphere, each direction once, and mirrored ones where they are implied.
+fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
+    let mirrored = matches!(geometry, Geometry::Specular(grid) if grid.symmetry == Symmetry::Plane);
+    let mut seen = HashSet::new();
+    let mut rows = Vec::new();
+    for cell in 0..geometry.cells() {
+        let Some(pair) = geometry.directions(cell) else { continue };
+        let [i, o] = pair;
+        let image = [i, Direction { phi_deg: 2.0 * i.phi_deg - o.phi_deg, ..o }];
+        let images = if mirrored { vec![pair, image] } else { vec![pair] };
+        // Only cells about a specular direction may coincide.
+        let may_coincide = matches!(geometry, Geometry::Specular(_));
+        rows.extend(
+            images
+                .into_iter()
+                .filter(|pair| !may_coincide || seen.insert(key(pair)))
+                .map(|pair| (cell, pair)),
+        );
+    }
+    rows
+}
+
+/// Directions that differ by rounding alone have one key.
+fn key([i, o]: &[Direction; 2]) -> [i64; 6] {
+    let vector = |d: &Direction| d.vector().map(|x| (x * 1e10).round() as i64);
+    let ([a, b, c], [d, e, f]) = (vector(i), vector(o));
+    [a, b, c, d, e, f]
+}

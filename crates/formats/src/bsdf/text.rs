@@ -1,0 +1,174 @@
+//! Lines and numbers of a text file, fast, with their places.
+
+use std::ops::Range;
+
+use super::{BsdfProblem, LONGEST_LINE};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::place::{Place, Spot};
+
+/// The bytes of a text. Comments and names may be in any encoding; what is read is ASCII.
+#[derive(Clone, Copy)]
+pub(super) struct Text<'a> {
+    name: &'a str,
+    pub(super) bytes: &'a [u8],
+}
+
+/// How much of a line is shown beyond the spot.
+const SHOWN_BEYOND: usize = 200;
+
+impl<'a> Text<'a> {
+    pub(super) fn new(file: &'a DataFile) -> Self {
+        let bytes = file.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&file.bytes);
+        Self { name: &file.name, bytes }
+    }
+
+    /// An error about the bytes `range`.
+    pub(super) fn error(&self, range: Range<usize>, problem: impl Into<Problem>) -> FormatError {
+        let start = range.start.min(self.bytes.len());
+        let line_start = self.bytes[..start].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        let rest = &self.bytes[start..];
+        let line_end = start + rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        let end = range.end.clamp(start, line_end);
+        let shown = &self.bytes[line_start..line_end.min(end + SHOWN_BEYOND)];
+        let characters = |range: Range<usize>| String::from_utf8_lossy(&self.bytes[range]).chars().count();
+        let spot = Spot {
+            line: count_lines(&self.bytes[..start]) + 1,
+            column: characters(line_start..start) + 1,
+            width: characters(start..end).max(1),
+            text: String::from_utf8_lossy(shown).trim_end().to_owned(),
+        };
+        FormatError { place: Place { name: self.name.to_owned(), spot: Some(spot) }, problem: problem.into() }
+    }
+
+    /// An error about the file as a whole.
+    pub(super) fn whole(&self, problem: impl Into<Problem>) -> FormatError {
+        FormatError { place: Place::whole(self.name), problem: problem.into() }
+    }
+
+    /// An error about its end.
+    pub(super) fn ends(&self, what: &'static str) -> FormatError {
+        let end = self.bytes.trim_ascii_end().len();
+        self.error(end..end, BsdfProblem::Ends { what })
+    }
+
+    /// A stretch of the text, as an error or a remark quotes it.
+    pub(super) fn quote(&self, range: Range<usize>) -> String {
+        const LONGEST: usize = 200;
+        let text = String::from_utf8_lossy(&self.bytes[range.start..range.end.min(range.start + LONGEST)]);
+        text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().trim().to_owned()
+    }
+
+    /// The finite number that stands there.
+    pub(super) fn number(&self, range: Range<usize>) -> Result<f64, FormatError> {
+        let parsed = std::str::from_utf8(&self.bytes[range.clone()]).ok().and_then(|text| text.parse().ok());
+        match parsed {
+            Some(value) if f64::is_finite(value) => Ok(value),
+            Some(_) => Err(self.error(range.clone(), Problem::NotFinite { found: self.quote(range) })),
+            None if range.is_empty() => Err(self.error(range, Problem::EmptyCell)),
+            None => Err(self.error(range.clone(), Problem::NotANumber { found: self.quote(range) })),
+        }
+    }
+
+    /// The value of a BSDF that stands there: a number of 0 or more.
+    pub(super) fn value(&self, range: Range<usize>) -> Result<f64, FormatError> {
+        match self.number(range.clone())? {
+            value if value >= 0.0 => Ok(value),
+            value => Err(self.error(
+                range,
+                Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" },
+            )),
+        }
+    }
+
+    /// The words of a line: what blanks, tabs and commas part.
+    pub(super) fn words(&self, line: Range<usize>) -> Words<'a> {
+        Words { bytes: self.bytes, at: line.start, end: line.end }
+    }
+
+    /// Whether a word is this one, in any case.
+    pub(super) fn is(&self, word: &Range<usize>, what: &str) -> bool {
+        self.bytes[word.clone()].eq_ignore_ascii_case(what.as_bytes())
+    }
+}
+
+fn count_lines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&b| b == b'\n').count()
+}
+
+/// The words of a line, one after another.
+pub(super) struct Words<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    end: usize,
+}
+
+impl Iterator for Words<'_> {
+    type Item = Range<usize>;
+
+    fn next(&mut self) -> Option<Range<usize>> {
+        let parts = |b: &u8| matches!(b, b' ' | b'\t' | b',' | b'\r' | 0x0B | 0x0C);
+        let line = &self.bytes[self.at..self.end];
+        let start = self.at + line.iter().position(|b| !parts(b))?;
+        let rest = &self.bytes[start..self.end];
+        let end = start + rest.iter().position(parts).unwrap_or(rest.len());
+        self.at = end;
+        Some(start..end)
+    }
+}
+
+/// Lines of a text; blank ones and comments are left out.
+pub(super) struct Lines<'a> {
+    pub(super) text: Text<'a>,
+    at: usize,
+    /// The comments so far, without their `#`.
+    pub(super) comments: Vec<String>,
+}
+
+/// No more comments than this are kept.
+const MOST_COMMENTS: usize = 200;
+
+impl<'a> Lines<'a> {
+    pub(super) fn new(text: Text<'a>) -> Self {
+        Self { text, at: 0, comments: Vec::new() }
+    }
+
+    /// The next line that says something, or `None` at the end.
+    pub(super) fn next(&mut self) -> Result<Option<Range<usize>>, FormatError> {
+        while self.at < self.text.bytes.len() {
+            let line = self.line()?;
+            let said = self.text.bytes[line.clone()].trim_ascii_start();
+            match said.first() {
+                None => {}
+                Some(b'#') => self.comment(line.end - said.len() + 1..line.end),
+                Some(_) => return Ok(Some(line.end - said.len()..line.end)),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next line that says something; it must be there.
+    pub(super) fn expect(&mut self, what: &'static str) -> Result<Range<usize>, FormatError> {
+        self.next()?.ok_or_else(|| self.text.ends(what))
+    }
+
+    fn line(&mut self) -> Result<Range<usize>, FormatError> {
+        let rest = &self.text.bytes[self.at..];
+        let length = rest.iter().take(LONGEST_LINE + 1).position(|&b| b == b'\n');
+        let length = length.unwrap_or(rest.len());
+        let line = self.at..self.at + length;
+        if length > LONGEST_LINE {
+            let problem = BsdfProblem::LongLine { limit: LONGEST_LINE };
+            return Err(self.text.error(line.start..line.start + 1, problem));
+        }
+        self.at = line.end + 1;
+        Ok(line.start..line.start + self.text.bytes[line].trim_ascii_end().len())
+    }
+
+    fn comment(&mut self, range: Range<usize>) {
+        let comment = self.text.quote(range);
+        if !comment.is_empty() && self.comments.len() < MOST_COMMENTS {
+            self.comments.push(comment);
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The tabular BSDF of Radiant and Zemax.
+
+use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
+use papilio_goniometry::{Channel, Geometry, Symmetry, Way};
+
+use super::{file, read, refused, refused_bsdf, value, written};
+
+const SMALL: &str = include_str!("small.txt");
+
+#[test]
+fn a_file_is_read_in_its_order() {
+    let measurement = read(SMALL);
+    let part = &measurement.parts[0];
+    assert_eq!(
+        (part.way, part.channels.as_slice()),
+        (Way::FrontTransmission, [Channel::Monochrome].as_slice())
+    );
+    assert_eq!(part.values, [3.0, 1.0, 3.0, 1.5, 3.0, 2.0, 4.0, 0.1, 4.0, 0.25, 4.0, 0.0]);
+    assert_eq!(part.tis, [0.5, 0.4]);
+    assert_eq!(measurement.provenance.source, "Measured");
+    assert_eq!(measurement.provenance.remarks, ["an example", "between"]);
+    let Geometry::Specular(grid) = &part.geometry else { panic!("{:?}", part.geometry) };
+    assert_eq!(grid.symmetry, Symmetry::Plane);
+    assert_eq!(read(SMALL.replace('\n', "\r\n")).parts, measurement.parts);
+}
+
+/// The worked direction of the format's description: incidence 30, radial 20, azimuth 90.
+#[test]
+fn a_cell_lies_where_the_format_says() {
+    let measurement = read(SMALL);
+    let part = &measurement.parts[0];
+    let cell = 6 + 2 + 1;
+    assert_eq!(value(part, 0, cell), 0.25);
+    let [light, viewer] = part.geometry.directions(cell).unwrap();
+    assert_eq!((light.theta_deg, light.phi_deg), (30.0, 180.0));
+    assert!((viewer.theta_deg - 35.531).abs() < 1e-3 && (viewer.phi_deg + 36.052).abs() < 1e-3);
+}
+
+fn xyz() -> String {
+    let (head, data) = SMALL.split_once("Monochrome\nDataBegin").unwrap();
+    let head = head.replace("Monochrome", "XYZ").replace("PlaneSymmetrical", "asymmetrical");
+    let blocks =
+        ["TristimulusX", "TristimulusY", "TristimulusZ"].map(|name| format!("{name}\nDataBegin{data}"));
+    format!("{head}{}", blocks.concat())
+}
+
+#[test]
+fn tristimulus_values_come_in_three_blocks() {
+    let read = read_bsdf(&file(xyz())).unwrap();
+    let part = &read.value.parts[0];
+    assert_eq!(part.channels, [Channel::X, Channel::Y, Channel::Z]);
+    assert_eq!((part.values.len(), part.tis.len()), (36, 6));
+    assert!(read.warnings[0].contains("ScatterAzimuth"), "{:?}", read.warnings);
+}
+
+#[test]
+fn what_is_written_reads_back_bit_for_bit() {
+    for text in
+        [SMALL.to_owned(), xyz(), SMALL.replace("BTDF", "BRDF").replace(".25", "3.3333333333333335e-7")]
+    {
+        let measurement = read(&text);
+        let (bytes, lost) = written(BsdfFormat::Radiant, &measurement);
+        assert_eq!((read(&bytes), lost), (measurement, Vec::new()));
+    }
+}
+
+#[test]
+fn what_is_wrong_has_its_line() {
+    let with = |from: &str, to: &str| SMALL.replacen(from, to, 1);
+    let at = |from, to| refused(with(from, to)).0;
+    let bsdf = |from, to| refused_bsdf(with(from, to));
+    let (place, problem) = refused(with(".25", "-0.25"));
+    assert_eq!(place, Some((23, 3)));
+    assert!(matches!(problem, Problem::OutOfRange { value: -0.25, .. }));
+    assert_eq!(refused(with(".25", "nan")), (Some((23, 3)), Problem::NotFinite { found: "nan".to_owned() }));
+    assert_eq!(refused(with(".25", "x")).1, Problem::NotANumber { found: "x".to_owned() });
+    assert_eq!(
+        bsdf("0\t90\t180", "0\t180\t90"),
+        (Some((11, 7)), BsdfProblem::Order { what: "ScatterAzimuth", value: 90.0, before: 180.0 })
+    );
+    assert_eq!(
+        bsdf("0\t90\t180", "0\t90"),
+        (Some((11, 1)), BsdfProblem::Count { what: "angles", found: 2, count: 3 })
+    );
+    assert_eq!(
+        bsdf("3 1.5", "3 1.5 2"),
+        (Some((19, 1)), BsdfProblem::Count { what: "values in this row", found: 3, count: 2 })
+    );
+    assert_eq!(at("3 1.5\n", ""), Some((20, 1)), "a row too few: TIS comes too early");
+    assert_eq!(at("3 1.5\n", "3 1.5\n3 1.5\n"), Some((21, 1)), "a row too many");
+    assert_eq!(at("TIS 0.4", "TIS 40"), Some((21, 5)));
+    assert_eq!(at("0 30", "0 95"), Some((9, 3)));
+    assert_eq!(at("BTDF", "BSSRDF"), Some((5, 14)));
+    assert_eq!(at("ScatterRadial  2", "ScatterRadial  1e300"), Some((12, 16)));
+    assert_eq!(bsdf("Symmetry  PlaneSymmetrical\n", "").1, BsdfProblem::Missing { what: "line `Symmetry`" });
+    assert_eq!(refused_bsdf(format!("{SMALL}1 2\n")).0, Some((26, 1)));
+    let cut = &SMALL[..SMALL.find("4 .25").unwrap()];
+    assert_eq!(refused_bsdf(cut), (Some((22, 7)), BsdfProblem::Ends { what: "all its rows are read" }));
+}
+
+#[test]
+fn no_file_claims_more_memory_than_it_has() {
+    let angles = |count: usize, step: f64| {
+        (0..count).map(|k| (k as f64 * step).to_string()).collect::<Vec<_>>().join(" ")
+    };
+    let axes = format!(
+        "Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nAngleOfIncidence 1000\n{}\n\
+         ScatterAzimuth 1000\n{}\nScatterRadial 1000\n{}\nMonochrome\nDataBegin\n",
+        angles(1000, 0.09),
+        angles(1000, 0.18),
+        angles(1000, 0.18)
+    );
+    assert!(matches!(refused_bsdf(axes).1, BsdfProblem::TooManyCells { .. }));
+    let long = SMALL.replace("Measured", &"x".repeat(2 << 20));
+    assert!(matches!(refused_bsdf(long), (Some((2, 1)), BsdfProblem::LongLine { .. })));
+}
