@@ -15,12 +15,20 @@
 
 mod audit;
 mod direction;
+mod error;
+mod fit;
 mod geometry;
 mod measurement;
+mod models;
 mod shape;
+mod two_instruments;
 
 pub use audit::{Audit, Incidence};
 pub use direction::Direction;
+pub use error::GoniometryError;
+pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, ranked};
 pub use geometry::{Geometry, Ring, SpecularGrid, SphericalGrid, Symmetry};
 pub use measurement::{Channel, Measurement, Part, Provenance, Way};
+pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape};
+pub use two_instruments::incidence_scale;

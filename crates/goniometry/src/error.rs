@@ -1,0 +1,36 @@
+//! Why measured scattering could not be worked on.
+
+/// What is wrong with measurements, or with a question about them.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GoniometryError {
+    /// A fit needs more cells with light than it has parameters.
+    #[error("{cells} cells hold a value; a fit of {parameters} parameters needs at least {} of them", parameters + crate::fit::SPARE_CELLS)]
+    TooFewCells {
+        /// Cells with a value.
+        cells: usize,
+        /// Parameters sought.
+        parameters: usize,
+    },
+    /// A number is out of its range.
+    #[error("{what} is {value} (expected {expected})")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// What was asked for needs a grid about the specular direction.
+    #[error("only parts on a specular-centred grid (imaging spheres) can be {0}")]
+    NotSpecular(&'static str),
+    /// A sample and a reference were not measured at the same directions.
+    #[error("sample and reference have different {0}: measure both on one grid")]
+    GridsDiffer(&'static str),
+    /// There is nothing in the reference that could calibrate a part of the sample.
+    #[error("the reference has no part for this way of light: {0:?}")]
+    NoReference(crate::Way),
+    /// A channel of the sample is missing in the reference.
+    #[error("the reference has no channel {0:?}")]
+    NoChannel(crate::Channel),
+}
