@@ -43,7 +43,7 @@ fn pixel() -> AngularTable {
         [on[0], on[1], on[2], 0.873 - on.iter().sum::<f64>()]
     });
     let mixture = mixture.collect();
-    AngularTable { nodes: Nodes::Cosines(33), basis, mixture, common: vec![0.0; BINS] }
+    AngularTable { nodes: Nodes::Cosines(33), basis: basis.into(), mixture, common: vec![0.0; BINS] }
 }
 
 fn panel(front_reflectance: f64) -> Stack {

@@ -7,6 +7,9 @@
 //! The values are those of a few *basis* reflectances (one for each gap of a film
 //! pixel); a drive state is a mixture of them plus a part that all states share.
 
+use std::sync::Arc;
+
+use crate::product::add_product;
 use crate::{CosinePanels, Medium};
 
 /// Where the nodes of a table lie.
@@ -17,7 +20,7 @@ pub enum Nodes {
     /// Evenly spaced in cos(theta) of the medium from 0 to 1, at least 8 of them.
     /// A film's reflectance is analytic in that cosine; eight-point Lagrange interpolation.
     Cosines(usize),
-    /// The same in panels of different widths.
+    /// In panels of different widths; interpolation among all nodes of a panel.
     CosinePanels(CosinePanels),
     /// At these angles in the medium, radians, ascending from 0; linear between them,
     /// the last value held beyond the last angle.
@@ -75,7 +78,7 @@ impl Nodes {
 
 /// Where eight-point interpolation is good, singularities are several nodes off: so many steps
 /// between nodes are an interval that they are not close to.
-const SMOOTH_STEPS: usize = CosinePanels::INTERVALS / 2;
+const SMOOTH_STEPS: usize = 8;
 
 /// Interpolation weights for consecutive nodes from `first` on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,16 +88,23 @@ pub(crate) struct Stencil {
 }
 
 impl Stencil {
-    pub(crate) const LEN: usize = 8;
+    pub(crate) const LEN: usize = 16;
+
+    /// Nodes between which evenly spaced ones are interpolated.
+    const EVEN: usize = 8;
 
     /// The look-up of a table with one node.
-    pub(crate) const ONLY_NODE: Self = Self { first: 0, weights: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+    pub(crate) const ONLY_NODE: Self = {
+        let mut weights = [0.0; Self::LEN];
+        weights[0] = 1.0;
+        Self { first: 0, weights }
+    };
 
     /// Eight-point Lagrange interpolation at position `x` among nodes 0, 1, ... `nodes - 1`.
     #[inline]
     pub(crate) fn lagrange(x: f64, nodes: usize) -> Self {
         // 1 over the product of k - j over all other j.
-        const SCALE: [f64; Stencil::LEN] = [
+        const SCALE: [f64; Stencil::EVEN] = [
             -1.0 / 5040.0,
             1.0 / 720.0,
             -1.0 / 240.0,
@@ -104,13 +114,14 @@ impl Stencil {
             -1.0 / 720.0,
             1.0 / 5040.0,
         ];
-        let first = (x as usize).saturating_sub(Self::LEN / 2 - 1).min(nodes - Self::LEN);
-        let mut weights = SCALE;
+        let first = (x as usize).saturating_sub(Self::EVEN / 2 - 1).min(nodes - Self::EVEN);
+        let mut weights = [0.0; Self::LEN];
+        weights[..Self::EVEN].copy_from_slice(&SCALE);
         let (mut left, mut right) = (1.0, 1.0);
-        for k in 0..Self::LEN {
+        for k in 0..Self::EVEN {
             weights[k] *= left;
             left *= x - (first + k) as f64;
-            let mirrored = Self::LEN - 1 - k;
+            let mirrored = Self::EVEN - 1 - k;
             weights[mirrored] *= right;
             right *= x - (first + mirrored) as f64;
         }
@@ -137,8 +148,8 @@ impl Stencil {
 pub struct AngularTable {
     /// Where the nodes lie.
     pub nodes: Nodes,
-    /// Basis reflectances, shape `[node][basis][wavelength]`.
-    pub basis: Vec<f64>,
+    /// Basis reflectances, shape `[node][basis][wavelength]`; shared, for they are large.
+    pub basis: Arc<[f64]>,
     /// The share of each basis in each state, shape `[state][basis]`.
     pub mixture: Vec<f64>,
     /// What every state reflects besides, shape `[wavelength]`.
@@ -180,15 +191,37 @@ impl AngularTable {
     pub(crate) fn weighted_sum(&self, node_weights: &[f64], out: &mut [f64]) {
         let width = self.basis_count() * self.common.len();
         let mut basis = vec![0.0; width];
-        for (node, &weight) in node_weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-            add_scaled(&mut basis, &self.basis[node * width..][..width], weight);
-        }
+        add_product(node_weights, &self.basis, self.nodes.count(), &mut basis);
         self.mix(&basis, node_weights.iter().sum(), out);
+    }
+
+    /// Several such sums at once; shape `[sum][state][wavelength]`.
+    pub(crate) fn weighted_sums(&self, node_weights: &[&[f64]]) -> Vec<f64> {
+        let width = self.basis_count() * self.common.len();
+        let mut basis = vec![0.0; node_weights.len() * width];
+        add_product(&node_weights.concat(), &self.basis, self.nodes.count(), &mut basis);
+        let mut sums = vec![0.0; node_weights.len() * self.state_count() * self.common.len()];
+        let one_sum = (self.state_count() * self.common.len()).max(1);
+        for ((out, basis), weights) in
+            sums.chunks_exact_mut(one_sum).zip(basis.chunks_exact(width.max(1))).zip(node_weights)
+        {
+            self.mix(basis, weights.iter().sum(), out);
+        }
+        sums
+    }
+
+    /// Whether the basis is the very same, and the states are the same mixtures of it.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.basis, &other.basis)
+            && self.mixture == other.mixture
+            && self.common == other.common
+            && self.nodes == other.nodes
     }
 
     fn add_nodes(&self, stencil: &Stencil, scale: f64, basis: &mut [f64]) {
         let width = basis.len();
-        for (node, weight) in (stencil.first..self.nodes.count()).zip(stencil.weights) {
+        let nodes = (stencil.first..self.nodes.count()).zip(stencil.weights);
+        for (node, weight) in nodes.filter(|(_, weight)| *weight != 0.0) {
             add_scaled(basis, &self.basis[node * width..][..width], weight * scale);
         }
     }
@@ -251,8 +284,8 @@ mod tests {
     fn summed_weights_give_the_sum_of_look_ups() {
         let nodes = Nodes::Cosines(8);
         let basis: Vec<f64> = (0..8 * 2 * 3).map(|i| f64::from(i * i % 17) / 17.0).collect();
-        let table =
-            AngularTable { nodes, basis, mixture: vec![1.0, 0.0, 0.25, 0.5], common: vec![0.1, 0.2, 0.3] };
+        let (mixture, common) = (vec![1.0, 0.0, 0.25, 0.5], vec![0.1, 0.2, 0.3]);
+        let table = AngularTable { nodes, basis: basis.into(), mixture, common };
         let medium = Medium::new(vec![1.5; 3].into());
         let mut weights = vec![0.0; 8];
         let (mut sum, mut one, mut together) = (vec![0.0; 6], vec![0.0; 6], vec![0.0; 6]);
@@ -260,11 +293,13 @@ mod tests {
             table.reflectance(beta_squared, &medium, &mut one);
             add_scaled(&mut sum, &one, weight);
             let stencil = table.nodes.stencil(beta_squared, 1.5);
-            for (k, w) in stencil.weights.iter().enumerate() {
+            for (k, w) in stencil.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
                 weights[stencil.first + k] += w * weight;
             }
         }
         table.weighted_sum(&weights, &mut together);
+        let twice = table.weighted_sums(&[&[1.0; 8], &weights]);
+        assert!(twice[6..].iter().zip(&together).all(|(a, b)| (a - b).abs() < 1e-12));
         for (a, b) in sum.iter().zip(&together) {
             assert!((a - b).abs() < 1e-12);
         }

@@ -1,9 +1,11 @@
 //! Nodes over cos(theta), close together where a film's reflectance changes fast.
 
+use std::f64::consts::PI;
+
 use crate::angular::Stencil;
 
-/// Panels that fill the cosines from 0 to 1, halves of halves, each with evenly spaced nodes at
-/// its ends and between them.
+/// Panels that fill the cosines from 0 to 1, halves of halves, each with Chebyshev's points of the
+/// first kind for nodes: interpolation among all nodes of a panel.
 ///
 /// A film's reflectance is analytic in the cosine, but a resonance may be a hundredth wide:
 /// panels are small there alone.
@@ -13,6 +15,9 @@ pub struct CosinePanels {
     panels: Vec<Panel>,
     /// For each of so many equal parts of 0 to 1 the panel that it lies in.
     panel_at: Vec<u16>,
+    /// Of a panel from -1 to 1, and 1 over the product of differences from all others.
+    nodes: [f64; Self::NODES],
+    scale: [f64; Self::NODES],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,11 +27,8 @@ struct Panel {
 }
 
 impl CosinePanels {
-    /// Intervals between the nodes of a panel.
-    pub const INTERVALS: usize = 16;
-
-    /// Nodes of a panel; neighbours have the one that they share each.
-    pub const NODES: usize = Self::INTERVALS + 1;
+    /// Nodes of a panel.
+    pub const NODES: usize = Stencil::LEN;
 
     /// Panels of widths 1/2^k from 0 on, for these k (at most 12), which are to sum to 1.
     pub fn new(halvings: &[u32]) -> Self {
@@ -43,7 +45,18 @@ impl CosinePanels {
             let cosine = part as f64 / f64::from(parts);
             (panels.partition_point(|panel| panel.start <= cosine).max(1) - 1) as u16
         });
-        Self { panel_at: panel_at.collect(), panels }
+        let count = Self::NODES as f64;
+        // The product of differences is T'(x)/2^(n-1), T the Chebyshev polynomial of degree n.
+        let scale = |k: usize| {
+            let sign = if (Self::NODES - 1 - k).is_multiple_of(2) { 1.0 } else { -1.0 };
+            sign * angle(k).sin() * 2.0_f64.powi(Self::NODES as i32 - 1) / count
+        };
+        Self {
+            panel_at: panel_at.collect(),
+            panels,
+            nodes: std::array::from_fn(|k| -angle(k).cos()),
+            scale: std::array::from_fn(scale),
+        }
     }
 
     /// The number of nodes.
@@ -53,10 +66,13 @@ impl CosinePanels {
 
     /// The cosines of all nodes.
     pub fn nodes(&self) -> impl Iterator<Item = f64> {
-        self.panels.iter().flat_map(|panel| {
-            let step = panel.width / Self::INTERVALS as f64;
-            (0..Self::NODES).map(move |node| panel.start + node as f64 * step)
-        })
+        self.panels.iter().flat_map(|panel| Self::nodes_between(panel.start, panel.start + panel.width))
+    }
+
+    /// The cosines of the nodes of a panel.
+    pub fn nodes_between(from: f64, to: f64) -> impl Iterator<Item = f64> {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        (0..Self::NODES).map(move |k| middle - half * angle(k).cos())
     }
 
     /// Where panels begin, and their middles.
@@ -64,16 +80,29 @@ impl CosinePanels {
         self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])
     }
 
-    /// Eight-point interpolation within the panel of this cosine.
+    /// Lagrange's interpolation within the panel of this cosine.
     #[inline]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {
         let part = (cosine * self.panel_at.len() as f64) as usize;
         let number = usize::from(self.panel_at[part.min(self.panel_at.len() - 1)]);
         let panel = &self.panels[number];
-        let x = (cosine - panel.start) / panel.width * Self::INTERVALS as f64;
-        let within = Stencil::lagrange(x, Self::NODES);
-        Stencil { first: number * Self::NODES + within.first, ..within }
+        let x = 2.0 * (cosine - panel.start) / panel.width - 1.0;
+        let mut weights = self.scale;
+        let (mut left, mut right) = (1.0, 1.0);
+        for k in 0..Self::NODES {
+            weights[k] *= left;
+            left *= x - self.nodes[k];
+            let mirrored = Self::NODES - 1 - k;
+            weights[mirrored] *= right;
+            right *= x - self.nodes[mirrored];
+        }
+        Stencil { first: number * Self::NODES, weights }
     }
+}
+
+/// The angle of a Chebyshev point from the lower end of its panel.
+fn angle(k: usize) -> f64 {
+    PI * (k as f64 + 0.5) / CosinePanels::NODES as f64
 }
 
 #[cfg(test)]
@@ -81,18 +110,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn panels_of_any_size_reproduce_a_septic() {
-        let septic = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(7);
+    fn panels_of_any_size_reproduce_a_polynomial_of_degree_fifteen() {
+        let polynomial = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(7) + 0.2 * x.powi(15);
         for halvings in [&[0_u32][..], &[1, 1], &[2, 3, 3, 1], &[1, 2, 4, 4, 3]] {
             let panels = CosinePanels::new(halvings);
             let nodes: Vec<f64> = panels.nodes().collect();
-            assert_eq!((nodes.len(), nodes[0], nodes[nodes.len() - 1]), (panels.count(), 0.0, 1.0));
-            for step in 0..=1000 {
-                let cosine = f64::from(step) / 1000.0;
+            assert!(nodes.len() == panels.count() && nodes.is_sorted());
+            assert!(nodes[0] > 0.0 && nodes[nodes.len() - 1] < 1.0);
+            for cosine in (0..=1000).map(|step| f64::from(step) / 1000.0).chain(nodes.iter().copied()) {
                 let stencil = panels.stencil(cosine);
-                let found: f64 = (0..8).map(|k| stencil.weights[k] * septic(nodes[stencil.first + k])).sum();
-                assert!((found - septic(cosine)).abs() < 1e-12, "{halvings:?} {cosine}");
-                assert!(nodes[stencil.first] <= cosine && cosine <= nodes[stencil.first + 7]);
+                let values = nodes[stencil.first..].iter().map(|x| polynomial(*x));
+                let found: f64 = stencil.weights.iter().zip(values).map(|(w, value)| w * value).sum();
+                assert!((found - polynomial(cosine)).abs() < 1e-12, "{halvings:?} {cosine}");
+                let within = nodes[stencil.first]..=nodes[stencil.first + CosinePanels::NODES - 1];
+                let width = 0.5_f64.powi(halvings.iter().min().copied().unwrap_or(0) as i32);
+                assert!(*within.start() <= cosine + 0.01 * width && cosine <= within.end() + 0.01 * width);
             }
         }
     }

@@ -21,7 +21,7 @@
 //!
 //! // Bare glass of index 1.5 over a mirror of 50 %, one state, one wavelength.
 //! let mirror =
-//!     AngularTable { nodes: Nodes::Constant, basis: vec![0.5], mixture: vec![1.0], common: vec![0.0] };
+//!     AngularTable { nodes: Nodes::Constant, basis: vec![0.5].into(), mixture: vec![1.0], common: vec![0.0] };
 //! let stack = Stack::Panel(Panel {
 //!     front: Front::none(1),
 //!     top: Top::Fresnel(vec![1.5].into()),
@@ -53,6 +53,7 @@ mod layered;
 mod light;
 mod medium;
 mod panel;
+mod product;
 mod skeleton;
 mod specular;
 pub mod walk;

@@ -1,21 +1,16 @@
 //! Film pixels: the reflectances at the gaps that the states need, against angle.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use num_complex::Complex64;
 use papilio_optics::film::GapFilm;
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, CosinePanels, Medium, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 
+use super::table;
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
-
-/// The interpolation error of a film pixel's table is below this reflectance, in
-/// each gap, direction and wavelength (checked midway between nodes).
-pub const TABLE_ERROR: f64 = 1e-7;
-
-/// Halvings of the panel from 0 to 1 to begin with, and at most: only extremely thick films need more.
-const HALVINGS: (u32, u32) = (1, 6);
 
 /// A film pixel as the base of a stack; of `before`, the base of a stack whose film is described
 /// by `kept`, what still serves is taken.
@@ -24,14 +19,12 @@ pub(super) fn base(
     grid: &Grid,
     index: &Spectrum,
     kept: &mut Option<FilmKey>,
-    before: Option<&mut Base>,
+    before: Option<&Base>,
 ) -> Result<Base, DisplayError> {
     let mixture = Mixture::new(film)?;
     let key = kept.take().filter(|key| key.serves(film, grid, index, &mixture.gaps_nm));
-    let (nodes, reflectance) = match (key.is_some(), before.map(|base| &mut base.reflector)) {
-        (true, Some(Reflector::Specular(table))) => {
-            (std::mem::replace(&mut table.nodes, Nodes::Constant), std::mem::take(&mut table.basis))
-        }
+    let (nodes, reflectance) = match (key.is_some(), before.map(|base| &base.reflector)) {
+        (true, Some(Reflector::Specular(table))) => (table.nodes.clone(), Arc::clone(&table.basis)),
         _ => tabulated(film, grid, index, &mixture.gaps_nm)?,
     };
     *kept = Some(key.unwrap_or_else(|| FilmKey::new(film, grid, index, &mixture.gaps_nm)));
@@ -71,105 +64,16 @@ impl FilmKey {
     }
 }
 
-/// A panel of the table in the making.
-struct Panel {
-    start: f64,
-    halvings: u32,
-    /// Shape `[node][gap][wavelength]`.
-    values: Vec<f64>,
-}
-
-impl Panel {
-    fn cosine(&self, position: f64) -> f64 {
-        self.start + 0.5_f64.powi(self.halvings as i32) * position / CosinePanels::INTERVALS as f64
-    }
-
-    /// Midway between nodes.
-    fn midway(&self) -> impl Iterator<Item = f64> {
-        (0..CosinePanels::INTERVALS).map(|node| self.cosine(node as f64 + 0.5))
-    }
-
-    /// Its two halves, from what is known midway between the nodes.
-    fn halves(&self, midway: &[f64], width: usize) -> [Self; 2] {
-        let values = interleaved(&self.values, midway, width);
-        let half = CosinePanels::INTERVALS;
-        [0, half].map(|first| Self {
-            start: self.cosine(0.5 * first as f64),
-            halvings: self.halvings + 1,
-            values: values[first * width..][..CosinePanels::NODES * width].to_vec(),
-        })
-    }
-}
-
-/// The reflectances at the gaps, shape `[node][gap][wavelength]`: panels are halved until
-/// interpolation is good to [`TABLE_ERROR`].
+/// The reflectances at the gaps, shape `[node][gap][wavelength]`.
 fn tabulated(
     film: &FilmPixel,
     grid: &Grid,
     index: &Spectrum,
     gaps_nm: &[f64],
-) -> Result<(Nodes, Vec<f64>), DisplayError> {
-    let width = gaps_nm.len() * grid.len();
+) -> Result<(Nodes, Arc<[f64]>), DisplayError> {
     let film = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
-    let first = CosinePanels::new(&vec![HALVINGS.0; 1 << HALVINGS.0]);
-    let known = film.at_cosines(first.nodes())?;
-    let panel = |(number, values): (usize, &[f64])| Panel {
-        start: number as f64 * 0.5_f64.powi(HALVINGS.0 as i32),
-        halvings: HALVINGS.0,
-        values: values.to_vec(),
-    };
-    let mut open: Vec<Panel> =
-        known.chunks_exact(CosinePanels::NODES * width).enumerate().map(panel).collect();
-    let mut done: Vec<Panel> = Vec::new();
-    while let Some(mut panel) = open.pop() {
-        if panel.halvings == HALVINGS.1 {
-            done.push(panel);
-            continue;
-        }
-        let exact = film.at_cosines(panel.midway())?;
-        if interpolation_error(&mut panel, &exact, width) < TABLE_ERROR {
-            done.push(panel);
-        } else {
-            open.extend(panel.halves(&exact, width));
-        }
-    }
-    done.sort_by(|a, b| a.start.total_cmp(&b.start));
-    let nodes = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
-    let mut reflectance = Vec::with_capacity(nodes.count() * width);
-    done.iter().for_each(|panel| reflectance.extend_from_slice(&panel.values));
-    Ok((Nodes::CosinePanels(nodes), reflectance))
-}
-
-/// The largest difference of interpolated values midway between a panel's nodes from the exact
-/// ones. Gaps and wavelengths are alike here: one basis of so many "wavelengths".
-fn interpolation_error(panel: &mut Panel, exact: &[f64], width: usize) -> f64 {
-    let table = AngularTable {
-        nodes: Nodes::CosinePanels(CosinePanels::new(&[0])),
-        basis: std::mem::take(&mut panel.values),
-        mixture: vec![1.0],
-        common: vec![0.0; width],
-    };
-    let medium = Medium::new(vec![1.0; width].into());
-    let mut out = vec![0.0; width];
-    let mut worst = 0.0_f64;
-    for (node, exact) in exact.chunks_exact(width).enumerate() {
-        let position = (node as f64 + 0.5) / CosinePanels::INTERVALS as f64;
-        table.reflectance(1.0 - position * position, &medium, &mut out);
-        worst = out.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(worst, f64::max);
-    }
-    panel.values = table.basis;
-    worst
-}
-
-/// Rows of `even` and `odd` in turn; `even` has one more.
-fn interleaved(even: &[f64], odd: &[f64], width: usize) -> Vec<f64> {
-    let mut rows = Vec::with_capacity(even.len() + odd.len());
-    let mut odd = odd.chunks_exact(width);
-    for row in even.chunks_exact(width) {
-        rows.extend_from_slice(row);
-        rows.extend_from_slice(odd.next().unwrap_or_default());
-    }
-    rows
+    let (panels, values) = table::panels(gaps_nm.len() * grid.len(), |cosines| film.at_cosines(cosines))?;
+    Ok((Nodes::CosinePanels(panels), values.into()))
 }
 
 /// Which gaps the states need, and how much of each they hold.
@@ -214,7 +118,7 @@ impl Mixture {
         Ok(Self { gaps_nm, shares })
     }
 
-    pub(super) fn table(&self, nodes: Nodes, basis: Vec<f64>, film: &FilmPixel) -> AngularTable {
+    pub(super) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
         let common = film.inactive_reflectance.iter().map(|r| (1.0 - film.fill_factor) * r).collect();
         AngularTable { nodes, basis, mixture: self.shares.clone(), common }
     }
@@ -286,8 +190,8 @@ impl<'a> Film<'a> {
     }
 
     /// The same at these cosines of the angle in the glass.
-    fn at_cosines(&self, cosines: impl Iterator<Item = f64>) -> Result<Vec<f64>, DisplayError> {
-        self.reflectance(&cosines.map(|cosine| (1.0 - cosine * cosine).sqrt()).collect::<Vec<f64>>())
+    fn at_cosines(&self, cosines: &[f64]) -> Result<Vec<f64>, DisplayError> {
+        self.reflectance(&cosines.iter().map(|cosine| (1.0 - cosine * cosine).sqrt()).collect::<Vec<f64>>())
     }
 }
 

@@ -5,12 +5,13 @@
 //! densely as interpolation to [`TABLE_ERROR`] needs.
 
 mod film;
+mod table;
 
 use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
 
 pub(crate) use film::FilmKey;
-pub use film::TABLE_ERROR;
 use film::{Beta, Film, Mixture};
+pub use table::TABLE_ERROR;
 
 use crate::scene::{AngleMedium, Pixel, Scene, TableAngles, TablePixel, UniformKind, UniformPixel};
 use crate::{DisplayError, setup};
@@ -57,7 +58,7 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
         let beta = if in_air { Beta::Air } else { Beta::InGlass };
         let basis = Film::new(film, &scene.grid, index, &mixture.gaps_nm, beta)?.reflectance(&sines)?;
         for one in basis.chunks_exact(mixture.gaps_nm.len() * bins) {
-            let table = mixture.table(Nodes::Constant, one.to_vec(), film);
+            let table = mixture.table(Nodes::Constant, one.into(), film);
             let mut out = vec![0.0; count * bins];
             table.reflectance(0.0, &Medium::new(index.clone()), &mut out);
             keep(&out);
@@ -84,7 +85,7 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
 pub(crate) fn base(
     scene: &Scene,
     film: &mut Option<FilmKey>,
-    before: Option<&mut Base>,
+    before: Option<&Base>,
 ) -> Result<Base, DisplayError> {
     let index = scene.display.index_above_pixel();
     if !matches!(scene.display.pixel, Pixel::Film(_)) {
@@ -124,5 +125,10 @@ fn table_base(pixel: &TablePixel, bins: usize) -> Base {
 /// A table whose basis is the states themselves.
 fn states_as_table(nodes: Nodes, basis: Vec<f64>, states: usize, bins: usize) -> AngularTable {
     let unit = |k: usize| if k / states == k % states { 1.0 } else { 0.0 };
-    AngularTable { nodes, basis, mixture: (0..states * states).map(unit).collect(), common: vec![0.0; bins] }
+    AngularTable {
+        nodes,
+        basis: basis.into(),
+        mixture: (0..states * states).map(unit).collect(),
+        common: vec![0.0; bins],
+    }
 }

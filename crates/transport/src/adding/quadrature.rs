@@ -47,7 +47,11 @@ pub(super) fn legendre(points: usize) -> Vec<Node> {
                 (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
             }
             slope = n * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
+            let step = value / slope;
+            x -= step;
+            if step.abs() < 1e-14 {
+                break;
+            }
         }
         Node { x, weight: 2.0 / ((1.0 - x * x) * slope * slope) }
     };

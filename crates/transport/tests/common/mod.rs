@@ -19,7 +19,7 @@ pub(crate) fn one(value: f64) -> Spectrum {
 pub(crate) fn mirror(reflectance: f64) -> Base {
     let table = AngularTable {
         nodes: Nodes::Constant,
-        basis: vec![reflectance],
+        basis: vec![reflectance].into(),
         mixture: vec![1.0],
         common: vec![0.0],
     };

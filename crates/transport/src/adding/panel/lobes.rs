@@ -10,38 +10,91 @@ use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
 
-use super::super::quadrature::{MULTIPLE_POLES, Point, Pole, graded};
+use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 
 /// Fourier orders 0, 1, ... of the lobe between radii `a` and `c`: the density is
 /// `sum over all m of orders[|m|] exp(i m phi)`.
 pub(super) fn orders(lobe: Lobe, a: f64, c: f64, orders: &mut [f64]) {
-    orders.fill(0.0);
-    let Lobe::KCorrelation { width } = lobe else {
-        orders[0] = if a <= 1.0 && c <= 1.0 { 1.0 / PI } else { 0.0 };
-        return;
-    };
-    let (near, far) = (width * width + (a - c).powi(2), width * width + (a + c).powi(2));
-    orders[0] = width * second_kind(near / far) / (PI * PI * near * far.sqrt());
-    let (mean, product) = (0.5 * (near + far), 2.0 * a * c);
-    if product < 1e-30 * mean {
-        return;
-    }
-    let chi = mean / product;
-    // Ratios of successive orders tend to this.
-    let decay = product / (mean + (near * far).sqrt());
-    // The first guess of the ratio is forgotten within some multiples of this many orders.
-    let most = orders.len() + 8 + (-3.0 / decay.ln()).min(100.0) as usize;
-    let mut ratio = decay * (1.0 + 0.5 / most as f64);
-    for m in (1..most).rev() {
-        ratio = (m as f64 + 0.5) / (2.0 * chi * m as f64 - (m as f64 - 0.5) * ratio);
-        if m < orders.len() {
-            orders[m] = ratio;
+    let count = orders.len();
+    match lobe {
+        Lobe::KCorrelation { width } => side_by_side(width, a, [c], count, |m, [order]| orders[m] = order),
+        Lobe::Lambertian => {
+            orders.fill(0.0);
+            orders[0] = if a <= 1.0 && c <= 1.0 { 1.0 / PI } else { 0.0 };
         }
     }
-    for m in 1..orders.len() {
-        orders[m] *= orders[m - 1];
+}
+
+/// Radii that are worked on side by side.
+const LANES: usize = 8;
+
+/// The first `count` orders between radius `a` and each of the nodes: `each` gets an order, the first
+/// node's number and the orders of that and the following nodes.
+pub(super) fn orders_of_nodes(
+    lobe: Lobe,
+    a: f64,
+    nodes: &[Node],
+    count: usize,
+    mut each: impl FnMut(usize, usize, &[f64]),
+) {
+    for (number, nodes) in nodes.chunks(LANES).enumerate() {
+        let first = number * LANES;
+        let radii: [f64; LANES] = std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x);
+        match lobe {
+            Lobe::KCorrelation { width } => {
+                side_by_side(width, a, radii, count, |m, orders| each(m, first, &orders[..nodes.len()]));
+            }
+            Lobe::Lambertian => {
+                let orders = radii.map(|c| if a <= 1.0 && c <= 1.0 { 1.0 / PI } else { 0.0 });
+                each(0, first, &orders[..nodes.len()]);
+            }
+        }
     }
 }
+
+/// Orders 0, 1, ... of several radii at once: divisions overlap.
+fn side_by_side<const N: usize>(
+    width: f64,
+    a: f64,
+    c: [f64; N],
+    count: usize,
+    mut each: impl FnMut(usize, [f64; N]),
+) {
+    let near = c.map(|c| width * width + (a - c).powi(2));
+    let far = c.map(|c| width * width + (a + c).powi(2));
+    let squares: [f64; N] = std::array::from_fn(|k| near[k] / far[k]);
+    let integrals = second_kind(squares);
+    let mut order: [f64; N] =
+        std::array::from_fn(|k| width * integrals[k] / (PI * PI * near[k] * far[k].sqrt()));
+    each(0, order);
+    if count == 1 {
+        return;
+    }
+    let chi: [f64; N] = std::array::from_fn(|k| 0.5 * (near[k] + far[k]) / (2.0 * a * c[k]).max(TINY));
+    // Ratios of successive orders tend to this.
+    let decay = chi.map(|chi| 1.0 / (chi + (chi * chi - 1.0).max(0.0).sqrt()));
+    let slowest = decay.into_iter().fold(0.0, f64::max);
+    // The first guess of the ratio is forgotten within some multiples of this many orders.
+    let most = count + 8 + (-3.0 / slowest.ln()).min(100.0) as usize;
+    let mut ratio = decay.map(|decay| decay * (1.0 + 0.5 / most as f64));
+    let mut ratios = vec![[0.0; N]; count];
+    for m in (1..most).rev() {
+        let m_ = m as f64;
+        for k in 0..N {
+            ratio[k] = (m_ + 0.5) / (2.0 * chi[k] * m_ - (m_ - 0.5) * ratio[k]);
+        }
+        if m < count {
+            ratios[m] = ratio;
+        }
+    }
+    for (m, ratio) in ratios.iter().enumerate().skip(1) {
+        order.iter_mut().zip(ratio).for_each(|(order, ratio)| *order *= ratio);
+        each(m, order);
+    }
+}
+
+/// Around the centre lobes are even.
+const TINY: f64 = 1e-100;
 
 /// The lobe's integral over azimuth.
 pub(super) fn ring(lobe: Lobe, a: f64, c: f64) -> f64 {
@@ -50,18 +103,20 @@ pub(super) fn ring(lobe: Lobe, a: f64, c: f64) -> f64 {
     2.0 * PI * order[0]
 }
 
-/// The complete elliptic integral of the second kind, from `k'^2 = 1 - k^2` above 0 (by the
+/// The complete elliptic integrals of the second kind, from `k'^2 = 1 - k^2` above 0 (by the
 /// arithmetic-geometric mean; Abramowitz & Stegun, 17.6).
-fn second_kind(k_prime_squared: f64) -> f64 {
-    let (mut a, mut b) = (1.0, k_prime_squared.sqrt());
-    let (mut sum, mut power) = (0.5 * (1.0 - k_prime_squared), 0.5);
-    while (a - b) > 1e-9 * a {
-        let c = 0.5 * (a - b);
-        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+fn second_kind<const N: usize>(k_prime_squared: [f64; N]) -> [f64; N] {
+    let (mut a, mut b) = ([1.0; N], k_prime_squared.map(f64::sqrt));
+    let (mut sum, mut power) = (k_prime_squared.map(|k| 0.5 * (1.0 - k)), 0.5);
+    while (0..N).any(|k| a[k] - b[k] > 1e-9 * a[k]) {
         power *= 2.0;
-        sum += power * c * c;
+        for k in 0..N {
+            let c = 0.5 * (a[k] - b[k]);
+            (a[k], b[k]) = (0.5 * (a[k] + b[k]), (a[k] * b[k]).sqrt());
+            sum[k] += power * c * c;
+        }
     }
-    PI / (a + b) * (1.0 - sum)
+    std::array::from_fn(|k| PI / (a[k] + b[k]) * (1.0 - sum[k]))
 }
 
 /// Where a lobe around radius `centre` is singular, as a function of the other radius.
@@ -116,7 +171,7 @@ pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[
             }
         }
     }
-    let value = |node: &super::super::quadrature::Node| {
+    let value = |node: &Node| {
         let (sin, cos) = node.x.sin_cos();
         let (x, y) = (radius * cos, radius * sin);
         node.weight * lobes(width, x, y, one) * lobes(width, x, y, other)

@@ -12,6 +12,7 @@ use super::super::super::quadrature::{Node, Point, Pole, gauss, graded};
 use super::super::first_pass::Pass;
 use super::super::lobes;
 use crate::Nodes;
+use crate::product::{add_product, add_transposed_product};
 
 /// Points of one panel, at most.
 const PANEL: usize = 36;
@@ -82,14 +83,11 @@ impl Grid {
         let glass = disc(angles, pass.index);
         let table = |rows: &[Node], columns: &[Node]| {
             let mut all = vec![0.0; orders * rows.len() * columns.len()];
-            let mut each = vec![0.0; orders];
             for (k, row) in rows.iter().enumerate() {
-                for (i, column) in columns.iter().enumerate() {
-                    lobes::orders(lobe, row.x, column.x, &mut each);
-                    for (m, value) in each.iter().enumerate() {
-                        all[(m * rows.len() + k) * columns.len() + i] = *value;
-                    }
-                }
+                lobes::orders_of_nodes(lobe, row.x, columns, orders, |m, first, values| {
+                    let start = (m * rows.len() + k) * columns.len() + first;
+                    all[start..][..values.len()].copy_from_slice(values);
+                });
             }
             all
         };
@@ -106,15 +104,18 @@ impl Grid {
     pub(super) fn meridian(&self, points: &[Point], azimuth: f64) -> Meridian {
         let lobes_at = |nodes: &[Node]| {
             let mut sum = vec![0.0; self.orders * nodes.len()];
-            let mut each = vec![0.0; self.orders];
-            for (k, node) in nodes.iter().enumerate() {
-                for point in points {
-                    let off = point.beta.y.atan2(point.beta.x) - azimuth;
-                    lobes::orders(self.lobe, point.beta.length(), node.x, &mut each);
-                    for (m, value) in each.iter().enumerate() {
-                        sum[m * nodes.len() + k] += point.weight * (m as f64 * off).cos() * value;
-                    }
-                }
+            for point in points {
+                let off = point.beta.y.atan2(point.beta.x) - azimuth;
+                lobes::orders_of_nodes(
+                    self.lobe,
+                    point.beta.length(),
+                    nodes,
+                    self.orders,
+                    |m, first, values| {
+                        let weight = point.weight * (m as f64 * off).cos();
+                        add_scaled(&mut sum[m * nodes.len() + first..], values, weight);
+                    },
+                );
             }
             sum
         };
@@ -191,41 +192,36 @@ impl Grid {
     }
 
     /// The integral over the air's disc of `light` (`[air][width]`) times `other` (`[air][n]`): `[width][n]`.
-    pub(super) fn product(&self, light: &[f64], other: &[f64], n: usize, scale: f64, sum: &mut [f64]) {
+    pub(super) fn product(&self, light: &[f64], other: &[f64], scale: f64, sum: &mut [f64]) {
+        add_transposed_product(&self.weighted(light, scale), other, self.air.len(), sum);
+    }
+
+    /// Light at the air's nodes times their weights.
+    fn weighted(&self, light: &[f64], scale: f64) -> Vec<f64> {
+        let mut light = light.to_vec();
         let width = light.len() / self.air.len();
-        for ((node, light), other) in
-            self.air.iter().zip(light.chunks_exact(width)).zip(other.chunks_exact(n))
-        {
-            for (light, row) in light.iter().zip(sum.chunks_exact_mut(n)) {
-                let weight = scale * node.weight * light;
-                row.iter_mut().zip(other).for_each(|(s, o)| *s += weight * o);
-            }
+        for (node, row) in self.air.iter().zip(light.chunks_exact_mut(width)) {
+            row.iter_mut().for_each(|value| *value *= scale * node.weight);
         }
+        light
     }
 
     /// From the air's nodes to the glass's.
     fn lift(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
-        let glass = self.glass.len();
-        let mut out = vec![0.0; glass * width];
-        for (k, node) in self.air.iter().enumerate() {
-            let row = &self.between[(order * self.air.len() + k) * glass..][..glass];
-            for (lobe, out) in row.iter().zip(out.chunks_exact_mut(width)) {
-                add_scaled(out, &light[k * width..][..width], lobe * node.weight);
-            }
-        }
+        let mut out = vec![0.0; self.glass.len() * width];
+        add_transposed_product(
+            self.lobes_between(order),
+            &self.weighted(light, 1.0),
+            self.air.len(),
+            &mut out,
+        );
         out
     }
 
     /// From the glass's nodes (weights included) to the air's.
     fn lower(&self, order: usize, below: &[f64], width: usize) -> Vec<f64> {
-        let glass = self.glass.len();
         let mut out = vec![0.0; self.air.len() * width];
-        for (k, out) in out.chunks_exact_mut(width).enumerate() {
-            let row = &self.between[(order * self.air.len() + k) * glass..][..glass];
-            for (lobe, below) in row.iter().zip(below.chunks_exact(width)) {
-                add_scaled(out, below, *lobe);
-            }
-        }
+        add_product(self.lobes_between(order), below, self.glass.len(), &mut out);
         out
     }
 
@@ -233,13 +229,18 @@ impl Grid {
     fn across(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
         let air = self.air.len();
         let mut out = vec![0.0; air * width];
-        for (k, out) in out.chunks_exact_mut(width).enumerate() {
-            let row = &self.within[(order * air + k) * air..][..air];
-            for ((lobe, node), light) in row.iter().zip(&self.air).zip(light.chunks_exact(width)) {
-                add_scaled(out, light, lobe * node.weight);
-            }
-        }
+        add_product(
+            &self.within[order * air * air..][..air * air],
+            &self.weighted(light, 1.0),
+            air,
+            &mut out,
+        );
         out
+    }
+
+    fn lobes_between(&self, order: usize) -> &[f64] {
+        let size = self.air.len() * self.glass.len();
+        &self.between[order * size..][..size]
     }
 }
 

@@ -19,6 +19,7 @@
 //! ([`Recycling::peak`]). What the rims and the pixel's angles do to recycled light then errs in
 //! proportion to the width, times g; the difference between levels shows it.
 
+mod forms;
 mod grid;
 mod spectra;
 
@@ -30,6 +31,7 @@ use super::super::quadrature::{Node, Point, gauss, graded};
 use super::first_pass::{Pass, Weights};
 use crate::Nodes;
 use crate::angular::Stencil;
+use forms::Places;
 use grid::{Columns, Grid, Meridian, NARROW};
 pub(super) use spectra::Reflectances;
 
@@ -189,6 +191,8 @@ struct Profile {
     /// Diffuse light after one pass, and reflected by the base: `[air][term]`.
     leaving: Vec<f64>,
     reflected: Vec<f64>,
+    /// Of forms of this order, and of one degree less.
+    places: [Places; 2],
 }
 
 /// A group of directions on the grid.
@@ -223,7 +227,7 @@ fn azimuth(axis: Point) -> f64 {
     axis.beta.y.atan2(axis.beta.x)
 }
 
-/// Coefficients for each order of the series.
+/// Coefficients for each order of the series, one for each product of terms.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Forms(Vec<Vec<f64>>);
 
@@ -249,7 +253,8 @@ impl Recycling {
             plan.grid_digits(),
             plan.terms.iter().copied().max().unwrap_or(0),
         );
-        let profiles = plan.terms.iter().map(|count| Profile::new(&grid, pass, *count)).collect();
+        let profile = |(k, count): (usize, &usize)| Profile::new(&grid, pass, *count, k as u32 + 2);
+        let profiles = plan.terms.iter().enumerate().map(profile).collect();
         Self { plan, grid, profiles }
     }
 
@@ -290,9 +295,9 @@ impl Recycling {
             let mut form = vec![0.0; n.pow(k as u32 + 2)];
             for m in 0..self.plan.orders_of(k) {
                 let scale = PI * azimuth_factor(m, turn);
-                self.grid.product(&view.chains[k][m], &source.scattered[k][m], n, scale, &mut form);
+                self.grid.product(&view.chains[k][m], &source.scattered[k][m], scale, &mut form);
             }
-            form
+            profile.places[0].folded(&form)
         };
         Forms(self.profiles.iter().enumerate().map(form).collect())
     }
@@ -317,19 +322,17 @@ impl Recycling {
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {
-        let forms = |n: &dyn Fn(&Profile) -> usize, other: &dyn Fn(&Profile) -> Vec<f64>| {
-            let form = |(k, profile): (usize, &Profile)| {
-                let mut form = vec![0.0; profile.cosines.len().pow(k as u32 + 1) * n(profile)];
-                self.grid.product(&view.chains[k][0], &other(profile), n(profile), 1.0, &mut form);
-                form
-            };
-            Forms(self.profiles.iter().enumerate().map(form).collect())
+        let form = |k: usize, less: usize, other: &[f64]| {
+            let profile = &self.profiles[k];
+            let mut form = vec![0.0; profile.cosines.len().pow((k + 2 - less) as u32)];
+            self.grid.product(&view.chains[k][0], other, 1.0, &mut form);
+            profile.places[less].folded(&form)
         };
-        let terms = |profile: &Profile| profile.cosines.len();
+        let all = |one: &dyn Fn(usize) -> Vec<f64>| Forms((0..self.profiles.len()).map(one).collect());
         OwnForms {
-            leaving: forms(&terms, &|profile| profile.leaving.clone()),
-            reflected: forms(&terms, &|profile| profile.reflected.clone()),
-            arriving: forms(&|_| 1, &|_| self.grid.arriving.clone()),
+            leaving: all(&|k| form(k, 0, &self.profiles[k].leaving)),
+            reflected: all(&|k| form(k, 0, &self.profiles[k].reflected)),
+            arriving: all(&|k| form(k, 1, &self.grid.arriving)),
         }
     }
 }
@@ -340,7 +343,8 @@ fn azimuth_factor(m: usize, turn: f64) -> f64 {
 }
 
 impl Profile {
-    fn new(grid: &Grid, pass: &Pass<'_>, count: usize) -> Self {
+    /// For forms of this degree.
+    fn new(grid: &Grid, pass: &Pass<'_>, count: usize, degree: u32) -> Self {
         let index = pass.index;
         // A Lambertian lobe sends nothing beyond the disc of air.
         let from = match pass.diffuser.lobe {
@@ -350,8 +354,15 @@ impl Profile {
         let fitted = count == 1 || is_fitted(pass);
         let points: Vec<Node> = if fitted { gauss(from, 1.0, count).collect() } else { chebyshev(count) };
         let cosines = points.iter().map(|point| point.x).collect();
-        let mut profile =
-            Self { cosines, terms: vec![], glass: vec![], air: vec![], leaving: vec![], reflected: vec![] };
+        let mut profile = Self {
+            cosines,
+            terms: vec![],
+            glass: vec![],
+            air: vec![],
+            leaving: vec![],
+            reflected: vec![],
+            places: [degree, degree - 1].map(|degree| Places::new(count, degree)),
+        };
         profile.terms = if fitted { profile.fit(pass, from, &points) } else { profile.look_ups(pass) };
         let at = |nodes: &[Node]| -> Vec<f64> {
             nodes.iter().flat_map(|n| profile.at((1.0 - (n.x / index).powi(2)).max(0.0).sqrt())).collect()

@@ -1,17 +1,18 @@
-//! A panel with a diffuser: what is kept between estimates, and how it adds up.
+//! A panel with a diffuser: what is kept between estimates. `estimate` adds it up.
+
+mod estimate;
+
+use std::sync::Arc;
 
 use papilio_optics::lobe::Lobe;
 
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Point, cone_points, disc_points};
-use super::add_scaled;
-use super::books::Sums;
 use super::first_pass::{Alone, Pass, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::recycling::{Direction, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
-use crate::specular::panel_image;
-use crate::{AngularTable, Cone, Diffuser, Estimate, Medium, Nodes, Panel, Reflector, Source, Top};
+use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances};
+use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 
 /// Everything of a panel that does not depend on its spectra.
 #[derive(Debug, Clone)]
@@ -29,6 +30,16 @@ pub(super) struct Kernel {
     /// For each index.
     shares: Vec<Shares>,
     recycling: Option<Vec<Recycling>>,
+    seen: Option<Seen>,
+}
+
+/// What was found out about the base's table.
+#[derive(Debug, Clone)]
+struct Seen {
+    table: AngularTable,
+    largest_reflectance: f64,
+    /// For each index what recycling needs of it.
+    at: Vec<Arc<Reflectances>>,
 }
 
 #[derive(Debug, Clone)]
@@ -86,6 +97,7 @@ impl Kernel {
             views: Vec::new(),
             shares: Vec::new(),
             recycling: None,
+            seen: None,
         }
     }
 
@@ -105,7 +117,12 @@ impl Kernel {
             self.shares = self.indices.nodes.iter().map(at).collect();
         }
         self.reach = reach(views, sources);
+        self.look_at(stack);
         let same_recycling = self.prepare_recycling(stack);
+        let at = self.reflectances_at(stack);
+        if let (Some(seen), Some(at)) = (&mut self.seen, at) {
+            seen.at = at;
+        }
         let kept: Vec<Option<usize>> =
             sources.iter().map(|source| old_sources.iter().position(|old| old.source == *source)).collect();
         let light = |(source, kept): (&Source, &Option<usize>)| match kept {
@@ -133,6 +150,9 @@ impl Kernel {
         if plan == old {
             return true;
         }
+        if let Some(seen) = &mut self.seen {
+            seen.at.clear();
+        }
         self.recycling = plan.map(|plan| {
             let nodes = self.indices.nodes.clone();
             let at = |j: usize| self.pass(j).map(|pass| Recycling::new(&pass, plan.clone()));
@@ -145,8 +165,48 @@ impl Kernel {
         let pass = self.pass(0)?;
         let Top::Diffuser(diffuser) = &stack.top else { return None };
         let g = sent_back(stack, &diffuser.transmittance).into_iter().fold(0.0, f64::max);
-        let strength = if g > 0.0 { g * stack.base.largest_reflectance() } else { 0.0 };
+        let strength = if g > 0.0 { g * self.largest_reflectance(stack) } else { 0.0 };
         Plan::new(&pass, strength, self.reach)
+    }
+
+    fn largest_reflectance(&self, stack: &Panel) -> f64 {
+        match &stack.base.reflector {
+            Reflector::Specular(table) => {
+                let seen = self.seen.as_ref().filter(|seen| seen.table.is_same(table));
+                seen.map_or_else(|| stack.base.largest_reflectance(), |seen| seen.largest_reflectance)
+            }
+            Reflector::Lambertian(_) => stack.base.largest_reflectance(),
+        }
+    }
+
+    /// Starts anew with a base that is not the one that was seen last.
+    fn look_at(&mut self, stack: &Panel) {
+        self.seen = match &stack.base.reflector {
+            Reflector::Lambertian(_) => None,
+            Reflector::Specular(table) => {
+                self.seen.take().filter(|seen| seen.table.is_same(table)).or_else(|| {
+                    let largest_reflectance = stack.base.largest_reflectance();
+                    Some(Seen { table: table.clone(), largest_reflectance, at: Vec::new() })
+                })
+            }
+        };
+    }
+
+    /// What recycling needs to know of the base, if it is not known.
+    fn reflectances_at(&self, stack: &Panel) -> Option<Vec<Arc<Reflectances>>> {
+        let seen = self.seen.as_ref().filter(|seen| seen.at.is_empty())?;
+        let at = |(index, recycling): (usize, &Recycling)| {
+            Arc::new(recycling.reflectances(&stack.base, &seen.table, &self.medium_at(stack, index)))
+        };
+        Some(self.recycling.iter().flatten().enumerate().map(at).collect())
+    }
+
+    /// The medium above the base, as if it had this index at all wavelengths.
+    fn medium_at(&self, stack: &Panel, index: usize) -> Medium {
+        match stack.medium.constant_index() {
+            Some(_) => stack.medium.clone(),
+            None => Medium::new(vec![self.indices.nodes[index]; stack.base.bins()].into()),
+        }
     }
 
     fn pass(&self, index: usize) -> Option<Pass<'_>> {
@@ -288,221 +348,10 @@ impl Kernel {
         let shares: usize = self.shares.iter().map(|shares| shares.nodes).sum();
         views + shares + self.recycling.iter().flatten().map(Recycling::nodes).sum::<usize>()
     }
-
-    pub(super) fn estimate(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Estimate {
-        let Some(seen) = self.views.get(view) else { return Estimate::default() };
-        let sources: Vec<Source> = self.sources.iter().map(|light| light.source).collect();
-        if self.recycling_serves(stack) {
-            let mut estimate = self.sums(stack, diffuser, seen, &sources).estimate(stack, diffuser, &sources);
-            add_images(stack, &seen.images, &mut estimate);
-            return estimate;
-        }
-        // A front or a pixel so much brighter that recycled light has to be followed further.
-        let mut other = self.clone();
-        other.views = vec![seen.clone()];
-        other.prepare(stack, &[seen.cone], &sources);
-        other.estimate(stack, diffuser, 0)
-    }
-
-    /// Whether recycled light was prepared for as much of it as this stack has.
-    fn recycling_serves(&self, stack: &Panel) -> bool {
-        let prepared = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
-        self.plan(stack).as_ref() == prepared
-    }
-
-    fn sums(&self, stack: &Panel, diffuser: &Diffuser, view: &View, sources: &[Source]) -> Sums {
-        let len = stack.base.states() * stack.base.bins();
-        let sent_back = sent_back(stack, &diffuser.transmittance);
-        let at = |index: usize| match &stack.base.reflector {
-            Reflector::Specular(table) => self.over_mirror(stack, table, view, index, &sent_back, sources),
-            Reflector::Lambertian(r) => self.over_lambertian(r, view, index, &sent_back, sources),
-        };
-        if self.indices.nodes.len() == 1 {
-            return at(0);
-        }
-        let mut sum = Sums::zeros(len, sources);
-        for index in 0..self.indices.nodes.len() {
-            sum.zip(&at(index), |sum, values| self.indices.add(index, values, sum));
-        }
-        sum
-    }
-
-    fn over_lambertian(
-        &self,
-        r: &[f64],
-        view: &View,
-        index: usize,
-        sent_back: &[f64],
-        sources: &[Source],
-    ) -> Sums {
-        let mut sums = Sums::zeros(r.len(), sources);
-        let shares = &self.shares[index];
-        let a: f64 = view.groups.iter().map(|g| shares.arriving(&self.diffuser, &g.points)).sum();
-        let towards: Vec<f64> = self
-            .sources
-            .iter()
-            .map(|light| light.groups.iter().map(|g| shares.arriving(&self.diffuser, &g.points)).sum())
-            .collect();
-        for (k, r) in r.iter().enumerate() {
-            let arriving = a / (1.0 - sent_back[k % sent_back.len()] * r * shares.back);
-            sums.arriving[k] = arriving;
-            sums.reflected[k] = arriving * r;
-            sums.leaving[k] = arriving * r * shares.out;
-            for (directed, towards) in sums.directed.iter_mut().zip(&towards).filter(|(d, _)| !d.is_empty()) {
-                directed[k] = arriving * r * shares.density() * towards;
-            }
-        }
-        sums
-    }
-
-    fn over_mirror(
-        &self,
-        stack: &Panel,
-        table: &AngularTable,
-        view: &View,
-        index: usize,
-        sent_back: &[f64],
-        sources: &[Source],
-    ) -> Sums {
-        let len = stack.base.states() * stack.base.bins();
-        let medium = match stack.medium.constant_index() {
-            Some(_) => stack.medium.clone(),
-            None => Medium::new(vec![self.indices.nodes[index]; stack.base.bins()].into()),
-        };
-        let straight = Straight { stack, medium: &medium, share: self.diffuser.straight_through, sent_back };
-        let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
-        let reflectances = recycling.map(|r| r.reflectances(&stack.base, table, &medium, sent_back));
-        let of_sources = self.source_columns(&straight);
-        let at = &view.at[index];
-        let mut all = Sums::zeros(len, sources);
-        let mut room = vec![0.0; len];
-        for (g, group) in view.groups.iter().enumerate() {
-            let mut sums = Sums::zeros(len, sources);
-            let alone = &at.alone[g];
-            table.weighted_sum(&alone.reflected.0, &mut sums.reflected);
-            table.weighted_sum(&alone.leaving.0, &mut sums.leaving);
-            sums.arriving.fill(alone.reflected.0.iter().sum());
-            for ((sum, pairs), of_source) in sums.directed.iter_mut().zip(&at.pairs[g]).zip(&of_sources) {
-                for ((weights, _), along) in pairs.iter().zip(of_source) {
-                    table.weighted_sum(&weights.0, &mut room);
-                    add_times(sum, &room, &along.round_trips);
-                }
-            }
-            if let (Some(recycling), Some(r)) = (recycling, &reflectances) {
-                let own = straight.along(group.axis);
-                self.recycle(recycling, (&at.recycled[g], &own), index, r, &of_sources, &mut sums);
-                self.add_peaks(&straight, group.axis, &at.recycled[g], &of_sources, &mut sums);
-            }
-            let along = straight.along(group.axis);
-            all.zip(&sums, |all, sums| add_times(all, sums, &along.round_trips));
-        }
-        all
-    }
-
-    /// For each source and its groups: the base's reflectance, and its straight round trips.
-    fn source_columns(&self, straight: &Straight<'_>) -> Vec<Vec<Direction>> {
-        let of = |b: &Bundle| straight.along(b.axis);
-        self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
-    }
-
-    /// Adds what narrow lobes' peaks lack on a grid for wider ones.
-    fn add_peaks(
-        &self,
-        straight: &Straight<'_>,
-        view: Point,
-        recycled: &Recycled,
-        of_sources: &[Vec<Direction>],
-        sums: &mut Sums,
-    ) {
-        for (i, (peaks, of_source)) in recycled.between.iter().zip(of_sources).enumerate() {
-            for (j, ((_, peak), along)) in peaks.iter().zip(of_source).enumerate() {
-                if *peak == 0.0 {
-                    continue;
-                }
-                let [mut value, other] =
-                    [view, self.sources[i].groups[j].axis].map(|point| straight.reflectance_at(point));
-                for (k, (value, other)) in value.iter_mut().zip(other).enumerate() {
-                    *value *= peak * straight.sent_back[k % straight.sent_back.len()] * other;
-                }
-                add_times(&mut sums.directed[i], &value, &along.round_trips);
-            }
-        }
-    }
-
-    fn recycle(
-        &self,
-        recycling: &Recycling,
-        view: (&Recycled, &Direction),
-        index: usize,
-        r: &Reflectances,
-        of_sources: &[Vec<Direction>],
-        sums: &mut Sums,
-    ) {
-        let (recycled, own) = view;
-        if recycling.sums_columns() {
-            let sources: Vec<Vec<_>> = self
-                .sources
-                .iter()
-                .zip(of_sources)
-                .map(|(light, of)| light.recycled[index].iter().zip(of).collect())
-                .collect();
-            return recycling.add_by_columns((&recycled.group, own), &sources, r, sums);
-        }
-        recycling.add_alone(&recycled.alone, r, sums);
-        for ((sum, forms), of_source) in sums.directed.iter_mut().zip(&recycled.between).zip(of_sources) {
-            for ((forms, _), along) in forms.iter().zip(of_source) {
-                if along.round_trips.is_empty() {
-                    recycling.add(forms, r, false, sum);
-                } else {
-                    let mut room = vec![0.0; sum.len()];
-                    recycling.add(forms, r, false, &mut room);
-                    add_times(sum, &room, &along.round_trips);
-                }
-            }
-        }
-    }
 }
 
 /// Reflectances change over directions of this size, whatever the lobe.
 const SMOOTH: f64 = 0.3;
-
-/// Light that goes straight through the diffuser, off the base, and straight through again.
-struct Straight<'a> {
-    stack: &'a Panel,
-    medium: &'a Medium,
-    share: f64,
-    sent_back: &'a [f64],
-}
-
-impl Straight<'_> {
-    /// The base's reflectance of this direction, and `1/(1 - g s^2 R)`.
-    fn along(&self, point: Point) -> Direction {
-        if self.share == 0.0 {
-            return Direction { reflectance: Vec::new(), round_trips: Vec::new() };
-        }
-        let (reflectance, g) = (self.reflectance_at(point), self.sent_back);
-        let trip = |(k, r): (usize, &f64)| 1.0 / (1.0 - g[k % g.len()] * self.share * self.share * r);
-        let round_trips = reflectance.iter().enumerate().map(trip).collect();
-        Direction { reflectance, round_trips }
-    }
-
-    fn reflectance_at(&self, point: Point) -> Vec<f64> {
-        let base = &self.stack.base;
-        let mut r = vec![0.0; base.states() * base.bins()];
-        base.reflectance(point.beta.squared(), self.medium, &mut r);
-        r
-    }
-}
-
-/// `sum += values * factors`; no factors are ones.
-fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64]) {
-    if factors.is_empty() {
-        return add_scaled(sum, values, 1.0);
-    }
-    for ((s, v), f) in sum.iter_mut().zip(values).zip(factors) {
-        *s += v * f;
-    }
-}
 
 /// The largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, if there is one.
 fn reach(views: &[Cone], sources: &[Source]) -> Option<f64> {
@@ -527,15 +376,4 @@ fn table_nodes(stack: &Panel) -> Option<&Nodes> {
 fn sent_back(stack: &Panel, transmittance: &[f64]) -> Vec<f64> {
     let one = |(t, r): (&f64, &f64)| if stack.single_pass { 0.0 } else { t * t * r };
     transmittance.iter().zip(stack.front.reflectance_below.iter()).map(one).collect()
-}
-
-fn add_images(stack: &Panel, images: &[ImagePoints], estimate: &mut Estimate) {
-    for seen in images {
-        let rho = &mut estimate.rho[seen.source];
-        for point in &seen.points {
-            let image = panel_image(stack, point.beta);
-            add_scaled(&mut rho.front, &image.front, point.weight);
-            add_scaled(&mut rho.base, &image.base, point.weight);
-        }
-    }
 }

@@ -1,0 +1,266 @@
+//! A panel with a diffuser: what a view sees through prepared kernels.
+
+use std::sync::Arc;
+
+use super::super::super::images::ImagePoints;
+use super::super::super::quadrature::Point;
+use super::super::add_scaled;
+use super::super::books::Sums;
+use super::super::first_pass::{Alone, Weights};
+use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
+use super::{Bundle, Kernel, Recycled, View, sent_back};
+use crate::specular::panel_image;
+use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, Reflector, Source};
+
+impl Kernel {
+    pub(in super::super) fn estimate(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Estimate {
+        let Some(seen) = self.views.get(view) else { return Estimate::default() };
+        let sources: Vec<Source> = self.sources.iter().map(|light| light.source).collect();
+        if self.recycling_serves(stack) {
+            let mut estimate = self.sums(stack, diffuser, seen, &sources).estimate(stack, diffuser, &sources);
+            add_images(stack, &seen.images, &mut estimate);
+            return estimate;
+        }
+        // A front or a pixel so much brighter that recycled light has to be followed further.
+        let mut other = self.clone();
+        other.views = vec![seen.clone()];
+        other.prepare(stack, &[seen.cone], &sources);
+        other.estimate(stack, diffuser, 0)
+    }
+
+    /// Whether recycled light was prepared for as much of it as this stack has.
+    fn recycling_serves(&self, stack: &Panel) -> bool {
+        let prepared = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
+        self.plan(stack).as_ref() == prepared
+    }
+
+    fn sums(&self, stack: &Panel, diffuser: &Diffuser, view: &View, sources: &[Source]) -> Sums {
+        let len = stack.base.states() * stack.base.bins();
+        let sent_back = sent_back(stack, &diffuser.transmittance);
+        let at = |index: usize| match &stack.base.reflector {
+            Reflector::Specular(table) => self.over_mirror(stack, table, view, index, &sent_back, sources),
+            Reflector::Lambertian(r) => self.over_lambertian(r, view, index, &sent_back, sources),
+        };
+        if self.indices.nodes.len() == 1 {
+            return at(0);
+        }
+        let mut sum = Sums::zeros(len, sources);
+        for index in 0..self.indices.nodes.len() {
+            sum.zip(&at(index), |sum, values| self.indices.add(index, values, sum));
+        }
+        sum
+    }
+
+    fn over_lambertian(
+        &self,
+        r: &[f64],
+        view: &View,
+        index: usize,
+        sent_back: &[f64],
+        sources: &[Source],
+    ) -> Sums {
+        let mut sums = Sums::zeros(r.len(), sources);
+        let shares = &self.shares[index];
+        let a: f64 = view.groups.iter().map(|g| shares.arriving(&self.diffuser, &g.points)).sum();
+        let towards: Vec<f64> = self
+            .sources
+            .iter()
+            .map(|light| light.groups.iter().map(|g| shares.arriving(&self.diffuser, &g.points)).sum())
+            .collect();
+        for (k, r) in r.iter().enumerate() {
+            let arriving = a / (1.0 - sent_back[k % sent_back.len()] * r * shares.back);
+            sums.arriving[k] = arriving;
+            sums.reflected[k] = arriving * r;
+            sums.leaving[k] = arriving * r * shares.out;
+            for (directed, towards) in sums.directed.iter_mut().zip(&towards).filter(|(d, _)| !d.is_empty()) {
+                directed[k] = arriving * r * shares.density() * towards;
+            }
+        }
+        sums
+    }
+
+    fn over_mirror(
+        &self,
+        stack: &Panel,
+        table: &AngularTable,
+        view: &View,
+        index: usize,
+        sent_back: &[f64],
+        sources: &[Source],
+    ) -> Sums {
+        let len = stack.base.states() * stack.base.bins();
+        let medium = self.medium_at(stack, index);
+        let straight = Straight { stack, medium: &medium, share: self.diffuser.straight_through, sent_back };
+        let g: Vec<f64> = sent_back.iter().copied().cycle().take(len).collect();
+        let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
+        let seen = recycling.map(|recycling| (recycling, self.reflectances(stack, table, &medium, index)));
+        let of_sources = self.source_columns(&straight);
+        let at = &view.at[index];
+        let mut all = Sums::zeros(len, sources);
+        for (g_number, group) in view.groups.iter().enumerate() {
+            let mut sums = first_pass(table, &at.alone[g_number], &at.pairs[g_number], &of_sources, sources);
+            let along = straight.along(group.axis);
+            if let Some((recycling, r)) = &seen {
+                let recycled = &at.recycled[g_number];
+                self.recycle(recycling, (recycled, &along), index, (r, &g), &of_sources, &mut sums);
+                self.add_peaks(&straight, group.axis, recycled, &of_sources, &mut sums);
+            }
+            all.zip(&sums, |all, sums| add_times(all, sums, &along.round_trips));
+        }
+        all
+    }
+
+    /// What recycling needs to know of the base: as prepared, if the base is that one.
+    fn reflectances(
+        &self,
+        stack: &Panel,
+        table: &AngularTable,
+        medium: &Medium,
+        index: usize,
+    ) -> Arc<Reflectances> {
+        let prepared = self.seen.as_ref().filter(|seen| seen.table.is_same(table));
+        match (prepared.and_then(|seen| seen.at.get(index)), &self.recycling) {
+            (Some(at), _) => Arc::clone(at),
+            (None, Some(all)) => Arc::new(all[index].reflectances(&stack.base, table, medium)),
+            (None, None) => Arc::new(Reflectances::Products(Vec::new())),
+        }
+    }
+
+    /// For each source and its groups: the base's reflectance, and its straight round trips.
+    fn source_columns(&self, straight: &Straight<'_>) -> Vec<Vec<Direction>> {
+        let of = |b: &Bundle| straight.along(b.axis);
+        self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
+    }
+
+    /// Adds what narrow lobes' peaks lack on a grid for wider ones.
+    fn add_peaks(
+        &self,
+        straight: &Straight<'_>,
+        view: Point,
+        recycled: &Recycled,
+        of_sources: &[Vec<Direction>],
+        sums: &mut Sums,
+    ) {
+        for (i, (peaks, of_source)) in recycled.between.iter().zip(of_sources).enumerate() {
+            for (j, ((_, peak), along)) in peaks.iter().zip(of_source).enumerate() {
+                if *peak == 0.0 {
+                    continue;
+                }
+                let [mut value, other] =
+                    [view, self.sources[i].groups[j].axis].map(|point| straight.reflectance_at(point));
+                for (k, (value, other)) in value.iter_mut().zip(other).enumerate() {
+                    *value *= peak * straight.sent_back[k % straight.sent_back.len()] * other;
+                }
+                add_times(&mut sums.directed[i], &value, &along.round_trips);
+            }
+        }
+    }
+
+    fn recycle(
+        &self,
+        recycling: &Recycling,
+        (recycled, own): (&Recycled, &Direction),
+        index: usize,
+        (r, g): (&Reflectances, &[f64]),
+        of_sources: &[Vec<Direction>],
+        sums: &mut Sums,
+    ) {
+        if recycling.sums_columns() {
+            let sources: Vec<Vec<_>> = self
+                .sources
+                .iter()
+                .zip(of_sources)
+                .map(|(light, of)| light.recycled[index].iter().zip(of).collect())
+                .collect();
+            return recycling.add_by_columns((&recycled.group, own), &sources, r, g, sums);
+        }
+        let alone = &recycled.alone;
+        add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
+        let between = recycled.between.iter().flatten().map(|(forms, _)| forms);
+        let forms: Vec<&Forms> = [&alone.leaving, &alone.reflected].into_iter().chain(between).collect();
+        let values = recycling.values(&forms, false, r, g);
+        let mut values = values.chunks_exact(g.len());
+        add_scaled(&mut sums.leaving, values.next().unwrap_or_default(), 1.0);
+        add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
+        for (sum, of_source) in sums.directed.iter_mut().zip(of_sources) {
+            for (along, values) in of_source.iter().zip(&mut values) {
+                add_times(sum, values, &along.round_trips);
+            }
+        }
+    }
+}
+
+/// The first pass of a group: what is straight in none of its two meetings with the diffuser.
+fn first_pass(
+    table: &AngularTable,
+    alone: &Alone,
+    pairs: &[Vec<(Weights, usize)>],
+    of_sources: &[Vec<Direction>],
+    sources: &[Source],
+) -> Sums {
+    let between = pairs.iter().flatten().map(|(weights, _)| &weights.0[..]);
+    let rows: Vec<&[f64]> =
+        [&alone.reflected.0[..], &alone.leaving.0[..]].into_iter().chain(between).collect();
+    let values = table.weighted_sums(&rows);
+    let len = values.len() / rows.len();
+    let mut values = values.chunks_exact(len);
+    let mut sums = Sums::zeros(len, sources);
+    sums.arriving.fill(alone.reflected.0.iter().sum());
+    sums.reflected.copy_from_slice(values.next().unwrap_or_default());
+    sums.leaving.copy_from_slice(values.next().unwrap_or_default());
+    for (sum, of_source) in sums.directed.iter_mut().zip(of_sources) {
+        for (along, values) in of_source.iter().zip(&mut values) {
+            add_times(sum, values, &along.round_trips);
+        }
+    }
+    sums
+}
+
+/// Light that goes straight through the diffuser, off the base, and straight through again.
+struct Straight<'a> {
+    stack: &'a Panel,
+    medium: &'a Medium,
+    share: f64,
+    sent_back: &'a [f64],
+}
+
+impl Straight<'_> {
+    /// The base's reflectance of this direction, and `1/(1 - g s^2 R)`.
+    fn along(&self, point: Point) -> Direction {
+        if self.share == 0.0 {
+            return Direction { reflectance: Vec::new(), round_trips: Vec::new() };
+        }
+        let (reflectance, g) = (self.reflectance_at(point), self.sent_back);
+        let trip = |(k, r): (usize, &f64)| 1.0 / (1.0 - g[k % g.len()] * self.share * self.share * r);
+        let round_trips = reflectance.iter().enumerate().map(trip).collect();
+        Direction { reflectance, round_trips }
+    }
+
+    fn reflectance_at(&self, point: Point) -> Vec<f64> {
+        let base = &self.stack.base;
+        let mut r = vec![0.0; base.states() * base.bins()];
+        base.reflectance(point.beta.squared(), self.medium, &mut r);
+        r
+    }
+}
+
+/// `sum += values * factors`; no factors are ones.
+fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64]) {
+    if factors.is_empty() {
+        return add_scaled(sum, values, 1.0);
+    }
+    for ((s, v), f) in sum.iter_mut().zip(values).zip(factors) {
+        *s += v * f;
+    }
+}
+
+fn add_images(stack: &Panel, images: &[ImagePoints], estimate: &mut Estimate) {
+    for seen in images {
+        let rho = &mut estimate.rho[seen.source];
+        for point in &seen.points {
+            let image = panel_image(stack, point.beta);
+            add_scaled(&mut rho.front, &image.front, point.weight);
+            add_scaled(&mut rho.base, &image.base, point.weight);
+        }
+    }
+}

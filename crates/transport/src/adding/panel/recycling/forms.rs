@@ -1,0 +1,137 @@
+//! Forms: homogeneous polynomials in the terms of the reflectance.
+//!
+//! What the grid gives is a coefficient for each sequence of terms that light may meet; sequences
+//! of the same terms in another order are the same product, and share one coefficient here. The
+//! products of the terms ([`Products`]) depend on the pixel alone, the coefficients on views and
+//! lights: many values of both are one product of matrices.
+
+use crate::product::add_product;
+
+/// Which sequences of terms make the same product.
+#[derive(Debug, Clone)]
+pub(super) struct Places {
+    /// For each sequence of terms (the last one varies fastest) the number of its product.
+    place: Vec<usize>,
+    count: usize,
+}
+
+impl Places {
+    /// Of `degree` terms, out of so many.
+    pub(super) fn new(terms: usize, degree: u32) -> Self {
+        let sequences = terms.pow(degree);
+        let mut place = vec![usize::MAX; sequences];
+        let mut count = 0;
+        // In this order ascending sequences are met first, and products in the order of `Products`.
+        for sequence in 0..sequences {
+            let sorted = ascending(sequence, terms, degree);
+            if place[sorted] == usize::MAX {
+                place[sorted] = count;
+                count += 1;
+            }
+            place[sequence] = place[sorted];
+        }
+        Self { place, count }
+    }
+
+    /// A coefficient for each product, from those of each sequence.
+    pub(super) fn folded(&self, sequences: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.count];
+        sequences.iter().zip(&self.place).for_each(|(value, place)| sum[*place] += value);
+        sum
+    }
+}
+
+/// The number of the sequence of the same terms in ascending order.
+fn ascending(mut sequence: usize, terms: usize, degree: u32) -> usize {
+    let mut digits: Vec<usize> = (0..degree)
+        .map(|_| {
+            let digit = sequence % terms;
+            sequence /= terms;
+            digit
+        })
+        .collect();
+    digits.sort_unstable();
+    digits.into_iter().fold(0, |number, digit| number * terms + digit)
+}
+
+/// The products of the terms of one order of the series, `[product][column]`.
+#[derive(Debug, Clone)]
+pub(in super::super) struct Products {
+    /// Of the form's degree.
+    all: Vec<f64>,
+    /// Of one degree less.
+    less: Vec<f64>,
+}
+
+impl Products {
+    /// Of `degree` (2 or more) terms, which are given as `[term][column]`.
+    pub(super) fn new(terms: Vec<f64>, columns: usize, degree: u32) -> Self {
+        let count = terms.len() / columns.max(1);
+        // From which product on the first term is the k-th or a later one.
+        let mut from: Vec<usize> = (0..count).collect();
+        let (mut less, mut all) = (Vec::new(), terms.clone());
+        for _ in 1..degree {
+            less = std::mem::take(&mut all);
+            let kept = less.len() / columns;
+            all.reserve_exact(from.iter().map(|from| (kept - from) * columns).sum());
+            for (term, from) in terms.chunks_exact(columns).zip(&mut from) {
+                let first = std::mem::replace(from, all.len() / columns);
+                for product in less[first * columns..].chunks_exact(columns) {
+                    all.extend(product.iter().zip(term).map(|(product, term)| product * term));
+                }
+            }
+        }
+        Self { all, less }
+    }
+
+    /// Adds the values of forms of the full degree, or of one less, to `out` (`[form][column]`).
+    pub(super) fn add(&self, forms: &[f64], one_less: bool, columns: usize, out: &mut [f64]) {
+        let products = if one_less { &self.less } else { &self.all };
+        add_product(forms, products, products.len() / columns.max(1), out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every sequence by itself.
+    fn plainly(coefficients: &[f64], terms: &[f64], degree: u32) -> f64 {
+        let value = |(sequence, coefficient): (usize, &f64)| {
+            let mut rest = sequence;
+            (0..degree).fold(*coefficient, |product, _| {
+                let term = terms[rest % terms.len()];
+                rest /= terms.len();
+                product * term
+            })
+        };
+        coefficients.iter().enumerate().map(value).sum()
+    }
+
+    #[test]
+    fn folded_forms_have_the_values_of_all_their_sequences() {
+        for (terms, degree) in [(1_usize, 2_u32), (1, 5), (4, 2), (3, 4), (2, 7)] {
+            // Two forms at three columns.
+            let size = terms.pow(degree);
+            let both = [23, 19]
+                .map(|modulus| -> Vec<f64> { (0..size).map(|k| (k * k % modulus) as f64 - 9.0).collect() });
+            let values: Vec<f64> = (0..3 * terms).map(|k| 0.3 + 0.1 * k as f64).collect();
+            let products = Products::new(values.clone(), 3, degree);
+            let mut found = vec![0.0; 6];
+            let places = Places::new(terms, degree);
+            products.add(&both.each_ref().map(|one| places.folded(one)).concat(), false, 3, &mut found);
+            let mut less = vec![0.0; 3];
+            let smaller = &both[0][..terms.pow(degree - 1)];
+            products.add(&Places::new(terms, degree - 1).folded(smaller), true, 3, &mut less);
+            for column in 0..3 {
+                let at: Vec<f64> = values[column..].iter().step_by(3).copied().collect();
+                for form in 0..2 {
+                    let truth = plainly(&both[form], &at, degree);
+                    assert!((found[form * 3 + column] - truth).abs() < 1e-9 * truth.abs().max(1.0));
+                }
+                let truth = plainly(smaller, &at, degree - 1);
+                assert!((less[column] - truth).abs() < 1e-9 * truth.abs().max(1.0));
+            }
+        }
+    }
+}
