@@ -340,7 +340,7 @@ fn a_dispersive_medium_agrees_with_a_constant_one() {
         two_bins.base.inactive_absorptance = vec![0.0; 2].into();
         match &mut two_bins.base.reflector {
             Reflector::Specular(table) => {
-                table.basis = vec![0.8; 2];
+                table.basis = vec![0.8; 2].into();
                 table.common = vec![0.0; 2];
             }
             Reflector::Lambertian(reflectance) => *reflectance = vec![0.8; 2],

@@ -314,7 +314,7 @@ fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let reflector = if lambertian {
         Reflector::Lambertian(whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect())
     } else {
-        let (basis, common) = (whole.to_vec(), of([0.0, 0.1, 0.2]).to_vec());
+        let (basis, common) = (whole.to_vec().into(), of([0.0, 0.1, 0.2]).to_vec());
         Reflector::Specular(AngularTable { nodes: Nodes::Constant, basis, mixture: vec![1.0, 0.3], common })
     };
     let layers = vec![
