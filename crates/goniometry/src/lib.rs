@@ -18,6 +18,8 @@ mod direction;
 mod error;
 mod fit;
 mod geometry;
+mod instrument;
+mod kernel;
 mod measurement;
 mod models;
 mod shape;
@@ -27,7 +29,12 @@ pub use audit::{Audit, Incidence};
 pub use direction::Direction;
 pub use error::GoniometryError;
 pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, ranked};
-pub use geometry::{Geometry, Ring, SpecularGrid, SphericalGrid, Symmetry};
+pub use geometry::{
+    Geometry, HalfAngleGrid, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Ring, SpecularGrid, SphericalGrid,
+    Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, patch_count, patch_of, projected_solid_angle,
+};
+pub use instrument::{Instrument, Noise, SyntheticSample, View, tristimulus_factors};
+pub use kernel::{Changes, Preparation, kernel};
 pub use measurement::{Channel, Measurement, Part, Provenance, Way};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape};

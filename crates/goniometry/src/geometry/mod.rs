@@ -1,12 +1,25 @@
 //! Where values are taken: the coordinates of each kind of file.
 
+mod axis;
+mod half_angle;
+mod patches;
 mod specular;
 mod spherical;
+mod tensor_tree;
+mod warp;
+mod warped;
 
+pub use half_angle::HalfAngleGrid;
+pub use patches::{
+    KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Ring, patch_count, patch_of, projected_solid_angle,
+};
 pub use specular::{SpecularGrid, Symmetry};
 pub use spherical::SphericalGrid;
+pub use tensor_tree::{TensorTree, TreeNode};
+pub use warped::{WarpFields, WarpedGrid};
 
-use crate::Direction;
+use crate::{Direction, Part};
+use patches::patch_centre;
 
 /// The cells of a part.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,15 +39,13 @@ pub enum Geometry {
         /// Rings of the patches to which it goes.
         outgoing: Vec<Ring>,
     },
-}
-
-/// A ring of patches; it ends where the next begins, the last at 90 deg.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ring {
-    /// Where it begins, degrees from the normal.
-    pub from_deg: f64,
-    /// How many patches it is parted into; the first is centred on azimuth 0.
-    pub patches: usize,
+    /// Half and difference angles (MERL).
+    HalfAngle(HalfAngleGrid),
+    /// Cells of many sizes in squares mapped to the disk of direction cosines (tensor trees).
+    Tree(TensorTree),
+    /// A grid warped to where a surface's facets are (RGL). Its values are not f: [`Geometry::evaluate`]
+    /// makes f of them.
+    Warped(Box<WarpedGrid>),
 }
 
 impl Geometry {
@@ -44,39 +55,71 @@ impl Geometry {
             Self::Specular(grid) => grid.cells(),
             Self::Spherical(grid) => grid.cells(),
             Self::Pairs(pairs) => pairs.len(),
-            Self::Patches { incoming, outgoing } => patches(incoming) * patches(outgoing),
+            Self::Patches { incoming, outgoing } => patch_count(incoming) * patch_count(outgoing),
+            Self::HalfAngle(grid) => grid.cells(),
+            Self::Tree(tree) => tree.cells(),
+            Self::Warped(grid) => grid.cells(),
         }
     }
 
     /// Where the middle of a cell lies: the directions of light and viewer; `None` if it is outside the
-    /// hemisphere.
+    /// hemisphere, and for warped grids.
     pub fn directions(&self, cell: usize) -> Option<[Direction; 2]> {
         match self {
             Self::Specular(grid) => grid.directions(cell),
             Self::Spherical(grid) => grid.directions(cell),
             Self::Pairs(pairs) => pairs.get(cell).copied(),
             Self::Patches { incoming, outgoing } => {
-                let count = patches(outgoing);
+                let count = patch_count(outgoing);
                 let light = patch_centre(incoming, cell.checked_div(count)?)?.specular();
                 Some([light, patch_centre(outgoing, cell % count)?])
             }
+            Self::HalfAngle(grid) => grid.directions(cell),
+            Self::Tree(tree) => tree.directions(cell),
+            Self::Warped(_) => None,
         }
+    }
+
+    /// f, 1/sr, of light from `i` towards `o`, of one channel's values in the geometry's order; `None` where
+    /// nothing was measured.
+    ///
+    /// A plain reading of the file, not a smooth one: linear between a grid's angles (about the specular
+    /// direction, where a grid is), constant in patches, cells of half angles and of trees, the nearest
+    /// of listed pairs (which takes time in proportion to their number), and as its authors define it on a
+    /// warped grid. Nothing is extrapolated. A grid with one azimuth of the light is taken for a sample that
+    /// is alike in all.
+    pub fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
+        let on_its_side = |d: Direction| (0.0..=90.0).contains(&d.theta_deg) && d.phi_deg.is_finite();
+        if !on_its_side(i) || !on_its_side(o) {
+            return None;
+        }
+        let at = |cell: usize| values.get(cell).copied();
+        let f = match self {
+            Self::Specular(grid) => grid.evaluate(values, i, o),
+            Self::Spherical(grid) => grid.evaluate(values, i, o),
+            Self::Pairs(pairs) => at(nearest(pairs, i, o)?),
+            Self::Patches { incoming, outgoing } => {
+                at(patch_of(incoming, i.specular())? * patch_count(outgoing) + patch_of(outgoing, o)?)
+            }
+            Self::HalfAngle(grid) => at(grid.cell(i, o)?),
+            Self::Tree(tree) => at(tree.cell(i, o)?),
+            Self::Warped(grid) => grid.evaluate(values, i, o),
+        };
+        f.filter(|f| f.is_finite())
     }
 }
 
-/// The middle of a patch; the patch about the normal has the normal.
-fn patch_centre(rings: &[Ring], mut patch: usize) -> Option<Direction> {
-    for (k, ring) in rings.iter().enumerate() {
-        if patch < ring.patches {
-            let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
-            let theta_deg = if ring.patches == 1 { ring.from_deg } else { (ring.from_deg + to_deg) / 2.0 };
-            return Some(Direction::new(theta_deg, 360.0 * patch as f64 / ring.patches as f64));
-        }
-        patch -= ring.patches;
+impl Part {
+    /// f, 1/sr, of a channel (by its number) of light from `i` towards `o`: [`Geometry::evaluate`].
+    pub fn evaluate(&self, channel: usize, i: Direction, o: Direction) -> Option<f64> {
+        self.geometry.evaluate(self.channel(channel), i, o)
     }
-    None
 }
 
-fn patches(rings: &[Ring]) -> usize {
-    rings.iter().map(|ring| ring.patches).sum()
+/// The number of the pair whose directions are nearest.
+fn nearest(pairs: &[[Direction; 2]], i: Direction, o: Direction) -> Option<usize> {
+    let (i, o) = (i.vector(), o.vector());
+    let apart = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
+    let distances = pairs.iter().map(|pair| apart(pair[0].vector(), i) + apart(pair[1].vector(), o));
+    distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| number)
 }

@@ -8,6 +8,7 @@
 //! A sample that was turned by `w` about its normal, counter-clockwise seen from the front, has seen all
 //! of it turned by `-w`: light from azimuth `180 - w`.
 
+use super::axis::{Weights, around, between, mirrored};
 use crate::Direction;
 
 /// Rings about the specular direction. Cells in the order rotation, incidence, azimuth, radial
@@ -57,6 +58,51 @@ impl SpecularGrid {
         let viewer = Self::direction(incidence_deg, *azimuth, *radial)?;
         let light = Direction::new(incidence_deg, 180.0 - rotation);
         Some([light, Direction::new(viewer.theta_deg, viewer.phi_deg - rotation)])
+    }
+
+    /// f between the cells: linear in rotation, incidence, azimuth and radial distance. Cells outside the
+    /// hemisphere take no part.
+    pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
+        let turn = around(&self.rotations_deg, 180.0 - i.phi_deg)?;
+        let incidence = between(&self.incidences_deg, i.theta_deg)?;
+        let viewer = Direction::new(o.theta_deg, o.phi_deg + 180.0 - i.phi_deg);
+        let (azimuth_deg, radial_deg) = Self::coordinates(i.theta_deg, viewer);
+        let azimuth = match self.symmetry {
+            _ if self.azimuths_deg.len() == 1 => [(0, 1.0), (0, 0.0)],
+            Symmetry::Plane => mirrored(&self.azimuths_deg, azimuth_deg)?,
+            Symmetry::None => around(&self.azimuths_deg, azimuth_deg)?,
+        };
+        self.mean(values, [turn, incidence, azimuth, between(&self.radials_deg, radial_deg)?])
+    }
+
+    /// The mean of the cells around a place.
+    fn mean(&self, values: &[f64], [turn, incidence, azimuth, radial]: [Weights; 4]) -> Option<f64> {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for corner in 0..16 {
+            let pick = |weights: Weights, bit: usize| weights[corner >> bit & 1];
+            let ((t, wt), (n, wn)) = (pick(turn, 0), pick(incidence, 1));
+            let ((a, wa), (r, wr)) = (pick(azimuth, 2), pick(radial, 3));
+            let share = wt * wn * wa * wr;
+            let place = (self.incidences_deg[n], self.azimuths_deg[a], self.radials_deg[r]);
+            if share > 0.0 && Self::direction(place.0, place.1, place.2).is_some() {
+                let row = (t * self.incidences_deg.len() + n) * self.azimuths_deg.len() + a;
+                sum += share * values.get(row * self.radials_deg.len() + r)?;
+                weight += share;
+            }
+        }
+        (weight > 0.0).then(|| sum / weight)
+    }
+
+    /// Azimuth and radial distance, degrees, about the specular direction of light from azimuth 180 deg.
+    fn coordinates(incidence_deg: f64, viewer: Direction) -> (f64, f64) {
+        let (sin_a, cos_a) = incidence_deg.to_radians().sin_cos();
+        let [x, y, z] = viewer.vector();
+        let along = x * sin_a + z * cos_a;
+        let [towards, across] = [z * sin_a - x * cos_a, -y];
+        let aside = towards.hypot(across);
+        // A viewer in the specular direction but for rounding has no azimuth.
+        let azimuth = if aside < 1e-12 { 0.0 } else { across.atan2(towards).to_degrees() };
+        (azimuth, aside.atan2(along).to_degrees())
     }
 
     /// Where a cell lies, for light from azimuth 180 deg; `None` outside the hemisphere.

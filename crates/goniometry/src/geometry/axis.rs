@@ -1,0 +1,63 @@
+//! Where a number lies on an axis.
+
+/// Two places on an axis and their shares.
+pub(super) type Weights = [(usize, f64); 2];
+
+/// Slack for angles that should be on an end of the axis, degrees.
+const SLACK_DEG: f64 = 1e-6;
+
+/// The neighbours of an angle on an ascending axis; `None` beyond its ends.
+pub(super) fn between(axis: &[f64], angle: f64) -> Option<Weights> {
+    let (first, last) = (*axis.first()?, *axis.last()?);
+    if !(first - SLACK_DEG..=last + SLACK_DEG).contains(&angle) {
+        return None;
+    }
+    let next = axis.partition_point(|other| *other < angle).clamp(1, axis.len().max(2) - 1);
+    if axis.len() == 1 {
+        return Some([(0, 1.0), (0, 0.0)]);
+    }
+    let share = ((angle - axis[next - 1]) / (axis[next] - axis[next - 1])).clamp(0.0, 1.0);
+    Some([(next - 1, 1.0 - share), (next, share)])
+}
+
+/// The neighbours of an azimuth on an axis that goes round: what lies between its last and its first
+/// angle lies between these, if they are no further apart than half a turn. An axis of one angle stands
+/// for all.
+pub(super) fn around(axis: &[f64], azimuth: f64) -> Option<Weights> {
+    let (first, last) = (*axis.first()?, *axis.last()?);
+    if axis.len() == 1 {
+        return Some([(0, 1.0), (0, 0.0)]);
+    }
+    let turned = first + (azimuth - first).rem_euclid(360.0);
+    if let Some(weights) = between(axis, turned).or_else(|| between(axis, turned - 360.0)) {
+        return Some(weights);
+    }
+    let gap = first + 360.0 - last;
+    let share = (turned - last) / gap;
+    (gap > 0.0 && gap <= 180.0).then_some([(axis.len() - 1, 1.0 - share), (0, share)])
+}
+
+/// As [`around`] for azimuths from a plane of symmetry, of which an axis within 0 to 180 deg may hold one side.
+pub(super) fn mirrored(axis: &[f64], azimuth: f64) -> Option<Weights> {
+    let turned = azimuth.rem_euclid(360.0);
+    between(axis, turned.min(360.0 - turned))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours() {
+        let axis = [0.0, 10.0, 30.0];
+        assert_eq!(between(&axis, 15.0), Some([(1, 0.75), (2, 0.25)]));
+        assert_eq!(between(&axis, 0.0), Some([(0, 1.0), (1, 0.0)]));
+        assert_eq!((between(&axis, 31.0), between(&[], 0.0), between(&axis, f64::NAN)), (None, None, None));
+        assert_eq!(between(&[5.0], 5.0), Some([(0, 1.0), (0, 0.0)]));
+        let round = [0.0, 90.0, 180.0, 270.0];
+        assert_eq!(around(&round, -45.0), Some([(3, 0.5), (0, 0.5)]));
+        assert_eq!(around(&round, 450.0), Some([(0, 0.0), (1, 1.0)]));
+        assert_eq!(around(&axis, 200.0), None);
+        assert_eq!(mirrored(&[0.0, 180.0], -45.0), Some([(0, 0.75), (1, 0.25)]));
+    }
+}

@@ -1,0 +1,257 @@
+//! Cells of many sizes: the tensor trees of Radiance (Ward, Kurt & Bonneel 2014).
+//!
+//! Directions are points of the unit square, mapped from the disk of direction cosines by Shirley & Chiu
+//! (1997), which keeps areas, so that a cell's share of the square is its share of the projected solid
+//! angle. Rank 4: the square of `-i`, then that of `o`. Rank 3, of isotropic samples: `(1 - sin theta_i)/2`,
+//! then the square of `o` turned so that the specular direction is at azimuth 0. A node of the tree halves
+//! every side; a leaf is a grid of equal cells.
+
+use std::f64::consts::{FRAC_PI_4, PI};
+
+use crate::Direction;
+
+/// A node of a [`TensorTree`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TreeNode {
+    /// 2^rank children; bit k of a child's number says which half of side k it is.
+    Branch {
+        /// The first one's place among the nodes; they follow each other.
+        children: u32,
+        /// The first cell below.
+        cell: u32,
+    },
+    /// A grid of 2^(rank log2) cells, the last side fastest.
+    Grid {
+        /// Cells of a side, as a power of two.
+        log2: u8,
+        /// Its first cell.
+        cell: u32,
+    },
+}
+
+impl TreeNode {
+    fn cell(self) -> usize {
+        match self {
+            Self::Branch { cell, .. } | Self::Grid { cell, .. } => cell as usize,
+        }
+    }
+}
+
+/// A tree of cells; they are numbered in the order of its leaves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TensorTree {
+    rank: usize,
+    nodes: Vec<TreeNode>,
+    cells: usize,
+}
+
+/// No grid may have sides of more cells, as a power of two.
+pub(crate) const LARGEST_LOG2: u8 = 12;
+
+impl TensorTree {
+    /// Of nodes, the root first; `None` unless the rank is 3 or 4, children follow their parents, each has one
+    /// parent, and cells are numbered from 0 in the order of the leaves.
+    pub fn new(rank: usize, nodes: Vec<TreeNode>) -> Option<Self> {
+        if !(3..=4).contains(&rank) || nodes.is_empty() {
+            return None;
+        }
+        let branches = 1 << rank;
+        let (mut cells, mut visited, mut stack) = (0, 0, vec![0]);
+        while let Some(at) = stack.pop() {
+            let node = *nodes.get(at)?;
+            visited += 1;
+            if node.cell() != cells || visited > nodes.len() {
+                return None;
+            }
+            match node {
+                TreeNode::Grid { log2, .. } if log2 <= LARGEST_LOG2 => {
+                    cells += 1 << (rank * usize::from(log2))
+                }
+                TreeNode::Branch { children, .. } if children as usize > at => {
+                    stack.extend((0..branches).rev().map(|child| children as usize + child));
+                }
+                _ => return None,
+            }
+        }
+        (visited == nodes.len() && u32::try_from(cells).is_ok()).then_some(Self { rank, nodes, cells })
+    }
+
+    /// 3 (isotropic) or 4.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// The nodes, the root first.
+    pub fn nodes(&self) -> &[TreeNode] {
+        &self.nodes
+    }
+
+    /// How many cells there are.
+    pub fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// The cell of light from `i` towards `o`; rank 3 has none in the half of its cube that means nothing.
+    pub(super) fn cell(&self, i: Direction, o: Direction) -> Option<usize> {
+        let to_square = |d: Direction| {
+            let [x, y, _] = d.vector();
+            square_of_disk([x, y])
+        };
+        let place = match self.rank {
+            3 => {
+                let [x, y] = to_square(Direction::new(o.theta_deg, o.phi_deg - i.phi_deg - 180.0));
+                [0.5 - 0.5 * i.theta_deg.to_radians().sin(), x, y, 0.0]
+            }
+            _ => {
+                let ([x, y], [u, v]) = (to_square(i.specular()), to_square(o));
+                [x, y, u, v]
+            }
+        };
+        // A side holds its lower end, not its upper one.
+        self.at(place.map(|x| x.clamp(0.0, 1.0 - 1e-9)))
+    }
+
+    fn at(&self, mut place: [f64; 4]) -> Option<usize> {
+        let mut node = *self.nodes.first()?;
+        while let TreeNode::Branch { children, .. } = node {
+            let mut child = 0;
+            for (k, x) in place.iter_mut().enumerate().take(self.rank) {
+                *x *= 2.0;
+                if *x >= 1.0 {
+                    *x -= 1.0;
+                    child |= 1 << k;
+                }
+            }
+            node = *self.nodes.get(children as usize + child)?;
+        }
+        let TreeNode::Grid { log2, cell } = node else { return None };
+        let side = 1_usize << log2;
+        let within =
+            place[..self.rank].iter().fold(0, |number, x| number * side + (x * side as f64) as usize);
+        Some(cell as usize + within)
+    }
+
+    /// Light and viewer of the middle of a cell; those of rank 3 that mean nothing have none.
+    pub(super) fn directions(&self, cell: usize) -> Option<[Direction; 2]> {
+        let (mut at, mut corner, mut size) = (0, [0.0; 4], 1.0);
+        let (log2, first) = loop {
+            match *self.nodes.get(at)? {
+                TreeNode::Grid { log2, cell } => break (log2, cell as usize),
+                TreeNode::Branch { children, .. } => {
+                    let first = children as usize;
+                    let children = self.nodes.get(first..first + (1 << self.rank))?;
+                    let child = children.iter().rposition(|child| child.cell() <= cell)?;
+                    size /= 2.0;
+                    corner.iter_mut().enumerate().for_each(|(k, x)| *x += size * (child >> k & 1) as f64);
+                    at = first + child;
+                }
+            }
+        };
+        let (side, mut within) = (1_usize << log2, cell.checked_sub(first)?);
+        if cell >= self.cells {
+            return None;
+        }
+        for k in (0..self.rank).rev() {
+            corner[k] += size * ((within % side) as f64 + 0.5) / side as f64;
+            within /= side;
+        }
+        self.directions_of(corner)
+    }
+
+    fn directions_of(&self, place: [f64; 4]) -> Option<[Direction; 2]> {
+        let from_square = |square: [f64; 2]| {
+            let [x, y] = disk_of_square(square);
+            Direction::of_vector([x, y, (1.0 - x * x - y * y).max(0.0).sqrt()])
+        };
+        if self.rank == 4 {
+            return Some([from_square([place[0], place[1]]).specular(), from_square([place[2], place[3]])]);
+        }
+        let sin = 1.0 - 2.0 * place[0];
+        let light = Direction::new(sin.clamp(0.0, 1.0).asin().to_degrees(), 180.0);
+        (sin >= 0.0).then(|| [light, from_square([place[1], place[2]])])
+    }
+}
+
+/// From the unit disk to the unit square (Shirley & Chiu 1997).
+fn square_of_disk([x, y]: [f64; 2]) -> [f64; 2] {
+    let r = x.hypot(y);
+    let phi = y.atan2(x);
+    // Counted from the middle of the quadrant's side, -45 to 45 deg.
+    let quadrant = ((phi / (2.0 * FRAC_PI_4)).round() as i64).rem_euclid(4);
+    let from_middle = phi - (phi / (2.0 * FRAC_PI_4)).round() * 2.0 * FRAC_PI_4;
+    let along = r * from_middle / FRAC_PI_4;
+    let [a, b] = match quadrant {
+        0 => [r, along],
+        1 => [-along, r],
+        2 => [-r, -along],
+        _ => [along, -r],
+    };
+    [(a + 1.0) / 2.0, (b + 1.0) / 2.0]
+}
+
+/// From the unit square to the unit disk.
+fn disk_of_square([x, y]: [f64; 2]) -> [f64; 2] {
+    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+    let (r, phi) = if a == 0.0 && b == 0.0 {
+        (0.0, 0.0)
+    } else if a.abs() > b.abs() {
+        (a.abs(), FRAC_PI_4 * b / a + if a < 0.0 { PI } else { 0.0 })
+    } else {
+        (b.abs(), (if b < 0.0 { 6.0 } else { 2.0 } - a / b) * FRAC_PI_4)
+    };
+    [r * phi.cos(), r * phi.sin()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_square_and_the_disk_are_each_other() {
+        for k in 0..1000 {
+            let square = [(f64::from(k) * 0.618_034).fract(), (f64::from(k) + 0.5) / 1000.0];
+            let back = square_of_disk(disk_of_square(square));
+            assert!((back[0] - square[0]).abs() + (back[1] - square[1]).abs() < 1e-12, "{square:?} {back:?}");
+        }
+        // Sides and corners: (1, 0) is the middle of the right side, 45 deg a corner.
+        assert_eq!(square_of_disk([1.0, 0.0]), [1.0, 0.5]);
+        assert_eq!(square_of_disk([0.0, 1.0]), [0.5, 1.0]);
+        let corner = square_of_disk([0.5_f64.sqrt(), 0.5_f64.sqrt()]);
+        assert!(corner.iter().all(|x| (x - 1.0).abs() < 1e-12));
+    }
+
+    fn tree(rank: usize) -> TensorTree {
+        let count = 1 << rank;
+        let mut nodes = vec![TreeNode::Branch { children: 1, cell: 0 }];
+        let grid = 1 << rank;
+        nodes.extend((0..count).map(|k| TreeNode::Grid { log2: 1, cell: k * grid }));
+        TensorTree::new(rank, nodes).unwrap()
+    }
+
+    #[test]
+    fn cells_hold_their_middles() {
+        for rank in [3, 4] {
+            let tree = tree(rank);
+            assert_eq!(tree.cells(), 1 << (2 * rank));
+            let mut inside = 0;
+            for cell in 0..tree.cells() {
+                if let Some([i, o]) = tree.directions(cell) {
+                    inside += 1;
+                    assert_eq!(tree.cell(i, o), Some(cell), "{i:?} {o:?}");
+                }
+            }
+            assert_eq!(inside, if rank == 3 { 32 } else { 256 });
+        }
+    }
+
+    #[test]
+    fn trees_that_are_none_are_refused() {
+        let branch = |children| TreeNode::Branch { children, cell: 0 };
+        assert_eq!(TensorTree::new(3, vec![]), None);
+        assert_eq!(TensorTree::new(3, vec![branch(0)]), None, "its own child");
+        assert_eq!(TensorTree::new(3, vec![branch(1)]), None, "no children");
+        assert_eq!(TensorTree::new(5, vec![TreeNode::Grid { log2: 0, cell: 0 }]), None);
+        assert_eq!(TensorTree::new(3, vec![TreeNode::Grid { log2: 0, cell: 1 }]), None);
+        assert_eq!(TensorTree::new(3, vec![TreeNode::Grid { log2: 60, cell: 0 }]), None);
+    }
+}

@@ -1,0 +1,175 @@
+//! A grid warped to where a surface's facets are: the RGL database (Dupuy & Jakob 2018, "An adaptive
+//! parameterization for efficient material acquisition and rendering", ACM Trans. Graph. 37(6)).
+//!
+//! For each direction of the light, the visible normals of the facets (`vndf`, on a square of theta_m and
+//! phi_m) say where light goes; their cumulative map takes half vectors to a second square, on which the
+//! measured values are smooth. With `jacobian`, f cos(theta_o) = value x ndf(m) / (4 sigma(i)), where `ndf` is the
+//! density of normals and `sigma` the area that they show. Squares: `u = sqrt(theta/(pi/2))`, `v = (phi +
+//! pi)/(2 pi)`; with at most two azimuths of the light the sample is isotropic and phi_m is relative to
+//! the light's. Reflection only.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::axis::between;
+use super::warp::{Warp, bilinear, places};
+use crate::Direction;
+
+/// What a [`WarpedGrid`] is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WarpFields {
+    /// Azimuths of the light, radians, ascending.
+    pub phi_i: Vec<f64>,
+    /// Inclinations of the light, radians, ascending.
+    pub theta_i: Vec<f64>,
+    /// Density of normals, `[phi][theta]`, and its rows and columns.
+    pub ndf: (Vec<f64>, [usize; 2]),
+    /// Projected area of the facets, `[phi][theta]`, and its rows and columns.
+    pub sigma: (Vec<f64>, [usize; 2]),
+    /// Density of visible normals, `[phi_i][theta_i][phi][theta]`, and rows and columns.
+    pub vndf: (Vec<f64>, [usize; 2]),
+    /// Rows and columns of the values.
+    pub shape: [usize; 2],
+    /// Whether the values are to be multiplied with ndf / (4 sigma).
+    pub jacobian: bool,
+}
+
+/// The grid. Cells in the order phi_i, theta_i, row, column, the last fastest. **The values of a part on it
+/// are not f** but what the file has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WarpedGrid {
+    fields: WarpFields,
+    warp: Warp,
+}
+
+impl WarpedGrid {
+    /// Of its fields; `None` if the lengths do not fit each other, an axis does not rise, or a density is
+    /// negative or nowhere positive.
+    pub fn new(fields: WarpFields) -> Option<Self> {
+        let rises = |axis: &[f64]| !axis.is_empty() && axis.windows(2).all(|pair| pair[0] < pair[1]);
+        let fits = |(values, [rows, columns]): &(Vec<f64>, [usize; 2]), places: usize| {
+            let sound = values.iter().all(|v| v.is_finite() && *v >= 0.0);
+            let count = rows.checked_mul(*columns).and_then(|cells| cells.checked_mul(places));
+            *rows >= 2 && *columns >= 2 && sound && count == Some(values.len())
+        };
+        let lights = fields.phi_i.len().checked_mul(fields.theta_i.len())?;
+        let is_sound = rises(&fields.phi_i)
+            && rises(&fields.theta_i)
+            && fields.shape.iter().all(|length| *length >= 2)
+            && fits(&fields.ndf, 1)
+            && fits(&fields.sigma, 1)
+            && fits(&fields.vndf, lights);
+        let [rows, columns] = fields.vndf.1;
+        let warp = is_sound.then(|| Warp::new(&fields.vndf.0, columns, rows))??;
+        Some(Self { fields, warp })
+    }
+
+    /// What it was made of.
+    pub fn fields(&self) -> &WarpFields {
+        &self.fields
+    }
+
+    /// How many cells there are.
+    pub fn cells(&self) -> usize {
+        let [rows, columns] = self.fields.shape;
+        self.fields.phi_i.len() * self.fields.theta_i.len() * rows * columns
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.fields.phi_i.len() <= 2
+    }
+
+    /// Brings a pair into the range of azimuths that was measured, by the sample's mirror symmetry: a half or a
+    /// quarter of the circle, from -180 deg.
+    fn reduced(&self, mut i: [f64; 3], mut o: [f64; 3]) -> [[f64; 3]; 2] {
+        let phi = &self.fields.phi_i;
+        let range = phi[phi.len() - 1] - phi[0];
+        let parts = if self.is_isotropic() { 1 } else { (TAU / range).round() as usize };
+        if parts >= 2 {
+            let flip_y = i[1] > 0.0;
+            let flip_x = if parts == 4 { i[0] > 0.0 } else { flip_y };
+            for (flip, k) in [(flip_x, 0), (flip_y, 1)] {
+                if flip {
+                    i[k] = -i[k];
+                    o[k] = -o[k];
+                }
+            }
+        }
+        [i, o]
+    }
+
+    pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
+        let [i, o] = self.reduced(i.vector(), o.vector());
+        let m = Direction::of_vector([i[0] + o[0], i[1] + o[1], i[2] + o[2]]);
+        let light = Direction::of_vector(i);
+        let (theta_i, phi_i) = (light.theta_deg.to_radians(), light.phi_deg.to_radians());
+        let phi_m = m.phi_deg.to_radians() - if self.is_isotropic() { phi_i } else { 0.0 };
+        let at_m = [(m.theta_deg.to_radians() / FRAC_PI_2).sqrt(), ((phi_m + PI) / TAU).rem_euclid(1.0)];
+        let fields = &self.fields;
+        let (first, last) = (fields.phi_i[0], fields.phi_i[fields.phi_i.len() - 1]);
+        // One or two azimuths of an isotropic sample stand for all.
+        let phi = between(&fields.phi_i, phi_i.clamp(first, last))?;
+        let lights = places(phi, between(&fields.theta_i, theta_i)?, fields.theta_i.len());
+        let at = self.warp.invert(&lights, at_m)?;
+        let [rows, columns] = fields.shape;
+        let value =
+            |cell| lights.iter().map(|(place, share)| share * values[place * rows * columns + cell]).sum();
+        let on = |(grid, [rows, columns]): &(Vec<f64>, [usize; 2]), at| {
+            bilinear(|cell| grid[cell], *columns, *rows, at)
+        };
+        let mut f = bilinear(value, columns, rows, at) / o[2];
+        if fields.jacobian {
+            let at_i = [(theta_i / FRAC_PI_2).sqrt(), (phi_i + PI) / TAU];
+            f *= on(&fields.ndf, at_m) / (4.0 * on(&fields.sigma, at_i));
+        }
+        (values.len() == self.cells() && o[2] > 0.0).then_some(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fields() -> WarpFields {
+        WarpFields {
+            phi_i: vec![0.0],
+            theta_i: vec![0.0, FRAC_PI_2],
+            ndf: (vec![3.0; 4], [2, 2]),
+            sigma: (vec![0.5; 4], [2, 2]),
+            // 2u: its cumulative map is u^2 = theta_m / 90 deg.
+            vndf: ([0.0, 2.0, 0.0, 2.0].repeat(2), [2, 2]),
+            shape: [2, 2],
+            jacobian: true,
+        }
+    }
+
+    /// Light from 30 deg, viewer at 50 deg beyond the normal: theta_m = 10 deg, and values that rise with the
+    /// first uniform number give 1/9 x 3/(4 x .5) / cos 50 deg.
+    #[test]
+    fn a_worked_direction() {
+        let grid = WarpedGrid::new(fields()).unwrap();
+        let values = [0.0, 1.0, 0.0, 1.0].repeat(2);
+        for turn in [0.0, 123.0] {
+            let (i, o) = (Direction::new(30.0, turn), Direction::new(50.0, 180.0 + turn));
+            let f = grid.evaluate(&values, i, o).unwrap();
+            let expected = 1.5 / 9.0 / 50_f64.to_radians().cos();
+            assert!((f / expected - 1.0).abs() < 1e-9, "{f} {expected}");
+        }
+    }
+
+    #[test]
+    fn fields_that_do_not_fit_are_refused() {
+        for spoil in [
+            |f: &mut WarpFields| f.theta_i = vec![1.0, 0.0],
+            |f: &mut WarpFields| f.phi_i = vec![],
+            |f: &mut WarpFields| f.vndf.0.truncate(7),
+            |f: &mut WarpFields| f.vndf.0[0] = -1.0,
+            |f: &mut WarpFields| f.vndf.0 = vec![0.0; 8],
+            |f: &mut WarpFields| f.ndf.1 = [usize::MAX, 2],
+            |f: &mut WarpFields| f.shape = [1, 2],
+        ] {
+            let mut fields = fields();
+            spoil(&mut fields);
+            assert_eq!(WarpedGrid::new(fields), None);
+        }
+    }
+}
