@@ -1,6 +1,8 @@
 //! Fits as SciPy 1.17.1 finds them: `least_squares(method="trf")` with bounds
 //! (`validation/fits/fit_oracle.py` makes the tables).
 
+#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+
 use papilio_goniometry::{Data, Fit, FitOptions, Kind};
 use papilio_optics::Beta;
 

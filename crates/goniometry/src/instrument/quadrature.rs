@@ -1,0 +1,133 @@
+//! Integrals over the plane of direction cosines, about the middle of a lobe.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use papilio_optics::Beta;
+
+/// Nothing that counts lies farther out than this: products of two lobes fall as the sixth power.
+const FARTHEST: f64 = 20.0;
+/// Nodes along a ray within the hemisphere's disc and beyond it, around in half a circle cut off by a
+/// line, and all around.
+const INSIDE: usize = 22;
+const BEYOND: usize = 18;
+const HALF_AROUND: usize = 18;
+const AROUND: usize = 56;
+
+/// A rule of nodes; made once.
+#[derive(Debug, Clone)]
+pub(super) struct Rule {
+    inside: Vec<[f64; 2]>,
+    beyond: Vec<[f64; 2]>,
+    half: Vec<[f64; 2]>,
+    around: usize,
+}
+
+impl Rule {
+    pub(super) fn new() -> Self {
+        Self::times(1)
+    }
+
+    /// With so many times the nodes along each line.
+    pub(super) fn times(n: usize) -> Self {
+        Self {
+            inside: gauss(n * INSIDE),
+            beyond: gauss(n * BEYOND),
+            half: gauss(n * HALF_AROUND),
+            around: n * AROUND,
+        }
+    }
+
+    /// Of a function with features of size `width` about `middle`, smoother elsewhere, that may end at the rim of
+    /// the disc |beta| = 1: over the whole plane, or over the disc.
+    pub(super) fn plane(&self, middle: Beta, width: f64, whole: bool, f: impl Fn(Beta) -> f64) -> f64 {
+        let step = 2.0 * PI / self.around as f64;
+        let farthest = if whole { FARTHEST } else { 0.0 };
+        let rays = (0..self.around).map(|k| {
+            let (sin, cos) = (step * k as f64).sin_cos();
+            self.ray(middle, Beta { x: cos, y: sin }, width, farthest, &f)
+        });
+        rays.sum::<f64>() * step
+    }
+
+    /// Likewise over the half plane of all points nearer to `middle` than to `other`.
+    pub(super) fn half_plane(&self, middle: Beta, other: Beta, width: f64, f: impl Fn(Beta) -> f64) -> f64 {
+        let apart = other - middle;
+        let distance = apart.length();
+        let mut sum = 0.0;
+        for [node, weight] in &self.half {
+            for (from, towards) in [(-FRAC_PI_2, true), (FRAC_PI_2, false)] {
+                let (sin, cos) = (from + PI * node).sin_cos();
+                let x = (apart.x * cos - apart.y * sin) / distance;
+                let y = (apart.x * sin + apart.y * cos) / distance;
+                let end = if towards { (0.5 * distance / cos).min(FARTHEST) } else { FARTHEST };
+                sum += PI * weight * self.ray(middle, Beta { x, y }, width, end, &f);
+            }
+        }
+        sum
+    }
+
+    /// Along a ray, times the distance; an end of 0 is the rim of the disc.
+    fn ray(&self, middle: Beta, along: Beta, width: f64, end: f64, f: &impl Fn(Beta) -> f64) -> f64 {
+        let ahead = middle.x * along.x + middle.y * along.y;
+        let rim = (ahead * ahead + 1.0 - middle.squared()).max(0.0).sqrt() - ahead;
+        let rim = if end > 0.0 { rim.min(end) } else { rim };
+        let piece = |nodes: &[[f64; 2]], from: f64, to: f64| -> f64 {
+            let [from, to] = [from, to].map(|r| (r / width).asinh());
+            let node = |[node, weight]: &[f64; 2]| {
+                let t = from + (to - from) * node;
+                let (sinh, cosh) = (t.sinh(), t.cosh());
+                let r = width * sinh;
+                weight * r * width * cosh * f(Beta { x: middle.x + r * along.x, y: middle.y + r * along.y })
+            };
+            (to - from) * nodes.iter().map(node).sum::<f64>()
+        };
+        let inside = piece(&self.inside, 0.0, rim);
+        if end > rim { inside + piece(&self.beyond, rim, end) } else { inside }
+    }
+}
+
+/// Gauss and Legendre's nodes and weights on 0 to 1, by Newton's method.
+fn gauss(count: usize) -> Vec<[f64; 2]> {
+    let n = count as f64;
+    let node = |k: usize| {
+        let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..20 {
+            let (mut p, mut before) = (1.0, 0.0);
+            for order in 0..count {
+                let order = order as f64;
+                (p, before) = (((2.0 * order + 1.0) * x * p - order * before) / (order + 1.0), p);
+            }
+            slope = n * (x * p - before) / (x * x - 1.0);
+            x -= p / slope;
+        }
+        [0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope)]
+    };
+    (0..count).map(node).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gauss_is_exact_for_polynomials() {
+        for power in 0..40 {
+            let sum: f64 = gauss(20).iter().map(|[x, weight]| weight * x.powi(power)).sum();
+            assert!((sum * f64::from(power + 1) - 1.0).abs() < 1e-13, "{power}");
+        }
+    }
+
+    #[test]
+    fn areas() {
+        let rule = Rule::new();
+        for x in [0.0, 0.5, 0.99] {
+            let disc = rule.plane(Beta { x, y: 0.0 }, 0.05, false, |_| 1.0);
+            assert!((disc / PI - 1.0).abs() < 1e-3, "{x}: {disc}");
+        }
+        // A Gaussian's half nearer to its own middle than to a point two standard deviations away: Phi(1).
+        let gaussian = |beta: Beta| (-beta.squared() / 0.02).exp() / (0.02 * PI);
+        let half = rule.half_plane(Beta::default(), Beta { x: 0.12, y: -0.16 }, 0.1, gaussian);
+        assert!((half - 0.841_344_746).abs() < 1e-5, "{half}");
+    }
+}
