@@ -84,7 +84,7 @@ impl Audit {
             integral_filled: filled.total(k),
             grid_error: shape.grid_error(k),
             peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
-            half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| half_width(&shape, k, azimuth)),
+            half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)),
         };
         let beyond = |degrees: f64| {
             let all = shape.total(0);
@@ -159,22 +159,6 @@ impl Audit {
         audit.holes = below.count() - audit.beam_holes;
         audit
     }
-}
-
-/// The distance along an azimuth at which a lobe has half its peak, degrees.
-fn half_width(shape: &Shape, incidence: usize, azimuth_deg: f64) -> Option<f64> {
-    let half = 0.5 * shape.along(incidence, azimuth_deg, 0.0)?;
-    let above = |radial: f64| shape.along(incidence, azimuth_deg, radial).map(|f| f > half);
-    let mut outer = 0.1;
-    while above(outer)? {
-        outer *= 1.25;
-    }
-    let mut inner = if outer > 0.1 { outer / 1.25 } else { 0.0 };
-    for _ in 0..40 {
-        let middle = 0.5 * (inner + outer);
-        if above(middle)? { inner = middle } else { outer = middle }
-    }
-    Some(0.5 * (inner + outer))
 }
 
 /// Root mean square and worst difference of f(i, o) and f(o, i), relative to their mean.

@@ -33,4 +33,10 @@ pub enum GoniometryError {
     /// A channel of the sample is missing in the reference.
     #[error("the reference has no channel {0:?}")]
     NoChannel(crate::Channel),
+    /// Totals are to be the instrument's, and the file gives none.
+    #[error("the file gives no total integrated scatter (TIS)")]
+    NoTis,
+    /// The lobe cannot be tabulated.
+    #[error(transparent)]
+    Optics(#[from] papilio_optics::OpticsError),
 }

@@ -14,6 +14,7 @@
 //! **Limits**: unpolarised light, a uniform sample, no fluorescence.
 
 mod audit;
+mod calibration;
 mod direction;
 mod error;
 mod fit;
@@ -26,6 +27,7 @@ mod shape;
 mod two_instruments;
 
 pub use audit::{Audit, Incidence};
+pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
 pub use error::GoniometryError;
 pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, ranked};

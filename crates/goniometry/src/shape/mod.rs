@@ -23,7 +23,7 @@ use std::f64::consts::PI;
 
 use papilio_optics::Beta;
 
-use crate::{SpecularGrid, Symmetry};
+use crate::{Geometry, Part, SpecularGrid, Symmetry};
 use line::Line;
 
 /// Widths w that are tried, in direction cosines.
@@ -70,6 +70,14 @@ struct Cells {
 }
 
 impl Shape {
+    /// The shape of one channel, by its number; `None` for a part whose cells are not on a specular-centred grid.
+    pub fn of_part(part: &Part, channel: usize, fill: Fill) -> Option<Self> {
+        match &part.geometry {
+            Geometry::Specular(grid) => Some(Self::of_grid(grid, part.channel(channel), fill)),
+            _ => None,
+        }
+    }
+
     /// The shape of values on a specular-centred grid, in the grid's order.
     pub fn of_grid(grid: &SpecularGrid, values: &[f64], fill: Fill) -> Self {
         let mut asymmetry = Spread::default();
@@ -120,6 +128,22 @@ impl Shape {
         let theta_deg = self.incidences[incidence].theta_deg;
         let to = SpecularGrid::direction(theta_deg, azimuth_deg, radial_deg)?.leaving();
         Some(self.value(incidence, to - Beta { x: theta_deg.to_radians().sin(), y: 0.0 }))
+    }
+
+    /// The distance from the specular direction, degrees, at which one of the incidences has half its
+    /// value there, along an azimuth of the grid; `None` if that is beyond the hemisphere.
+    pub fn half_width_deg(&self, incidence: usize, azimuth_deg: f64) -> Option<f64> {
+        let half = 0.5 * self.along(incidence, azimuth_deg, 0.0)?;
+        let above = |radial: f64| self.along(incidence, azimuth_deg, radial).map(|f| f > half);
+        let (mut inner, mut outer) = (0.0, 0.1);
+        while above(outer)? {
+            (inner, outer) = (outer, 1.25 * outer);
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (inner + outer);
+            if above(middle)? { inner = middle } else { outer = middle }
+        }
+        Some(0.5 * (inner + outer))
     }
 
     /// Total integrated scatter of one of the incidences: the integral of f cos over the hemisphere.

@@ -1,0 +1,115 @@
+//! From a part of a measurement to the kernel that light meets in a display.
+//!
+//! Nothing is changed that is not asked for, and [`Changes`] says what was: dark cells stay dark unless tails are to go on
+//! through them, totals are the values' own unless they are to be the instrument's TIS, and light from
+//! beyond the largest incidence is not let through unless the last lobe is to hold there.
+
+use papilio_optics::scatter::Table;
+
+use crate::{Fill, GoniometryError, Part, Shape, incidence_scale};
+
+/// Distances of the table: `w sinh(t)` in such steps of t, w a half-width. Interpolation by cubics is good to
+/// 1e-4 then.
+const STEP: f64 = 0.125;
+/// Azimuths of the table.
+const AZIMUTHS: usize = 19;
+/// A lobe this wide (direction cosines) needs no finer distances.
+const WIDEST: f64 = 0.5;
+/// Beyond the last incidence light fades over this distance, in direction cosines.
+const FADE: f64 = 0.004;
+
+/// What may be done to a measurement on its way into a display.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Preparation {
+    /// Dark cells.
+    pub fill: Fill,
+    /// Totals become the instrument's TIS.
+    pub to_tis: bool,
+    /// Beyond the largest incidence its lobe holds, shifted with the light.
+    pub extrapolate: bool,
+}
+
+/// What was done, and what is left open.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Changes {
+    /// Share of the cells in the hemisphere that were dark and filled.
+    pub filled: f64,
+    /// Totals before and after, by incidence.
+    pub totals: Vec<[f64; 2]>,
+    /// The largest incidence, degrees.
+    pub last_deg: f64,
+    /// Share of diffuse light that comes from beyond it, and is lost.
+    pub lost: f64,
+    /// Relative error of the totals that the grid leaves, the largest.
+    pub grid_error: f64,
+    /// Mirrored and turned cells differed by so much (root mean square, relative).
+    pub asymmetry: f64,
+}
+
+/// The kernel of one channel of a part, times k of each incidence (see
+/// [`incidence_scale`]); `spectrum` is what it will be multiplied with, at evenly spaced
+/// wavelengths (empty: 1).
+///
+/// # Errors
+/// If the part has no lobe of its own (patches), lacks the TIS that is asked for, or a table cannot hold it.
+pub fn kernel(
+    part: &Part,
+    channel: usize,
+    preparation: &Preparation,
+    spectrum: &[f64],
+) -> Result<(Table, Changes), GoniometryError> {
+    let shape = Shape::of_part(part, channel, preparation.fill)
+        .ok_or(GoniometryError::NotSpecular("put into a display"))?;
+    let incidences: Vec<f64> = shape.incidences_deg().collect();
+    let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.tis(channel, 0, k)).collect();
+    let tis = match (preparation.to_tis, tis) {
+        (true, None) => return Err(GoniometryError::NoTis),
+        (true, tis) => tis,
+        (false, _) => None,
+    };
+    let scale = incidence_scale(&shape, tis.as_deref(), spectrum);
+    let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
+    let totals = scale.iter().enumerate().map(|(k, scale)| {
+        let total = shape.total(k);
+        [total, scale * mean * total]
+    });
+    let totals = totals.collect();
+    let radial = distances(&shape);
+    let azimuth: Vec<f64> =
+        (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
+    let mut values = shape.tabulate(&radial, &azimuth);
+    let cells = radial.len() * azimuth.len();
+    for (lobe, scale) in values.chunks_exact_mut(cells).zip(&scale) {
+        lobe.iter_mut().for_each(|value| *value *= scale);
+    }
+    let mut incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
+    let last = incidence[incidence.len() - 1];
+    let mut lost = 0.0;
+    if !preparation.extrapolate && last + FADE < 1.0 {
+        lost = 1.0 - last * last;
+        incidence.extend([last + FADE, 1.0]);
+        values.extend(std::iter::repeat_n(0.0, 2 * cells));
+    }
+    let table = Table::new(&incidence, &radial, &azimuth, &values)?;
+    let changes = Changes {
+        filled: shape.filled(),
+        totals,
+        last_deg: incidences[incidences.len() - 1],
+        lost,
+        grid_error: (0..incidences.len()).map(|k| shape.grid_error(k)).fold(0.0, f64::max),
+        asymmetry: shape.asymmetry(),
+    };
+    Ok((table, changes))
+}
+
+/// Distances from the peak, fine where the lobe falls, up to across the disc.
+fn distances(shape: &Shape) -> Vec<f64> {
+    let half_widths = (0..shape.incidences_deg().count())
+        .flat_map(|k| [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)))
+        .flatten()
+        .map(|degrees| degrees.to_radians().sin());
+    let width = half_widths.fold(WIDEST, f64::min);
+    let steps = ((2.0 / width).asinh() / STEP).ceil();
+    let step = (2.0 / width).asinh() / steps;
+    (0..=steps as usize).map(|k| (width * (k as f64 * step).sinh()).min(2.0)).collect()
+}
