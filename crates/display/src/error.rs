@@ -44,10 +44,15 @@ pub enum DisplayError {
     NotFinite,
     /// Something scatters into an angle too narrow for adding to resolve between other layers.
     #[error(
-        "a lobe, a phase function or a rough face is too narrow for adding among these layers: it would take \
-         {nodes} directions, more than {most} are a matter of hours; the walk takes it (method = \"walk\")"
+        "{what} (number {number} from the top of what scatters) is too narrow for adding among these layers: \
+         it would take {nodes} directions, more than {most} are a matter of hours; the walk takes it \
+         (--solver walk, or method = \"walk\")"
     )]
     TooNarrow {
+        /// The layer: its kind, and what makes it narrow.
+        what: String,
+        /// Which one it is, counted from the top among what scatters, from 1.
+        number: usize,
         /// Radial nodes that two levels need.
         nodes: usize,
         /// The most that are tried.

@@ -1,7 +1,7 @@
 //! Finer and finer levels of discretisation, until two successive ones agree.
 
 use papilio_transport::Stack;
-use papilio_transport::adding::{FINEST, MOST_NODES, nodes_needed};
+use papilio_transport::adding::{FINEST, MOST_NODES, Scatterer, narrowest, nodes_needed};
 
 use crate::DisplayError;
 
@@ -13,8 +13,24 @@ pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
     let fits = |level: &u32| nodes_needed(stack, *level) <= MOST_NODES;
     match (0..=FINEST).take_while(fits).last() {
         Some(level) if level > 0 => Ok(level as usize),
-        _ => Err(DisplayError::TooNarrow { nodes: nodes_needed(stack, 1), most: MOST_NODES }),
+        _ => Err(too_narrow(stack)),
     }
+}
+
+/// The refusal, with what is to blame.
+fn too_narrow(stack: &Stack) -> DisplayError {
+    let (what, number) = match narrowest(stack) {
+        None => ("a face".to_owned(), 1),
+        Some(found) => {
+            let what = match found.scatterer {
+                Scatterer::Lobe { width } => format!("the diffuser of width {width:.5}"),
+                Scatterer::Rough { alpha, .. } => format!("the rough face of alpha {alpha}"),
+                Scatterer::Slab { anisotropy } => format!("the slab of anisotropy {anisotropy}"),
+            };
+            (what, found.number)
+        }
+    };
+    DisplayError::TooNarrow { what, number, nodes: nodes_needed(stack, 1), most: MOST_NODES }
 }
 
 /// What two successive levels gave.

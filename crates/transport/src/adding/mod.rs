@@ -31,6 +31,45 @@ pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
     }
 }
 
+/// The one among all that scatters whose nodes a stack needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Narrowest {
+    /// Which one, counted from the top among what scatters, from 1.
+    pub number: usize,
+    /// What it is.
+    pub scatterer: Scatterer,
+}
+
+/// What scatters, by what makes it narrow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scatterer {
+    /// A diffuser's lobe.
+    Lobe {
+        /// Its width b, direction cosines.
+        width: f64,
+    },
+    /// A rough face.
+    Rough {
+        /// Its roughness.
+        alpha: f64,
+        /// The narrowest that it refracts light into, direction cosines.
+        width: f64,
+    },
+    /// A medium that scatters in its bulk.
+    Slab {
+        /// Mean cosine of the scattering angle.
+        anisotropy: f64,
+    },
+}
+
+/// What makes a stack need so many nodes ([`nodes_needed`]); none in a panel or where nothing scatters.
+pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
+    match stack {
+        Stack::Panel(_) => None,
+        Stack::Layered(layered) => layered::narrowest(layered),
+    }
+}
+
 /// By how much the difference between two levels must be multiplied to bound the error of the
 /// finer one: a rough face's refracted light ends abruptly in direction, and its levels gain as
 /// little as a factor of 1.3 (the sum of the differences to come is then up to 4 times the last);

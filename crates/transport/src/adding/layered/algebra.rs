@@ -79,6 +79,9 @@ impl Operator {
 
     /// `self` after `first`.
     pub(super) fn after(&self, first: &Self) -> Self {
+        if self.is_dark() || first.is_dark() {
+            return Self::diagonal(self.regular, vec![0.0; self.len()]);
+        }
         let straight: Vec<f64> = self.straight.iter().zip(&first.straight).map(|(a, b)| a * b).collect();
         let mut kernel = match (&self.kernel, &first.kernel) {
             (None, None) => None,
@@ -119,8 +122,7 @@ impl Operator {
     }
 
     fn solve_with<F: AsRef<Factors>>(&self, right: &Self, factors: Option<F>, transposed: bool) -> Self {
-        let inverse: Vec<f64> =
-            self.straight.iter().map(|d| if d.abs() < CLOSED { 0.0 } else { 1.0 / d }).collect();
+        let inverse = self.inverse_straight();
         let straight: Vec<f64> = inverse.iter().zip(&right.straight).map(|(a, b)| a * b).collect();
         let n = self.regular;
         let zeros = || Matrix::zeros(self.len(), self.len());
@@ -130,12 +132,7 @@ impl Operator {
                 for (j, column) in x.columns_mut() {
                     column.iter_mut().zip(left.column(j)).for_each(|(x, a)| *x -= a * straight[j]);
                 }
-                let factors = factors.as_ref();
-                if transposed {
-                    factors.solve_transposed(&mut x)
-                } else {
-                    factors.solve(&mut x)
-                }
+                factors.as_ref().solve_either(&mut x, transposed);
                 x.eliminate(left, n);
                 for (_, column) in x.columns_mut() {
                     column.iter_mut().zip(&inverse).skip(n).for_each(|(x, inverse)| *x *= inverse);
@@ -150,6 +147,22 @@ impl Operator {
             }),
         };
         Self { regular: n, straight, kernel }
+    }
+
+    /// One over the factors; 0 for light that nothing lets in.
+    pub(super) fn inverse_straight(&self) -> Vec<f64> {
+        (0..self.len()).map(|i| self.inverse_straight_at(i)).collect()
+    }
+
+    /// The same for one node.
+    pub(super) fn inverse_straight_at(&self, i: usize) -> f64 {
+        let factor = self.straight[i];
+        if factor.abs() < CLOSED { 0.0 } else { 1.0 / factor }
+    }
+
+    /// True if it takes everything.
+    fn is_dark(&self) -> bool {
+        self.kernel.is_none() && self.straight.iter().all(|factor| *factor == 0.0)
     }
 
     /// The part that acts among the nodes with weight, as one matrix. A direction that light

@@ -1,23 +1,25 @@
 //! The stack closed by its base: what a view sees by way of the pixel.
 //!
-//! The light that arrives at the base from the view's direction obeys `x = t + G B x`, t what the
-//! layers let through, B the base's reflectance, G what the layers send back down. B differs by
-//! state and wavelength, G does not: all of them are iterated at once, one matrix product for
-//! each order of reflection; where light is nearly trapped, a direct solution is cheaper.
+//! The light that falls from the last scatterer on what lies below it, flat layers and base, obeys
+//! `x = t + G B x`: t what came through, B what is reflected below, G what the layers above send
+//! back down. B differs by state and wavelength and is a factor for each direction: all columns
+//! are iterated at once, one matrix product for each order of reflection; where light is nearly
+//! trapped, a direct solution is cheaper.
 
 use super::algebra::Operator;
-use super::grid::Grid;
+use super::beams::Beams;
 use super::matrix::Matrix;
 use super::part::Part;
 
-/// The layers above the base in one azimuthal order, as far as views and sources ask for it.
-/// Extra nodes count from the first of them, lights from the first light.
+/// The layers down to the last scatterer in one azimuthal order, as far as views and sources ask
+/// for it. Of the nodes with weight it holds those that the medium below carries. Extra nodes
+/// count from the first of them, lights from the first light.
 #[derive(Debug, Clone)]
 pub(super) struct Above {
-    regular: usize,
+    carried: usize,
     /// Light from above that is sent back, `[extra, light]`.
     front: Matrix,
-    /// Light that passes to the base unscattered, by node.
+    /// Light that passes unscattered, by node.
     down_straight: Vec<f64>,
     /// From extra nodes to the nodes with weight.
     down: Matrix,
@@ -25,12 +27,15 @@ pub(super) struct Above {
     to_light: Matrix,
     /// ... and down from a light's to an extra one.
     from_light: Matrix,
-    /// Light that is sent back to the base unscattered, by node.
+    /// Light from below that is sent back unscattered, by node.
     below_straight: Vec<f64>,
     /// From all nodes to the nodes with weight.
     below: Matrix,
     /// Between extra nodes and lights, `[extra, light]`.
     below_light: Matrix,
+    /// The most that light between an extra node and a light can be if everything below is
+    /// white, `[extra, light]`: at all, and by way of other directions.
+    most: [Matrix; 2],
 }
 
 /// Light on its way up from the base, for a unit beam that entered at an extra node: densities
@@ -45,44 +50,103 @@ pub(super) struct Rising {
     extra: usize,
 }
 
+/// The light that falls on what is below, as [`Rising`] tells what rises.
+pub(super) type Falling = Rising;
+
 /// Light that is sent back this often, or less, is followed by iteration.
 const ITERATIONS: usize = 40;
 
 impl Above {
-    /// Of a part, with the numbers of the lights' extra nodes.
-    pub(super) fn new(part: &Part, lights: &[usize]) -> Self {
-        let (n, len) = (part.down.regular, part.down.len());
-        let extras = len - n;
-        let pairs = |at: &dyn Fn(usize, usize) -> f64| {
-            Matrix::from_fn(extras, lights.len(), |extra, light| at(n + extra, n + lights[light]))
+    /// Of the layers down to the last scatterer and of that, on the nodes that the medium below it
+    /// carries: the first `carried` of those with weight, and the extra ones.
+    pub(super) fn new(upper: &Part, last: &Part, lights: &[usize], carried: usize) -> Self {
+        let (n, len) = (last.down.regular, last.down.len());
+        let (kept, extras) = ((0..carried).chain(n..len).collect::<Vec<_>>(), len - n);
+        let gap = upper.below.after(&last.above).one_plus(-1.0);
+        let factors = gap.kernel.as_ref().map(|_| gap.weighted_block().factors());
+        // Beams from above, as far as what scatters last, and back.
+        let falls = gap.unsend(upper.down.send(&Beams::units((n..len).collect())), factors.as_ref(), false);
+        let down = last.down.send(&falls);
+        let back = upper.down.transposed().send(&last.above.send(&falls));
+        // Beams from below.
+        let enter = Beams::sent_back_by(&last.down, kept.clone());
+        let rises = gap.transposed().unsend(enter, factors.as_ref(), true);
+        let again = upper.below.send(&rises);
+        let below = |rows: std::ops::Range<usize>| -> Matrix {
+            let mut sent = last.down.send_to(&again, rows.clone());
+            let sent = sent.get_or_insert_with(|| Matrix::zeros(rows.len(), kept.len()));
+            Matrix::from_fn(rows.len(), kept.len(), |i, k| {
+                sent[(i, k)] + last.below.at(rows.start + i, kept[k])
+            })
         };
-        Self {
-            regular: n,
-            front: pairs(&|extra, light| part.above.at(extra, light)),
-            down_straight: part.down.straight.clone(),
-            down: Matrix::from_fn(n, extras, |i, extra| part.down.at(i, n + extra)),
-            to_light: pairs(&|extra, light| part.down.at(light, extra)),
-            from_light: pairs(&|extra, light| part.down.at(extra, light)),
-            below_straight: part.below.straight.clone(),
-            below: Matrix::from_fn(n, len, |i, j| part.below.at(i, j)),
-            below_light: pairs(&|extra, light| part.below.at(extra, light)),
-        }
+        let sent_below = below(n..len);
+        let on_kept = |straight: &dyn Fn(usize) -> f64| kept.iter().map(|&node| straight(node)).collect();
+        let pairs = |at: &dyn Fn(usize, usize) -> f64| {
+            Matrix::from_fn(extras, lights.len(), |extra, light| at(extra, lights[light]))
+        };
+        let above = |i: usize, extra: usize| back.at(i, extra) + upper.above.at(i, n + extra);
+        let mut all = Self {
+            carried,
+            front: pairs(&|extra, light| above(n + extra, light)),
+            down_straight: on_kept(&|i| {
+                upper.down.straight[i] * gap.inverse_straight_at(i) * last.down.straight[i]
+            }),
+            down: Matrix::from_fn(carried, extras, |i, extra| down.at(i, extra)),
+            to_light: pairs(&|extra, light| down.at(n + light, extra)),
+            from_light: pairs(&|extra, light| down.at(n + extra, light)),
+            below_straight: on_kept(&|i| {
+                let (t, trips) = (last.down.straight[i], gap.inverse_straight_at(i));
+                last.below.straight[i] + t * t * trips * upper.below.straight[i]
+            }),
+            below: below(0..carried),
+            below_light: pairs(&|extra, light| sent_below[(extra, carried + light)]),
+            most: [Matrix::zeros(0, 0), Matrix::zeros(0, 0)],
+        };
+        let scattered =
+            Matrix::from_fn(n, extras, |i, extra| down.at(i, extra).abs() + above(i, extra).abs());
+        all.most = all.most(&scattered, lights);
+        all
     }
 
-    /// How many nodes have weight.
-    pub(super) fn regular(&self) -> usize {
-        self.regular
+    fn most(&self, scattered: &Matrix, lights: &[usize]) -> [Matrix; 2] {
+        let extras = scattered.columns();
+        let often = Matrix::from_fn(extras, lights.len(), |v, l| {
+            scattered.column(v).iter().zip(scattered.column(lights[l])).map(|(a, b)| a * b).sum()
+        });
+        let straight = |extra: usize| self.down_straight[self.carried + extra];
+        let at_all = Matrix::from_fn(extras, lights.len(), |v, l| {
+            let (from, to) = (straight(v), straight(lights[l]));
+            let ends = to * self.to_light[(v, l)].abs() + from * self.from_light[(v, l)].abs();
+            let twice = from * to * self.below_light[(v, l)].abs();
+            self.front[(v, l)].abs() + ends + twice + often[(v, l)]
+        });
+        [at_all, often]
     }
 
-    /// The kernel between an extra node and a light of what never meets the base.
+    /// The most that light between an extra node and a light can be in this order if everything
+    /// below is white, and that part of it which takes other directions between.
+    pub(super) fn at_most(&self, extra: usize, light: usize) -> [f64; 2] {
+        self.most.each_ref().map(|most| most[(extra, light)])
+    }
+
+    /// How many extra nodes there are.
+    pub(super) fn extras(&self) -> usize {
+        self.down.columns()
+    }
+
+    /// How many nodes with weight it holds.
+    pub(super) fn carried(&self) -> usize {
+        self.carried
+    }
+
+    /// The kernel between an extra node and a light of what is sent back from above.
     pub(super) fn front(&self, extra: usize, light: usize) -> f64 {
         self.front[(extra, light)]
     }
 
-    /// Light that rises from a specular base, its reflectance `[node, column]`, to this error
-    /// relative to the largest density or to `floor`, by column; `floor` is raised to what is found.
+    /// Light that rises from what is below, its reflectance `[node, column]`, to this error relative to the largest density or to `floor`, by column; `floor` is raised to what is found.
     pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
-        let (n, columns) = (self.regular, base.columns());
+        let (n, columns) = (self.carried, base.columns());
         let node = n + extra;
         let mut beam = vec![0.0; columns];
         let mut arrives = Matrix::zeros(n, columns);
@@ -106,6 +170,24 @@ impl Above {
         Rising { scattered, beam, extra }
     }
 
+    /// The light that falls, of which this rises from a reflectance `[node, column]`.
+    pub(super) fn falls(&self, rising: &Rising, base: &Matrix) -> Falling {
+        let (n, node) = (self.carried, self.carried + rising.extra);
+        let mut scattered = Matrix::zeros(n, base.columns());
+        let mut beam = vec![0.0; base.columns()];
+        for (c, beam) in beam.iter_mut().enumerate() {
+            let rises = rising.beam[c];
+            *beam = self.down_straight[node] + self.below_straight[node] * rises;
+            let came = self.down.column(rising.extra).iter().zip(self.below.column(node));
+            let again = self.below_straight.iter().zip(rising.scattered.column(c));
+            for ((x, (d, g)), (straight, up)) in scattered.column_mut(c).iter_mut().zip(came).zip(again) {
+                *x = d + g * rises + straight * up;
+            }
+        }
+        scattered.add_product(&self.below, &rising.scattered, n);
+        Falling { scattered, beam, extra: rising.extra }
+    }
+
     /// Follows light between base and layers; says which columns are not done after many orders.
     fn iterate(
         &self,
@@ -115,7 +197,7 @@ impl Above {
         tolerance: f64,
         floor: &mut [f64],
     ) -> Vec<usize> {
-        let n = self.regular;
+        let n = self.carried;
         if n == 0 {
             return Vec::new();
         }
@@ -144,7 +226,7 @@ impl Above {
     }
 
     fn solve(&self, column: usize, base: &Matrix, arrives: &Matrix, rising: &mut Matrix) {
-        let n = self.regular;
+        let n = self.carried;
         // 1 - B G acts on what rises.
         let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
         let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * self.below[(i, j)]);
@@ -157,7 +239,7 @@ impl Above {
 
     /// The kernel of the whole display between the beam and a light at extra node `to`, by column.
     pub(super) fn leaves(&self, rising: &Rising, light: usize, to: usize, base: &Matrix) -> Vec<f64> {
-        let (n, extra) = (self.regular, rising.extra);
+        let (n, extra) = (self.carried, rising.extra);
         let one = |c: usize| {
             let beam = rising.beam[c];
             let mut out = self.from_light[(extra, light)] * beam;
@@ -214,12 +296,18 @@ fn larger(a: f64, b: f64) -> f64 {
 }
 
 impl Rising {
-    /// The sum of a functional (its value for unit light at each node), by column.
-    pub(super) fn total(&self, share: &[f64], grid: &Grid) -> Vec<f64> {
-        let weights: Vec<f64> = (0..grid.regular).map(|i| share[i] * grid.scale[i]).collect();
+    /// The beam's extra node.
+    pub(super) fn extra(&self) -> usize {
+        self.extra
+    }
+
+    /// The sum of a functional, by column: `share` is its value for unit light at each node that
+    /// is held, and for each column; `scale` the scaling of densities.
+    pub(super) fn total(&self, scale: &[f64], share: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let one = |c: usize| {
-            let scattered: f64 = weights.iter().zip(self.scattered.column(c)).map(|(w, x)| w * x).sum();
-            scattered + share[grid.regular + self.extra] * self.beam[c]
+            let column = self.scattered.column(c);
+            let scattered: f64 = column.iter().enumerate().map(|(i, x)| x * scale[i] * share(i, c)).sum();
+            scattered + share(column.len() + self.extra, c) * self.beam[c]
         };
         (0..self.beam.len()).map(one).collect()
     }

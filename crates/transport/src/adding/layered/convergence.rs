@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::part::Part;
+use super::base::Above;
 
 /// How far the orders of azimuth have come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub(super) enum Stage {
 /// Whether the orders of azimuth so far suffice between any view and any source.
 pub(super) struct Convergence {
     views: Vec<usize>,
-    lights: Vec<usize>,
+    lights: usize,
     /// Sums of what each order can hold, by view and light.
     sums: Vec<f64>,
     /// Orders in a row that added next to nothing, at all and by more than one scattering.
@@ -31,20 +31,20 @@ pub(super) struct Convergence {
 const QUIET_ORDERS: usize = 3;
 
 impl Convergence {
-    pub(super) fn new(views: Vec<usize>, lights: Vec<usize>) -> Self {
-        Self { sums: vec![0.0; views.len() * lights.len()], views, lights, quiet: [0; 2], order: 0 }
+    pub(super) fn new(views: Vec<usize>, lights: usize) -> Self {
+        Self { sums: vec![0.0; views.len() * lights], views, lights, quiet: [0; 2], order: 0 }
     }
 
     /// Adds an order.
-    pub(super) fn add(&mut self, part: &Part, tolerance: f64) -> Stage {
+    pub(super) fn add(&mut self, above: &Above, tolerance: f64) -> Stage {
         // Orders fall geometrically, some e^14 from the first to the last: this is what is
         // left after this one, in units of it.
         let rest = 1.0 + self.order as f64 / 14.0;
         let mut quiet = [true; 2];
-        let n = part.down.regular;
-        let pairs = self.views.iter().flat_map(|v| self.lights.iter().map(move |l| (n + v, n + l)));
+        let lights = 0..self.lights;
+        let pairs = self.views.iter().flat_map(|v| lights.clone().map(move |l| (*v, l)));
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
-            let (all, often) = most(part, v, l);
+            let [all, often] = above.at_most(v, l);
             *sum += all;
             // What is no number compares as small: it ends the orders, too.
             let small = |part: f64| (part * rest).partial_cmp(&(tolerance * *sum)) != Some(Ordering::Greater);
@@ -62,18 +62,4 @@ impl Convergence {
             [false, false] => Stage::All,
         }
     }
-}
-
-/// The most that light between two extra nodes can be in this order, over a white base, and
-/// that part of it which takes other directions between.
-fn most(part: &Part, v: usize, l: usize) -> (f64, f64) {
-    let Part { above, below, down, .. } = part;
-    let scattered = |i: usize, node: usize| down.at(i, node).abs() + above.at(i, node).abs();
-    let between: f64 = (0..down.regular).map(|i| scattered(i, v) * scattered(i, l)).sum();
-    let [straight_v, straight_l] = [v, l].map(|node| down.straight[node]);
-    let direct = above.at(v, l).abs()
-        + straight_v * down.at(v, l).abs()
-        + straight_l * down.at(l, v).abs()
-        + straight_v * straight_l * below.at(v, l).abs();
-    (direct + between, between)
 }

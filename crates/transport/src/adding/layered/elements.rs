@@ -88,22 +88,74 @@ fn medium<'a>(
     Some(Kind::Slab { number, absorbing_share: if lost > 0.0 { absorbing / lost } else { 0.0 } })
 }
 
-/// All layers as one part of this order, with what the scatterers do in it.
-pub(super) fn compose(elements: &[Element<'_>], scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
-    let air = |beta: f64| Flat { t: if beta < 1.0 { 1.0 } else { 0.0 }, above: 0.0, below: 0.0 };
-    let mut whole = Part::flat(grid, air);
+/// The layers at one wavelength: those above the last scatterer, that, and those below it,
+/// which are flat. Without a scatterer all of them are below.
+#[derive(Debug)]
+pub(super) struct Elements<'a> {
+    upper: Vec<Element<'a>>,
+    last: Option<Element<'a>>,
+    lower: Vec<Element<'a>>,
+}
+
+impl<'a> Elements<'a> {
+    pub(super) fn new(mut all: Vec<Element<'a>>) -> Self {
+        let flat = |element: &Element<'_>| matches!(element.kind, Kind::Face { .. } | Kind::Clear { .. });
+        let upper = all.iter().rposition(|element| !flat(element)).unwrap_or(0);
+        let mut rest = all.split_off(upper);
+        let lower = rest.split_off(rest.iter().take(1).filter(|element| !flat(element)).count());
+        Self { upper: all, last: rest.pop(), lower }
+    }
+
+    /// Index of the medium below the last scatterer: air, without one.
+    pub(super) fn index(&self) -> f64 {
+        self.last.as_ref().map_or(1.0, |last| last.below)
+    }
+
+    /// The layers above the last scatterer, as one part of this order.
+    pub(super) fn upper(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
+        let air = |beta: f64| Flat { t: if beta < 1.0 { 1.0 } else { 0.0 }, above: 0.0, below: 0.0 };
+        compose(Part::flat(grid, air), &self.upper, scattered, order, grid)
+    }
+
+    /// The last scatterer in this order.
+    pub(super) fn last(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
+        let nothing =
+            || compose(Part::flat(grid, |_| Flat { t: 1.0, above: 0.0, below: 0.0 }), &[], &[], order, grid);
+        self.last.as_ref().map_or_else(nothing, |last| last.in_order(scattered, order, grid))
+    }
+
+    /// The flat layers below it, with their absorption.
+    pub(super) fn lower(&self, grid: &Grid) -> Part {
+        let carried = |beta: f64| if beta < self.index() { 1.0 } else { 0.0 };
+        let medium = Part::flat(grid, |beta| Flat { t: carried(beta), above: 0.0, below: 0.0 });
+        compose(medium, &self.lower, &[], 0, grid)
+    }
+}
+
+/// Layers below one another as one part of this order, with what the scatterers do in it.
+fn compose(
+    first: Part,
+    elements: &[Element<'_>],
+    scattered: &[Scattered],
+    order: usize,
+    grid: &Grid,
+) -> Part {
+    let mut whole = first;
     if order == 0 {
         whole.absorbed = Some([nothing(grid.len()), nothing(grid.len())]);
     }
     for element in elements {
-        let part = element.part(scattered, grid);
-        let part = if order == 0 { element.booked(part, grid) } else { part };
-        whole = whole.over(&part, grid);
+        whole = whole.over(&element.in_order(scattered, order, grid), grid);
     }
     whole
 }
 
 impl Element<'_> {
+    fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
+        let part = self.part(scattered, grid);
+        if order == 0 { self.booked(part, grid) } else { part }
+    }
+
     fn part(&self, scattered: &[Scattered], grid: &Grid) -> Part {
         let index = self.above;
         match &self.kind {

@@ -91,6 +91,12 @@ impl Grid {
         (0..self.len()).filter(|&i| self.beta[i] < index).collect()
     }
 
+    /// The nodes with weight that a medium of this index carries, and all extra ones: those are
+    /// carried by air.
+    pub(super) fn kept(&self, index: f64) -> Vec<usize> {
+        (0..self.len()).filter(|&i| i >= self.regular || self.beta[i] < index).collect()
+    }
+
     /// The sum of a kernel's column over the directions below `limit`, for each node of origin:
     /// the functional for [`Operator::pull_back`](super::algebra::Operator::pull_back).
     pub(super) fn below(&self, limit: f64) -> Vec<f64> {

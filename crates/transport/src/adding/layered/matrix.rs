@@ -56,6 +56,11 @@ impl Matrix {
         Self::from_fn(self.rows - first, self.columns, |i, j| self[(first + i, j)])
     }
 
+    /// These rows as columns.
+    pub(super) fn transposed_rows(&self, rows: &[usize]) -> Self {
+        Self::from_fn(self.columns, rows.len(), |i, j| self[(rows[j], i)])
+    }
+
     pub(super) fn transposed(&self) -> Self {
         Self::from_fn(self.columns, self.rows, |i, j| self[(j, i)])
     }
@@ -82,6 +87,15 @@ impl Matrix {
         if inner > 0 && !self.values.is_empty() {
             let (left, right) = (left.view().subcols(0, inner), right.view().subrows(0, inner));
             matmul(self.view_mut(), Accum::Add, left, right, 1.0, Par::Seq);
+        }
+    }
+
+    /// Adds `left right`, of `left` as many rows as this one has from `first` on, and its
+    /// first `inner` columns; of `right` the first `inner` rows.
+    pub(super) fn add_product_of_rows(&mut self, left: &Self, first: usize, right: &Self, inner: usize) {
+        if inner > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(first, 0, self.rows, inner);
+            matmul(self.view_mut(), Accum::Add, left, right.view().subrows(0, inner), 1.0, Par::Seq);
         }
     }
 
@@ -123,8 +137,12 @@ impl Factors {
         }
     }
 
-    /// The same for the transposed matrix.
-    pub(super) fn solve_transposed(&self, right: &mut Matrix) {
+    /// The same, or for the transposed matrix.
+    pub(super) fn solve_either(&self, right: &mut Matrix, transposed: bool) {
+        if transposed { self.solve_transposed(right) } else { self.solve(right) }
+    }
+
+    fn solve_transposed(&self, right: &mut Matrix) {
         let rows = self.0.U().nrows();
         if rows > 0 && right.columns > 0 {
             self.0.solve_transpose_in_place(right.view_mut().subrows_mut(0, rows));

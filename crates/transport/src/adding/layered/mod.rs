@@ -26,6 +26,7 @@
 
 mod algebra;
 mod base;
+mod beams;
 mod convergence;
 mod directions;
 mod elements;
@@ -43,6 +44,7 @@ mod slab;
 use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::Narrowest;
 use super::images::ImagePoints;
 use crate::specular::layered_image;
 use crate::{Base, Cone, Estimate, Layered, Ledger, Rho, Source};
@@ -54,6 +56,11 @@ use seen::{Columns, Seen};
 /// Radial nodes, besides the directions of views and sources, that a level takes.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
     prepare::nodes_needed(stack, &Precision::new(level))
+}
+
+/// What takes most of them.
+pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
+    precision::narrowest(stack, &prepare::splits(stack, 0), &Precision::new(0))
 }
 
 /// Prepared for a stack, its views and its sources.
@@ -110,7 +117,7 @@ impl Kernel {
     }
 
     pub(super) fn nodes(&self) -> usize {
-        self.groups.iter().map(|group| group.grid.len()).max().unwrap_or(0)
+        self.groups.iter().map(|group| group.nodes).max().unwrap_or(0)
     }
 
     pub(super) fn estimate(&self, stack: &Layered, view: usize) -> Estimate {
@@ -142,7 +149,7 @@ impl Kernel {
         }
         let over = Arc::new(OverBase {
             base: stack.base.clone(),
-            columns: self.groups.iter().map(|group| Columns::new(stack, group)).collect(),
+            columns: Columns::new(stack, &self.groups),
             seen: vec![OnceLock::new(); self.directions.beta.len()],
         });
         *last = Some(Arc::clone(&over));
@@ -159,10 +166,10 @@ impl Kernel {
                 let number = group.lights.binary_search(&light.extra).unwrap_or(0);
                 let mut base = vec![0.0; columns.len()];
                 let mut front = 0.0;
-                for (m, above) in group.orders.iter().enumerate() {
+                for (m, front_of_lights) in seen.front.iter().enumerate() {
                     let both_ways = if m == 0 { 1.0 } else { 2.0 };
                     let factor = both_ways * (m as f64 * (ray.turn - light.turn)).cos();
-                    front += factor * above.front(ray.extra, number);
+                    front += factor * front_of_lights[number];
                     if let Some(kernel) = seen.orders.get(m).map(|lights| &lights[number]) {
                         base.iter_mut().zip(kernel).for_each(|(sum, k)| *sum += factor * k);
                     }

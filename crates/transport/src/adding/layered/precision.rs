@@ -6,7 +6,8 @@ use papilio_optics::lobe::Lobe;
 
 use super::grid::Density;
 use super::rough;
-use crate::{Diffuser, Interface, Layered};
+use crate::adding::{Narrowest, Scatterer};
+use crate::{Diffuser, Interface, Layer, Layered};
 
 /// What a level stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,11 +28,11 @@ impl Precision {
     pub(super) fn new(level: u32) -> Self {
         let level = f64::from(level);
         Self {
-            digits: 7.0 + 2.0 * level,
+            digits: 5.0 + 2.0 * level,
             nodes: 8 + (4.0 * level) as usize,
             terms: 3.0 + 1.5 * level,
-            tolerance: 1e-6 * (-2.0 * level).exp(),
-            iteration: 1e-8 * (-2.0 * level).exp(),
+            tolerance: 1e-5 * (-2.0 * level).exp(),
+            iteration: 1e-7 * (-2.0 * level).exp(),
         }
     }
 
@@ -49,23 +50,60 @@ impl Precision {
 
 /// How densely the nodes of a stack must lie at a wavelength.
 pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
-    let mut density = Density { least: precision.nodes, spacing: f64::INFINITY, angle: None };
+    let mut density = precision.least();
     for layer in &stack.layers {
-        // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
-        let width = match &layer.interface {
-            Interface::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => *width,
-            Interface::Rough(face) => rough::width(face),
-            _ => f64::INFINITY,
-        };
-        density.spacing = density.spacing.min(2.0 * PI * width / precision.digits);
-        if let Some(scattering) = layer.medium.scattering() {
-            let terms = precision.legendre_terms(scattering.anisotropy) as f64;
-            let spacing = PI / terms;
-            let index = layer.medium.index()[bin];
-            if density.angle.is_none_or(|(_, known)| spacing < known) {
-                density.angle = Some((index, spacing));
-            }
+        for scatterer in scatterers(layer) {
+            precision.resolve(scatterer, layer.medium.index()[bin], &mut density);
         }
     }
     density
+}
+
+/// What asks for the most nodes at the first wavelength, whose indices lie at `splits`.
+pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) -> Option<Narrowest> {
+    let all =
+        stack.layers.iter().flat_map(|layer| scatterers(layer).map(move |scatterer| (layer, scatterer)));
+    let nodes = |(number, (layer, scatterer)): (usize, (&Layer, Scatterer))| {
+        let mut density = precision.least();
+        precision.resolve(scatterer, layer.medium.index()[0], &mut density);
+        (density.total(splits), Narrowest { number: number + 1, scatterer })
+    };
+    // Of several alike the first one.
+    all.enumerate().map(nodes).reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, narrowest)| narrowest)
+}
+
+/// What scatters in a layer, by the width of what it does.
+fn scatterers(layer: &Layer) -> impl Iterator<Item = Scatterer> {
+    let face = match &layer.interface {
+        Interface::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => {
+            Some(Scatterer::Lobe { width: *width })
+        }
+        Interface::Rough(face) => Some(Scatterer::Rough { alpha: face.alpha(), width: rough::width(face) }),
+        _ => None,
+    };
+    let medium = layer.medium.scattering().map(|s| Scatterer::Slab { anisotropy: s.anisotropy });
+    face.into_iter().chain(medium)
+}
+
+impl Precision {
+    /// What is asked for where nothing scatters.
+    fn least(&self) -> Density {
+        Density { least: self.nodes, spacing: f64::INFINITY, angle: None }
+    }
+
+    /// Nodes that resolve this, too, in a medium of this index.
+    fn resolve(&self, scatterer: Scatterer, index: f64, density: &mut Density) {
+        match scatterer {
+            // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
+            Scatterer::Lobe { width } | Scatterer::Rough { width, .. } => {
+                density.spacing = density.spacing.min(2.0 * PI * width / self.digits);
+            }
+            Scatterer::Slab { anisotropy } => {
+                let spacing = PI / self.legendre_terms(anisotropy) as f64;
+                if density.angle.is_none_or(|(_, known)| spacing < known) {
+                    density.angle = Some((index, spacing));
+                }
+            }
+        }
+    }
 }

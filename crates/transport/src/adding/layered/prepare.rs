@@ -3,34 +3,100 @@
 use super::base::Above;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras};
-use super::elements::{Element, compose, elements};
+use super::elements::{Elements, elements};
 use super::grid::Grid;
-use super::part::{Absorbed, nothing};
+use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
-use crate::{Interface, Layered};
+use crate::front::Flat;
+use crate::{Interface, Layered, Reflector};
 
 /// Wavelengths at which the layers above the base are alike, and what these do.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     pub(super) bins: Vec<usize>,
-    pub(super) grid: Grid,
+    /// Groups of a family have the same indices and nodes.
+    pub(super) family: usize,
+    /// How many nodes there are, with weight and extra ones.
+    pub(super) nodes: usize,
     /// Index of the medium above the base.
     pub(super) index: f64,
-    /// By azimuthal order.
+    /// `|beta|` of the nodes that the medium below the last scatterer carries.
+    pub(super) beta: Vec<f64>,
+    /// By azimuthal order: the layers down to the last scatterer.
     pub(super) orders: Vec<Above>,
+    /// The flat layers below it, at the same nodes.
+    pub(super) lower: Lower,
     /// Extra nodes of the sources' rays, ascending.
     pub(super) lights: Vec<usize>,
-    /// Of light from above at each node, the share that arrives at the base.
-    pub(super) arriving: Vec<f64>,
-    /// Of light that rises from the base, the share that returns to it.
-    pub(super) returning: Vec<f64>,
-    /// Of light that rises from the base, the share that leaves.
-    pub(super) leaving: Vec<f64>,
-    /// Of light from above, the share that leaves without having met the base.
-    pub(super) leaving_front: Vec<f64>,
-    /// Absorbed shares of light from above and of light that rises from the base.
+    /// What becomes of the light that falls on the display, and of what rises: down to the last
+    /// scatterer and from below it; over a Lambertian base, to and from the base.
+    pub(super) shares: Shares,
+}
+
+/// Flat layers, by node.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Lower {
+    pub(super) flats: Vec<Flat>,
+    /// Absorbed shares of light from above and of light from the base.
     pub(super) absorbed: [Absorbed; 2],
+}
+
+/// Shares of light by where it ends, by node: those with weight that the medium below carries,
+/// then the extra ones.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Shares {
+    /// Root of each node's weight.
+    pub(super) scale: Vec<f64>,
+    /// Of light from above, the share that comes through.
+    pub(super) arriving: Vec<f64>,
+    /// Of light that rises, the share that returns.
+    pub(super) returning: Vec<f64>,
+    /// Of light that rises, the share that leaves.
+    pub(super) leaving: Vec<f64>,
+    /// Of light from above, the share that leaves without having come through.
+    pub(super) leaving_front: Vec<f64>,
+    /// Absorbed shares of light from above and of light that rises.
+    pub(super) absorbed: [Absorbed; 2],
+}
+
+impl Shares {
+    /// Of a part of order 0 above a medium of this index.
+    fn new(part: &Part, index: f64, grid: &Grid) -> Self {
+        let (air, medium) = (grid.below(1.0), grid.below(index));
+        let kept = grid.kept(index);
+        let on_kept = |all: Vec<f64>| -> Vec<f64> { kept.iter().map(|&i| all[i]).collect() };
+        let absorbed = part.absorbed.clone().unwrap_or_default();
+        Self {
+            scale: on_kept(grid.scale.clone()),
+            arriving: on_kept(part.down.pull_back(&medium, &grid.scale)),
+            returning: on_kept(part.below.pull_back(&medium, &grid.scale)),
+            leaving: on_kept(part.down.transposed().pull_back(&air, &grid.scale)),
+            leaving_front: on_kept(part.above.pull_back(&air, &grid.scale)),
+            absorbed: absorbed.map(|places| places.map(on_kept)),
+        }
+    }
+}
+
+impl Lower {
+    /// Of a flat part, at these nodes.
+    fn new(part: &Part, kept: &[usize]) -> Self {
+        let flat = |i: &usize| Flat {
+            t: part.down.straight[*i],
+            above: part.above.straight[*i],
+            below: part.below.straight[*i],
+        };
+        let absorbed = part.absorbed.clone().unwrap_or_default();
+        let on_kept = |all: Vec<f64>| kept.iter().map(|&i| all[i]).collect();
+        Self { flats: kept.iter().map(flat).collect(), absorbed: absorbed.map(|places| places.map(on_kept)) }
+    }
+}
+
+impl Group {
+    /// How many extra nodes there are.
+    pub(super) fn extras(&self) -> usize {
+        self.orders.first().map_or(0, Above::extras)
+    }
 }
 
 /// All groups, prepared.
@@ -52,7 +118,12 @@ pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Preci
             None => families.push((indices, vec![bins])),
         }
     }
-    families.into_iter().flat_map(|(_, family)| prepare(stack, family, directions, precision)).collect()
+    let prepared = families.into_iter().enumerate().flat_map(|(number, (_, bins))| {
+        let mut groups = prepare(stack, bins, directions, precision);
+        groups.iter_mut().for_each(|group| group.family = number);
+        groups
+    });
+    prepared.collect()
 }
 
 /// Indices of all media at a wavelength, air first.
@@ -80,7 +151,7 @@ fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
 }
 
 /// Where the nodes of a wavelength are split, ascending.
-fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
+pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
     let mut splits = indices(stack, bin);
     splits.sort_by(f64::total_cmp);
     splits.dedup();
@@ -104,26 +175,28 @@ fn prepare(
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
     let lights = extras(&directions.sources);
+    let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
         .map(|bins| {
             let beyond_first = !lights.is_empty();
-            let elements = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers);
-            let convergence = Convergence::new(extras(&directions.views), lights.clone());
+            let all = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers);
+            let elements = Elements::new(all);
+            let kept = grid.kept(elements.index());
             let group = Group {
                 bins,
-                grid: grid.clone(),
+                family: 0,
+                nodes: grid.len(),
                 index,
+                beta: kept.iter().map(|&i| grid.beta[i]).collect(),
                 orders: Vec::new(),
+                lower: Lower::new(&elements.lower(&grid), &kept),
                 lights: lights.clone(),
-                arriving: Vec::new(),
-                returning: Vec::new(),
-                leaving: Vec::new(),
-                leaving_front: Vec::new(),
-                absorbed: [nothing(0), nothing(0)],
+                shares: Shares::default(),
             };
-            Growing { group, elements, convergence, stage: Stage::All }
+            let convergence = Convergence::new(extras(&directions.views), lights.len());
+            Growing { group, elements, convergence, stage: Stage::All, lambertian }
         })
         .collect();
     for order in 0.. {
@@ -146,25 +219,30 @@ fn prepare(
 /// A group on its way.
 struct Growing<'a> {
     group: Group,
-    elements: Vec<Element<'a>>,
+    elements: Elements<'a>,
     convergence: Convergence,
     stage: Stage,
+    lambertian: bool,
 }
 
 impl Growing<'_> {
     /// Adds an order.
     fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) {
-        let part = compose(&self.elements, scattered, order, grid);
+        let upper = self.elements.upper(scattered, order, grid);
+        let last = self.elements.last(scattered, order, grid);
         let group = &mut self.group;
-        if let Some(absorbed) = &part.absorbed {
-            let (air, medium) = (grid.below(1.0), grid.below(group.index));
-            group.arriving = part.down.pull_back(&medium, &grid.scale);
-            group.returning = part.below.pull_back(&medium, &grid.scale);
-            group.leaving = part.down.transposed().pull_back(&air, &grid.scale);
-            group.leaving_front = part.above.pull_back(&air, &grid.scale);
-            group.absorbed = absorbed.clone();
+        let index = self.elements.index();
+        if order == 0 {
+            let part = upper.over(&last, grid);
+            group.shares = if self.lambertian {
+                Shares::new(&part.over(&self.elements.lower(grid), grid), group.index, grid)
+            } else {
+                Shares::new(&part, index, grid)
+            };
         }
-        group.orders.push(Above::new(&part, &group.lights));
-        self.stage = self.convergence.add(&part, tolerance);
+        let carried = grid.kept(index).len() - (grid.len() - grid.regular);
+        let above = Above::new(&upper, &last, &group.lights, carried);
+        self.stage = self.convergence.add(&above, tolerance);
+        group.orders.push(above);
     }
 }

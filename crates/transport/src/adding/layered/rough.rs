@@ -46,12 +46,12 @@ impl RoughOrders {
             later: vec![blank(); count - 1],
             missing: Default::default(),
         };
-        let mut values = vec![0.0; count];
+        let mut transforms = Transforms::new(count);
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
                 let first = if from == to { j } else { 0 };
-                for i in (first..len).filter(|&i| grid.beta[i] < face.index(to)) {
-                    fourier(face, [(from, grid.beta[j]), (to, grid.beta[i])], digits, &mut values);
+                let rows = (first..len).filter(|&i| grid.beta[i] < face.index(to));
+                for (i, values) in transforms.column(face, (from, grid.beta[j]), to, rows, digits, grid) {
                     let scale = grid.scale[i] * grid.scale[j];
                     all.set(way, i, j, len, &values, scale);
                     if from == to {
@@ -147,8 +147,66 @@ fn orders(face: &Rough, digits: f64) -> usize {
     ((digits / width(face)).ceil() as usize).clamp(8, MOST_ORDERS)
 }
 
-/// The first Fourier coefficients of one microfacet's kernel between two directions.
-fn fourier(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64, out: &mut [f64]) {
+/// The first Fourier coefficients of one microfacet's kernel, by the trapezoid rule over the
+/// azimuth. Rules have half as many intervals as a power of two, so that pairs of directions
+/// share them, and their sums are matrix products.
+struct Transforms {
+    orders: usize,
+    /// By the logarithm of the number of intervals from 0 to pi: `[order, azimuth]`.
+    cosines: Vec<Option<Matrix>>,
+}
+
+impl Transforms {
+    fn new(orders: usize) -> Self {
+        Self { orders, cosines: vec![None; MOST_AZIMUTHS.ilog2() as usize] }
+    }
+
+    /// Coefficients of the kernel from one direction to the nodes `rows` on the side `to`.
+    fn column(
+        &mut self,
+        face: &Rough,
+        (from, a): (Side, f64),
+        to: Side,
+        rows: impl Iterator<Item = usize>,
+        digits: f64,
+        grid: &Grid,
+    ) -> Vec<(usize, Vec<f64>)> {
+        let mut of_rule = vec![Vec::new(); self.cosines.len()];
+        for i in rows {
+            of_rule[rule(face, [(from, a), (to, grid.beta[i])], digits)].push(i);
+        }
+        let mut all = Vec::new();
+        for (rule, rows) in of_rule.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+            let half = 1_usize << rule;
+            let turns: Vec<(f64, f64)> =
+                (0..=half).map(|k| (PI * k as f64 / half as f64).sin_cos()).collect();
+            let values = Matrix::from_fn(half + 1, rows.len(), |k, row| {
+                let (b, (sin, cos)) = (grid.beta[rows[row]], turns[k]);
+                face.single(from, Beta { x: a, y: 0.0 }, to, Beta { x: b * cos, y: b * sin })
+            });
+            let mut sums = Matrix::zeros(self.orders, rows.len());
+            sums.add_product(self.cosines(rule), &values, half + 1);
+            all.extend(rows.iter().enumerate().map(|(row, &i)| (i, sums.column(row).to_vec())));
+        }
+        all
+    }
+
+    /// Weights times cosines of a rule; 0 for orders that it does not tell apart from lower ones.
+    fn cosines(&mut self, rule: usize) -> &Matrix {
+        let (half, orders) = (1_usize << rule, self.orders);
+        self.cosines[rule].get_or_insert_with(|| {
+            let weight = |k: usize| if k == 0 || k == half { 0.5 } else { 1.0 } / half as f64;
+            Matrix::from_fn(orders, half + 1, |m, k| {
+                // The angle's turns, so that no digits are lost.
+                let angle = PI * (m * k % (2 * half)) as f64 / half as f64;
+                if m > half { 0.0 } else { weight(k) * angle.cos() }
+            })
+        })
+    }
+}
+
+/// The logarithm of the number of intervals from 0 to pi that a pair of directions takes.
+fn rule(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64) -> usize {
     // The kernel's width in azimuth: alpha times the change of the wave vector's component
     // along the normal, over the radius.
     let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).sqrt();
@@ -156,22 +214,6 @@ fn fourier(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64, ou
     let turn = if from == to { q_a + q_b } else { (q_a - q_b).abs() };
     let width = (face.alpha() * turn / (a * b).sqrt().max(1e-9)).max(1e-9);
     // Poles are double: three digits more.
-    let half = (((digits + 3.0) / width.asinh()).ceil() as usize).clamp(12, MOST_AZIMUTHS / 2);
-    out.fill(0.0);
-    let to_beta = |phi: f64| Beta { x: b * phi.cos(), y: b * phi.sin() };
-    for k in 0..=half {
-        let phi = PI * k as f64 / half as f64;
-        let ends = if k == 0 || k == half { 0.5 } else { 1.0 };
-        let value = ends / half as f64 * face.single(from, Beta { x: a, y: 0.0 }, to, to_beta(phi));
-        // cos(m phi) by its recurrence.
-        let (twice, mut now, mut before) = (2.0 * phi.cos(), 1.0, phi.cos());
-        for (m, sum) in out.iter_mut().enumerate() {
-            // Orders that this rule does not tell apart from lower ones.
-            if m > half {
-                break;
-            }
-            *sum += value * now;
-            (now, before) = (twice * now - before, now);
-        }
-    }
+    let half = ((digits + 3.0) / width.asinh()).ceil().clamp(12.0, (MOST_AZIMUTHS / 2) as f64) as usize;
+    half.next_power_of_two().ilog2() as usize
 }

@@ -1,0 +1,96 @@
+//! Light that beams at a few nodes become, where a whole operator would be too much.
+
+use std::ops::Range;
+
+use super::algebra::Operator;
+use super::matrix::{Factors, Matrix};
+
+/// What unit beams have become, each entered at a node of its own.
+#[derive(Debug)]
+pub(super) struct Beams {
+    /// The node of each beam.
+    nodes: Vec<usize>,
+    /// What is left of each beam itself.
+    straight: Vec<f64>,
+    /// Scattered, `[node, beam]`, scaled; none yet.
+    scattered: Option<Matrix>,
+}
+
+impl Beams {
+    /// Beams at these nodes that nothing has happened to.
+    pub(super) fn units(nodes: Vec<usize>) -> Self {
+        Self { straight: vec![1.0; nodes.len()], nodes, scattered: None }
+    }
+
+    /// What an operator's reverse (its transpose) makes of unit beams at these nodes.
+    pub(super) fn sent_back_by(operator: &Operator, nodes: Vec<usize>) -> Self {
+        let straight = nodes.iter().map(|&node| operator.straight[node]).collect();
+        let scattered = operator.kernel.as_ref().map(|kernel| kernel.transposed_rows(&nodes));
+        Self { nodes, straight, scattered }
+    }
+
+    /// Scattered light at a node.
+    pub(super) fn at(&self, node: usize, beam: usize) -> f64 {
+        self.scattered.as_ref().map_or(0.0, |scattered| scattered[(node, beam)])
+    }
+}
+
+impl Operator {
+    /// What it makes of beams.
+    pub(super) fn send(&self, beams: &Beams) -> Beams {
+        let straight = beams.nodes.iter().zip(&beams.straight).map(|(&node, x)| self.straight[node] * x);
+        Beams {
+            nodes: beams.nodes.clone(),
+            straight: straight.collect(),
+            scattered: self.send_to(beams, 0..self.len()),
+        }
+    }
+
+    /// The scattered light at some nodes that it makes of beams; `None` if there is none.
+    pub(super) fn send_to(&self, beams: &Beams, rows: Range<usize>) -> Option<Matrix> {
+        if self.kernel.is_none() && beams.scattered.is_none() {
+            return None;
+        }
+        let mut sent = Matrix::zeros(rows.len(), beams.nodes.len());
+        for (beam, column) in sent.columns_mut() {
+            if let Some(scattered) = &beams.scattered {
+                let terms = self.straight[rows.clone()].iter().zip(&scattered.column(beam)[rows.clone()]);
+                column.iter_mut().zip(terms).for_each(|(x, (d, s))| *x = d * s);
+            }
+            if let Some(kernel) = &self.kernel {
+                let from = &kernel.column(beams.nodes[beam])[rows.clone()];
+                column.iter_mut().zip(from).for_each(|(x, k)| *x += k * beams.straight[beam]);
+            }
+        }
+        if let (Some(kernel), Some(scattered)) = (&self.kernel, &beams.scattered) {
+            sent.add_product_of_rows(kernel, rows.start, scattered, self.regular);
+        }
+        Some(sent)
+    }
+
+    /// The beams of which it makes these; with the factors of its
+    /// [`weighted_block`](Operator::weighted_block) if it has a kernel, or of its transpose.
+    pub(super) fn unsend(&self, mut beams: Beams, factors: Option<&Factors>, of_transpose: bool) -> Beams {
+        let inverse = self.inverse_straight();
+        for (x, &node) in beams.straight.iter_mut().zip(&beams.nodes) {
+            *x *= inverse[node];
+        }
+        let (Some(kernel), Some(factors)) = (&self.kernel, factors) else {
+            for (_, column) in beams.scattered.iter_mut().flat_map(Matrix::columns_mut) {
+                column.iter_mut().zip(&inverse).for_each(|(x, inverse)| *x *= inverse);
+            }
+            return beams;
+        };
+        let mut x = beams.scattered.unwrap_or_else(|| Matrix::zeros(self.len(), beams.nodes.len()));
+        for (beam, column) in x.columns_mut() {
+            let from = kernel.column(beams.nodes[beam]);
+            column.iter_mut().zip(from).for_each(|(x, k)| *x -= k * beams.straight[beam]);
+        }
+        factors.solve_either(&mut x, of_transpose);
+        x.eliminate(kernel, self.regular);
+        for (_, column) in x.columns_mut() {
+            column.iter_mut().zip(&inverse).skip(self.regular).for_each(|(x, inverse)| *x *= inverse);
+        }
+        Beams { scattered: Some(x), ..beams }
+    }
+}
