@@ -4,14 +4,26 @@
 //! file can exhaust memory: memory grows with the size of the file, and beyond [`MOST_CELLS`] values it
 //! is refused.
 
+mod astm;
 mod display;
+mod display_read;
+mod klems_write;
+mod merl;
+mod npz;
+mod papilio;
+mod papilio_write;
 mod problem;
 mod radiant_read;
 mod radiant_write;
+mod resample;
+mod rgl;
 mod table_read;
 mod table_write;
 mod text;
+mod tree;
+mod window;
 mod write;
+mod xml;
 
 pub use display::{BsdfSource, write_bsdf};
 pub use problem::BsdfProblem;
@@ -55,11 +67,42 @@ pub struct Warned<T> {
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_bsdf(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
-    if radiant_read::is_radiant(file) {
+    if npz::is_npz(file) {
+        read_archive(file)
+    } else if rgl::is_rgl(file) {
+        rgl::read(file)
+    } else if merl::is_merl(file) {
+        merl::read(file)
+    } else if window::is_window(file) {
+        window::read(file)
+    } else if radiant_read::is_radiant(file) {
         radiant_read::read(file)
+    } else if astm::is_astm(file) {
+        astm::read(file)
     } else if table_read::is_table(file) {
         table_read::read(file)
     } else {
         Err(FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() })
     }
+}
+
+/// Reads one of the archives that Papilio itself writes.
+fn read_archive(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    let mut arrays = npz::Npz::new(file)?;
+    if !arrays.has("about") {
+        return Err(arrays.error(BsdfProblem::Unknown));
+    }
+    let about = arrays.texts("about")?.concat();
+    let named: Named = serde_json::from_str(&about).map_err(|e| arrays.unsound("about", &e.to_string()))?;
+    match named.format.as_str() {
+        papilio::FORMAT => papilio::read(arrays, &about),
+        display_read::FORMAT => display_read::read(arrays, &about),
+        _ => Err(arrays.error(BsdfProblem::Unknown)),
+    }
+}
+
+/// What an archive calls its format.
+#[derive(serde::Deserialize)]
+struct Named {
+    format: String,
 }

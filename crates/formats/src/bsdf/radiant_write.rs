@@ -5,6 +5,7 @@ use std::io::Write;
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, SpecularGrid, Symmetry, Way};
 
 use super::radiant_read::{AXES, NAME, block_name};
+use super::resample::{choose_single, covers, on_specular_grid};
 use super::write::{Number, WriteError, lost_media, one_line};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
@@ -12,11 +13,16 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     lost_media(measurement, &mut lost);
     let part = choose_part(measurement, &mut lost)?;
     let channels = choose_channels(part, &mut lost)?;
+    let resampled;
+    let (part, channels) = match part.geometry {
+        Geometry::Specular(_) => (part, channels),
+        _ => {
+            resampled = resample(part, &channels, &mut lost)?;
+            (&resampled, channels.iter().enumerate().map(|(number, (name, _))| (*name, number)).collect())
+        }
+    };
     let Geometry::Specular(grid) = &part.geometry else {
-        return Err(WriteError::CannotHold {
-            format: NAME,
-            what: "cells that are no grid about the specular direction",
-        });
+        return Err(WriteError::CannotHold { format: NAME, what: "these cells" });
     };
     header(out, measurement, part, grid, channels.len())?;
     for (name, channel) in channels {
@@ -31,6 +37,20 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
         lost.push("TIS is written as 0: the measurement gives none".to_owned());
     }
     Ok(lost)
+}
+
+/// A part on the grid that the dissertation's instrument has.
+fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) -> Result<Part, WriteError> {
+    if !covers(&part.geometry) {
+        return Err(WriteError::CannotHold { format: NAME, what: "single pairs of directions" });
+    }
+    lost.push(
+        "the values are interpolated at incidences 0 to 75 by 5 deg, light from azimuth 180 deg, azimuths by 10 deg and \
+         radial distances by 2 deg; TIS is their integral"
+            .to_owned(),
+    );
+    let numbers: Vec<usize> = channels.iter().map(|(_, number)| *number).collect();
+    Ok(on_specular_grid(part, &numbers))
 }
 
 /// The one way that the file will hold.
@@ -51,7 +71,7 @@ fn choose_part<'a>(measurement: &'a Measurement, lost: &mut Vec<String>) -> Resu
 fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, usize)>, WriteError> {
     let at = |channel| part.channels.iter().position(|c| *c == channel).map(|k| (channel, k));
     let xyz: Option<Vec<_>> = [Channel::X, Channel::Y, Channel::Z].into_iter().map(at).collect();
-    let chosen = xyz.or_else(|| Some(vec![single(part)?]));
+    let chosen = xyz.or_else(|| Some(vec![(Channel::Monochrome, choose_single(part)?)]));
     let chosen = chosen.ok_or(WriteError::CannotHold { format: NAME, what: "a part without channels" })?;
     for (k, channel) in part.channels.iter().enumerate() {
         if !chosen.iter().any(|(_, number)| *number == k) {
@@ -61,20 +81,6 @@ fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, 
         }
     }
     Ok(chosen)
-}
-
-/// The channel nearest to a luminous one.
-fn single(part: &Part) -> Option<(Channel, usize)> {
-    let rank = |channel: &Channel| match channel {
-        Channel::Monochrome => 0.0,
-        Channel::Y => 1.0,
-        Channel::Green => 2.0,
-        Channel::Wavelength(nm) => 3.0 + (nm - 555.0).abs(),
-        _ => f64::INFINITY,
-    };
-    let channels = part.channels.iter().enumerate();
-    let best = channels.min_by(|(_, a), (_, b)| rank(a).total_cmp(&rank(b)))?;
-    Some((Channel::Monochrome, best.0))
 }
 
 fn header(

@@ -147,8 +147,8 @@ fn provenance(comments: Vec<String>) -> Provenance {
 
 /// All rows, sorted by way.
 #[derive(Default)]
-struct Rows {
-    count: usize,
+pub(super) struct Rows {
+    pub(super) count: usize,
     channels: Vec<Channel>,
     numbers: HashMap<u64, usize>,
     ways: [Pairs; 4],
@@ -191,6 +191,18 @@ impl Rows {
             return Err(text.error(line, Problem::Columns { count, expected, found: all }));
         }
         let way = way.unwrap_or_else(|| unfold(&mut angles));
+        self.add(text, line, way, angles, (channel, value))
+    }
+
+    /// Takes a value that stands in a line.
+    pub(super) fn add(
+        &mut self,
+        text: Text<'_>,
+        line: Range<usize>,
+        way: usize,
+        angles: [f64; 4],
+        (channel, value): (Channel, f64),
+    ) -> Result<(), FormatError> {
         let channel = self.channel(text, &line, channel)?;
         self.count += 1;
         self.ways[way].take(angles, channel, value, line.start);
@@ -211,7 +223,7 @@ impl Rows {
             .map_err(|_| text.error(line.clone(), BsdfProblem::TooManyCells { limit: MOST_CELLS }))
     }
 
-    fn parts(self, text: Text<'_>) -> Result<Vec<Part>, FormatError> {
+    pub(super) fn parts(self, text: Text<'_>) -> Result<Vec<Part>, FormatError> {
         let mut order: Vec<usize> = (0..self.channels.len()).collect();
         if self.channels.iter().all(|channel| matches!(channel, Channel::Wavelength(_))) {
             let nm = |k: usize| match self.channels[k] {
@@ -257,9 +269,24 @@ fn angle(text: Text<'_>, cell: Range<usize>, k: usize, most: f64) -> Result<f64,
     Err(text.error(cell, Problem::OutOfRange { what: ANGLES[k], value, expected }))
 }
 
+/// The way that is called so.
+pub(super) fn way_named(name: &str) -> Option<Way> {
+    WAYS.into_iter().find(|way| way.name() == name)
+}
+
+/// The channel that is called so: a name, or a wavelength's number.
+pub(super) fn channel_named(name: &str) -> Option<Channel> {
+    let named = NAMED.iter().find(|named| named.to_string().eq_ignore_ascii_case(name));
+    named.copied().or_else(|| {
+        let nm: f64 = name.parse().ok()?;
+        (nm.is_finite() && nm > 0.0).then_some(Channel::Wavelength(nm))
+    })
+}
+
 fn way_of(text: Text<'_>, cell: Range<usize>) -> Result<usize, FormatError> {
     let word = text.quote(cell.clone());
-    WAYS.iter().position(|way| way.name() == word).ok_or_else(|| {
+    let way = way_named(&word).and_then(|named| WAYS.iter().position(|way| *way == named));
+    way.ok_or_else(|| {
         let expected =
             "expected `front reflection`, `front transmission`, `back transmission` or `back reflection`";
         text.error(cell, BsdfProblem::Unexpected { found: word, expected })
@@ -281,7 +308,7 @@ fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError
 }
 
 /// The way of angles that are from the front's normal, made angles from their own sides' normals.
-fn unfold(angles: &mut [f64; 4]) -> usize {
+pub(super) fn unfold(angles: &mut [f64; 4]) -> usize {
     let from_back = angles[0] > 90.0;
     let to_back = angles[2] > 90.0;
     for (k, back) in [(0, from_back), (2, to_back)] {

@@ -5,6 +5,7 @@ use std::io::Write;
 
 use papilio_goniometry::{Channel, Direction, Geometry, Measurement, Part, Symmetry};
 
+use super::table_read::NAME;
 use super::write::{Number, WriteError, lost_media, one_line};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
@@ -37,8 +38,11 @@ fn write_part(
     monochrome: bool,
     lost: &mut Vec<String>,
 ) -> Result<(), WriteError> {
+    if let Geometry::Warped(_) = part.geometry {
+        return Err(WriteError::CannotHold { format: NAME, what: "a warped grid" });
+    }
     let rows = rows(&part.geometry);
-    if let Geometry::Specular(_) | Geometry::Patches { .. } = part.geometry {
+    if !matches!(part.geometry, Geometry::Spherical(_) | Geometry::Pairs(_)) {
         lost.push("the grid is left out: its cells are written as pairs of directions".to_owned());
     }
     for (k, channel) in part.channels.iter().enumerate() {

@@ -107,7 +107,7 @@ impl Iterator for Words<'_> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
-        let parts = |b: &u8| matches!(b, b' ' | b'\t' | b',' | b'\r' | 0x0B | 0x0C);
+        let parts = |b: &u8| matches!(b, b' ' | b'\t' | b',' | b'\r' | b'\n' | 0x0B | 0x0C);
         let line = &self.bytes[self.at..self.end];
         let start = self.at + line.iter().position(|b| !parts(b))?;
         let rest = &self.bytes[start..self.end];

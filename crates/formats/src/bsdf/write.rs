@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use papilio_goniometry::Measurement;
 
-use super::{radiant_write, table_write};
+use super::{klems_write, papilio_write, radiant_write, table_write};
 
 /// The formats that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +14,10 @@ pub enum BsdfFormat {
     Radiant,
     /// A row for each pair of directions and channel.
     Csv,
+    /// Klems matrices as the XML of WINDOW and Radiance; grids are averaged over the patches.
+    Klems,
+    /// Papilio's own: everything.
+    Papilio,
 }
 
 /// Why a measurement cannot be written.
@@ -45,6 +49,8 @@ pub fn write_measurement(
     let lost = match format {
         BsdfFormat::Radiant => radiant_write::write(out, measurement)?,
         BsdfFormat::Csv => table_write::write(out, measurement)?,
+        BsdfFormat::Klems => klems_write::write(out, measurement)?,
+        BsdfFormat::Papilio => papilio_write::write(out, measurement)?,
     };
     out.flush()?;
     Ok(lost)

@@ -1,0 +1,177 @@
+//! Reads ASTM E1392 (and its successor E2387): a header of keywords, `VARS` with the columns' names, and
+//! rows of angles in radians and values.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use papilio_goniometry::{Channel, Measurement, Provenance};
+
+use super::table_read::{Rows, unfold};
+use super::text::{Lines, Text};
+use super::{BsdfProblem, Warned};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+
+/// How the format is called.
+const NAME: &str = "ASTM E1392";
+
+/// No header is longer, in lines.
+const LONGEST_HEADER: usize = 1000;
+
+/// No row has more values than this.
+const MOST_CHANNELS: usize = 1000;
+
+/// The columns of angles, in the file's order.
+const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
+
+/// Whether a file has the header of this format.
+pub(super) fn is_astm(file: &DataFile) -> bool {
+    let text = Text::new(file);
+    let mut lines = Lines::new(text);
+    for _ in 0..LONGEST_HEADER {
+        let Ok(Some(line)) = lines.next() else { return false };
+        let mut words = text.words(line);
+        let Some(key) = words.next() else { return false };
+        if text.is(&key, "VARS") {
+            return words.next().is_some_and(|word| text.is(&word, ANGLES[0]));
+        }
+        if !text.bytes[key.start].is_ascii_alphabetic() {
+            return false;
+        }
+    }
+    false
+}
+
+pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    let text = Text::new(file);
+    let mut lines = Lines::new(text);
+    let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
+    let (mut points, mut channels) = (None, Vec::new());
+    while channels.is_empty() {
+        let line = lines.expect("its line `VARS`")?;
+        let mut words = text.words(line.clone());
+        let Some(key) = words.next() else { continue };
+        let said = text.quote(key.end..line.end);
+        match text.quote(key).to_ascii_uppercase().as_str() {
+            "VARS" => channels = columns(text, &line)?,
+            "NUM_POINTS" => {
+                points = words.next().map(|word| Ok((word.clone(), text.number(word)?))).transpose()?
+            }
+            "SAMPLE" | "SAMPLE_ID" | "SAMPLE_NAME" | "MATERIAL" if provenance.sample.is_empty() => {
+                provenance.sample = said;
+            }
+            "INSTRUMENT" | "LABORATORY" | "SOURCE" if provenance.source.is_empty() => {
+                provenance.source = said
+            }
+            _ if provenance.remarks.len() < LONGEST_HEADER => provenance.remarks.push(text.quote(line)),
+            _ => {}
+        }
+    }
+    let mut rows = Rows::default();
+    let mut count = 0;
+    while let Some(line) = lines.next()? {
+        row(text, line, &channels, &mut rows)?;
+        count += 1;
+    }
+    if count == 0 {
+        return Err(text.ends("its first row"));
+    }
+    match points {
+        Some((place, points)) if points != f64::from(count) => {
+            let problem =
+                BsdfProblem::Count { what: "rows", found: count as usize, count: points.max(0.0) as usize };
+            Err(text.error(place, problem))
+        }
+        _ => {
+            provenance.remarks.append(&mut lines.comments);
+            let parts = rows.parts(text)?;
+            let value = Measurement { provenance, media: [1.0, 1.0], parts };
+            Ok(Warned { value, warnings: Vec::new() })
+        }
+    }
+}
+
+/// The channels of the line `VARS`.
+fn columns(text: Text<'_>, line: &Range<usize>) -> Result<Vec<Channel>, FormatError> {
+    let mut words = text.words(line.clone()).skip(1);
+    for angle in ANGLES {
+        let word = words.next().unwrap_or(line.end..line.end);
+        if !text.is(&word, angle) {
+            let expected = "expected `VARS theta_i,phi_i,theta_s,phi_s` and names of values";
+            return Err(
+                text.error(word.clone(), BsdfProblem::Unexpected { found: text.quote(word), expected })
+            );
+        }
+    }
+    let mut channels: Vec<Channel> = Vec::new();
+    for word in words {
+        let name = text.quote(word.clone());
+        let channel = channel(&name).ok_or_else(|| {
+            let expected = "expected R, G, B, X, Y, Z, a wavelength as `550nm`, or BSDF";
+            text.error(word.clone(), BsdfProblem::Unexpected { found: name.clone(), expected })
+        })?;
+        if channels.contains(&channel) {
+            return Err(text.error(word, BsdfProblem::Twice { what: name }));
+        }
+        if channels.len() >= MOST_CHANNELS {
+            let expected = "expected at most 1000 columns of values";
+            return Err(text.error(word, BsdfProblem::Unexpected { found: name, expected }));
+        }
+        channels.push(channel);
+    }
+    if channels.is_empty() {
+        return Err(text.error(line.clone(), BsdfProblem::Missing { what: "column of values" }));
+    }
+    Ok(channels)
+}
+
+fn channel(name: &str) -> Option<Channel> {
+    let name = name.to_ascii_lowercase();
+    Some(match name.as_str() {
+        "r" => Channel::Red,
+        "g" => Channel::Green,
+        "b" => Channel::Blue,
+        "x" => Channel::X,
+        "y" => Channel::Y,
+        "z" => Channel::Z,
+        "bsdf" | "brdf" | "btdf" | "value" => Channel::Monochrome,
+        _ => {
+            let nm: f64 = name.strip_suffix("nm")?.parse().ok()?;
+            return (nm.is_finite() && nm > 0.0).then_some(Channel::Wavelength(nm));
+        }
+    })
+}
+
+fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows) -> Result<(), FormatError> {
+    let mut angles = [0.0; 4];
+    let count = ANGLES.len() + channels.len();
+    let found = text.words(line.clone()).take(count + 1).count();
+    if found != count {
+        let expected = "expected as many columns as `VARS` names";
+        return Err(text.error(line, Problem::Columns { count, expected, found }));
+    }
+    let mut words = text.words(line.clone());
+    for ((k, angle), word) in angles.iter_mut().enumerate().zip(words.by_ref()) {
+        let value = text.number(word.clone())?;
+        let range = if k % 2 == 0 { 0.0..=PI + 1e-6 } else { -TURN..=TURN };
+        if !range.contains(&value) {
+            let expected = "expected radians: 0 to pi from the front's normal, -2 pi to 2 pi around";
+            return Err(text.error(word, Problem::OutOfRange { what: ANGLES[k], value, expected }));
+        }
+        // A right angle that radians of a few digits overshoot is still on the front.
+        *angle = if k % 2 == 0 && (value - PI / 2.0).abs() < 1e-6 {
+            90.0
+        } else {
+            if k % 2 == 0 { value.to_degrees().min(180.0) } else { value.to_degrees() }
+        };
+    }
+    let way = unfold(&mut angles);
+    for (channel, word) in channels.iter().zip(words) {
+        let value = text.value(word)?;
+        rows.add(text, line.clone(), way, angles, (*channel, value))?;
+    }
+    Ok(())
+}
+
+/// A full turn, and what rounding adds.
+const TURN: f64 = 2.0 * PI + 1e-6;

@@ -1,0 +1,75 @@
+//! Reads the display's own BSDF, `display-bsdf.npz` ("papilio-bsdf 1"), as a measurement of its first state.
+
+use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, SphericalGrid, Way};
+use serde::Deserialize;
+
+use super::npz::{Array, Npz};
+use super::{BsdfProblem, Warned};
+use crate::error::{FormatError, Problem};
+
+/// What `about` calls the format.
+pub(super) const FORMAT: &str = "papilio-bsdf";
+
+#[derive(Deserialize)]
+struct About {
+    version: u32,
+    #[serde(default)]
+    title: String,
+}
+
+pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measurement>, FormatError> {
+    let about: About = serde_json::from_str(about).map_err(|e| arrays.unsound("about", &e.to_string()))?;
+    if about.version != 1 {
+        let what = format!("version {} of {FORMAT}", about.version);
+        return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "expected version 1" }));
+    }
+    let states = arrays.texts("state")?;
+    let mut axis = |name: &str, most: f64| {
+        let values = arrays.numbers(name)?.values;
+        let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
+        if values.is_empty() || !rises || !values.iter().all(|value| (0.0..=most).contains(value)) {
+            return Err(arrays.unsound(name, "expected values that rise"));
+        }
+        Ok(values)
+    };
+    let grid = SphericalGrid {
+        theta_i_deg: axis("theta_i_deg", 90.0)?,
+        phi_i_deg: vec![0.0],
+        theta_o_deg: axis("theta_o_deg", 90.0)?,
+        phi_o_deg: axis("dphi_deg", 180.0)?,
+    };
+    let wavelengths = axis("wavelength_nm", 1e6)?;
+    let Array { shape, values } = arrays.numbers("brdf")?;
+    let lengths = [&grid.theta_i_deg, &grid.theta_o_deg, &grid.phi_o_deg, &wavelengths].map(Vec::len);
+    if shape.get(1..) != Some(&lengths[..]) || shape[0] != states.len() || states.is_empty() {
+        return Err(arrays.unsound("brdf", "its shape is not that of the axes"));
+    }
+    let (cells, channels) = (grid.cells(), wavelengths.len());
+    let of_first = &values[..cells * channels];
+    if let Some(&value) = of_first.iter().find(|value| !(**value >= 0.0 && value.is_finite())) {
+        let problem =
+            Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" };
+        return Err(arrays.error(problem));
+    }
+    let values =
+        (0..channels).flat_map(|c| (0..cells).map(move |cell| of_first[cell * channels + c])).collect();
+    let part = Part {
+        way: Way::FrontReflection,
+        channels: wavelengths.into_iter().map(Channel::Wavelength).collect(),
+        geometry: Geometry::Spherical(grid),
+        values,
+        tis: Vec::new(),
+    };
+    let mut warnings =
+        vec!["the mirror part of the display is left out: it is not finite per steradian".to_owned()];
+    if states.len() > 1 {
+        warnings.push(format!("the state `{}` is read, {} others are left out", states[0], states.len() - 1));
+    }
+    let provenance = Provenance {
+        format: "display-bsdf.npz".to_owned(),
+        sample: format!("{} ({})", about.title, states[0]),
+        source: "computed".to_owned(),
+        remarks: Vec::new(),
+    };
+    Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts: vec![part] }, warnings })
+}

@@ -1,0 +1,215 @@
+//! Writes Klems matrices as XML: patches are copied, grids averaged over the patches of the full basis.
+
+use std::io::Write;
+
+use papilio_goniometry::{Channel, Direction, Geometry, KLEMS_FULL, Measurement, Part, Ring, patch_count};
+
+use super::resample::{choose_single, covers};
+use super::window::{BASES, CHANNELS, KLEMS, WAYS};
+use super::write::{Number, WriteError, lost_media, one_line};
+
+pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
+    let mut lost = Vec::new();
+    lost_media(measurement, &mut lost);
+    if !measurement.provenance.remarks.is_empty() {
+        lost.push("remarks are left out".to_owned());
+    }
+    let parts: Vec<Averaged<'_>> =
+        measurement.parts.iter().map(|part| Averaged::of(part, &mut lost)).collect::<Result<_, _>>()?;
+    head(out, measurement, &parts)?;
+    for (name, channel) in CHANNELS {
+        let blocks: Vec<_> = parts.iter().filter_map(|part| Some((part, part.values(channel)?))).collect();
+        if !blocks.is_empty() {
+            writeln!(out, "<WavelengthData>\n<LayerNumber>System</LayerNumber>")?;
+            writeln!(out, "<Wavelength unit=\"Integral\">{name}</Wavelength>")?;
+            blocks.iter().try_for_each(|(part, values)| block(out, part, values))?;
+            writeln!(out, "</WavelengthData>")?;
+        }
+    }
+    writeln!(out, "</Layer>\n</Optical>\n</WindowElement>")?;
+    Ok(lost)
+}
+
+/// A part as it will stand in the file: `[channel][in][out]`.
+struct Averaged<'a> {
+    part: &'a Part,
+    /// What the file will call each channel.
+    channels: Vec<Channel>,
+    incoming: &'a [Ring],
+    outgoing: &'a [Ring],
+    values: Vec<Vec<f64>>,
+}
+
+impl<'a> Averaged<'a> {
+    fn of(part: &'a Part, lost: &mut Vec<String>) -> Result<Self, WriteError> {
+        let (channels, numbers) = choose_channels(part, lost)?;
+        if !part.tis.is_empty() {
+            lost.push(format!("TIS of {} is left out", part.way.name()));
+        }
+        if let Geometry::Patches { incoming, outgoing } = &part.geometry {
+            let copy =
+                |number: &usize| part.channel(*number).iter().map(|f| if f.is_nan() { 0.0 } else { *f });
+            let values = numbers.iter().map(|number| copy(number).collect()).collect();
+            if part.values.iter().any(|value| value.is_nan()) {
+                lost.push(UNMEASURED.to_owned());
+            }
+            return Ok(Self { part, channels, incoming, outgoing, values });
+        }
+        if !covers(&part.geometry) {
+            return Err(WriteError::CannotHold { format: KLEMS, what: "single pairs of directions" });
+        }
+        lost.push(format!("{} is averaged over the patches of the full Klems basis", part.way.name()));
+        let mut values = Vec::new();
+        for number in numbers {
+            values.push(averages(part, number, lost));
+        }
+        Ok(Self { part, channels, incoming: &KLEMS_FULL, outgoing: &KLEMS_FULL, values })
+    }
+
+    fn values(&self, channel: Channel) -> Option<&[f64]> {
+        let same = |own: &Channel| *own == channel || (*own == Channel::Y && channel == Channel::Monochrome);
+        Some(&self.values[self.channels.iter().position(same)?])
+    }
+}
+
+const UNMEASURED: &str = "patches without any value are written as 0";
+
+/// The channels that the file can hold, and their numbers.
+fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<(Vec<Channel>, Vec<usize>), WriteError> {
+    let fits =
+        |channel: &Channel| CHANNELS.iter().any(|(_, known)| known == channel) || *channel == Channel::Y;
+    let mut chosen: Vec<(Channel, usize)> =
+        part.channels.iter().enumerate().filter(|(_, c)| fits(c)).map(|(k, c)| (*c, k)).collect();
+    // Both would be written as the visible spectrum.
+    if part.channels.contains(&Channel::Y) {
+        chosen.retain(|(channel, _)| *channel != Channel::Monochrome);
+    }
+    if chosen.is_empty() {
+        let only = choose_single(part);
+        let only = only.ok_or(WriteError::CannotHold { format: KLEMS, what: "a part without channels" })?;
+        lost.push(format!("the channel {} is written as the visible spectrum", part.channels[only]));
+        chosen.push((Channel::Monochrome, only));
+    }
+    for (k, channel) in part.channels.iter().enumerate() {
+        if !chosen.iter().any(|(_, number)| *number == k) {
+            lost.push(format!("the channel {channel} is left out"));
+        }
+    }
+    Ok(chosen.into_iter().unzip())
+}
+
+/// Points of each patch from which light comes, along theta and around.
+const POINTS_IN: [usize; 2] = [2, 2];
+/// Points of each patch to which it goes.
+const POINTS_OUT: [usize; 2] = [6, 6];
+
+/// Mean f of each pair of patches, weighted with both cosines.
+fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
+    let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| points(&KLEMS_FULL, counts));
+    let mut empty = false;
+    let mut values = Vec::with_capacity(from.len() * to.len());
+    for lights in &from {
+        let lights: Vec<Direction> = lights.iter().map(|light| light.specular()).collect();
+        for viewers in &to {
+            let pairs = lights.iter().flat_map(|i| viewers.iter().map(move |o| (*i, *o)));
+            let (sum, count) = pairs
+                .filter_map(|(i, o)| part.evaluate(channel, i, o))
+                .fold((0.0, 0.0), |(sum, count), f| (sum + f, count + 1.0));
+            empty |= count == 0.0;
+            values.push(if count > 0.0 { sum / count } else { 0.0 });
+        }
+    }
+    if empty && !lost.iter().any(|line| line == UNMEASURED) {
+        lost.push(UNMEASURED.to_owned());
+    }
+    values
+}
+
+/// Points of each patch that share its projected solid angle evenly.
+fn points(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Vec<Direction>> {
+    let mut patches = Vec::with_capacity(patch_count(rings));
+    for (k, ring) in rings.iter().enumerate() {
+        let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
+        let [low, high] = [ring.from_deg, to_deg].map(|theta| theta.to_radians().sin().powi(2));
+        for patch in 0..ring.patches {
+            let point = |at: usize| {
+                let share = (at / around) as f64 + 0.5;
+                let sin2 = low + (high - low) * share / along as f64;
+                let turn = patch as f64 - 0.5 + ((at % around) as f64 + 0.5) / around as f64;
+                Direction::new(sin2.sqrt().asin().to_degrees(), 360.0 * turn / ring.patches as f64)
+            };
+            patches.push((0..along * around).map(point).collect());
+        }
+    }
+    patches
+}
+
+/// What the file calls a basis: one with a name, or the file's own.
+fn basis_name(rings: &[Ring], is_incoming: bool) -> &'static str {
+    let known = BASES.iter().find(|(_, known)| *known == rings);
+    known.map_or(if is_incoming { "Incoming" } else { "Outgoing" }, |(name, _)| name)
+}
+
+fn head(out: &mut dyn Write, measurement: &Measurement, parts: &[Averaged<'_>]) -> Result<(), WriteError> {
+    writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
+    writeln!(out, "<WindowElement>\n<WindowElementType>System</WindowElementType>\n<Optical>\n<Layer>")?;
+    let provenance = &measurement.provenance;
+    let (name, source) = (escaped(&provenance.sample), escaped(&provenance.source));
+    writeln!(out, "<Material>\n<Name>{name}</Name>\n<Manufacturer>{source}</Manufacturer>\n</Material>")?;
+    writeln!(out, "<DataDefinition>\n<IncidentDataStructure>Columns</IncidentDataStructure>")?;
+    let mut written: Vec<(&str, &[Ring])> = Vec::new();
+    for part in parts {
+        for (rings, is_incoming) in [(part.incoming, true), (part.outgoing, false)] {
+            let name = basis_name(rings, is_incoming);
+            match written.iter().find(|(other, _)| *other == name) {
+                None => {
+                    basis(out, name, rings)?;
+                    written.push((name, rings));
+                }
+                Some((_, other)) if *other == rings => {}
+                Some(_) => {
+                    let what = "parts with different bases of their own";
+                    return Err(WriteError::CannotHold { format: KLEMS, what });
+                }
+            }
+        }
+    }
+    Ok(writeln!(out, "</DataDefinition>")?)
+}
+
+fn basis(out: &mut dyn Write, name: &str, rings: &[Ring]) -> Result<(), WriteError> {
+    writeln!(out, "<AngleBasis>\n<AngleBasisName>{name}</AngleBasisName>")?;
+    for (k, ring) in rings.iter().enumerate() {
+        let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
+        let theta = if ring.patches == 1 { ring.from_deg } else { (ring.from_deg + to_deg) / 2.0 };
+        writeln!(
+            out,
+            "<AngleBasisBlock><Theta>{theta}</Theta><nPhis>{}</nPhis><ThetaBounds><LowerTheta>{}</LowerTheta>\
+             <UpperTheta>{to_deg}</UpperTheta></ThetaBounds></AngleBasisBlock>",
+            ring.patches, ring.from_deg
+        )?;
+    }
+    Ok(writeln!(out, "</AngleBasis>")?)
+}
+
+fn block(out: &mut dyn Write, part: &Averaged<'_>, values: &[f64]) -> Result<(), WriteError> {
+    let direction = WAYS.iter().find(|(_, way)| *way == part.part.way).map_or("", |(name, _)| name);
+    let kind = if part.part.way.is_transmission() { "BTDF" } else { "BRDF" };
+    writeln!(out, "<WavelengthDataBlock>\n<WavelengthDataDirection>{direction}</WavelengthDataDirection>")?;
+    writeln!(out, "<ColumnAngleBasis>{}</ColumnAngleBasis>", basis_name(part.incoming, true))?;
+    writeln!(out, "<RowAngleBasis>{}</RowAngleBasis>", basis_name(part.outgoing, false))?;
+    writeln!(out, "<ScatteringDataType>{kind}</ScatteringDataType>\n<ScatteringData>")?;
+    let (incoming, outgoing) = (patch_count(part.incoming), patch_count(part.outgoing));
+    for o in 0..outgoing {
+        for i in 0..incoming {
+            write!(out, "{},", Number(values[i * outgoing + o]))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(writeln!(out, "</ScatteringData>\n</WavelengthDataBlock>")?)
+}
+
+/// A text without what XML reads as something else.
+fn escaped(text: &str) -> String {
+    one_line(text).replace(['<', '>', '&'], " ")
+}

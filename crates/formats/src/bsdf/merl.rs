@@ -1,0 +1,54 @@
+//! Reads the BRDFs of the MERL database: three numbers of cells, then planes of red, green and blue.
+
+use papilio_goniometry::{Channel, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Way};
+
+use super::{BsdfProblem, Warned};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::place::Place;
+
+/// What the planes' numbers are multiplied with (the database's reference code).
+const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
+const HEADER: usize = 12;
+
+/// Whether a file begins with the numbers of cells that all files of the database have.
+pub(super) fn is_merl(file: &DataFile) -> bool {
+    let header = HalfAngleGrid::SHAPE.map(|length| (length as u32).to_le_bytes());
+    file.bytes.starts_with(header.as_flattened())
+}
+
+pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    let error = |problem: Problem| FormatError { place: Place::whole(&file.name), problem };
+    let cells = HalfAngleGrid.cells();
+    let data = &file.bytes[HEADER.min(file.bytes.len())..];
+    if data.len() < 3 * cells * 8 {
+        return Err(error(BsdfProblem::Ends { what: "its three planes" }.into()));
+    }
+    if data.len() > 3 * cells * 8 {
+        let problem =
+            BsdfProblem::Count { what: "bytes", found: file.bytes.len(), count: HEADER + 3 * cells * 8 };
+        return Err(error(problem.into()));
+    }
+    let mut values = Vec::with_capacity(3 * cells);
+    for (number, bytes) in data.as_chunks().0.iter().enumerate() {
+        let value = f64::from_le_bytes(*bytes);
+        if !value.is_finite() {
+            return Err(error(Problem::NotFinite {
+                found: format!("{value} (number {number} of the planes)"),
+            }));
+        }
+        // The database marks what was not measured, as below the horizon, by negative numbers.
+        values.push(if value < 0.0 { f64::NAN } else { value * SCALES[number / cells] });
+    }
+    let part = Part {
+        way: Way::FrontReflection,
+        channels: vec![Channel::Red, Channel::Green, Channel::Blue],
+        geometry: Geometry::HalfAngle(HalfAngleGrid),
+        values,
+        tis: Vec::new(),
+    };
+    let provenance = Provenance { format: "MERL".to_owned(), ..Provenance::default() };
+    let value = Measurement { provenance, media: [1.0, 1.0], parts: vec![part] };
+    Ok(Warned { value, warnings: Vec::new() })
+}

@@ -1,0 +1,150 @@
+//! Arrays of NumPy in a zip, to be read: `.npz`, not compressed.
+
+use std::io::{Cursor, Read};
+
+use zip::read::ZipArchive;
+use zip::result::ZipError;
+
+use super::{BsdfProblem, MOST_CELLS};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::place::Place;
+
+/// No archive has more arrays.
+const MOST_ARRAYS: usize = 1000;
+
+/// An archive of arrays.
+pub(super) struct Npz<'a> {
+    name: &'a str,
+    archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// How many bytes may still be read: what the file has, though entries may overlap.
+    budget: usize,
+}
+
+/// An array of numbers and its shape.
+pub(super) struct Array {
+    pub(super) shape: Vec<usize>,
+    pub(super) values: Vec<f64>,
+}
+
+pub(super) fn is_npz(file: &DataFile) -> bool {
+    file.bytes.starts_with(b"PK\x03\x04")
+}
+
+impl<'a> Npz<'a> {
+    pub(super) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
+        let error =
+            |problem: BsdfProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
+        let archive = ZipArchive::new(Cursor::new(file.bytes.as_slice())).map_err(|problem| {
+            error(BsdfProblem::Damaged { what: "archive", message: problem.to_string() })
+        })?;
+        if archive.len() > MOST_ARRAYS {
+            return Err(error(BsdfProblem::TooManyCells { limit: MOST_CELLS }));
+        }
+        Ok(Self { name: &file.name, archive, budget: file.bytes.len() })
+    }
+
+    pub(super) fn error(&self, problem: impl Into<Problem>) -> FormatError {
+        FormatError { place: Place::whole(self.name), problem: problem.into() }
+    }
+
+    /// An error about the contents of an array.
+    pub(super) fn unsound(&self, array: &str, what: &str) -> FormatError {
+        self.error(BsdfProblem::Damaged { what: "archive", message: format!("array `{array}`: {what}") })
+    }
+
+    /// Whether there is an array of this name.
+    pub(super) fn has(&self, array: &str) -> bool {
+        self.archive.index_for_name(&format!("{array}.npy")).is_some()
+    }
+
+    fn bytes(&mut self, array: &str) -> Result<Vec<u8>, FormatError> {
+        let budget = self.budget;
+        let mut bytes = Vec::new();
+        let read = match self.archive.by_name(&format!("{array}.npy")) {
+            Ok(entry) => entry.take(budget as u64 + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()),
+            Err(ZipError::FileNotFound) => Err("it is missing".to_owned()),
+            Err(ZipError::UnsupportedArchive(_)) => {
+                Err("it is compressed: save the archive with numpy.savez".to_owned())
+            }
+            Err(problem) => Err(problem.to_string()),
+        };
+        let read = read.map_err(|what| self.unsound(array, &what))?;
+        self.budget = budget.checked_sub(read).ok_or_else(|| self.unsound(array, "it overlaps others"))?;
+        Ok(bytes)
+    }
+
+    /// An array of numbers.
+    pub(super) fn numbers(&mut self, array: &str) -> Result<Array, FormatError> {
+        let bytes = self.bytes(array)?;
+        let sound = Header::of(&bytes).and_then(|(header, data)| {
+            let values = match header.kind.as_str() {
+                "<f8" => data.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect::<Vec<f64>>(),
+                "<f4" => data.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
+                _ => return None,
+            };
+            let is_whole = data.len() == values.len() * if header.kind == "<f8" { 8 } else { 4 };
+            (is_whole && header.count() == Some(values.len()))
+                .then_some(Array { shape: header.shape, values })
+        });
+        let array_values =
+            sound.ok_or_else(|| self.unsound(array, "this is no array of float32 or float64"))?;
+        if array_values.values.len() > MOST_CELLS {
+            return Err(self.error(BsdfProblem::TooManyCells { limit: MOST_CELLS }));
+        }
+        Ok(array_values)
+    }
+
+    /// An array of texts.
+    pub(super) fn texts(&mut self, array: &str) -> Result<Vec<String>, FormatError> {
+        let bytes = self.bytes(array)?;
+        let sound = Header::of(&bytes).and_then(|(header, data)| {
+            let width: usize = header.kind.strip_prefix("<U")?.parse().ok()?;
+            let size = width.checked_mul(4).filter(|size| *size > 0)?;
+            if header.count()?.checked_mul(size)? != data.len() {
+                return None;
+            }
+            let text = |item: &[u8]| -> Option<String> {
+                let codes = item.as_chunks().0.iter().map(|code| u32::from_le_bytes(*code));
+                codes.take_while(|code| *code != 0).map(char::from_u32).collect()
+            };
+            data.chunks_exact(size).map(text).collect()
+        });
+        sound.ok_or_else(|| self.unsound(array, "this is no array of text"))
+    }
+}
+
+/// The header of a `.npy`.
+struct Header {
+    kind: String,
+    shape: Vec<usize>,
+}
+
+impl Header {
+    /// The header and the data behind it.
+    fn of(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        let rest = bytes.strip_prefix(b"\x93NUMPY")?;
+        let (length, begins) = match *rest.first()? {
+            1 => (usize::from(u16::from_le_bytes([*rest.get(2)?, *rest.get(3)?])), 4),
+            2 | 3 => {
+                (u32::from_le_bytes([*rest.get(2)?, *rest.get(3)?, *rest.get(4)?, *rest.get(5)?]) as usize, 6)
+            }
+            _ => return None,
+        };
+        let end = length.checked_add(begins)?;
+        let text = std::str::from_utf8(rest.get(begins..end)?).ok()?;
+        let after = |key: &str| text.split_once(key).map(|(_, rest)| rest.trim_start());
+        if !after("'fortran_order':")?.starts_with("False") {
+            return None;
+        }
+        let kind = after("'descr':")?.strip_prefix('\'')?.split_once('\'')?.0.to_owned();
+        let shape = after("'shape':")?.strip_prefix('(')?.split_once(')')?.0;
+        let lengths = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
+        let shape = lengths.map(|length| length.parse().ok()).collect::<Option<Vec<usize>>>()?;
+        Some((Self { kind, shape }, &rest[end..]))
+    }
+
+    fn count(&self) -> Option<usize> {
+        self.shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length))
+    }
+}

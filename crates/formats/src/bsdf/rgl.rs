@@ -1,0 +1,246 @@
+//! Reads the tensor files of the RGL material database (`.bsdf`, also Mitsuba's).
+//!
+//! `tensor_file`, a zero, two bytes of version, and for each field its name, shape, type and place in
+//! the file; all little-endian.
+
+use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpFields, WarpedGrid, Way};
+
+use super::{BsdfProblem, MOST_CELLS, Warned};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::place::Place;
+
+const MAGIC: &[u8] = b"tensor_file\0";
+
+/// The database's files have about a dozen fields.
+const MOST_FIELDS: u32 = 100;
+
+pub(super) fn is_rgl(file: &DataFile) -> bool {
+    file.bytes.starts_with(MAGIC)
+}
+
+pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    let tensors = Tensors::new(file)?;
+    let (channels, spectra) = tensors.spectra()?;
+    let (fields, lights) = tensors.fields(&spectra)?;
+    let values = transposed(&tensors.numbers(&spectra)?, lights, channels.len(), fields.shape);
+    let unsound = || {
+        tensors.error(BsdfProblem::Damaged {
+            what: "tensor file",
+            message: "its arrays do not fit each other, or a density is negative".to_owned(),
+        })
+    };
+    let grid = WarpedGrid::new(fields).ok_or_else(unsound)?;
+    if let Some(&value) = values.iter().find(|value| **value < 0.0) {
+        let problem =
+            Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" };
+        return Err(tensors.error(problem));
+    }
+    let part = Part {
+        way: Way::FrontReflection,
+        channels,
+        geometry: Geometry::Warped(Box::new(grid)),
+        values,
+        tis: Vec::new(),
+    };
+    let sample = tensors.find("description").map(|field| tensors.say(field)).unwrap_or_default();
+    let provenance = Provenance { format: "RGL tensor file".to_owned(), sample, ..Provenance::default() };
+    let value = Measurement { provenance, media: [1.0, 1.0], parts: vec![part] };
+    Ok(Warned { value, warnings: Vec::new() })
+}
+
+/// From `[light][channel][cell]` to `[channel][light][cell]`.
+fn transposed(values: &[f64], lights: usize, channels: usize, [rows, columns]: [usize; 2]) -> Vec<f64> {
+    let cells = rows * columns;
+    let block = |channel, light| &values[(light * channels + channel) * cells..][..cells];
+    (0..channels).flat_map(|c| (0..lights).flat_map(move |l| block(c, l).iter().copied())).collect()
+}
+
+/// A field's entry in the header.
+#[derive(Clone)]
+struct Field<'a> {
+    name: &'a [u8],
+    kind: u8,
+    offset: usize,
+    shape: Vec<usize>,
+    count: usize,
+}
+
+struct Tensors<'a> {
+    file: &'a DataFile,
+    fields: Vec<Field<'a>>,
+}
+
+impl<'a> Tensors<'a> {
+    fn new(file: &'a DataFile) -> Result<Self, FormatError> {
+        let mut tensors = Self { file, fields: Vec::new() };
+        let mut bytes = Bytes { bytes: file.bytes.get(MAGIC.len()..).unwrap_or_default() };
+        let cut = || tensors_error(file, BsdfProblem::Ends { what: "the end of its header" });
+        let version = bytes.take(2).ok_or_else(cut)?;
+        if version[0] != 1 {
+            let what = format!("version {}.{} of the tensor files", version[0], version[1]);
+            return Err(tensors.error(BsdfProblem::Unsupported { what, expected: "expected version 1.0" }));
+        }
+        let count = bytes.number(4).ok_or_else(cut)?;
+        if count > u64::from(MOST_FIELDS) {
+            let problem = BsdfProblem::Count { what: "fields", found: count as usize, count: 10 };
+            return Err(tensors.error(problem));
+        }
+        for _ in 0..count {
+            let field = bytes.field().ok_or_else(cut)?;
+            let bytes_each = match field.kind {
+                10 => 4,
+                11 => 8,
+                _ => 1,
+            };
+            let end = field.count.checked_mul(bytes_each).and_then(|size| size.checked_add(field.offset));
+            if end.is_none_or(|end| end > file.bytes.len()) {
+                return Err(tensors.error(BsdfProblem::Ends { what: "the end of an array" }));
+            }
+            tensors.fields.push(field);
+        }
+        Ok(tensors)
+    }
+
+    fn error(&self, problem: impl Into<Problem>) -> FormatError {
+        tensors_error(self.file, problem)
+    }
+
+    fn find(&self, name: &str) -> Option<&Field<'a>> {
+        self.fields.iter().find(|field| field.name == name.as_bytes())
+    }
+
+    /// A field of this many dimensions.
+    fn expect(&self, name: &'static str, dimensions: usize) -> Result<Field<'a>, FormatError> {
+        let field = self.find(name).ok_or_else(|| self.error(BsdfProblem::Missing { what: name }))?;
+        if field.shape.len() != dimensions {
+            let problem = BsdfProblem::Count {
+                what: "dimensions of an array",
+                found: field.shape.len(),
+                count: dimensions,
+            };
+            return Err(self.error(problem));
+        }
+        Ok(field.clone())
+    }
+
+    fn say(&self, field: &Field<'_>) -> String {
+        let end = (field.offset + field.count.min(500)).min(self.file.bytes.len());
+        let text = String::from_utf8_lossy(&self.file.bytes[field.offset.min(end)..end]);
+        text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().trim().to_owned()
+    }
+
+    /// The numbers of a field, all finite.
+    fn numbers(&self, field: &Field<'_>) -> Result<Vec<f64>, FormatError> {
+        if field.count > MOST_CELLS {
+            return Err(self.error(BsdfProblem::TooManyCells { limit: MOST_CELLS }));
+        }
+        let bytes = &self.file.bytes[field.offset..];
+        let values: Vec<f64> = match field.kind {
+            10 => bytes
+                .as_chunks()
+                .0
+                .iter()
+                .take(field.count)
+                .map(|b| f64::from(f32::from_le_bytes(*b)))
+                .collect(),
+            11 => bytes.as_chunks().0.iter().take(field.count).map(|b| f64::from_le_bytes(*b)).collect(),
+            kind => {
+                let what = format!("the type {kind} of an array");
+                let expected = "expected numbers of 32 or 64 bits with a floating point";
+                return Err(self.error(BsdfProblem::Unsupported { what, expected }));
+            }
+        };
+        match values.iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(self.error(Problem::NotFinite { found: value.to_string() })),
+            None => Ok(values),
+        }
+    }
+
+    /// The channels, and the field of values `[phi_i][theta_i][channel][row][column]`.
+    fn spectra(&self) -> Result<(Vec<Channel>, Field<'a>), FormatError> {
+        let (channels, field) = if self.find("spectra").is_some() {
+            let wavelengths = self.numbers(&self.expect("wavelengths", 1)?)?;
+            if let Some(pair) = wavelengths.windows(2).find(|pair| pair[0] >= pair[1]) {
+                let [before, value] = [pair[0], pair[1]];
+                return Err(self.error(BsdfProblem::Order { what: "wavelength", value, before }));
+            }
+            let channels = wavelengths.into_iter().map(Channel::Wavelength).collect();
+            (channels, self.expect("spectra", 5)?)
+        } else {
+            (vec![Channel::Red, Channel::Green, Channel::Blue], self.expect("rgb", 5)?)
+        };
+        if channels.is_empty() || field.shape[2] != channels.len() || field.shape.contains(&0) {
+            let problem =
+                BsdfProblem::Count { what: "channels", found: field.shape[2], count: channels.len() };
+            return Err(self.error(problem));
+        }
+        Ok((channels, field))
+    }
+
+    /// All but the values, and how many directions of light there are.
+    fn fields(&self, spectra: &Field<'_>) -> Result<(WarpFields, usize), FormatError> {
+        let grid = |name, dimensions: usize| {
+            let field = self.expect(name, dimensions)?;
+            let shape = [field.shape[dimensions - 2], field.shape[dimensions - 1]];
+            Ok::<_, FormatError>((self.numbers(&field)?, shape))
+        };
+        let [phi_i, theta_i] = ["phi_i", "theta_i"].map(|name| self.numbers(&self.expect(name, 1)?));
+        let (phi_i, theta_i) = (phi_i?, theta_i?);
+        let lights = phi_i.len() * theta_i.len();
+        if spectra.shape[..2] != [phi_i.len(), theta_i.len()] {
+            let found = spectra.shape[0].saturating_mul(spectra.shape[1]);
+            return Err(self.error(BsdfProblem::Count { what: "directions of light", found, count: lights }));
+        }
+        let jacobian = match self.find("jacobian") {
+            Some(field) if field.count == 1 => self.file.bytes.get(field.offset) != Some(&0),
+            _ => true,
+        };
+        let fields = WarpFields {
+            phi_i,
+            theta_i,
+            ndf: grid("ndf", 2)?,
+            sigma: grid("sigma", 2)?,
+            vndf: grid("vndf", 4)?,
+            shape: [spectra.shape[3], spectra.shape[4]],
+            jacobian,
+        };
+        Ok((fields, lights))
+    }
+}
+
+fn tensors_error(file: &DataFile, problem: impl Into<Problem>) -> FormatError {
+    FormatError { place: Place::whole(&file.name), problem: problem.into() }
+}
+
+/// The header, as far as it is not yet read.
+struct Bytes<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.bytes.split_at_checked(count)?;
+        self.bytes = rest;
+        Some(taken)
+    }
+
+    /// A whole number of this many bytes, 8 at most.
+    fn number(&mut self, count: usize) -> Option<u64> {
+        self.take(count)
+            .map(|bytes| bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    }
+
+    fn field(&mut self) -> Option<Field<'a>> {
+        let length = self.number(2)? as usize;
+        let name = self.take(length)?;
+        let dimensions = self.number(2)?;
+        let kind = self.number(1)? as u8;
+        let offset = usize::try_from(self.number(8)?).ok()?;
+        let shape: Option<Vec<usize>> =
+            (0..dimensions).map(|_| self.number(8).and_then(|length| usize::try_from(length).ok())).collect();
+        let shape = shape?;
+        let count = shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length))?;
+        Some(Field { name, kind, offset, shape, count })
+    }
+}

@@ -1,0 +1,326 @@
+//! Reads the XML of WINDOW and Radiance: matrices of Klems patches, and tensor trees.
+//!
+//! Blocks of values for a spectrum and a way; the values of a block are a matrix over two angle bases,
+//! or nested braces.
+
+use std::ops::Range;
+
+use papilio_goniometry::{
+    Channel, Geometry, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Measurement, Part, Provenance, Ring, Way,
+    patch_count,
+};
+
+use super::text::Text;
+use super::xml::{Document, Node, is_xml};
+use super::{BsdfProblem, MOST_CELLS, Warned, tree};
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+
+/// How the formats are called.
+pub(super) const KLEMS: &str = "Klems matrix XML";
+const TREE: &str = "tensor-tree XML";
+
+/// No basis may have more patches: a matrix of it would pass all limits.
+const MOST_PATCHES: usize = 5000;
+
+/// Nor may there be more blocks, or bases of the file's own.
+const MOST_BLOCKS: usize = 4096;
+const MOST_BASES: usize = 64;
+
+/// The bases that have names.
+pub(super) const BASES: [(&str, &[Ring]); 3] = [
+    ("LBNL/Klems Full", &KLEMS_FULL),
+    ("LBNL/Klems Half", &KLEMS_HALF),
+    ("LBNL/Klems Quarter", &KLEMS_QUARTER),
+];
+
+/// What the blocks' directions are called.
+pub(super) const WAYS: [(&str, Way); 4] = [
+    ("Transmission Front", Way::FrontTransmission),
+    ("Transmission Back", Way::BackTransmission),
+    ("Reflection Front", Way::FrontReflection),
+    ("Reflection Back", Way::BackReflection),
+];
+
+/// Whether a file is XML that holds scattering data.
+pub(super) fn is_window(file: &DataFile) -> bool {
+    let text = Text::new(file);
+    is_xml(text) && text.bytes.windows(13).take(1 << 20).any(|window| window == b"WindowElement")
+}
+
+/// How a block's values are laid out.
+#[derive(Clone, Copy, PartialEq)]
+enum Structure {
+    /// `value[outgoing][incident]`.
+    Columns,
+    /// `value[incident][outgoing]`.
+    Rows,
+    /// Braces of this rank.
+    Tree(usize),
+}
+
+/// A block as it was read.
+struct Block {
+    way: Way,
+    channel: Channel,
+    place: Range<usize>,
+    data: Data,
+}
+
+enum Data {
+    Matrix { bases: [Vec<Ring>; 2], values: Vec<f64> },
+    Tree(tree::Values),
+}
+
+pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+    let text = Text::new(file);
+    let document = Document::new(text)?;
+    let layer = document.root().expect("Layer")?;
+    let structure = structure(text, layer)?;
+    let bases =
+        layer.all("AngleBasis").filter(|node| node.first("AngleBasisName").is_some()).take(MOST_BASES);
+    let bases: Vec<(String, Vec<Ring>)> = bases.map(|node| basis(text, node)).collect::<Result<_, _>>()?;
+    let mut reading = Reading { text, structure, bases, blocks: Vec::new(), cells: 0, warnings: Vec::new() };
+    for data in layer.all("WavelengthData") {
+        reading.spectrum(data)?;
+    }
+    if reading.blocks.is_empty() {
+        return Err(text.error(layer.place(), BsdfProblem::Missing { what: "block of values" }));
+    }
+    let parts = reading.parts()?;
+    let format = if matches!(structure, Structure::Tree(_)) { TREE } else { KLEMS };
+    let provenance = provenance(layer, format);
+    Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts }, warnings: reading.warnings })
+}
+
+fn provenance(layer: Node<'_>, format: &str) -> Provenance {
+    let say = |name| layer.first("Material").and_then(|material| material.first(name)).map(Node::say);
+    Provenance {
+        format: format.to_owned(),
+        sample: say("Name").unwrap_or_default(),
+        source: say("Manufacturer").unwrap_or_default(),
+        remarks: Vec::new(),
+    }
+}
+
+fn structure(text: Text<'_>, layer: Node<'_>) -> Result<Structure, FormatError> {
+    let node = layer.expect("IncidentDataStructure")?;
+    Ok(match node.say().as_str() {
+        "Columns" => Structure::Columns,
+        "Rows" => Structure::Rows,
+        "TensorTree3" => Structure::Tree(3),
+        "TensorTree4" => Structure::Tree(4),
+        found => {
+            let expected = "expected Columns, Rows, TensorTree3 or TensorTree4";
+            let problem = BsdfProblem::Unexpected { found: found.to_owned(), expected };
+            return Err(text.error(node.word(), problem));
+        }
+    })
+}
+
+/// A basis that the file defines.
+fn basis(text: Text<'_>, node: Node<'_>) -> Result<(String, Vec<Ring>), FormatError> {
+    let name = node.expect("AngleBasisName")?.say();
+    let (mut rings, mut end, mut count): (Vec<Ring>, f64, usize) = (Vec::new(), 0.0, 0);
+    for block in node.all("AngleBasisBlock") {
+        let [lower, upper] = [block.expect("LowerTheta")?, block.expect("UpperTheta")?];
+        let from_deg = text.number(lower.word())?;
+        let to_deg = text.number(upper.word())?;
+        if (from_deg - end).abs() > 1e-6 || to_deg <= from_deg || to_deg > 90.0 + 1e-6 {
+            let problem = BsdfProblem::Order { what: "the ring's bound", value: to_deg, before: end };
+            return Err(text.error(upper.word(), problem));
+        }
+        let at = block.expect("nPhis")?.word();
+        let patches = text.number(at.clone())?;
+        if !(patches >= 1.0 && patches <= MOST_PATCHES as f64 && patches.fract() == 0.0) {
+            let expected = "expected a whole number, 1 or more";
+            return Err(text.error(at, Problem::OutOfRange { what: "nPhis", value: patches, expected }));
+        }
+        rings.push(Ring { from_deg: end, patches: patches as usize });
+        end = to_deg;
+        count += patches as usize;
+        if count > MOST_PATCHES {
+            return Err(text.error(at, BsdfProblem::TooManyCells { limit: MOST_CELLS }));
+        }
+    }
+    if (end - 90.0).abs() > 1e-6 {
+        let problem =
+            Problem::OutOfRange { what: "the last ring's bound", value: end, expected: "expected 90 deg" };
+        return Err(text.error(node.place(), problem));
+    }
+    Ok((name, rings))
+}
+
+struct Reading<'a> {
+    text: Text<'a>,
+    structure: Structure,
+    bases: Vec<(String, Vec<Ring>)>,
+    blocks: Vec<Block>,
+    cells: usize,
+    warnings: Vec<String>,
+}
+
+impl Reading<'_> {
+    fn spectrum(&mut self, data: Node<'_>) -> Result<(), FormatError> {
+        let wavelength = data.expect("Wavelength")?;
+        let Some(channel) = channel_of(&wavelength.say()) else {
+            self.warn(format!("values of the spectrum `{}` are left out: it is not known", wavelength.say()));
+            return Ok(());
+        };
+        for block in data.all("WavelengthDataBlock") {
+            let direction = block.expect("WavelengthDataDirection")?;
+            let said = direction.say();
+            let Some((_, way)) = WAYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(&said)) else {
+                let expected = "expected `Transmission Front`, `Reflection Back` and so on";
+                let problem = BsdfProblem::Unexpected { found: said, expected };
+                return Err(self.text.error(direction.word(), problem));
+            };
+            if self.blocks.iter().any(|other| other.way == *way && other.channel == channel) {
+                let problem = BsdfProblem::Twice { what: format!("{said}, {}", wavelength.say()) };
+                return Err(self.text.error(direction.word(), problem));
+            }
+            let kind = block.first("ScatteringDataType").map(Node::say).unwrap_or_default();
+            if kind.eq_ignore_ascii_case("BTDF") && !way.is_transmission() {
+                self.warn(
+                    "blocks of reflection are called BTDF, as WINDOW does: they are taken for reflection"
+                        .into(),
+                );
+            }
+            if self.blocks.len() >= MOST_BLOCKS {
+                return Err(self.text.error(block.place(), BsdfProblem::TooManyCells { limit: MOST_CELLS }));
+            }
+            let data = self.data(block)?;
+            self.blocks.push(Block { way: *way, channel, place: block.place(), data });
+        }
+        Ok(())
+    }
+
+    fn warn(&mut self, warning: String) {
+        if self.warnings.len() < 20 && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
+    fn data(&mut self, block: Node<'_>) -> Result<Data, FormatError> {
+        let values = block.expect("ScatteringData")?;
+        if let Structure::Tree(rank) = self.structure {
+            let basis = block.expect("AngleBasis")?;
+            if !basis.say().eq_ignore_ascii_case("LBNL/Shirley-Chiu") {
+                let problem =
+                    BsdfProblem::Unexpected { found: basis.say(), expected: "expected LBNL/Shirley-Chiu" };
+                return Err(self.text.error(basis.word(), problem));
+            }
+            let read = tree::read(self.text, values, rank, MOST_CELLS - self.cells)?;
+            self.cells += read.cells();
+            return Ok(Data::Tree(read));
+        }
+        let bases =
+            [self.basis(block.expect("ColumnAngleBasis")?)?, self.basis(block.expect("RowAngleBasis")?)?];
+        let read = self.matrix(values, patch_count(&bases[0]), patch_count(&bases[1]))?;
+        Ok(Data::Matrix { bases, values: read })
+    }
+
+    fn basis(&self, node: Node<'_>) -> Result<Vec<Ring>, FormatError> {
+        let name = node.say();
+        let known = BASES.iter().map(|(name, rings)| (*name, *rings));
+        let own = self.bases.iter().map(|(name, rings)| (name.as_str(), rings.as_slice()));
+        // The file's own definition goes before what the name usually means.
+        let found = own.chain(known).find(|(other, _)| other.eq_ignore_ascii_case(&name));
+        found.map(|(_, rings)| rings.to_vec()).ok_or_else(|| {
+            let expected = "expected a Klems basis, or the name of an AngleBasis of this file";
+            self.text.error(node.word(), BsdfProblem::Unexpected { found: name, expected })
+        })
+    }
+
+    /// The values of a matrix as `[in][out]`.
+    fn matrix(&mut self, node: Node<'_>, incoming: usize, outgoing: usize) -> Result<Vec<f64>, FormatError> {
+        let count = incoming * outgoing;
+        self.cells += count;
+        if self.cells > MOST_CELLS {
+            return Err(self.text.error(node.place(), BsdfProblem::TooManyCells { limit: MOST_CELLS }));
+        }
+        let mut read = Vec::new();
+        let mut last = node.place();
+        for word in node.stretches().iter().flat_map(|range| self.text.words(range.clone())) {
+            last = word.clone();
+            if read.len() == count {
+                let problem = BsdfProblem::Count { what: "values or more", found: count + 1, count };
+                return Err(self.text.error(word, problem));
+            }
+            read.push(self.text.value(word)?);
+        }
+        if read.len() < count {
+            return Err(self
+                .text
+                .error(last, BsdfProblem::Count { what: "values", found: read.len(), count }));
+        }
+        if self.structure == Structure::Rows {
+            return Ok(read);
+        }
+        Ok((0..count).map(|k| read[k % outgoing * incoming + k / outgoing]).collect())
+    }
+
+    /// Blocks of a way become channels of a part.
+    fn parts(&mut self) -> Result<Vec<Part>, FormatError> {
+        let mut parts = Vec::new();
+        for way in [Way::FrontReflection, Way::FrontTransmission, Way::BackTransmission, Way::BackReflection]
+        {
+            let (of_way, others) = std::mem::take(&mut self.blocks).into_iter().partition(|b| b.way == way);
+            self.blocks = others;
+            let mut of_way: Vec<Block> = of_way;
+            if of_way.is_empty() {
+                continue;
+            }
+            of_way.sort_by_key(|block| CHANNELS.iter().position(|(_, channel)| *channel == block.channel));
+            let has = |channel| of_way.iter().any(|block| block.channel == channel);
+            let tristimulus = has(Channel::X) || has(Channel::Z);
+            // The visible spectrum is Y where X and Z stand beside it.
+            let name =
+                |channel| if tristimulus && channel == Channel::Monochrome { Channel::Y } else { channel };
+            let channels = of_way.iter().map(|block| name(block.channel)).collect();
+            let (geometry, values) = self.join(of_way)?;
+            parts.push(Part { way, channels, geometry, values, tis: Vec::new() });
+        }
+        Ok(parts)
+    }
+
+    fn join(&self, blocks: Vec<Block>) -> Result<(Geometry, Vec<f64>), FormatError> {
+        let (mut trees, mut all, mut shared) = (Vec::new(), Vec::new(), None);
+        for block in blocks {
+            match block.data {
+                Data::Tree(values) => trees.push(values),
+                Data::Matrix { bases, values } => {
+                    if *shared.get_or_insert_with(|| bases.clone()) != bases {
+                        let expected = "expected the bases of the other spectra of this direction";
+                        let problem = BsdfProblem::Unexpected { found: "this basis".to_owned(), expected };
+                        return Err(self.text.error(block.place, problem));
+                    }
+                    all.extend(values);
+                }
+            }
+        }
+        if let Some([incoming, outgoing]) = shared {
+            return Ok((Geometry::Patches { incoming, outgoing }, all));
+        }
+        let limit = || self.text.whole(BsdfProblem::TooManyCells { limit: MOST_CELLS });
+        let (tree, values) = tree::join(&trees, MOST_CELLS).ok_or_else(limit)?;
+        Ok((Geometry::Tree(tree), values))
+    }
+}
+
+/// What the spectra are called; in the order of the channels of a part.
+pub(super) const CHANNELS: [(&str, Channel); 4] = [
+    ("CIE-X", Channel::X),
+    ("Visible", Channel::Monochrome),
+    ("CIE-Z", Channel::Z),
+    ("Solar", Channel::Solar),
+];
+
+fn channel_of(name: &str) -> Option<Channel> {
+    if let Some((_, channel)) = CHANNELS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
+        return Some(*channel);
+    }
+    // One wavelength: in nm, or in um.
+    let number: f64 = name.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0)?;
+    Some(Channel::Wavelength(if number < 30.0 { 1000.0 * number } else { number }))
+}

@@ -1,0 +1,217 @@
+//! As much of XML as BSDF files need: elements and their text. Attributes and comments are skipped; document
+//! types and entities are not read.
+
+use std::ops::Range;
+
+use super::BsdfProblem;
+use super::text::Text;
+use crate::error::FormatError;
+
+/// No more elements than this are read, nor deeper ones.
+const MOST_ELEMENTS: usize = 200_000;
+const DEEPEST: usize = 32;
+
+/// A document: its elements in the order of their beginnings, the outermost first.
+pub(super) struct Document<'a> {
+    pub(super) text: Text<'a>,
+    elements: Vec<Element>,
+}
+
+struct Element {
+    name: Range<usize>,
+    parent: usize,
+    /// The stretches of text directly within.
+    text: Vec<Range<usize>>,
+}
+
+/// An element of a document.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'a> {
+    document: &'a Document<'a>,
+    number: usize,
+}
+
+/// Whether a file begins as XML does.
+pub(super) fn is_xml(text: Text<'_>) -> bool {
+    let bytes = text.bytes.trim_ascii_start();
+    bytes.first() == Some(&b'<') && bytes.get(1).is_some_and(|b| b.is_ascii_alphabetic() || b"?!".contains(b))
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn new(text: Text<'a>) -> Result<Self, FormatError> {
+        let mut document = Document { text, elements: Vec::new() };
+        let mut open: Vec<usize> = Vec::new();
+        let mut at = 0;
+        while at < text.bytes.len() {
+            let tag = find(text.bytes, at, b"<").unwrap_or(text.bytes.len());
+            match open.last() {
+                Some(&inner) if tag > at => document.elements[inner].text.push(at..tag),
+                _ => document.blank(at..tag)?,
+            }
+            at = if tag < text.bytes.len() { document.tag(&mut open, tag)? } else { tag };
+        }
+        if !open.is_empty() || document.elements.is_empty() {
+            return Err(text.ends("its elements are closed"));
+        }
+        Ok(document)
+    }
+
+    /// Outside of elements there may be blanks only.
+    fn blank(&self, range: Range<usize>) -> Result<(), FormatError> {
+        let stray = self.text.bytes[range.clone()].trim_ascii_start();
+        if stray.is_empty() {
+            return Ok(());
+        }
+        Err(self.damaged(range.end - stray.len(), "text outside of all elements"))
+    }
+
+    /// Reads what begins with `<`, and says where it ends.
+    fn tag(&mut self, open: &mut Vec<usize>, at: usize) -> Result<usize, FormatError> {
+        let bytes = self.text.bytes;
+        let rest = &bytes[at..];
+        for (begins, ends) in [("<!--", "-->"), ("<?", "?>")] {
+            if rest.starts_with(begins.as_bytes()) {
+                let end = find(bytes, at + begins.len(), ends.as_bytes());
+                return end.map(|end| end + ends.len()).ok_or_else(|| self.text.ends("a comment's end"));
+            }
+        }
+        if rest.starts_with(b"<!") {
+            return Err(self.damaged(at, "document types and CDATA are not read"));
+        }
+        let end = tag_end(bytes, at).ok_or_else(|| self.text.ends("a tag's end"))?;
+        let (closes, name_at) = if rest.starts_with(b"</") { (true, at + 2) } else { (false, at + 1) };
+        let is_part = |b: &u8| b.is_ascii_alphanumeric() || b"_-.:".contains(b);
+        let length = bytes[name_at..end].iter().take_while(|b| is_part(b)).count();
+        let name = name_at..name_at + length;
+        if length == 0 {
+            return Err(self.damaged(at, "a tag without a name"));
+        }
+        if closes {
+            let opened = open.pop().map(|number| &bytes[self.elements[number].name.clone()]);
+            if opened != Some(&bytes[name]) {
+                return Err(self.damaged(at, "this tag closes another element than the one that is open"));
+            }
+            return Ok(end + 1);
+        }
+        if open.is_empty() && !self.elements.is_empty() {
+            return Err(self.damaged(at, "there is more than one outermost element"));
+        }
+        self.open(open, name, bytes[end - 1] == b'/')?;
+        Ok(end + 1)
+    }
+
+    fn open(&mut self, open: &mut Vec<usize>, name: Range<usize>, is_empty: bool) -> Result<(), FormatError> {
+        if open.len() >= DEEPEST {
+            return Err(self.text.error(name, BsdfProblem::TooDeep { limit: DEEPEST }));
+        }
+        if self.elements.len() >= MOST_ELEMENTS {
+            return Err(self.damaged(name.start, "there are too many elements"));
+        }
+        let parent = open.last().copied().unwrap_or(usize::MAX);
+        if !is_empty {
+            open.push(self.elements.len());
+        }
+        self.elements.push(Element { name, parent, text: Vec::new() });
+        Ok(())
+    }
+
+    fn damaged(&self, at: usize, message: &str) -> FormatError {
+        let problem = BsdfProblem::Damaged { what: "XML", message: message.to_owned() };
+        self.text.error(at..at + 1, problem)
+    }
+
+    /// The outermost element.
+    pub(super) fn root(&'a self) -> Node<'a> {
+        Node { document: self, number: 0 }
+    }
+}
+
+fn find(bytes: &[u8], from: usize, what: &[u8]) -> Option<usize> {
+    let first = *what.first()?;
+    let mut at = from;
+    loop {
+        at += bytes.get(at..)?.iter().position(|&b| b == first)?;
+        if bytes[at..].starts_with(what) {
+            return Some(at);
+        }
+        at += 1;
+    }
+}
+
+/// Where the `>` of a tag stands, outside of quotes.
+fn tag_end(bytes: &[u8], at: usize) -> Option<usize> {
+    let mut quote = None;
+    let end = bytes[at..].iter().position(|&b| match quote {
+        Some(open) => {
+            if b == open {
+                quote = None;
+            }
+            false
+        }
+        None => {
+            quote = (b == b'"' || b == b'\'').then_some(b);
+            b == b'>'
+        }
+    });
+    end.map(|length| at + length)
+}
+
+impl<'a> Node<'a> {
+    fn element(self) -> &'a Element {
+        &self.document.elements[self.number]
+    }
+
+    pub(super) fn is(self, name: &str) -> bool {
+        self.document.text.bytes[self.element().name.clone()] == *name.as_bytes()
+    }
+
+    /// Where its name stands.
+    pub(super) fn place(self) -> Range<usize> {
+        self.element().name.clone()
+    }
+
+    /// The elements anywhere within it that have this name.
+    pub(super) fn all(self, name: &'static str) -> impl Iterator<Item = Node<'a>> {
+        let (document, own) = (self.document, self.number);
+        let within = move |mut number: usize| {
+            while number != usize::MAX && number > own {
+                number = document.elements[number].parent;
+            }
+            number == own
+        };
+        (own + 1..document.elements.len())
+            .take_while(move |&number| within(number))
+            .map(move |number| Node { document, number })
+            .filter(move |node| node.is(name))
+    }
+
+    /// The first of them.
+    pub(super) fn first(self, name: &'static str) -> Option<Node<'a>> {
+        self.all(name).next()
+    }
+
+    /// The first of them; it must be there.
+    pub(super) fn expect(self, name: &'static str) -> Result<Node<'a>, FormatError> {
+        self.first(name)
+            .ok_or_else(|| self.document.text.error(self.place(), BsdfProblem::Missing { what: name }))
+    }
+
+    /// Where its text stands.
+    pub(super) fn stretches(self) -> &'a [Range<usize>] {
+        &self.element().text
+    }
+
+    /// Where its text stands, of one that says a word or a number: without blanks.
+    pub(super) fn word(self) -> Range<usize> {
+        let bytes = self.document.text.bytes;
+        let said = self.stretches().iter().find(|range| !bytes[(*range).clone()].trim_ascii().is_empty());
+        let Some(range) = said.cloned() else { return self.place().end..self.place().end };
+        let start = range.end - bytes[range.clone()].trim_ascii_start().len();
+        start..start + bytes[range].trim_ascii().len()
+    }
+
+    /// Its text, in part if it is long.
+    pub(super) fn say(self) -> String {
+        self.document.text.quote(self.word())
+    }
+}
