@@ -26,6 +26,9 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
                       The file, display-bsdf.npz, is described in docs/brdf.md; NumPy reads it.")]
     Brdf(Brdf),
+    /// Files of measured scattering: look into them, convert them
+    #[command(subcommand)]
+    Diffuser(Diffuser),
     /// Print the JSON Schema of a scenario
     Schema {
         /// That of result.json instead
@@ -71,6 +74,54 @@ pub(crate) struct Brdf {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Diffuser {
+    /// Say what a file of measured scattering is worth: coverage, energy, reciprocity, holes, noise, haze
+    #[command(after_help = "Example: papilio diffuser inspect scenarios/data/H65.bsdf --out out/H65")]
+    Inspect(Inspect),
+    /// Write a file of measured scattering in another format
+    #[command(after_help = "Example: papilio diffuser convert scenarios/data/H65.bsdf H65.csv")]
+    Convert(Convert),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Inspect {
+    /// Radiant/Zemax, ASTM E1392, Klems, tensor tree, RGL, MERL, CSV or Papilio: told by its content
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Print what is found as JSON, of every channel
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for figures [default: none are made]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Convert {
+    /// In any format that `inspect` reads
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// The file to write
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Its format [default: by its name: .bsdf, .csv, .xml, .npz]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<Format>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Format {
+    /// Radiant and Zemax tabular BSDF
+    Radiant,
+    /// theta_i, phi_i, theta_o, phi_o, wavelength, value
+    Csv,
+    /// Klems matrix of WINDOW and Radiance (145 patches: coarse)
+    Klems,
+    /// Our own, which keeps everything
+    Papilio,
 }
 
 #[derive(Debug, Args)]

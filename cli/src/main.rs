@@ -5,6 +5,7 @@
 
 mod arguments;
 mod brdf;
+mod diffuser;
 mod interrupt;
 mod output;
 mod pixel;
@@ -27,6 +28,9 @@ enum Failure {
     /// The user's input is wrong, beyond what the scenario can know.
     #[error("error: {0}")]
     Input(String),
+    /// A data file of the user's is wrong.
+    #[error(transparent)]
+    Data(papilio_formats::FormatError),
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] papilio_formats::FormatError),
@@ -47,7 +51,7 @@ enum Failure {
 impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_) | Self::Input(_) | Self::Display(_) => 2,
+            Self::Scenario(_) | Self::Input(_) | Self::Data(_) | Self::Display(_) => 2,
             Self::Write(_) | Self::Png(_) | Self::Io(_) => 1,
             Self::Interrupted(_) => 130,
         }
@@ -58,6 +62,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),
+        Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Schema { result } => output::schema(result),
     };

@@ -165,7 +165,10 @@ pub(crate) fn announce(folder: &Path, names: &[String]) {
     let mut shown = tables.join(", ");
     match figures.as_slice() {
         [] => {}
-        few @ ([_] | [_, _] | [_, _, _] | [_, _, _, _]) => shown = format!("{shown}, {}", few.join(", ")),
+        few @ ([_] | [_, _] | [_, _, _] | [_, _, _, _]) => {
+            let few = few.join(", ");
+            shown = if shown.is_empty() { few } else { format!("{shown}, {few}") };
+        }
         many => shown = format!("{shown} and {} figures", many.len()),
     }
     crate::say(&format!("wrote {}: {shown}", folder.display()));

@@ -244,7 +244,7 @@ fn line_by_line(result: &RunResult) -> String {
 }
 
 /// Left-aligned first column, right-aligned numbers.
-fn table(rows: &[Vec<String>]) -> String {
+pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
     let mut text = String::new();

@@ -43,16 +43,22 @@ impl Axis {
     pub(crate) fn logarithmic_beyond(ratio: f64, values: &[f64], title: &str) -> Option<Self> {
         let positive = values.iter().copied().filter(|v| (1e-300..1e300).contains(v));
         let (min, max) = range(positive).filter(|(min, max)| max / min > ratio)?;
-        let min = min.max(LOGARITHMIC_REACH * max);
+        Self::decades(min.max(LOGARITHMIC_REACH * max), max, &format!("{title} (logarithmic)"))
+    }
+
+    /// Logarithmic, widened to the ticks around two positive values: as above, or at every
+    /// second or third power of ten where the powers alone would be many.
+    pub(crate) fn decades(min: f64, max: f64, title: &str) -> Option<Self> {
+        let decades = (min.log10().floor() as i32, max.log10().ceil() as i32);
+        let apart = (decades.1 - decades.0).unsigned_abs().div_ceil(8).max(1) as i32;
         let steps: &[f64] = if max / min > 2e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let decades = min.log10().floor() as i32..=max.log10().ceil() as i32;
-        let round: Vec<f64> = decades.flat_map(|d| steps.iter().map(move |s| s * 10.0_f64.powi(d))).collect();
+        let powers = (decades.0.div_euclid(apart)..=decades.1.div_euclid(apart) + 1).map(|d| d * apart);
+        let round: Vec<f64> = powers.flat_map(|d| steps.iter().map(move |s| s * 10.0_f64.powi(d))).collect();
         let low = round.iter().copied().rfind(|tick| *tick <= min * (1.0 + 1e-9))?;
         let high = round.iter().copied().find(|tick| *tick >= max * (1.0 - 1e-9))?;
         let ticks = round.into_iter().filter(|tick| (low..=high).contains(tick));
         let ticks = ticks.map(|tick| (tick, written(tick, tick))).collect();
-        let title = format!("{title} (logarithmic)");
-        Some(Self { min: low, max: high, ticks, title, logarithmic: true })
+        Some(Self { min: low, max: high, ticks, title: title.to_owned(), logarithmic: true })
     }
 
     /// From the first to the last of ascending `values`.
@@ -102,7 +108,7 @@ impl Axis {
 }
 
 /// The smallest and the largest, if any.
-fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values
         .fold(None, |range, v| Some(range.map_or((v, v), |(min, max): (f64, f64)| (min.min(v), max.max(v)))))
 }

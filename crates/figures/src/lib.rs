@@ -9,6 +9,8 @@
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
 //! | [`cone`] | polar maps over all viewing directions |
+//! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
+//! | [`accuracy`] | errors of solvers against their cost |
 //!
 //! Each takes the scenario's title (empty: none), which stands above the figure, and
 //! figures of a view say from where it is seen. Errors are one standard error, drawn where they are wider than a line.
@@ -22,6 +24,7 @@
 //!
 //! **Out of scope.** Files and names of files.
 
+mod accuracy;
 mod angle;
 mod axis;
 mod chromaticity;
@@ -39,10 +42,12 @@ mod pixel_scan;
 mod place;
 mod png;
 mod polar;
+mod scattering;
 mod spectra;
 mod style;
 mod svg;
 
+pub use accuracy::{ErrorCurve, accuracy};
 pub use angle::{AngleMetric, against_angle};
 pub use chromaticity::chromaticity;
 pub use cone::cone;
@@ -50,4 +55,5 @@ pub use overview::overview;
 pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};
 pub use png::{PngError, png};
+pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;

@@ -19,6 +19,8 @@ const FINE_DEG: f64 = 5.0;
 const GAP_DEG: f64 = 90.0;
 /// Rings are this far apart, degrees.
 const RING_DEG: f64 = 20.0;
+/// The azimuth at which rings are named, degrees.
+const RING_NAMES_DEG: f64 = 270.0;
 /// Points of a contour closer than this to a straight line are left out, px.
 const REACH: f64 = 0.12;
 
@@ -105,12 +107,10 @@ impl<'a> Directions<'a> {
         }
         self.frame(svg, map);
         let around = (map.centre.0 - map.radius, map.centre.1 - map.radius);
-        let marks = lights.iter().flat_map(|light| self.mark(svg, map, light));
-        let mut places = Places::around(
-            around,
-            (2.0 * map.radius, 2.0 * map.radius),
-            marks.collect::<Vec<_>>().into_iter(),
-        );
+        let marks: Vec<Point> = lights.iter().flat_map(|light| self.mark(svg, map, light)).collect();
+        let names = self.rings().map(|ring| self.at(map, ring, RING_NAMES_DEG));
+        let mut places =
+            Places::around(around, (2.0 * map.radius, 2.0 * map.radius), marks.into_iter().chain(names));
         for (tick, text) in map.scale.ticks() {
             let share = map.scale.share(*tick);
             let contour = field.contour(share);
@@ -159,7 +159,7 @@ impl<'a> Directions<'a> {
 
     fn ring_names(&self, svg: &mut Svg, map: &Map<'_>) {
         for ring in self.rings() {
-            let (x, y) = self.at(map, ring, 270.0);
+            let (x, y) = self.at(map, ring, RING_NAMES_DEG);
             let style = Text::new(9.0, "#555555").anchor(Anchor::Middle).halo();
             svg.text((x, y + 3.0), &degrees(ring), style);
         }

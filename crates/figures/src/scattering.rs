@@ -1,0 +1,107 @@
+//! A measured lobe: against the angle in the plane of incidence, as in Feng 2012, fig. 3.8, and over
+//! the hemisphere.
+
+use crate::axis::Axis;
+use crate::panel::{Panel, SMALL};
+use crate::polar::{Directions, Map, colour_bar};
+use crate::style::{INK, degrees, ramp};
+use crate::svg::{Anchor, Stroke, Svg, Text};
+
+/// What a figure of scattering shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scattering {
+    /// What stands on the axis of values: `BTDF (1/sr)`.
+    pub quantity: String,
+    /// In the plane of incidence.
+    pub curves: Vec<ScatterCurve>,
+    /// Over the hemisphere.
+    pub maps: Vec<ScatterMap>,
+}
+
+/// Values in the plane of incidence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatterCurve {
+    /// What it is, where the legend does not say the angle of incidence.
+    pub name: Option<String>,
+    /// Inclination of the light, degrees.
+    pub incidence_deg: f64,
+    /// Drawn as points.
+    pub points: bool,
+    /// Inclination of the viewer, degrees, positive on the specular side, and the value.
+    pub values: Vec<(f64, f64)>,
+}
+
+/// Values over the hemisphere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatterMap {
+    /// Inclination of the light, degrees.
+    pub incidence_deg: f64,
+    /// Inclinations, degrees, ascending.
+    pub theta_deg: Vec<f64>,
+    /// Azimuths, degrees, ascending; 0 is the specular side.
+    pub phi_deg: Vec<f64>,
+    /// Shape `[theta][phi]`.
+    pub values: Vec<f64>,
+}
+
+/// Size of the panel of curves, px.
+const SIZE: (f64, f64) = (560.0, 400.0);
+/// Room for its legend, px.
+const LEGEND: f64 = 150.0;
+/// Radius of a map, px.
+const RADIUS: f64 = 150.0;
+/// Values further below the peak than this are not drawn: no instrument sees them.
+const REACH: f64 = 1e-5;
+
+/// The curves on a logarithmic scale, a map for each incidence given, on one scale of colours.
+pub fn scattering(figure: &Scattering, title: &str) -> String {
+    let values = || {
+        let of_curves = figure.curves.iter().flat_map(|curve| curve.values.iter().map(|(_, value)| *value));
+        let of_maps = figure.maps.iter().flat_map(|map| map.values.iter().copied());
+        of_curves.chain(of_maps).filter(|value| *value > 0.0 && value.is_finite())
+    };
+    let peak = values().fold(0.0, f64::max);
+    let least = values().fold(peak, f64::min).max(REACH * peak);
+    let scale = if peak > 0.0 { Axis::decades(least, peak, &figure.quantity) } else { None };
+    let scale = scale.unwrap_or_else(|| Axis::exact(0.0, 1.0, 5, &figure.quantity));
+    let maps_left = 80.0 + SIZE.0 + LEGEND;
+    let pitch = 2.0 * RADIUS + 90.0;
+    let width = maps_left + pitch * figure.maps.len() as f64 + if figure.maps.is_empty() { 0.0 } else { 50.0 };
+    let mut svg = Svg::new(width, SIZE.1 + 90.0).titled(title);
+    let x = Axis::exact(-90.0, 90.0, 9, "Inclination in the plane of incidence (deg)");
+    let panel = Panel { origin: (80.0, 24.0), size: SIZE, x, y: scale.clone() };
+    panel.draw(&mut svg);
+    for (k, curve) in figure.curves.iter().enumerate() {
+        let colour = ramp(k as f64 / (figure.curves.len().max(2) - 1) as f64);
+        let shown = curve.values.iter().filter(|(_, value)| *value >= scale.min());
+        if curve.points {
+            shown.for_each(|(x, y)| svg.circle(panel.at(*x, *y), 1.8, &colour, &Stroke::solid(&colour, 0.4)));
+        } else {
+            let line: Vec<_> = shown.map(|(x, y)| panel.at(*x, *y)).collect();
+            svg.polyline(&line, &Stroke::solid(&colour, 1.8));
+        }
+        let at = (panel.right() + 20.0, 54.0 + 19.0 * k as f64);
+        svg.line((at.0, at.1 - 4.0), (at.0 + 22.0, at.1 - 4.0), &Stroke::solid(&colour, 2.4));
+        let name = curve.name.clone().unwrap_or_else(|| degrees(curve.incidence_deg));
+        svg.text((at.0 + 30.0, at.1), &name, Text::new(SMALL, INK));
+    }
+    svg.text((panel.right() + 20.0, 32.0), "Light from", Text::new(SMALL, INK).strong());
+    for (k, map) in figure.maps.iter().enumerate() {
+        let centre = (maps_left + RADIUS + 30.0 + pitch * k as f64, 60.0 + RADIUS);
+        draw_map(&mut svg, map, &scale, centre);
+    }
+    if !figure.maps.is_empty() {
+        let left = maps_left + pitch * figure.maps.len() as f64;
+        colour_bar(&mut svg, &scale, (left - 10.0, 60.0), 2.0 * RADIUS, true);
+    }
+    svg.finish()
+}
+
+fn draw_map(svg: &mut Svg, map: &ScatterMap, scale: &Axis, centre: (f64, f64)) {
+    let heading = Text::new(13.0, INK).strong().anchor(Anchor::Middle);
+    svg.text((centre.0, centre.1 - RADIUS - 26.0), &format!("Light from {}", degrees(map.incidence_deg)), heading);
+    let Some(directions) = Directions::new(&map.theta_deg, &map.phi_deg) else { return };
+    let at = Map { centre, radius: RADIUS, scale, labelled: true };
+    let value = |i: usize, j: usize| map.values.get(i * map.phi_deg.len() + j).copied().unwrap_or(f64::NAN);
+    directions.draw(svg, &at, &[], value);
+}
