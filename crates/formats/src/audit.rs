@@ -61,7 +61,12 @@ impl<'a> AuditFile<'a> {
         let part = |(part, audits): &(&Part, Vec<Audit>)| PartFile {
             way: part.way.name(),
             cells: part.geometry.cells(),
-            channels: part.channels.iter().zip(audits).map(|(name, audit)| channel(name.to_string(), audit)).collect(),
+            channels: part
+                .channels
+                .iter()
+                .zip(audits)
+                .map(|(name, audit)| channel(name.to_string(), audit))
+                .collect(),
         };
         Self {
             format: &provenance.format,

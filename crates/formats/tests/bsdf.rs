@@ -7,10 +7,20 @@
     reason = "helpers of tests, too, say what they expect by unwrapping"
 )]
 
+#[path = "bsdf/astm.rs"]
+mod astm;
+#[path = "bsdf/binary.rs"]
+mod binary;
+#[path = "bsdf/mutations.rs"]
+mod mutations;
 #[path = "bsdf/radiant.rs"]
 mod radiant;
+#[path = "bsdf/samples.rs"]
+mod samples;
 #[path = "bsdf/table.rs"]
 mod table;
+#[path = "bsdf/window.rs"]
+mod window;
 
 use papilio_formats::{
     BsdfFormat, BsdfProblem, DataFile, FormatError, Problem, read_bsdf, write_measurement,

@@ -23,9 +23,6 @@ pub(super) const AXES: [(&str, f64, f64); 4] = [
     ("ScatterRadial", 0.0, 180.0),
 ];
 
-/// What a TIS line may say: shares, with room for an instrument's error.
-const LARGEST_TIS: f64 = 2.0;
-
 /// Whether a file begins as this format does: with one of its keywords.
 pub(super) fn is_radiant(file: &DataFile) -> bool {
     let text = Text::new(file);
@@ -222,7 +219,7 @@ impl Header {
             );
         }
         if data.tis.iter().any(|tis| *tis > 1.0) {
-            warnings.push("a TIS is above 1".to_owned());
+            warnings.push("a TIS is above 1: more light than came in, or percent".to_owned());
         }
         warnings
     }
@@ -276,7 +273,7 @@ impl Data {
             return Err(unexpected(text, line, "expected `TIS` and its value: each incidence begins so"));
         };
         let value = text.number(word.clone())?;
-        if !(0.0..=LARGEST_TIS).contains(&value) {
+        if value < 0.0 {
             let problem = Problem::OutOfRange { what: "TIS", value, expected: "expected a share, 0 to 1" };
             return Err(text.error(word, problem));
         }

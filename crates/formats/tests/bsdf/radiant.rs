@@ -88,7 +88,7 @@ fn what_is_wrong_has_its_line() {
     );
     assert_eq!(at("3 1.5\n", ""), Some((21, 1)), "a row too few: TIS comes too early");
     assert_eq!(at("3 1.5\n", "3 1.5\n3 1.5\n"), Some((21, 1)), "a row too many");
-    assert_eq!(at("TIS 0.4", "TIS 40"), Some((22, 5)));
+    assert_eq!(at("TIS 0.4", "TIS -4"), Some((22, 5)));
     assert_eq!(at("0 30", "0 95"), Some((9, 3)));
     assert_eq!(at("BTDF", "BSSRDF"), Some((5, 14)));
     assert_eq!(at("ScatterRadial  2", "ScatterRadial  1e300"), Some((12, 16)));
@@ -96,6 +96,12 @@ fn what_is_wrong_has_its_line() {
     assert_eq!(refused_bsdf(format!("{SMALL}1 2\n")).0, Some((27, 1)));
     let cut = &SMALL[..SMALL.find("4 .25").unwrap()];
     assert_eq!(refused_bsdf(cut), (Some((23, 7)), BsdfProblem::Ends { what: "all its rows are read" }));
+}
+
+#[test]
+fn a_tis_above_one_is_a_warning() {
+    let read = read_bsdf(&file(SMALL.replace("TIS 0.4", "TIS 40"))).unwrap();
+    assert!(read.warnings[0].contains("above 1"), "{:?}", read.warnings);
 }
 
 #[test]

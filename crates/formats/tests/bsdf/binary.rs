@@ -1,0 +1,129 @@
+//! Files of bytes: MERL, RGL, and Papilio's own.
+
+use papilio_formats::{BsdfFormat, BsdfProblem, Problem};
+use papilio_goniometry::{Channel, Direction, Way};
+
+use super::samples::{self, MATRIX, TREE_3, klems, merl, papilio, rgl, singles, tensors};
+use super::{read, refused, refused_bsdf, written};
+
+/// Light from 30 deg and a viewer at 30 deg beside it, at azimuth 90: theta_h = atan(tan 30 / sqrt 2) = 22.2077 deg,
+/// theta_d = acos(sqrt(5/8 + 3/8 ...)) as the vectors have it. And at the mirror direction: theta_h = 0, theta_d = 30.
+#[test]
+fn merl_is_read_by_its_index() {
+    let measurement = read(merl());
+    let part = &measurement.parts[0];
+    assert_eq!(
+        (part.way, part.channels.as_slice()),
+        (Way::FrontReflection, [Channel::Red, Channel::Green, Channel::Blue].as_slice())
+    );
+    assert!(part.values[0].is_nan(), "negative: not measured");
+    let light = Direction::new(30.5, 0.0);
+    // theta_h 0, theta_d 30, phi_d 0 or 180 -> the last of its half turn, with either rounding.
+    let number = |f: Option<f64>| (f.unwrap() * 1500.0).round() as usize;
+    assert_eq!(number(part.evaluate(0, light, light.specular())) / 180, 30);
+    let both = Direction::new(40.2, 77.0);
+    assert_eq!(
+        number(part.evaluate(0, both, both)) / 180,
+        60 * 90,
+        "theta_h index sqrt(40.2/90) 90, theta_d 0"
+    );
+    let green = part.evaluate(1, both, both).unwrap() / part.evaluate(0, both, both).unwrap();
+    let blue = part.evaluate(2, both, both).unwrap() / part.evaluate(0, both, both).unwrap();
+    assert!((green - 1.15).abs() < 1e-12 && (blue - 1.66).abs() < 1e-12);
+}
+
+#[test]
+fn merl_files_that_are_cut_or_longer_are_refused() {
+    let whole = merl();
+    assert!(matches!(refused_bsdf(&whole[..whole.len() - 1]).1, BsdfProblem::Ends { .. }));
+    assert!(matches!(refused_bsdf([&whole[..], &[0]].concat()).1, BsdfProblem::Count { .. }));
+    let mut nan = whole;
+    let end = nan.len();
+    nan[end - 8..].copy_from_slice(&f64::NAN.to_le_bytes());
+    assert!(matches!(refused(nan).1, Problem::NotFinite { .. }));
+}
+
+/// As the geometry's own worked direction: 1/9 x 3/(4 x .5) / cos 50 deg; the other wavelength's value is 5.
+#[test]
+fn rgl_is_evaluated_as_its_authors_do() {
+    let measurement = read(rgl());
+    let part = &measurement.parts[0];
+    assert_eq!(part.channels, [Channel::Wavelength(500.0), Channel::Wavelength(600.0)]);
+    assert_eq!(measurement.provenance.sample, "film");
+    let (i, o) = (Direction::new(30.0, 0.0), Direction::new(50.0, 180.0));
+    let cos = 50_f64.to_radians().cos();
+    for (channel, value) in [(0, 1.0 / 9.0), (1, 5.0)] {
+        let f = part.evaluate(channel, i, o).unwrap();
+        assert!((f / (value * 1.5 / cos) - 1.0).abs() < 1e-6, "{f}");
+    }
+}
+
+#[test]
+fn rgl_files_that_do_not_fit_are_refused() {
+    let whole = rgl();
+    for length in [14, 17, 30, 200, whole.len() - 1] {
+        assert!(matches!(refused_bsdf(&whole[..length]).1, BsdfProblem::Ends { .. }), "{length}");
+    }
+    let mut huge = whole.clone();
+    // The shape of `phi_i`: behind the header, `description` (32 bytes) and its own name and so on.
+    let at = 18 + 32 + 2 + 5 + 2 + 1 + 8;
+    huge[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
+    assert!(matches!(refused_bsdf(&huge).1, BsdfProblem::Ends { .. }));
+    let negative = tensors(&[
+        ("spectra", 10, &[1, 1, 1, 2, 2], singles(&[-1.0; 4])),
+        ("wavelengths", 10, &[1], singles(&[500.0])),
+    ]);
+    assert_eq!(refused_bsdf(negative).1, BsdfProblem::Missing { what: "phi_i" });
+}
+
+#[test]
+fn the_own_file_keeps_everything() {
+    let tree = [("Visible", "Transmission Front", TREE_3), ("CIE-X", "Transmission Front", "{3}")];
+    let two_ways = [("Solar", "Reflection Front", MATRIX), ("CIE-X", "Transmission Back", MATRIX)];
+    let texts = [
+        samples::RADIANT.to_owned(),
+        samples::RADIANT.replace("PlaneSymmetrical", "Asymmetrical"),
+        samples::ASTM.to_owned(),
+        samples::TABLE.replace("450,\n", "450,4\n"),
+        klems("TensorTree3", &tree),
+        klems("Rows", &two_ways),
+    ];
+    for (bytes, index) in
+        texts.into_iter().map(String::into_bytes).chain([rgl()]).zip([1.0, 1.5].into_iter().cycle())
+    {
+        let mut measurement = read(bytes);
+        measurement.media[1] = index;
+        let (bytes, lost) = written(BsdfFormat::Papilio, &measurement);
+        assert_eq!((read(&bytes), lost), (measurement, Vec::new()));
+    }
+}
+
+/// NaN has no equal: compared by bits.
+#[test]
+fn the_own_file_keeps_holes() {
+    let measurement = read(samples::TABLE);
+    let again = read(written(BsdfFormat::Papilio, &measurement).0);
+    let bits = |measurement: &papilio_goniometry::Measurement| {
+        measurement.parts[0].values.iter().map(|v| v.to_bits()).collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&measurement), bits(&again));
+}
+
+#[test]
+fn own_files_that_are_damaged_are_refused() {
+    let whole = papilio();
+    for length in [4, 100, whole.len() / 2, whole.len() - 1] {
+        assert!(matches!(refused_bsdf(&whole[..length]).1, BsdfProblem::Damaged { .. }), "{length}");
+    }
+}
+
+#[test]
+fn what_a_format_cannot_hold_is_said() {
+    let warped = read(rgl());
+    let (bytes, lost) = written(BsdfFormat::Radiant, &warped);
+    assert!(lost.iter().any(|line| line.contains("interpolated")), "{lost:?}");
+    assert!(lost.iter().any(|line| line.contains("500")), "the other wavelength: {lost:?}");
+    assert_eq!(read(&bytes).parts[0].channels, [Channel::Monochrome]);
+    let csv = papilio_formats::write_measurement(Vec::new(), BsdfFormat::Csv, &warped);
+    assert_eq!(csv.unwrap_err().to_string(), "CSV cannot hold a warped grid");
+}

@@ -1,0 +1,131 @@
+//! Small synthetic files of each format, for the tests and for what the mutations begin with.
+
+use papilio_formats::{BsdfFormat, write_measurement};
+use papilio_goniometry::HalfAngleGrid;
+
+use super::read;
+
+pub(super) const RADIANT: &str = include_str!("small.txt");
+
+pub(super) const TABLE: &str = "\
+# sample: film
+theta_i,phi_i,theta_o,phi_o,wavelength,value
+0,0,0,0,500,1
+0,0,10,0,500,2
+0,0,0,0,450,3
+0,0,10,0,450,
+";
+
+pub(super) const ASTM: &str = "\
+SAMPLE film 7
+INSTRUMENT goniometer
+NUM_POINTS 3
+VARS theta_i,phi_i,theta_s,phi_s,R,550nm
+0.5235987755982988,3.141592653589793,0.5235987755982988,0,1.5,2
+0.5235987755982988,3.141592653589793,2.617993877991494,0,.5,1e-3
+0,0,0,0,7,8
+";
+
+/// Three patches: one about the normal, two beyond 45 deg, centred on azimuths 0 and 180.
+pub(super) fn klems(structure: &str, blocks: &[(&str, &str, &str)]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\"?>\n<!-- a <comment> -->\n<WindowElement xmlns=\"a > b\">\n<Optical><Layer>\n\
+         <Material><Name>blind</Name></Material>\n<DataDefinition>\
+         <IncidentDataStructure>{structure}</IncidentDataStructure>\n<AngleBasis>\
+         <AngleBasisName>own</AngleBasisName>\n\
+         <AngleBasisBlock><Theta>0</Theta><nPhis>1</nPhis><ThetaBounds><LowerTheta>0</LowerTheta>\
+         <UpperTheta>45</UpperTheta></ThetaBounds></AngleBasisBlock>\n\
+         <AngleBasisBlock><Theta>67</Theta><nPhis>2</nPhis><ThetaBounds><LowerTheta>45</LowerTheta>\
+         <UpperTheta>90</UpperTheta></ThetaBounds></AngleBasisBlock></AngleBasis></DataDefinition>\n"
+    );
+    for (spectrum, direction, values) in blocks {
+        text += &format!(
+            "<WavelengthData><Wavelength unit=\"Integral\">{spectrum}</Wavelength>\n<WavelengthDataBlock>\n\
+             <WavelengthDataDirection>{direction}</WavelengthDataDirection>\n\
+             <ColumnAngleBasis>own</ColumnAngleBasis><RowAngleBasis>own</RowAngleBasis>\n\
+             <AngleBasis>LBNL/Shirley-Chiu</AngleBasis><ScatteringDataType>BTDF</ScatteringDataType>\n\
+             <ScatteringData>\n{values}\n</ScatteringData></WavelengthDataBlock></WavelengthData>\n"
+        );
+    }
+    text + "</Layer></Optical></WindowElement>\n"
+}
+
+pub(super) const MATRIX: &str = "1, 2, 3,\n4 5 6\n7,8,9,";
+
+pub(super) const TREE_3: &str = "{ {1} {2} {3} {4} {5} {6} {7} {0 1 2 3, 4 5 6 7} }";
+
+/// An RGL file of fields (name, type, shape, bytes).
+pub(super) fn tensors(fields: &[(&str, u8, &[u64], Vec<u8>)]) -> Vec<u8> {
+    let header: usize = fields.iter().map(|(name, _, shape, _)| 13 + name.len() + 8 * shape.len()).sum();
+    let mut offset = 18 + header;
+    let mut head = b"tensor_file\0\x01\x00".to_vec();
+    head.extend((fields.len() as u32).to_le_bytes());
+    let mut data: Vec<u8> = Vec::new();
+    for (name, kind, shape, bytes) in fields {
+        head.extend((name.len() as u16).to_le_bytes());
+        head.extend(name.as_bytes());
+        head.extend((shape.len() as u16).to_le_bytes());
+        head.push(*kind);
+        head.extend((offset as u64).to_le_bytes());
+        shape.iter().for_each(|length| head.extend(length.to_le_bytes()));
+        offset += bytes.len();
+        data.extend(bytes);
+    }
+    head.extend(data);
+    head
+}
+
+pub(super) fn singles(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// Two wavelengths; visible normals rise with theta, values with the first uniform number.
+pub(super) fn rgl() -> Vec<u8> {
+    tensors(&[
+        ("description", 1, &[4], b"film".to_vec()),
+        ("phi_i", 10, &[1], singles(&[0.0])),
+        ("theta_i", 10, &[2], singles(&[0.0, 1.5])),
+        ("ndf", 10, &[2, 2], singles(&[3.0; 4])),
+        ("sigma", 10, &[2, 2], singles(&[0.5; 4])),
+        ("vndf", 10, &[1, 2, 2, 2], singles(&[0.0, 2.0, 0.0, 2.0, 0.0, 2.0, 0.0, 2.0])),
+        ("luminance", 10, &[1, 2, 2, 2], singles(&[1.0; 8])),
+        ("wavelengths", 10, &[2], singles(&[500.0, 600.0])),
+        (
+            "spectra",
+            10,
+            &[1, 2, 2, 2, 2],
+            singles(&[0.0, 1.0, 0.0, 1.0, 5.0, 5.0, 5.0, 5.0, 0.0, 1.0, 0.0, 1.0, 5.0, 5.0, 5.0, 5.0]),
+        ),
+        ("jacobian", 1, &[1], vec![1]),
+    ])
+}
+
+/// Each plane's numbers rise from cell to cell; the first of each was not measured.
+pub(super) fn merl() -> Vec<u8> {
+    let cells = HalfAngleGrid.cells();
+    let mut bytes: Vec<u8> = [90_u32, 90, 180].iter().flat_map(|length| length.to_le_bytes()).collect();
+    let value = |cell: usize| if cell == 0 { -1.0 } else { cell as f64 };
+    bytes.extend((0..3).flat_map(|_| 0..cells).flat_map(|cell| value(cell).to_le_bytes()));
+    bytes
+}
+
+/// The own file of a Radiant table.
+pub(super) fn papilio() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_measurement(&mut bytes, BsdfFormat::Papilio, &read(RADIANT)).unwrap();
+    bytes
+}
+
+/// All but the one of 35 MB.
+pub(super) fn all() -> Vec<(&'static str, Vec<u8>)> {
+    let tree = [("Visible", "Transmission Front", TREE_3), ("CIE-X", "Transmission Front", "{3}")];
+    vec![
+        ("radiant", RADIANT.into()),
+        ("table", TABLE.into()),
+        ("astm", ASTM.into()),
+        ("klems", klems("Columns", &[("Visible", "Reflection Back", MATRIX)]).into()),
+        ("tree", klems("TensorTree3", &tree).into()),
+        ("rgl", rgl()),
+        ("papilio", papilio()),
+    ]
+}

@@ -1,0 +1,168 @@
+//! XML of WINDOW and Radiance: Klems matrices and tensor trees.
+
+use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
+use papilio_goniometry::{
+    Channel, Direction, Geometry, KLEMS_FULL, SpecularGrid, Symmetry, Way, projected_solid_angle,
+};
+
+use super::samples::{MATRIX, TREE_3, klems};
+use super::{file, read, refused, refused_bsdf, written};
+
+/// Columns: rows of the file are where light goes. From azimuth 0 (67 deg) the patch is the second of its
+/// ring, as incident patches are turned; its mirror direction is the same number.
+#[test]
+fn a_matrix_is_read_either_way_round() {
+    let block = [("Visible", "Transmission Front", MATRIX)];
+    let columns = read(klems("Columns", &block));
+    let rows = read(klems("Rows", &block));
+    assert_eq!(columns.parts[0].values, [1.0, 4.0, 7.0, 2.0, 5.0, 8.0, 3.0, 6.0, 9.0]);
+    assert_eq!(rows.parts[0].values, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+    let light = Direction::new(60.0, 0.0);
+    let f = |o| columns.parts[0].evaluate(0, light, o);
+    assert_eq!(f(light.specular()), Some(9.0));
+    assert_eq!(f(Direction::new(50.0, 10.0)), Some(6.0));
+    assert_eq!(f(Direction::new(10.0, 10.0)), Some(3.0));
+    assert_eq!(columns.parts[0].way, Way::FrontTransmission);
+    assert_eq!(columns.provenance.sample, "blind");
+}
+
+#[test]
+fn spectra_become_channels_and_directions_parts() {
+    let blocks = [
+        ("Solar", "Reflection Back", MATRIX),
+        ("Visible", "Reflection Back", MATRIX),
+        ("CIE-Z", "Reflection Back", MATRIX),
+        ("Visible", "Transmission Back", MATRIX),
+        ("NIR", "Reflection Back", MATRIX),
+    ];
+    let read = read_bsdf(&file(klems("Columns", &blocks))).unwrap();
+    let parts: Vec<_> = read.value.parts.iter().map(|part| (part.way, part.channels.clone())).collect();
+    assert_eq!(
+        parts,
+        [
+            (Way::BackTransmission, vec![Channel::Monochrome]),
+            (Way::BackReflection, vec![Channel::Y, Channel::Z, Channel::Solar]),
+        ]
+    );
+    assert_eq!(read.warnings.len(), 2, "BTDF for reflection; NIR: {:?}", read.warnings);
+}
+
+#[test]
+fn what_is_written_reads_back_bit_for_bit() {
+    let blocks =
+        [("CIE-X", "Reflection Front", "1 2 3 4 5 6 7 8 9e-7"), ("Visible", "Transmission Back", MATRIX)];
+    let measurement = read(klems("Columns", &blocks));
+    let (bytes, lost) = written(BsdfFormat::Klems, &measurement);
+    assert_eq!((read(&bytes), lost), (measurement, Vec::new()));
+}
+
+/// A grid of one value everywhere has that value in every patch within 75 deg, and its integral.
+#[test]
+fn a_grid_is_averaged_over_patches() {
+    let mut measurement = read(super::samples::RADIANT);
+    let grid = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: (0..=9).map(|k| 10.0 * f64::from(k)).collect(),
+        azimuths_deg: vec![0.0, 180.0],
+        radials_deg: vec![0.0, 60.0, 120.0, 180.0],
+        symmetry: Symmetry::Plane,
+    };
+    let part = &mut measurement.parts[0];
+    part.values = vec![0.25; grid.cells()];
+    part.geometry = Geometry::Specular(grid);
+    part.tis.clear();
+    let patches = read(written(BsdfFormat::Klems, &measurement).0);
+    let values = &patches.parts[0].values;
+    assert_eq!(values.len(), 145 * 145);
+    let omega = projected_solid_angle(&KLEMS_FULL);
+    let sum: f64 = values[..145].iter().zip(omega).map(|(f, omega)| f * omega).sum();
+    assert!((sum - 0.25 * std::f64::consts::PI).abs() < 1e-12, "{sum}");
+}
+
+/// The trees of Radiance: for light along the normal, rank 3 is at 1/2 of its first side.
+#[test]
+fn a_tree_is_read_in_the_order_of_its_braces() {
+    let measurement = read(klems("TensorTree3", &[("Visible", "Transmission Front", TREE_3)]));
+    let part = &measurement.parts[0];
+    assert_eq!(part.values.len(), 15);
+    // Bit 0 of a child's number is the half of the first side, (1 - sin theta_i)/2; bits 1 and 2 are the halves of the
+    // square: towards the specular direction (azimuth 180 from the light), and to its left.
+    let light = Direction::new(30.0, 20.0);
+    let f = |azimuth| part.evaluate(0, light, Direction::new(40.0, 20.0 + azimuth));
+    assert_eq!((f(170.0), f(190.0)), (Some(3.0), Some(7.0)));
+    assert_eq!((f(-10.0), f(10.0)), (Some(5.0), Some(1.0)));
+}
+
+/// Trees of different depths become one, as fine as each.
+#[test]
+fn trees_of_several_spectra_are_joined() {
+    let blocks = [
+        ("Visible", "Transmission Front", TREE_3),
+        ("CIE-X", "Transmission Front", "{9 8 7 6 5 4 3 2}"),
+        ("CIE-Z", "Transmission Front", "{ {1} {1} {1} {1} {1} {1} {1} {2} }"),
+    ];
+    let joint = read(klems("TensorTree3", &blocks)).parts.remove(0);
+    assert_eq!(joint.channels, [Channel::X, Channel::Y, Channel::Z]);
+    for (channel, block) in [(1, blocks[0]), (0, blocks[1]), (2, blocks[2])] {
+        let alone = read(klems("TensorTree3", &[block])).parts.remove(0);
+        for k in 0..2000 {
+            let turn = f64::from(k) * 137.5;
+            let (i, o) = (Direction::new(turn % 90.0, 3.0), Direction::new(f64::from(k) % 89.0, turn));
+            assert_eq!(joint.evaluate(channel, i, o), alone.evaluate(0, i, o), "{channel} {i:?} {o:?}");
+        }
+    }
+}
+
+#[test]
+fn rank_four_has_both_squares() {
+    let values: Vec<String> = (0..16).map(|k| k.to_string()).collect();
+    let text = klems("TensorTree4", &[("Visible", "Reflection Front", &format!("{{{}}}", values.join(" ")))]);
+    let part = read(text).parts.remove(0);
+    // The square of the direction to which light goes on: (0, 1) for light from azimuth -45, and so on; the
+    // viewer's is the lower digit.
+    let square = |azimuth| Direction::new(50.0, azimuth);
+    assert_eq!(part.evaluate(0, square(-45.0), square(45.0)), Some(4.0 + 3.0));
+    assert_eq!(part.evaluate(0, square(-135.0), square(-45.0)), Some(12.0 + 2.0));
+}
+
+#[test]
+fn what_is_wrong_has_its_line() {
+    let matrix = |values: &str| klems("Columns", &[("Visible", "Transmission Front", values)]);
+    let line = matrix("1").lines().position(|line| line == "1").unwrap() + 1;
+    assert_eq!(refused(matrix("1 2 -3")).0, Some((line, 5)));
+    assert_eq!(refused(matrix("1 2\n3 nan")).0, Some((line + 1, 3)));
+    assert_eq!(
+        refused_bsdf(matrix("1 2 3")),
+        (Some((line, 5)), BsdfProblem::Count { what: "values", found: 3, count: 9 })
+    );
+    assert!(
+        matches!(refused_bsdf(matrix("1 2 3 4 5 6 7 8 9 10")), (Some((at, 19)), BsdfProblem::Count { .. }) if at == line)
+    );
+    let tree = |values: &str| refused(klems("TensorTree3", &[("Visible", "Transmission Front", values)]));
+    assert_eq!(tree("{1 2 3}").0, Some((line, 7)));
+    assert_eq!(tree("{ {1} {1} }").0, Some((line, 11)));
+    assert_eq!(tree("{1} 2").0, Some((line, 5)));
+    assert_eq!(tree("{-1}").0, Some((line, 2)));
+    assert!(matches!(tree(&"{".repeat(1000)).1, Problem::Bsdf(_)));
+    let swapped = matrix(MATRIX).replace("<UpperTheta>45<", "<UpperTheta>95<");
+    assert!(matches!(refused_bsdf(swapped).1, BsdfProblem::Order { .. }));
+    assert!(matches!(
+        refused_bsdf(matrix(MATRIX).replace("own</Row", "other</Row")).1,
+        BsdfProblem::Unexpected { .. }
+    ));
+    assert!(matches!(refused_bsdf(matrix(MATRIX).replace("</Layer>", "")).1, BsdfProblem::Damaged { .. }));
+    assert!(matches!(
+        refused_bsdf(matrix(MATRIX).replace("</WindowElement>\n", "")).1,
+        BsdfProblem::Ends { .. }
+    ));
+    assert!(matches!(
+        refused_bsdf(matrix(MATRIX).replace("<?xml", "<!DOCTYPE x><?xml")).1,
+        BsdfProblem::Damaged { .. }
+    ));
+    let twice = [("Visible", "Transmission Front", MATRIX), ("Visible", "Transmission Front", MATRIX)];
+    assert!(matches!(refused_bsdf(klems("Columns", &twice)).1, BsdfProblem::Twice { .. }));
+    let deep = format!("<WindowElement>{}", "<a>".repeat(100_000));
+    assert!(matches!(refused_bsdf(deep).1, BsdfProblem::TooDeep { .. }));
+    let huge = matrix(MATRIX).replace("<nPhis>2<", "<nPhis>1e9<");
+    assert!(matches!(refused(huge).1, Problem::OutOfRange { what: "nPhis", .. }));
+}
