@@ -35,8 +35,10 @@ pub use geometry::{
     Geometry, HalfAngleGrid, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Ring, SpecularGrid, SphericalGrid,
     Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, patch_count, patch_of, projected_solid_angle,
 };
-pub use instrument::{Instrument, Noise, SyntheticSample, View, tristimulus_factors};
-pub use kernel::{Changes, Preparation, kernel};
+pub use instrument::{
+    Deblurred, Instrument, Noise, SyntheticSample, Unblur, Unblurred, View, deblurred, tristimulus_factors,
+};
+pub use kernel::{Changes, Lamination, Preparation, kernel};
 pub use measurement::{Channel, Measurement, Part, Provenance, Way};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape};

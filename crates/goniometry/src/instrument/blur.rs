@@ -8,7 +8,7 @@ use super::quadrature::Rule;
 /// A lobe whose middle is this many widths from where it is looked at has a quadrature of its own there.
 const APART: f64 = 1.5;
 /// The half width at half maximum of a k-correlation lobe of width 1.
-const HALF: f64 = 0.766_420_937;
+pub(super) const HALF: f64 = 0.766_420_937;
 
 /// The lobe of light from one direction, convolved with the k-correlation kernel of an instrument.
 ///

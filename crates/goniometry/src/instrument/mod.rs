@@ -15,6 +15,7 @@
 //! The instrument sees no finer than its kernel, but it samples points: cells are not averaged over their extent.
 
 mod blur;
+mod deblur;
 mod quadrature;
 mod synthetic;
 
@@ -27,6 +28,7 @@ use crate::{Channel, Geometry, GoniometryError, Measurement, Part, Provenance, S
 use blur::Blurred;
 use quadrature::Rule;
 
+pub use deblur::{Deblurred, Unblur, Unblurred, deblurred};
 pub use synthetic::{SyntheticSample, tristimulus_factors};
 
 /// An imaging sphere.
