@@ -22,6 +22,9 @@ pub(super) struct Precision {
     pub(super) tolerance: f64,
     /// Of light that goes to and fro between layers and base.
     pub(super) iteration: f64,
+    /// Spacing of nodes at a rough face, at most. What facets refract along the face jumps to
+    /// zero there: it is resolved with the number of nodes alone.
+    jump: f64,
 }
 
 impl Precision {
@@ -33,6 +36,7 @@ impl Precision {
             terms: 3.0 + 1.5 * level,
             tolerance: 1e-5 * (-2.0 * level).exp(),
             iteration: 1e-7 * (-2.0 * level).exp(),
+            jump: 0.06 * 1.5_f64.powf(-level),
         }
     }
 
@@ -93,10 +97,12 @@ impl Precision {
 
     /// Nodes that resolve this, too, in a medium of this index.
     fn resolve(&self, scatterer: Scatterer, index: f64, density: &mut Density) {
+        // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
+        let by_width = |width: f64| 2.0 * PI * width / self.digits;
         match scatterer {
-            // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
-            Scatterer::Lobe { width } | Scatterer::Rough { width, .. } => {
-                density.spacing = density.spacing.min(2.0 * PI * width / self.digits);
+            Scatterer::Lobe { width } => density.spacing = density.spacing.min(by_width(width)),
+            Scatterer::Rough { width, .. } => {
+                density.spacing = density.spacing.min(by_width(width)).min(self.jump);
             }
             Scatterer::Slab { anisotropy } => {
                 let spacing = PI / self.legendre_terms(anisotropy) as f64;
