@@ -1,21 +1,25 @@
 //! `papilio diffuser`: files of measured scattering.
 
+mod calibrate;
 mod convert;
+mod fit;
 mod inspect;
 mod report;
 
 use std::path::Path;
 
-use papilio_formats::{DataFile, LARGEST_BSDF_FILE, read_bsdf};
+use papilio_formats::{BsdfFormat, DataFile, LARGEST_BSDF_FILE, read_bsdf, write_file, write_measurement};
 use papilio_goniometry::Measurement;
 
-use crate::arguments::Diffuser;
+use crate::arguments::{Diffuser, Format};
 use crate::{Failure, say};
 
 pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
     match command {
         Diffuser::Inspect(arguments) => inspect::inspect(arguments),
         Diffuser::Convert(arguments) => convert::convert(arguments),
+        Diffuser::Fit(arguments) => fit::fit(arguments),
+        Diffuser::Calibrate(arguments) => calibrate::calibrate(arguments),
     }
 }
 
@@ -26,4 +30,39 @@ fn read(path: &Path) -> Result<Measurement, Failure> {
     let read = read_bsdf(&file).map_err(Failure::Data)?;
     read.warnings.iter().for_each(|warning| say(&format!("warning: {name}: {warning}")));
     Ok(read.value)
+}
+
+/// Writes a measurement, and says what the format does not hold.
+fn write(measurement: &Measurement, format: BsdfFormat, output: &Path) -> Result<(), Failure> {
+    let mut lost = Ok(Vec::new());
+    write_file(output, |out| {
+        lost = write_measurement(out, format, measurement);
+        lost.as_ref().map(|_| ()).map_err(|error| std::io::Error::other(error.to_string()))
+    })
+    .map_err(Failure::Data)?;
+    lost.unwrap_or_default().iter().for_each(|lost| say(&format!("note: {lost}")));
+    say(&format!("wrote {}", output.display()));
+    Ok(())
+}
+
+/// The format that is asked for, in words or by the name of the output.
+fn format_of(format: Option<Format>, output: &Path) -> Result<BsdfFormat, Failure> {
+    let by_name = match output.extension().and_then(|end| end.to_str()) {
+        Some("bsdf") => Some(Format::Radiant),
+        Some("csv") => Some(Format::Csv),
+        Some("xml") => Some(Format::Klems),
+        Some("npz") => Some(Format::Papilio),
+        _ => None,
+    };
+    match format.or(by_name) {
+        Some(Format::Radiant) => Ok(BsdfFormat::Radiant),
+        Some(Format::Csv) => Ok(BsdfFormat::Csv),
+        Some(Format::Klems) => Ok(BsdfFormat::Klems),
+        Some(Format::Papilio) => Ok(BsdfFormat::Papilio),
+        None => Err(Failure::Input(format!(
+            "{} does not tell in which format to write\n  = help: name it .bsdf (Radiant/Zemax), .csv, .xml (Klems) or .npz \
+             (Papilio), or say --format",
+            output.display()
+        ))),
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use papilio_goniometry::{Audit, Channel, Geometry, Measurement, Part, Symmetry, Way};
+use papilio_goniometry::{Audit, Channel, Geometry, Measurement, Part, Ranked, Symmetry, Way};
 
 use crate::report::table;
 
@@ -41,7 +41,13 @@ pub(super) fn inspect(name: &str, measurement: &Measurement, audits: &[(&Part, V
     }
     for (part, audits) in audits {
         let channels: Vec<String> = part.channels.iter().map(spoken).collect();
-        let _ = write!(text, "\n{} from the {}; {}", capital(kind(part.way)), side(part.way), channels.join(", "));
+        let _ = write!(
+            text,
+            "\n{} from the {}; {}",
+            capital(kind(part.way)),
+            side(part.way),
+            channels.join(", ")
+        );
         let _ = writeln!(text, "\n  {}", geometry(&part.geometry));
         // One channel in full: the luminous one.
         if let Some(audit) = audits.get(part.luminous()) {
@@ -100,12 +106,23 @@ fn geometry(geometry: &Geometry) -> String {
 
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    if percent.abs() >= 10.0 || percent == 0.0 { format!("{percent:.1} %") } else { format!("{percent:.2} %") }
+    if percent.abs() >= 10.0 || percent == 0.0 {
+        format!("{percent:.1} %")
+    } else {
+        format!("{percent:.2} %")
+    }
 }
 
 fn findings(audit: &Audit) -> String {
     let header = [
-        "incidence", "TIS", "integral", "ratio", "tails filled", "grid error", "peak 1/sr", "half-widths deg",
+        "incidence",
+        "TIS",
+        "integral",
+        "ratio",
+        "tails filled",
+        "grid error",
+        "peak 1/sr",
+        "half-widths deg",
     ];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for incidence in &audit.incidences {
@@ -122,16 +139,23 @@ fn findings(audit: &Audit) -> String {
         ]);
     }
     let mut text = table(&rows);
-    text.push_str("  half-widths: towards the normal, across, away from it; grid error: what the grid leaves unknown\n");
+    text.push_str(
+        "  half-widths: towards the normal, across, away from it; grid error: what the grid leaves unknown\n",
+    );
     let mut line = |said: String| {
         let _ = writeln!(text, "  {said}");
     };
     if let (Some(haze), Some(clarity)) = (audit.haze, audit.clarity) {
-        let scope = if haze > HAZE_SCOPE { " (above 30 %: outside ASTM D1003's scope, see ASTM E2387)" } else { "" };
+        let scope =
+            if haze > HAZE_SCOPE { " (above 30 %: outside ASTM D1003's scope, see ASTM E2387)" } else { "" };
         line(format!("haze {}{scope}, clarity {}", percent(haze), percent(clarity)));
     }
     if let Some([rms, worst]) = audit.reciprocity {
-        line(format!("reciprocity: f(i,o) and f(o,i) differ by {} rms, {} at worst", percent(rms), percent(worst)));
+        line(format!(
+            "reciprocity: f(i,o) and f(o,i) differ by {} rms, {} at worst",
+            percent(rms),
+            percent(worst)
+        ));
     }
     let lit = format!("{} of {} cells in the hemisphere hold light", audit.lit, audit.cells);
     line(format!("{lit}, up to {:.1} deg; holes below that: {}", audit.dark_beyond_deg, audit.holes));
@@ -140,7 +164,10 @@ fn findings(audit: &Audit) -> String {
         audit.range[0], audit.range[1], audit.noise
     ));
     if audit.asymmetry > 1e-9 {
-        line(format!("mirrored and turned cells differ by {} rms; the display takes their mean", percent(audit.asymmetry)));
+        line(format!(
+            "mirrored and turned cells differ by {} rms; the display takes their mean",
+            percent(audit.asymmetry)
+        ));
     }
     for warning in warnings(audit) {
         line(format!("warning: {warning}"));
@@ -165,10 +192,14 @@ fn warnings(audit: &Audit) -> Vec<String> {
         ));
     }
     if let Some(at) = at(&|i| i.grid_error > TIS_TOLERANCE) {
-        warnings.push(format!("the grid is too coarse for the lobe at {at} deg: a finer radial grid is needed"));
+        warnings
+            .push(format!("the grid is too coarse for the lobe at {at} deg: a finer radial grid is needed"));
     }
     if audit.beam_holes > 0 {
-        warnings.push(format!("{} cells are dark where the light comes from: the source hides them", audit.beam_holes));
+        warnings.push(format!(
+            "{} cells are dark where the light comes from: the source hides them",
+            audit.beam_holes
+        ));
     }
     if audit.unmeasured > 0 {
         warnings.push(format!("{} cells were not measured; they count as dark", audit.unmeasured));
@@ -177,4 +208,45 @@ fn warnings(audit: &Audit) -> Vec<String> {
         warnings.push(format!("{} values are negative; they count as dark", audit.negative));
     }
     warnings
+}
+
+/// What `papilio diffuser fit` prints.
+pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
+    let cells = fits.first().map_or(0, |ranked| ranked.fit.cells);
+    let channel = part.channels.get(part.luminous()).map(spoken).unwrap_or_default();
+    let mut text = format!("{name}: {}, {channel}, {cells} cells\n\n", part.way.name());
+    let mut rows = vec![["lobe", "display", "residual", "total", "parameters"].map(str::to_owned).to_vec()];
+    for Ranked { fit, score } in fits {
+        let parameters: Vec<String> = fit
+            .parameters
+            .iter()
+            .map(|found| {
+                let [low, high] = found.interval;
+                let end = if found.at_bound { " (end of its range)" } else { "" };
+                format!("{} {} [{}, {}]{end}", found.name, short(found.value), short(low), short(high))
+            })
+            .collect();
+        rows.push(vec![
+            fit.model.kind().name().to_owned(),
+            score.map_or("-".to_owned(), percent),
+            percent(fit.relative_rms),
+            percent(fit.total_error),
+            parameters.join(", "),
+        ]);
+    }
+    text.push_str(&table(&rows));
+    text.push_str(
+        "\ndisplay: luminance through the lobe and back over a mirror, largest deviation from the data's (best first);\n\
+         residual: rms of (data - lobe) cos(theta), relative; total: all cells; [ ]: 95 % intervals\n",
+    );
+    if fits.iter().any(|ranked| !ranked.fit.converged) {
+        text.push_str("warning: a search did not come to rest\n");
+    }
+    text
+}
+
+/// Five digits.
+fn short(value: f64) -> String {
+    let decimals = (4.0 - value.abs().max(1e-300).log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
 }

@@ -1,6 +1,6 @@
-//! What `papilio diffuser inspect --json` prints.
+//! What `papilio diffuser inspect` and `fit` print with `--json`.
 
-use papilio_goniometry::{Audit, Measurement, Part};
+use papilio_goniometry::{Audit, Measurement, Part, Ranked};
 use serde::Serialize;
 
 /// A measurement and what was found in it; angles in degrees, values in 1/sr, shares of 1.
@@ -108,5 +108,70 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         clarity: audit.clarity,
         grid_error: audit.grid_error(),
         incidences: audit.incidences.iter().map(incidence).collect(),
+    }
+}
+
+/// Lobes that were fitted, the best first.
+#[derive(Debug, Serialize)]
+pub struct FitFile {
+    way: &'static str,
+    channel: String,
+    fits: Vec<OneFit>,
+}
+
+#[derive(Debug, Serialize)]
+struct OneFit {
+    model: &'static str,
+    parameters: Vec<OneParameter>,
+    covariance: Vec<f64>,
+    display_error: Option<f64>,
+    rms: f64,
+    relative_rms: f64,
+    total_error: f64,
+    cells: usize,
+    starts: usize,
+    agreeing_starts: usize,
+    iterations: usize,
+    converged: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct OneParameter {
+    name: &'static str,
+    unit: &'static str,
+    value: f64,
+    interval_95: [f64; 2],
+    at_bound: bool,
+}
+
+impl FitFile {
+    /// Of one channel of a part.
+    pub fn new(part: &Part, channel: usize, fits: &[Ranked]) -> Self {
+        let one = |Ranked { fit, score }: &Ranked| OneFit {
+            model: fit.model.kind().name(),
+            parameters: fit
+                .parameters
+                .iter()
+                .map(|found| OneParameter {
+                    name: found.name,
+                    unit: found.unit,
+                    value: found.value,
+                    interval_95: found.interval,
+                    at_bound: found.at_bound,
+                })
+                .collect(),
+            covariance: fit.covariance.clone(),
+            display_error: *score,
+            rms: fit.rms,
+            relative_rms: fit.relative_rms,
+            total_error: fit.total_error,
+            cells: fit.cells,
+            starts: fit.starts,
+            agreeing_starts: fit.agreeing,
+            iterations: fit.iterations,
+            converged: fit.converged,
+        };
+        let channel = part.channels.get(channel).map(ToString::to_string).unwrap_or_default();
+        Self { way: part.way.name(), channel, fits: fits.iter().map(one).collect() }
     }
 }

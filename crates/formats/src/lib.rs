@@ -14,7 +14,7 @@
 //! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; what they are: [`ConeFile`] with [`write_json`] |
-//! | [`AuditFile`] with [`write_json`] | what was found in a measurement |
+//! | [`AuditFile`], [`FitFile`] with [`write_json`] | what was found in a measurement |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_measurement`] | measured scattering as a [`BsdfFormat`] |
 //!
@@ -51,7 +51,7 @@ mod result;
 mod rows;
 mod spectrum;
 
-pub use audit::AuditFile;
+pub use audit::{AuditFile, FitFile};
 pub use bsdf::{
     BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, Warned, WriteError, read_bsdf,
     write_bsdf, write_measurement,

@@ -4,7 +4,8 @@
 //! through them, totals are the values' own unless they are to be the instrument's TIS, and light from
 //! beyond the largest incidence is not let through unless the last lobe is to hold there.
 
-use papilio_optics::scatter::Table;
+use papilio_optics::interface::fresnel_reflectance;
+use papilio_optics::scatter::{Scatter, Table};
 
 use crate::{Fill, GoniometryError, Part, Shape, incidence_scale};
 
@@ -19,7 +20,7 @@ const WIDEST: f64 = 0.5;
 const FADE: f64 = 0.004;
 
 /// What may be done to a measurement on its way into a display.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Preparation {
     /// Dark cells.
     pub fill: Fill,
@@ -27,7 +28,23 @@ pub struct Preparation {
     pub to_tis: bool,
     /// Beyond the largest incidence its lobe holds, shifted with the light.
     pub extrapolate: bool,
+    /// Of a transmission: its back face in air is removed.
+    pub lamination: Option<Lamination>,
 }
+
+/// A film that was measured in air, and in the display touches the glass: the Fresnel loss of its back face is
+/// taken out of what it transmits, `f / T(beta_out)` with T of a face of this index.
+///
+/// To first order: light that the back face sent into the film again is not followed. Next to grazing, where T goes
+/// to 0, the division ends at [`LEAST_PASSED`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lamination {
+    /// Index of film and glass.
+    pub index: f64,
+}
+
+/// A face that passes less than this is taken to pass as much.
+const LEAST_PASSED: f64 = 0.1;
 
 /// What was done, and what is left open.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +74,7 @@ pub fn kernel(
     channel: usize,
     preparation: &Preparation,
     spectrum: &[f64],
-) -> Result<(Table, Changes), GoniometryError> {
+) -> Result<(Scatter, Changes), GoniometryError> {
     let shape = Shape::of_part(part, channel, preparation.fill)
         .ok_or(GoniometryError::NotSpecular("put into a display"))?;
     let incidences: Vec<f64> = shape.incidences_deg().collect();
@@ -69,18 +86,16 @@ pub fn kernel(
     };
     let scale = incidence_scale(&shape, tis.as_deref(), spectrum);
     let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
-    let totals = scale.iter().enumerate().map(|(k, scale)| {
-        let total = shape.total(k);
-        [total, scale * mean * total]
-    });
-    let totals = totals.collect();
     let radial = distances(&shape);
     let azimuth: Vec<f64> =
         (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
     let mut values = shape.tabulate(&radial, &azimuth);
     let cells = radial.len() * azimuth.len();
-    for (lobe, scale) in values.chunks_exact_mut(cells).zip(&scale) {
+    for ((lobe, scale), from) in values.chunks_exact_mut(cells).zip(&scale).zip(&incidences) {
         lobe.iter_mut().for_each(|value| *value *= scale);
+        if let Some(lamination) = preparation.lamination {
+            lamination.apply(lobe, from.to_radians().sin(), &azimuth, &radial);
+        }
     }
     let mut incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
     let last = incidence[incidence.len() - 1];
@@ -90,16 +105,30 @@ pub fn kernel(
         incidence.extend([last + FADE, 1.0]);
         values.extend(std::iter::repeat_n(0.0, 2 * cells));
     }
-    let table = Table::new(&incidence, &radial, &azimuth, &values)?;
+    let scatter = Scatter::from(Table::new(&incidence, &radial, &azimuth, &values)?);
+    let totals = (0..incidences.len()).map(|k| [shape.total(k), mean * scatter.total(incidence[k])]);
     let changes = Changes {
         filled: shape.filled(),
-        totals,
+        totals: totals.collect(),
         last_deg: incidences[incidences.len() - 1],
         lost,
         grid_error: (0..incidences.len()).map(|k| shape.grid_error(k)).fold(0.0, f64::max),
         asymmetry: shape.asymmetry(),
     };
-    Ok((table, changes))
+    Ok((scatter, changes))
+}
+
+impl Lamination {
+    /// Of one incidence's values, `[azimuth][radial]`.
+    fn apply(&self, lobe: &mut [f64], from: f64, azimuth: &[f64], radial: &[f64]) {
+        for (line, azimuth) in lobe.chunks_exact_mut(radial.len()).zip(azimuth) {
+            for (value, r) in line.iter_mut().zip(radial) {
+                let out = (from + r * azimuth.cos()).hypot(r * azimuth.sin()).min(1.0);
+                let passed = 1.0 - fresnel_reflectance(1.0, self.index, out);
+                *value /= passed.max(LEAST_PASSED);
+            }
+        }
+    }
 }
 
 /// Distances from the peak, fine where the lobe falls, up to across the disc.

@@ -16,6 +16,7 @@
 mod audit;
 mod calibration;
 mod direction;
+mod double_pass;
 mod error;
 mod fit;
 mod geometry;
@@ -29,6 +30,7 @@ mod two_instruments;
 pub use audit::{Audit, Incidence};
 pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
+pub use double_pass::double_pass_error;
 pub use error::GoniometryError;
 pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, ranked};
 pub use geometry::{
