@@ -222,7 +222,13 @@ impl Reader<'_, '_> {
         let whole = |n: f64| (1.0..=5000.0).contains(&n) && n.fract() == 0.0;
         let rises = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let begins = rows.first().is_some_and(|row| row[0] == 0.0) && rows.iter().all(|row| row[0] < 90.0);
-        if !begins || !rises || !values.len().is_multiple_of(2) || !rows.iter().all(|row| whole(row[1])) {
+        let count: f64 = rows.iter().map(|row| row[1]).sum();
+        if count > 5000.0
+            || !begins
+            || !rises
+            || !values.len().is_multiple_of(2)
+            || !rows.iter().all(|row| whole(row[1]))
+        {
             return Err(self.unsound(name, "expected rows of a ring's beginning and its number of patches"));
         }
         Ok(rows.iter().map(|row| Ring { from_deg: row[0], patches: row[1] as usize }).collect())

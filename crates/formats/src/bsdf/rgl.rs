@@ -86,6 +86,8 @@ impl<'a> Tensors<'a> {
             let problem = BsdfProblem::Count { what: "fields", found: count as usize, count: 10 };
             return Err(tensors.error(problem));
         }
+        // Arrays may not overlap: what is read is no more than the file.
+        let mut rest = file.bytes.len();
         for _ in 0..count {
             let field = bytes.field().ok_or_else(cut)?;
             let bytes_each = match field.kind {
@@ -93,10 +95,13 @@ impl<'a> Tensors<'a> {
                 11 => 8,
                 _ => 1,
             };
-            let end = field.count.checked_mul(bytes_each).and_then(|size| size.checked_add(field.offset));
-            if end.is_none_or(|end| end > file.bytes.len()) {
+            let size = field.count.checked_mul(bytes_each);
+            let end = size.and_then(|size| size.checked_add(field.offset));
+            let left = size.and_then(|size| rest.checked_sub(size));
+            let (Some(left), true) = (left, end.is_some_and(|end| end <= file.bytes.len())) else {
                 return Err(tensors.error(BsdfProblem::Ends { what: "the end of an array" }));
-            }
+            };
+            rest = left;
             tensors.fields.push(field);
         }
         Ok(tensors)

@@ -16,6 +16,9 @@ use crate::file::DataFile;
 /// How the format is called.
 pub(super) const NAME: &str = "CSV";
 
+/// No table has more values: sorting them into pairs takes some hundred bytes for each.
+const MOST_ROWS: usize = 10_000_000;
+
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
@@ -203,6 +206,9 @@ impl Rows {
         angles: [f64; 4],
         (channel, value): (Channel, f64),
     ) -> Result<(), FormatError> {
+        if self.count >= MOST_ROWS {
+            return Err(text.error(line, BsdfProblem::TooManyCells { limit: MOST_ROWS }));
+        }
         let channel = self.channel(text, &line, channel)?;
         self.count += 1;
         self.ways[way].take(angles, channel, value, line.start);

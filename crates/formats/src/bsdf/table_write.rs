@@ -71,7 +71,7 @@ fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     for cell in 0..geometry.cells() {
         let Some(pair) = geometry.directions(cell) else { continue };
         let [i, o] = pair;
-        let image = [i, Direction { phi_deg: 2.0 * i.phi_deg - o.phi_deg, ..o }];
+        let image = [i, Direction { phi_deg: (2.0 * i.phi_deg - o.phi_deg) % 360.0, ..o }];
         let images = if mirrored { vec![pair, image] } else { vec![pair] };
         // Only cells about a specular direction may coincide.
         let may_coincide = matches!(geometry, Geometry::Specular(_));

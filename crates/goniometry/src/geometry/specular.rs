@@ -130,4 +130,51 @@ mod tests {
         }
         assert_eq!(SpecularGrid::direction(75.0, 180.0, 20.0), None);
     }
+
+    fn grid(symmetry: Symmetry, azimuths_deg: &[f64]) -> SpecularGrid {
+        SpecularGrid {
+            rotations_deg: vec![0.0, 90.0, 180.0, 270.0],
+            incidences_deg: vec![0.0, 30.0, 60.0],
+            azimuths_deg: azimuths_deg.to_vec(),
+            radials_deg: vec![0.0, 10.0, 20.0, 40.0],
+            symmetry,
+        }
+    }
+
+    /// At its cells a grid has their values, whichever way round the light comes.
+    #[test]
+    fn cells_have_their_values() {
+        let all = [0.0, 60.0, 120.0, 180.0, 240.0, 300.0];
+        for (symmetry, azimuths) in [(Symmetry::Plane, &all[..4]), (Symmetry::None, &all[..])] {
+            let grid = grid(symmetry, azimuths);
+            let values: Vec<f64> = (0..grid.cells()).map(|cell| cell as f64).collect();
+            for (cell, value) in values.iter().enumerate() {
+                let Some([i, o]) = grid.directions(cell) else { continue };
+                let f = grid.evaluate(&values, i, o).unwrap();
+                // At the centre all azimuths meet.
+                if cell % 4 > 0 {
+                    assert!((f - value).abs() < 1e-6, "{cell}: {f} {value}");
+                }
+            }
+        }
+    }
+
+    /// A lobe about the specular direction moves with the light: no second peak between incidences.
+    #[test]
+    fn a_lobe_moves_with_the_light() {
+        let grid = SpecularGrid { rotations_deg: vec![0.0], ..grid(Symmetry::Plane, &[0.0, 180.0]) };
+        let lobe = [10.0, 4.0, 1.0, 0.0];
+        let values: Vec<f64> = lobe.iter().copied().cycle().take(grid.cells()).collect();
+        for theta in [0.0, 12.0, 30.0, 45.0] {
+            let light = Direction::new(theta, 77.0);
+            let f =
+                |beyond: f64| grid.evaluate(&values, light, Direction::new((theta + beyond).abs(), 257.0));
+            assert!((f(0.0).unwrap() - 10.0).abs() < 1e-9);
+            assert!((f(10.0).unwrap() - 4.0).abs() < 1e-9);
+            assert!((f(15.0).unwrap() - 2.5).abs() < 1e-9);
+        }
+        let (high, far) = (Direction::new(61.0, 0.0), Direction::new(80.0, 0.0));
+        assert_eq!(grid.evaluate(&values, high, high.specular()), None, "beyond the last incidence");
+        assert_eq!(grid.evaluate(&values, Direction::new(0.0, 0.0), far), None, "beyond the last distance");
+    }
 }

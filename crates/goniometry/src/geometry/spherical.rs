@@ -73,3 +73,33 @@ impl SphericalGrid {
         Some(sum)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values that are linear in the angles come out exactly between the cells.
+    #[test]
+    fn between_cells_it_is_linear() {
+        let mut grid = SphericalGrid {
+            theta_i_deg: vec![0.0, 40.0],
+            phi_i_deg: vec![0.0, 120.0, 240.0],
+            theta_o_deg: vec![0.0, 30.0, 80.0],
+            phi_o_deg: vec![0.0, 90.0, 180.0, 270.0],
+        };
+        let value =
+            |[i, o]: [Direction; 2]| i.theta_deg + 3.0 * o.theta_deg + 0.1 * o.phi_deg + 0.01 * i.phi_deg;
+        let values = |grid: &SphericalGrid| -> Vec<f64> {
+            (0..grid.cells()).map(|cell| value(grid.directions(cell).unwrap())).collect()
+        };
+        let pair = [Direction::new(13.0, 50.0), Direction::new(71.0, 200.0)];
+        assert!((grid.evaluate(&values(&grid), pair[0], pair[1]).unwrap() - value(pair)).abs() < 1e-9);
+        assert_eq!(grid.evaluate(&values(&grid), Direction::new(41.0, 0.0), pair[1]), None);
+        // One azimuth of the light: turned with it; half a circle: mirrored.
+        (grid.phi_i_deg, grid.phi_o_deg) = (vec![0.0], vec![0.0, 90.0, 180.0]);
+        let turned =
+            grid.evaluate(&values(&grid), Direction::new(13.0, 50.0), Direction::new(71.0, 50.0 - 120.0));
+        let expected = value([Direction::new(13.0, 0.0), Direction::new(71.0, 120.0)]);
+        assert!((turned.unwrap() - expected).abs() < 1e-9);
+    }
+}

@@ -98,6 +98,9 @@ impl WarpedGrid {
     }
 
     pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
+        if values.len() != self.cells() {
+            return None;
+        }
         let [i, o] = self.reduced(i.vector(), o.vector());
         let m = Direction::of_vector([i[0] + o[0], i[1] + o[1], i[2] + o[2]]);
         let light = Direction::of_vector(i);
@@ -121,7 +124,7 @@ impl WarpedGrid {
             let at_i = [(theta_i / FRAC_PI_2).sqrt(), (phi_i + PI) / TAU];
             f *= on(&fields.ndf, at_m) / (4.0 * on(&fields.sigma, at_i));
         }
-        (values.len() == self.cells() && o[2] > 0.0).then_some(f)
+        (o[2] > 0.0).then_some(f)
     }
 }
 
