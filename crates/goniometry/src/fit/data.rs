@@ -105,9 +105,11 @@ fn specular(grid: &SpecularGrid, values: &[f64], cell: usize) -> Option<(f64, f6
     let [inner, outer] = around(radials, radial, 180.0);
     let cap = inner.cos() - outer.cos();
     if radials[radial] == 0.0 {
-        let all = (0..azimuths.len()).map(|k| values[cell + k * radials.len()]).filter(|f| f.is_finite());
-        let (count, sum) = all.fold((0.0, 0.0), |(count, sum), f| (count + 1.0, sum + f));
-        return (azimuth == 0 && count > 0.0).then(|| (sum / count, 2.0 * PI * cap));
+        // The first azimuth's cell stands for all of them.
+        let all = (0..azimuths.len()).filter_map(|k| values.get(cell + k * radials.len()).copied());
+        let known = all.filter(|f| azimuth == 0 && f.is_finite());
+        let (count, sum) = known.fold((0.0, 0.0), |(count, sum), f| (count + 1.0, sum + f));
+        return (count > 0.0).then(|| (sum / count, 2.0 * PI * cap));
     }
     let [before, after] = match grid.symmetry {
         Symmetry::Plane => around(azimuths, azimuth, 180.0).map(|angle| 2.0 * angle),
