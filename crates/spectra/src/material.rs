@@ -4,9 +4,10 @@ use crate::dispersion::Oscillator;
 use crate::{Dispersion, SpectraError, Tabulated};
 
 /// The names that [`material`] knows.
-const NAMES: [&str; 18] = [
+const NAMES: [&str; 19] = [
     "air",
     "SiO2",
+    "MgF2",
     "Al2O3",
     "AlOx",
     "Si3N4",
@@ -36,6 +37,7 @@ pub fn material_names() -> &'static [&'static str] {
 /// |---|---|---|---|
 /// | `air` | n = 1 | by definition (3e-4 below the truth) | all |
 /// | `SiO2` | Sellmeier | I. H. Malitson, J. Opt. Soc. Am. 55, 1205 (1965), fused silica | 210-3710 |
+/// | `MgF2` | Sellmeier | M. J. Dodge, Appl. Opt. 23, 1980 (1984), crystal, ordinary ray | 200-7000 |
 /// | `Al2O3` | Sellmeier | I. H. Malitson, M. J. Dodge, J. Opt. Soc. Am. 62, 1405A (1972), sapphire, ordinary ray | 200-5000 |
 /// | `AlOx` | n = 1.64 | a deposited alumina film, typical in the visible | all |
 /// | `Si3N4` | Sellmeier | H. R. Philipp, J. Electrochem. Soc. 120, 295 (1973) | 207-1240 |
@@ -58,6 +60,7 @@ pub fn material(name: &str) -> Result<Dispersion, SpectraError> {
     match name {
         "air" => Dispersion::constant(1.0, 0.0),
         "SiO2" => sellmeier(&SIO2, (210.0, 3710.0)),
+        "MgF2" => sellmeier(&MGF2, (200.0, 7000.0)),
         "Al2O3" => sellmeier(&AL2O3, (200.0, 5000.0)),
         "AlOx" => Dispersion::constant(1.64, 0.0),
         "Si3N4" => sellmeier(&SI3N4, (207.0, 1240.0)),
@@ -109,6 +112,7 @@ const W_RANGE: (f64, f64) = (248.0, 12_398.0);
 
 /// Formula 1: 0, then (B, C in um) of each term.
 const SIO2: [f64; 7] = [0.0, 0.6961663, 0.0684043, 0.4079426, 0.1162414, 0.8974794, 9.896161];
+const MGF2: [f64; 7] = [0.0, 0.48755108, 0.04338408, 0.39875031, 0.09461442, 2.3120353, 23.793604];
 const AL2O3: [f64; 7] = [0.0, 1.4313493, 0.0726631, 0.65054713, 0.1193242, 5.3414021, 18.028251];
 const SI3N4: [f64; 3] = [0.0, 2.8939, 0.13967];
 /// Formula 2: 0, then (B, C^2 in um^2) of each term.
@@ -257,6 +261,7 @@ mod tests {
     fn dielectrics_have_their_published_indices() {
         assert_index("SiO2", 587.5618, 1.458464.into(), 1e-6);
         assert_index("BK7", 587.5618, 1.516800.into(), 1e-6);
+        assert_index("MgF2", 587.5618, 1.3777.into(), 5e-5);
         assert_index("Al2O3", 550.0, 1.770446.into(), 1e-6);
         for (nm, n) in [(450.0, 2.0500), (550.0, 2.0232), (650.0, 2.0085)] {
             assert_index("Si3N4", nm, n.into(), 1e-4);
