@@ -155,6 +155,9 @@ impl Problem {
                 "numbers stand without quotes, units and percent signs: the unit is in the key's name, and shares are of 1"
                     .to_owned()
             }
+            Self::WrongType { found: "a table", expected } if expected.starts_with("a list, each item a table") => {
+                "write its header in double brackets, once for each item, as in [[display.layers]]".to_owned()
+            }
             Self::OutOfRange { expected, value } if *value > 1.0 && SHARES.contains(expected) => {
                 "this is a share of 1, not percent".to_owned()
             }

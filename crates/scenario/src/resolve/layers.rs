@@ -71,7 +71,26 @@ impl Resolver<'_> {
                 Part::Interface(interface) => stack.put(interface, layer.origin),
             }
         }
+        self.tell_of_coatings(layers);
         Some(stack.finish(&mut self.errors))
+    }
+
+    /// A coating is meant to lie on something: one that no medium follows lies within the medium above.
+    fn tell_of_coatings(&mut self, layers: &[At<describe::Layer>]) {
+        let is_medium =
+            |layer: &describe::Layer| matches!(layer, describe::Layer::Medium(_) | describe::Layer::Slab(_));
+        let mut above = "the air";
+        for (i, layer) in layers.iter().enumerate() {
+            if is_medium(layer) {
+                above = "the medium above it";
+            }
+            let on_nothing = layers.get(i + 1).is_none_or(|next| !is_medium(next));
+            if matches!(layer.value, describe::Layer::Coating(_)) && on_nothing {
+                self.notes.push(format!(
+                    "display.layers.{i}: no medium follows this coating, so {above} is on both sides of it; on glass it                      would be followed by {{ kind = \"medium\", index = 1.5 }}"
+                ));
+            }
+        }
     }
 
     /// One entry; `path` is the key that it stands under.

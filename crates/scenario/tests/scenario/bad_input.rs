@@ -120,6 +120,8 @@ const ADVICE: &[Case] = &[
     ("haze = 0.78", "haze = 1.", (13, 10), &["fraction", "0.50"]),
     ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
     ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make it 1"]),
+    ("[[display.front]]", "[display.front]", (7, 1), &["expected a list", "as in [[display.layers]]"]),
+    ("[[lighting.directed]]", "[lighting.directed]", (33, 1), &["in double brackets, once for each item"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["set spectrum.step_nm = 1"]),
 ];
 

@@ -353,6 +353,22 @@ fn lists_that_are_no_stack() {
     assert!(matches!(problem(&coatings), Problem::TooMany { what: "coating films x wavelengths", .. }));
 }
 
+#[test]
+fn a_coating_on_nothing_is_told() {
+    let coating = "{ kind = \"coating\", film = [{ material = \"MgF2\", thickness_nm = 100 }] }";
+    let glass = "{ kind = \"medium\" }";
+    let notes = |layers: &str| resolved(&pixel_under(layers), &[]).notes;
+    let alone = notes(coating);
+    assert!(
+        alone[0].starts_with("display.layers.0: no medium follows this coating, so the air"),
+        "{alone:?}"
+    );
+    let below = notes(&format!("{glass}, {coating}, {{ kind = \"coated\" }}"));
+    assert!(below[0].contains("so the medium above it is on both sides"), "{below:?}");
+    assert_eq!((alone.len(), below.len()), (1, 1));
+    assert!(notes(&format!("{coating}, {glass}")).is_empty());
+}
+
 /// The file was right before the `--set`: that is where the error is.
 #[test]
 fn what_a_set_spoils_is_shown_at_the_set() {
