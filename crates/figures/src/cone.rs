@@ -96,7 +96,7 @@ fn each(result: &ConeResult) -> Vec<Each> {
     let mut each = vec![Each { title: "Luminous reflectance factor Y", value: y, scale }];
     let shift = |state: &ConeState| state.uv_shift.unwrap_or(f64::NAN);
     let shifts = values_of(result, shift);
-    if shifts.iter().any(|shift| *shift >= UNSEEN_SHIFT) {
+    if seen(&shifts) {
         let scale = Axis::covering(shifts.into_iter().chain([0.0]), 5, "");
         each.push(Each { title: SHIFT, value: shift, scale });
     }
@@ -124,6 +124,11 @@ fn values_of(result: &ConeResult, value: fn(&ConeState) -> f64) -> Vec<f64> {
 
 fn any(values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite())
+}
+
+/// Whether any colour shifts so far that one sees it.
+fn seen(shifts: &[f64]) -> bool {
+    shifts.iter().any(|shift| *shift >= UNSEEN_SHIFT)
 }
 
 fn linear(values: &[f64]) -> Axis {
@@ -187,9 +192,8 @@ fn legend(svg: &mut Svg, result: &ConeResult, mut y: f64) {
         svg.text((189.0, y), "where its mirror image is seen", style);
     }
     let shifts = values_of(result, |state| state.uv_shift.unwrap_or(f64::NAN));
-    let largest = shifts.into_iter().filter(|shift| shift.is_finite()).reduce(f64::max);
-    if let Some(largest) = largest.filter(|largest| *largest < UNSEEN_SHIFT) {
+    if any(&shifts) && !seen(&shifts) {
         y += LINE;
-        svg.text((20.0, y), &format!("{SHIFT}: at most {largest:.4} in any state, not seen."), style);
+        svg.text((20.0, y), &format!("{SHIFT}: less than {UNSEEN_SHIFT} in every state."), style);
     }
 }

@@ -3,6 +3,9 @@
 use crate::style::SOFT;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite, text_width};
 
+/// Names on contours keep so far from each other, px.
+const MARGIN: f64 = 4.0;
+
 /// What is taken in a rectangle of the page: marks, lines, and names already placed.
 #[derive(Debug)]
 pub(crate) struct Places {
@@ -43,6 +46,11 @@ impl Box {
         Self { left, right: left + width, top: y - size, bottom: y + 2.0 }
     }
 
+    fn widened(&self, by: f64) -> Self {
+        let Self { left, right, top, bottom } = *self;
+        Self { left: left - by, right: right + by, top: top - by, bottom: bottom + by }
+    }
+
     fn area(&self) -> f64 {
         (self.right - self.left) * (self.bottom - self.top)
     }
@@ -75,7 +83,7 @@ impl Places {
         }
     }
 
-    /// Takes the place of a text if all of it is free and within `reach` px of `centre`; false if not.
+    /// Takes the place of a text if all around it is free, and it lies within `reach` px of `centre`; false if not.
     pub(crate) fn take_in_disc(
         &mut self,
         at: Point,
@@ -89,7 +97,7 @@ impl Places {
             && corner(wanted.right, wanted.top)
             && corner(wanted.left, wanted.bottom)
             && corner(wanted.right, wanted.bottom);
-        let free = inside && self.taken.iter().all(|taken| taken.overlap(&wanted) == 0.0);
+        let free = inside && self.taken.iter().all(|taken| taken.overlap(&wanted.widened(MARGIN)) == 0.0);
         if free {
             self.taken.push(wanted);
         }

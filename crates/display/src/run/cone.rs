@@ -79,7 +79,7 @@ impl Survey<'_> {
         let place = |phi: usize| computed.iter().position(|one| *one == self.alike[phi]);
         let places: Vec<usize> = (0..self.grid.phi_deg.len()).filter_map(place).collect();
         let views = places.iter().flat_map(|phi| rows.iter().map(|row| row[*phi].clone())).collect();
-        let mut warnings = self.run.mirror_images(&self.run.specular());
+        let mut warnings: Vec<String> = self.mirror_images().into_iter().collect();
         if sample.error > target {
             warnings.push(format!(
                 "relative error {:.2e} instead of {target:.2e}: adding's finest level is reached",
@@ -96,6 +96,19 @@ impl Survey<'_> {
             theta_deg: self.grid.theta_deg,
             phi_deg: self.grid.phi_deg,
         }))
+    }
+
+    /// One line for all directions that look into the mirror image of a beam.
+    fn mirror_images(&self) -> Option<String> {
+        let specular = self.run.specular();
+        let looking = self.run.looking_into(&specular).len();
+        (looking > 0).then(|| {
+            format!(
+                "{looking} of {} directions look into the mirror image of a directed source: without radius_deg it has \
+                 no radiance, and the maps do not show its image",
+                self.run.setup.views.len()
+            )
+        })
     }
 
     /// Looks from a sample of directions, the normal first; leaves the kernel that was good

@@ -189,24 +189,27 @@ impl Run<'_> {
 
     /// Warnings of views that look into the mirror image of a beam.
     fn mirror_images(&self, specular: &[Vec<f64>]) -> Vec<String> {
-        let mut warnings = Vec::new();
-        for (light, directed) in self.scene.lighting.directed.iter().enumerate() {
-            let mirrored = specular.iter().any(|by_light| by_light[light] > 0.0);
-            if directed.radius_deg.is_some() || !mirrored {
-                continue;
-            }
-            for view in &self.setup.views {
-                if looks_into(view, &self.setup.sources[light + 1]) {
-                    warnings.push(format!(
-                        "the view at theta {} deg, phi {} deg looks into the mirror image of directed source {light} \
-                         (theta {} deg): a source without radius_deg has no radiance, its image is not part of the \
-                         luminance; see `specular`, or give the source a radius_deg",
-                        view.theta_deg, view.phi_deg, directed.theta_deg
-                    ));
-                }
-            }
-        }
-        warnings
+        let warning = |(light, view): (usize, &ViewPoint)| {
+            format!(
+                "the view at theta {} deg, phi {} deg looks into the mirror image of directed source {light} \
+                 (theta {} deg): a source without radius_deg has no radiance, its image is not part of the \
+                 luminance; see `specular`, or give the source a radius_deg",
+                view.theta_deg, view.phi_deg, self.scene.lighting.directed[light].theta_deg
+            )
+        };
+        self.looking_into(specular).into_iter().map(warning).collect()
+    }
+
+    /// Directed sources without extent that are mirrored at all, each with the views that look into its image.
+    fn looking_into(&self, specular: &[Vec<f64>]) -> Vec<(usize, &ViewPoint)> {
+        let directed = self.scene.lighting.directed.iter().enumerate();
+        let mirrored = |light: usize| specular.iter().any(|by_light| by_light[light] > 0.0);
+        let points = directed.filter(|(light, one)| one.radius_deg.is_none() && mirrored(*light));
+        let views = |light: usize| {
+            let source = &self.setup.sources[light + 1];
+            self.setup.views.iter().filter(|view| looks_into(view, source)).map(move |view| (light, view))
+        };
+        points.flat_map(|(light, _)| views(light)).collect()
     }
 }
 
