@@ -39,13 +39,13 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) => None,
     };
-    warn(&table, target);
+    warn(&table, arguments.step, target);
     Ok(())
 }
 
 /// Says so where adding has not reached the scenario's target, and where the table's directions are
 /// too few for what the display does between them.
-fn warn(table: &BrdfTable, target: Option<f64>) {
+fn warn(table: &BrdfTable, step: f64, target: Option<f64>) {
     if let Some(target) = target.filter(|target| table.discretisation_error > *target) {
         say(&format!(
             "warning: relative error {:.2e} instead of {target:.2e} in the worst of the sampled directions (which may \
@@ -53,15 +53,40 @@ fn warn(table: &BrdfTable, target: Option<f64>) {
             table.discretisation_error
         ));
     }
-    /// What a user may overlook.
-    const MISSED: f64 = 0.02;
     let missed = table.missed();
     if missed > MISSED {
         say(&format!(
             "warning: a sum over the table's directions is {:.0} % off the light that leaves: what the display does \
-             between them is finer\n  = help: take a smaller --step, or set a wider lobe",
-            100.0 * missed
+             between them is finer\n  = help: {}",
+            100.0 * missed,
+            finer(step, missed)
         ));
+    }
+}
+
+/// What a user may overlook.
+const MISSED: f64 = 0.02;
+
+/// The step that would do: what a sum misses falls as the square of the step.
+fn finer(step: f64, missed: f64) -> String {
+    const STEPS: [f64; 12] = [4.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.9, 0.5, 0.4, 0.3, 0.2, 0.1];
+    let wanted = step * (MISSED / missed).sqrt();
+    match STEPS.into_iter().find(|finer| *finer <= wanted) {
+        Some(finer) => format!(
+            "--step {finer} would miss about {:.1} %; with a larger spectrum.step_nm the table stays small",
+            100.0 * missed * (finer / step).powi(2)
+        ),
+        None => "a lobe so narrow needs a step below .1 deg: too many directions for a table".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_step_that_would_do() {
+        assert!(super::finer(5.0, 0.06).starts_with("--step 2.5 would miss about 1.5 %"));
+        assert!(super::finer(1.0, 0.021).starts_with("--step 0.9 "));
+        assert!(super::finer(0.1, 0.5).contains("too many directions"));
     }
 }
 
