@@ -11,6 +11,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
+use papilio_transport::adding::Kernel;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
@@ -367,6 +368,21 @@ fn from_a_breath_to_a_wall() {
     let runs = Runs::new(&stack, 89.9, &[Source::Diffuse], 16);
     let sin = 89.9_f64.to_radians().sin();
     runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.share_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
+}
+
+/// Once scattered, light in a thin slab is rarely scattered again; the errors know of it.
+#[test]
+fn thin_slabs_know_their_errors() {
+    for (thickness, albedo) in [(1e-4, 1.0), (1e-2, 0.9)] {
+        let medium = slab(1.5, thickness, 0.3, albedo).with_transmittance(one(0.99));
+        let stack = layered(vec![under_air(medium)], mirror(0.6));
+        let sources = [beam(-30.0)];
+        let mut kernel = Kernel::new(3);
+        kernel.prepare(&stack, &[view(10.0)], &sources);
+        let truth = rho(&kernel.estimate(&stack, 0), 0);
+        let runs = Runs::new(&stack, 10.0, &sources, 64);
+        runs.check(&format!("thickness {thickness}"), truth, 0.02, |e| rho(e, 0));
+    }
 }
 
 /// The sums depend on the numbers and the total of paths, not on how they are split over calls.

@@ -2,7 +2,9 @@
 //!
 //! Depth is optical depth from the top, scattering and its losses alone; the medium's internal
 //! transmittance is a weight along the way. A flight's length is exponential, that of the first
-//! one conditioned on ending in the medium: what passes straight is known without it.
+//! one conditioned on ending in the medium: what passes straight is known without it. In a thin
+//! medium later flights end there with a probability of [`LEAST_AGAIN`] at least, and weigh the less:
+//! what is scattered twice would else be so rare that all replicates could miss it alike.
 //!
 //! Where albedo is the same at every wavelength and nothing absorbs besides, nothing in a stay
 //! depends on wavelength: a few numbers change, and the spectra once, at its end.
@@ -17,6 +19,11 @@ use super::sources::Lamps;
 use super::{Draws, Sent};
 use crate::Medium;
 use crate::skeleton::{Going, Ray};
+
+/// The least probability with which a flight in a thin medium ends there.
+const LEAST_AGAIN: f64 = 0.05;
+/// A thin medium: most flights from within it end outside.
+const THIN: f64 = 0.1;
 
 /// A scattering medium.
 #[derive(Debug, Clone, Copy)]
@@ -48,10 +55,14 @@ struct Stay {
 impl Stay {
     /// Roulette; false if the path ends.
     fn survives(&mut self, u: f64, probability: f64) -> bool {
-        let before = self.scale;
-        self.scale = if u < probability { before / probability } else { 0.0 };
-        self.dropped += before - self.scale;
+        self.weigh(if u < probability { 1.0 / probability } else { 0.0 });
         self.scale > 0.0
+    }
+
+    /// Takes a weight for a random decision; what it takes away or adds is nothing on average.
+    fn weigh(&mut self, weight: f64) {
+        self.dropped += self.scale * (1.0 - weight);
+        self.scale *= weight;
     }
 }
 
@@ -105,16 +116,19 @@ impl<'a> Bulk<'a> {
             let cos = self.phase.sample(angle);
             stay.direction = warp::deflected(stay.direction, 1.0 - cos, turn);
             (angle, turn) = (next_angle, next_turn);
-            let length = -flight.ln();
-            let depth = stay.depth + length * stay.direction[2];
-            if depth <= 0.0 || depth >= self.optical_thickness {
-                let rest = if depth <= 0.0 { stay.depth } else { self.optical_thickness - stay.depth };
+            let edge = self.to_the_edge(&stay);
+            let (length, weight) = self.fly(edge, flight);
+            if weight != 1.0 {
+                stay.weigh(weight);
                 self.settle(&mut stay, sums, room);
-                self.absorb(rest / stay.direction[2].abs(), sums, room);
+            }
+            if length >= edge {
+                self.settle(&mut stay, sums, room);
+                self.absorb(edge, sums, room);
                 return Some(self.leave(&stay, cos));
             }
             self.absorb(length, sums, room);
-            stay.depth = depth;
+            stay.depth = (stay.depth + length * stay.direction[2]).clamp(0.0, self.optical_thickness);
         }
     }
 
@@ -131,6 +145,27 @@ impl<'a> Bulk<'a> {
         let reach = -(u * (-most).exp_m1()).ln_1p() * cosine.abs();
         let reach = reach.min(self.optical_thickness);
         if cosine > 0.0 { reach } else { self.optical_thickness - reach }
+    }
+
+    /// Optical length to where the path's direction leaves the medium.
+    fn to_the_edge(&self, stay: &Stay) -> f64 {
+        let z = stay.direction[2];
+        let rest = if z > 0.0 { self.optical_thickness - stay.depth } else { stay.depth };
+        rest / z.abs().max(f64::MIN_POSITIVE)
+    }
+
+    /// The length of a flight, that of `edge` or more if it leaves, and its weight.
+    fn fly(&self, edge: f64, u: f64) -> (f64, f64) {
+        if self.optical_thickness > THIN {
+            return (-u.ln(), 1.0);
+        }
+        let within = -(-edge).exp_m1();
+        let chosen = within.max(LEAST_AGAIN);
+        if u < chosen {
+            (-(-u / chosen * within).ln_1p(), within / chosen)
+        } else {
+            (f64::INFINITY, (1.0 - within) / (1.0 - chosen))
+        }
     }
 
     /// Per unit area of direction cosines, for a deflection by this angle into a direction
