@@ -1,10 +1,13 @@
 //! The deterministic solver of the ordinary panel: closed forms, laws, levels, and the walk.
 
 mod common;
+#[path = "common/double_pass.rs"]
+mod double_pass;
 
 use std::f64::consts::PI;
 
 use common::*;
+use double_pass::*;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
@@ -13,11 +16,6 @@ use papilio_transport::{
     AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Front, Medium, Nodes, Panel, Reflector,
     Source, Stack, Top,
 };
-
-fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Top {
-    let lobe = Lobe::KCorrelation { width };
-    Top::Diffuser(Diffuser { lobe, transmittance: one(transmittance), straight_through })
-}
 
 fn lambertian_diffuser(straight_through: f64) -> Top {
     Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), straight_through })
@@ -44,23 +42,6 @@ fn fringes(nodes: Nodes) -> Base {
     let table =
         AngularTable { nodes, basis: (0..count).map(at).collect(), mixture: vec![1.0], common: vec![0.0] };
     Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.05) }
-}
-
-/// The part of a double pass that would go by way of |beta| > 1.5, which the glass does not have:
-/// midpoint rule in the azimuth and in 1.5/|beta|.
-fn beyond_the_glass(lobe: Lobe, from: Beta, to: Beta) -> f64 {
-    let (rings, spokes) = (400, 200);
-    let mut sum = 0.0;
-    for ring in 0..rings {
-        let inverse = (f64::from(ring) + 0.5) / f64::from(rings);
-        let radius = 1.5 / inverse;
-        for spoke in 0..spokes {
-            let (x, y) = papilio_sampling::warp::polar(radius, (f64::from(spoke) + 0.5) / f64::from(spokes));
-            let product = lobe.density(from, Beta { x, y }) * lobe.density(Beta { x, y }, to);
-            sum += product * radius * radius / inverse;
-        }
-    }
-    sum * 2.0 * PI / f64::from(rings * spokes)
 }
 
 /// Two passes of a k-correlation lobe over a mirror are one lobe of twice the width, from wide
@@ -115,29 +96,12 @@ fn straight_through_light_joins_the_double_pass() {
 fn a_disc_is_a_sum_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
-    let from = Beta::towards(8.0, 0.0, 1.0);
+    let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
     for (theta_deg, radius_deg) in [(-20.0, 3.0), (-14.0, 10.0), (40.0, 0.27)] {
         let disc = Cone::new(theta_deg, 0.0, radius_deg, 1.0);
-        let (rings, spokes) = (400_usize, 100_usize);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for ring in 0..rings {
-            for spoke in 0..spokes {
-                let u = [(ring as f64 + 0.5) / rings as f64, (spoke as f64 + 0.5) / spokes as f64];
-                let to = -disc.sample_towards(u);
-                let cosine = (1.0 - to.squared()).sqrt();
-                let density = |width| Lobe::KCorrelation { width }.density(from, to);
-                let double = (1.0 - s).powi(2) * density(2.0 * width);
-                sum += cosine * (2.0 * s * (1.0 - s) * density(width) + double);
-                weights += cosine;
-            }
-        }
-        let lost =
-            (1.0 - s).powi(2) * beyond_the_glass(Lobe::KCorrelation { width }, from, -disc.axis_towards());
-        let image =
-            if theta_deg == -14.0 { 0.5 * (s * t).powi(2) * PI / disc.projected_solid_angle() } else { 0.0 };
-        let truth = PI * t * t * 0.5 * (sum / weights - lost) + image;
+        // The mirrored view lies in the second disc.
+        let truth = passes.of_disc(Beta::towards(8.0, 0.0, 1.0), &disc, theta_deg == -14.0);
         let found = rho(&solve(&stack, view(8.0), &[Source::Disc(disc)], 2), 0);
-        // Of what is lost beyond the glass, only the value at the disc's axis is taken off.
         assert!((found / truth - 1.0).abs() < 1e-5, "{theta_deg} {radius_deg}: {found} {truth}");
     }
 }

@@ -1,18 +1,16 @@
 //! The walk against closed forms, within its own error bars, over many seeds.
 
 mod common;
+#[path = "common/double_pass.rs"]
+mod double_pass;
 
 use common::*;
+use double_pass::*;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
-use papilio_sampling::{Sampler, warp};
+use papilio_sampling::Sampler;
 use papilio_transport::specular_image;
 use papilio_transport::{Cone, Diffuser, Front, Medium, Panel, Reflector, Source, Stack, Top};
-
-fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Top {
-    let lobe = Lobe::KCorrelation { width };
-    Top::Diffuser(Diffuser { lobe, transmittance: one(transmittance), straight_through })
-}
 
 /// `rho` under the last source, over seeds, against the truth.
 fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, truth: f64) {
@@ -23,23 +21,6 @@ fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, 
             mean_and_error(estimates.iter().map(|e| rho(e, sources.len() - 1)))
         });
     }
-}
-
-/// The part of a double pass that would go by way of |beta| > 1.5, which the glass does not have:
-/// midpoint rule in the azimuth and in 1.5/|beta|.
-fn beyond_the_glass(lobe: Lobe, from: Beta, to: Beta) -> f64 {
-    let (rings, spokes) = (200, 100);
-    let mut sum = 0.0;
-    for ring in 0..rings {
-        let inverse = (f64::from(ring) + 0.5) / f64::from(rings);
-        let radius = 1.5 / inverse;
-        for spoke in 0..spokes {
-            let (x, y) = warp::polar(radius, (f64::from(spoke) + 0.5) / f64::from(spokes));
-            let product = lobe.density(from, Beta { x, y }) * lobe.density(Beta { x, y }, to);
-            sum += product * radius * radius / inverse;
-        }
-    }
-    sum * 2.0 * std::f64::consts::PI / f64::from(rings * spokes)
 }
 
 /// Two passes of a k-correlation lobe over a mirror: the same lobe with 2b and T^2.
@@ -86,40 +67,12 @@ fn straight_through_light_joins_the_double_pass() {
 fn a_disc_is_a_sum_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
-    let from = Beta::towards(8.0, 0.0, 1.0);
-    let density = |width, to| Lobe::KCorrelation { width }.density(from, to);
+    let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
     for (theta_deg, radius_deg) in [(-20.0, 3.0), (-14.0, 10.0)] {
         let disc = Cone::new(theta_deg, 0.0, radius_deg, 1.0);
-        // Midpoint rule, uniform in solid angle, weighted with the cosine of each point.
-        let (rings, spokes) = (200_usize, 200_usize);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for ring in 0..rings {
-            for spoke in 0..spokes {
-                let u = [(ring as f64 + 0.5) / rings as f64, (spoke as f64 + 0.5) / spokes as f64];
-                let to = -disc.sample_towards(u);
-                let cosine = (1.0 - to.squared()).sqrt();
-                let scattered =
-                    2.0 * s * (1.0 - s) * density(width, to) + (1.0 - s).powi(2) * density(2.0 * width, to);
-                sum += cosine * scattered;
-                weights += cosine;
-            }
-        }
-        let scattered = std::f64::consts::PI * t * t * 0.5 * sum / weights;
-        // Where the mirrored view direction lies in the disc, the image itself is seen.
-        let seen = theta_deg == -14.0;
-        let image = if seen {
-            0.5 * (s * t).powi(2) * std::f64::consts::PI / disc.projected_solid_angle()
-        } else {
-            0.0
-        };
-        check(
-            &format!("disc of {radius_deg} deg"),
-            &stack,
-            view(8.0),
-            &[Source::Disc(disc)],
-            512,
-            scattered + image,
-        );
+        // The mirrored view lies in the second disc.
+        let truth = passes.of_disc(Beta::towards(8.0, 0.0, 1.0), &disc, theta_deg == -14.0);
+        check(&format!("disc of {radius_deg} deg"), &stack, view(8.0), &[Source::Disc(disc)], 512, truth);
     }
 }
 
