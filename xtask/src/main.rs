@@ -17,13 +17,14 @@ use shell::{Needs, Outcome, cargo};
 /// A name, what the chore does, and the chore.
 type Chore = (&'static str, &'static str, fn() -> Outcome);
 
-const CHORES: [Chore; 6] = [
+const CHORES: [Chore; 7] = [
     ("test", "format, lints, all tests, documentation, every example scenario", test::test),
     ("full", "test, with ten times the seeds and random displays; then oracle and deny", full),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
     ("deny", "licences, advisories and sources of all dependencies", deny),
     ("bench", "all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures anew", pictures::pictures),
+    ("accuracy", "measure both solvers' accuracy against cost, for docs/pictures", pictures::accuracy),
 ];
 
 fn main() -> ExitCode {

@@ -42,3 +42,10 @@ pub(crate) fn pictures() -> Outcome {
     println!("\nlook at docs/pictures before you commit them");
     Ok(())
 }
+
+/// The chore: a figure of times, so of this machine. Let nothing else run meanwhile.
+pub(crate) fn accuracy() -> Outcome {
+    let mut measure = cargo(["run", "--release", "--quiet", "--package", "papilio-validation"]);
+    measure.args(["--example", "accuracy", "--", "docs/pictures/accuracy.svg"]);
+    shell::run(measure)
+}

@@ -18,43 +18,58 @@ pub struct ErrorCurve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Room to the right of a panel for names, px.
-const NAMES: f64 = 160.0;
-/// Of a panel, px.
-const SIZE: Point = (470.0, 400.0);
+/// Curves that share their axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorPanel {
+    /// What more accuracy takes, with its unit.
+    pub x: String,
+    /// Logarithmic: a power is a straight line. Else an exponential is one.
+    pub powers: bool,
+    /// The curves.
+    pub curves: Vec<ErrorCurve>,
+}
 
-/// Two panels of relative errors: against seconds, both logarithmic, where a power of the cost
-/// is a straight line; and against nodes, where an exponential is one.
-pub fn accuracy(against_seconds: &[ErrorCurve], against_nodes: &[ErrorCurve], title: &str) -> String {
-    let pitch = SIZE.0 + NAMES + 90.0;
-    let mut svg = Svg::new(2.0 * pitch, SIZE.1 + 90.0).titled(title);
-    if let Some((low, high)) = range(points(against_seconds).map(|point| point.0))
-        && let Some(x) = Axis::decades(low, high, "Seconds on one core (logarithmic)")
-    {
-        draw(&mut svg, against_seconds, x, 80.0);
+/// From one panel to the next, px: room for names included.
+const PITCH: f64 = 600.0;
+/// Of a panel, px.
+const SIZE: Point = (380.0, 400.0);
+
+/// Relative errors, on a logarithmic scale, against what they take; panels side by side.
+pub fn accuracy(panels: &[ErrorPanel], title: &str) -> String {
+    let mut svg = Svg::new(PITCH * panels.len() as f64, SIZE.1 + 80.0).titled(title);
+    for (i, panel) in panels.iter().enumerate() {
+        draw(&mut svg, panel, PITCH * i as f64 + 80.0);
     }
-    let nodes = Axis::covering(points(against_nodes).map(|point| point.0).chain([0.0]), 6, "Nodes");
-    draw(&mut svg, against_nodes, nodes, 80.0 + pitch);
     svg.finish()
 }
 
-fn draw(svg: &mut Svg, curves: &[ErrorCurve], x: Axis, left: f64) {
-    let Some((low, high)) = range(points(curves).map(|point| point.1)) else { return };
-    let Some(y) = Axis::decades(low, high, "Relative error (logarithmic)") else { return };
-    let panel = Panel { origin: (left, 24.0), size: SIZE, x, y };
-    panel.draw(svg);
-    let mut labels = Vec::new();
-    for curve in curves {
-        let stroke = Stroke::solid(hue(curve.group), 2.0).dashed(if curve.dashed { "6 4" } else { "" });
-        let line: Vec<Point> = drawn(curve).map(|(x, y)| panel.at(x, y)).collect();
-        svg.polyline(&line, &stroke);
-        let fill = if curve.dashed { "#ffffff" } else { hue(curve.group) };
-        line.iter().for_each(|point| svg.circle(*point, 3.2, fill, &Stroke::solid(hue(curve.group), 1.4)));
-        if let Some(&end) = line.last() {
-            labels.push(EndLabel { end, text: curve.name.clone(), stroke });
-        }
-    }
-    end_labels(svg, &panel, labels);
+fn draw(svg: &mut Svg, panel: &ErrorPanel, left: f64) {
+    let points = || panel.curves.iter().flat_map(drawn);
+    let logarithmic = |values: Vec<f64>, title: &str| {
+        range(values.into_iter()).and_then(|(low, high)| Axis::decades(low, high, title))
+    };
+    let across: Vec<f64> = points().map(|point| point.0).collect();
+    let x = if panel.powers {
+        logarithmic(across, &format!("{} (logarithmic)", panel.x))
+    } else {
+        Some(Axis::covering(across, 6, &panel.x))
+    };
+    let y = logarithmic(points().map(|point| point.1).collect(), "Relative error (logarithmic)");
+    let (Some(x), Some(y)) = (x, y) else { return };
+    let axes = Panel { origin: (left, 24.0), size: SIZE, x, y };
+    axes.draw(svg);
+    let labels = panel.curves.iter().filter_map(|curve| draw_curve(svg, &axes, curve)).collect();
+    end_labels(svg, &axes, labels);
+}
+
+fn draw_curve(svg: &mut Svg, axes: &Panel, curve: &ErrorCurve) -> Option<EndLabel> {
+    let colour = hue(curve.group);
+    let stroke = Stroke::solid(colour, 2.0).dashed(if curve.dashed { "6 4" } else { "" });
+    let line: Vec<Point> = drawn(curve).map(|(x, y)| axes.at(x, y)).collect();
+    svg.polyline(&line, &stroke);
+    let fill = if curve.dashed { "#ffffff" } else { colour };
+    line.iter().for_each(|point| svg.circle(*point, 3.2, fill, &Stroke::solid(colour, 1.4)));
+    line.last().map(|end| EndLabel { end: *end, text: curve.name.clone(), stroke })
 }
 
 fn hue(group: usize) -> &'static str {
@@ -65,8 +80,4 @@ fn hue(group: usize) -> &'static str {
 fn drawn(curve: &ErrorCurve) -> impl Iterator<Item = (f64, f64)> {
     let positive = |value: f64| (1e-300..1e300).contains(&value);
     curve.points.iter().copied().filter(move |(x, y)| positive(*x) && positive(*y))
-}
-
-fn points(curves: &[ErrorCurve]) -> impl Iterator<Item = (f64, f64)> {
-    curves.iter().flat_map(drawn)
 }

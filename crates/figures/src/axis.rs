@@ -57,7 +57,8 @@ impl Axis {
         let low = round.iter().copied().rfind(|tick| *tick <= min * (1.0 + 1e-9))?;
         let high = round.iter().copied().find(|tick| *tick >= max * (1.0 - 1e-9))?;
         let ticks = round.into_iter().filter(|tick| (low..=high).contains(tick));
-        let ticks = ticks.map(|tick| (tick, written(tick, tick))).collect();
+        let short = |tick: f64| if apart > 1 { format!("{tick:.0e}") } else { written(tick, tick) };
+        let ticks = ticks.map(|tick| (tick, short(tick))).collect();
         Some(Self { min: low, max: high, ticks, title: title.to_owned(), logarithmic: true })
     }
 

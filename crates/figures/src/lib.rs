@@ -47,7 +47,7 @@ mod spectra;
 mod style;
 mod svg;
 
-pub use accuracy::{ErrorCurve, accuracy};
+pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
 pub use chromaticity::chromaticity;
 pub use cone::cone;
