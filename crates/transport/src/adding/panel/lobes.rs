@@ -150,15 +150,7 @@ pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[
     let count = ((digits + MULTIPLE_POLES) / nearest).ceil() + 2.0;
     let scale = (width / (2.0 * PI)).powi(2);
     if count <= MOST_EVEN_POINTS {
-        let step = 2.0 * PI / count;
-        let (sin_step, cos_step) = step.sin_cos();
-        let (mut x, mut y) = (radius, 0.0);
-        let mut sum = 0.0;
-        for _ in 0..count as usize {
-            sum += lobes(width, x, y, one) * lobes(width, x, y, other);
-            (x, y) = (x * cos_step - y * sin_step, x * sin_step + y * cos_step);
-        }
-        return scale * step * sum;
+        return scale * even_sum(width, radius, count as usize, one, other);
     }
     let azimuth = |point: &Point| point.beta.y.atan2(point.beta.x);
     let mut poles: Vec<Pole> = Vec::new();
@@ -177,6 +169,36 @@ pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[
         node.weight * lobes(width, x, y, one) * lobes(width, x, y, other)
     };
     scale * graded(-PI, PI, &[], &poles, digits).iter().map(value).sum::<f64>()
+}
+
+/// The integral by so many even steps; some are made side by side.
+fn even_sum(width: f64, radius: f64, count: usize, one: &[Point], other: &[Point]) -> f64 {
+    let step = 2.0 * PI / count as f64;
+    let start: [(f64, f64); LANES] = std::array::from_fn(|k| (k as f64 * step).sin_cos());
+    let (mut x, mut y) = (start.map(|(_, cos)| radius * cos), start.map(|(sin, _)| radius * sin));
+    let (sin, cos) = (LANES as f64 * step).sin_cos();
+    let mut sum = [0.0; LANES];
+    for first in (0..count).step_by(LANES) {
+        let (one, other) = (several(width, &x, &y, one), several(width, &x, &y, other));
+        for k in 0..LANES {
+            sum[k] += if first + k < count { one[k] * other[k] } else { 0.0 };
+            (x[k], y[k]) = (x[k] * cos - y[k] * sin, x[k] * sin + y[k] * cos);
+        }
+    }
+    step * sum.iter().sum::<f64>()
+}
+
+/// [`lobes`] at several points.
+#[inline]
+fn several(width: f64, x: &[f64; LANES], y: &[f64; LANES], points: &[Point]) -> [f64; LANES] {
+    let mut sum = [0.0; LANES];
+    for point in points {
+        for k in 0..LANES {
+            let s = width * width + (x[k] - point.beta.x).powi(2) + (y[k] - point.beta.y).powi(2);
+            sum[k] += point.weight / (s * s.sqrt());
+        }
+    }
+    sum
 }
 
 /// The weighted sum of lobes at a point, but for the factor `b / (2 pi)`.

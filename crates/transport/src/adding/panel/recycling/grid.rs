@@ -36,10 +36,9 @@ pub(super) struct Grid {
     pub(super) arriving: Vec<f64>,
 }
 
-/// A group of directions with the same share of straight light: their lobes, symmetric about `azimuth`.
+/// A group of directions with the same share of straight light: their lobes, symmetric about an azimuth.
 #[derive(Debug, Clone)]
 pub(super) struct Meridian {
-    pub(super) azimuth: f64,
     /// `[order][glass]`, and `[order][air]` where light goes straight through.
     glass: Vec<f64>,
     air: Vec<f64>,
@@ -120,7 +119,7 @@ impl Grid {
             sum
         };
         let air = if self.straight > 0.0 { lobes_at(&self.air) } else { Vec::new() };
-        Meridian { azimuth, glass: lobes_at(&self.glass), air }
+        Meridian { glass: lobes_at(&self.glass), air }
     }
 
     /// Light of a group after one pass in which it was scattered, at the air's nodes; `own` is the

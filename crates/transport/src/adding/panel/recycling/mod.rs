@@ -24,6 +24,7 @@ mod grid;
 mod spectra;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use papilio_optics::lobe::Lobe;
 
@@ -198,11 +199,13 @@ struct Profile {
 /// A group of directions on the grid.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
-    meridian: Meridian,
+    azimuth: f64,
+    /// Shared by groups that are this one at another azimuth.
+    meridian: Arc<Meridian>,
     /// For each order of the series and azimuth: scattered light at the air's nodes.
-    scattered: Vec<Vec<Vec<f64>>>,
+    scattered: Arc<Vec<Vec<Vec<f64>>>>,
     /// A view's, in all orders but the last pass.
-    chains: Vec<Vec<Vec<f64>>>,
+    chains: Arc<Vec<Vec<Vec<f64>>>>,
 }
 
 /// A group's direction itself, in columns `[state][wavelength]`; both empty where no light goes straight.
@@ -217,9 +220,7 @@ pub(super) struct Direction {
 impl Group {
     /// The same group at another azimuth, that of its axis there.
     pub(super) fn turned_to(&self, axis: Point) -> Self {
-        let mut group = self.clone();
-        group.meridian.azimuth = azimuth(axis);
-        group
+        Self { azimuth: azimuth(axis), ..self.clone() }
     }
 }
 
@@ -268,10 +269,10 @@ impl Recycling {
         let radius = axis.beta.length();
         let meridian = self.grid.meridian(points, azimuth);
         let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
-        let mut group = Group { meridian, scattered: Vec::new(), chains: Vec::new() };
+        let (mut all, mut chains) = (Vec::new(), Vec::new());
         for (k, profile) in self.profiles.iter().enumerate() {
             let own = profile.at(cosine);
-            let first = |m| self.grid.scattered(&group.meridian, m, profile.columns(), &own);
+            let first = |m| self.grid.scattered(&meridian, m, profile.columns(), &own);
             let scattered: Vec<Vec<f64>> = (0..self.plan.orders_of(k)).map(first).collect();
             if is_view {
                 let mut chain = scattered.clone();
@@ -280,16 +281,16 @@ impl Recycling {
                         *light = self.grid.pass(m, light, profile.columns(), false);
                     }
                 }
-                group.chains.push(chain);
+                chains.push(chain);
             }
-            group.scattered.push(scattered);
+            all.push(scattered);
         }
-        group
+        Group { azimuth, meridian: meridian.into(), scattered: all.into(), chains: chains.into() }
     }
 
     /// `pi` times the recycled kernel between two groups.
     pub(super) fn between(&self, view: &Group, source: &Group) -> Forms {
-        let turn = source.meridian.azimuth - view.meridian.azimuth;
+        let turn = source.azimuth - view.azimuth;
         let form = |(k, profile): (usize, &Profile)| {
             let n = profile.cosines.len();
             let mut form = vec![0.0; n.pow(k as u32 + 2)];

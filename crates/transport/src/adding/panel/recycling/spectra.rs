@@ -102,7 +102,7 @@ impl Recycling {
             }
             for (groups, sum) in sources.iter().zip(&mut sums.directed) {
                 for (group, own) in groups {
-                    let turn = group.meridian.azimuth - view.0.meridian.azimuth;
+                    let turn = group.azimuth - view.0.azimuth;
                     let scattered = grid.scattered(&group.meridian, m, columns, &own.reflectance);
                     let mut g = g.to_vec();
                     g.iter_mut().zip(&own.round_trips).for_each(|(g, t)| *g *= t);
