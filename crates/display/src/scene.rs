@@ -9,7 +9,7 @@ pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
-pub use papilio_transport::Scattering;
+pub use papilio_transport::{ScatterFace, ScatterKernel, Scattering};
 
 /// One computation, complete.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,6 +92,8 @@ pub enum Interface {
         /// Roughness: the largest slopes are about this.
         alpha: f64,
     },
+    /// A face given by its BSDF: light of the air disc is scattered into it, passes straight, or is lost.
+    Scatter(ScatterFace),
 }
 
 /// A homogeneous medium.

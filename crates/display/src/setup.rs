@@ -180,6 +180,7 @@ fn interface(
             Interface::Coating(Coating::new(&scene.grid.wavelengths_nm(), above, films, below)?)
         }
         scene::Interface::Diffuser(diffuser) => Interface::Diffuser(self::diffuser(diffuser)),
+        scene::Interface::Scatter(face) => Interface::Scatter(Box::new(face.clone())),
         scene::Interface::Rough { alpha } => Interface::Rough(Rough::new(*alpha, above[0], below[0])),
     })
 }

@@ -8,8 +8,10 @@
 use papilio_optics::film::Coating;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
+use papilio_optics::scatter::Scatter;
 use papilio_spectra::Spectrum;
 
+use crate::skeleton::Going;
 use crate::{Base, Medium, Panel};
 
 /// A display of any layers.
@@ -53,6 +55,8 @@ pub enum Interface {
     Diffuser(Diffuser),
     /// A rough face between two media of constant index.
     Rough(Rough),
+    /// A face given by its BSDF.
+    Scatter(Box<ScatterFace>),
 }
 
 /// A diffuser given by its BTDF: it reflects nothing; what its lobe sends beyond the index of the
@@ -65,6 +69,91 @@ pub struct Diffuser {
     pub transmittance: Spectrum,
     /// Share of the transmitted light that keeps its direction.
     pub straight_through: f64,
+}
+
+/// A scattering kernel and what it is multiplied by at each wavelength.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatterKernel {
+    /// What becomes of light, by direction.
+    pub scatter: Scatter,
+    /// The factor.
+    pub factor: Spectrum,
+}
+
+/// A face given by its BSDF, faces of whatever it is included: light of the air disc
+/// `|beta| <= 1` is scattered into the air disc, passes straight, or is absorbed in it.
+///
+/// All its ways are reciprocal: light that goes up takes the ways back of light that goes down,
+/// and of a reflection both readings are averaged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatterFace {
+    straight: Spectrum,
+    /// `[down, up]`.
+    transmission: Option<[ScatterKernel; 2]>,
+    reflection: [Option<ScatterKernel>; 2],
+}
+
+impl ScatterFace {
+    /// A face that passes this share of light, per wavelength, without changing its direction,
+    /// and absorbs the rest.
+    pub fn new(straight: Spectrum) -> Self {
+        Self { straight, transmission: None, reflection: [None, None] }
+    }
+
+    /// The same with light from above scattered through it like this.
+    pub fn with_transmission(mut self, ScatterKernel { scatter, factor }: ScatterKernel) -> Self {
+        let up = ScatterKernel { scatter: scatter.reversed(), factor: factor.clone() };
+        self.transmission = Some([ScatterKernel { scatter, factor }, up]);
+        self
+    }
+
+    /// The same with light from above scattered back like this.
+    pub fn with_reflection_above(mut self, kernel: ScatterKernel) -> Self {
+        self.reflection[0] = Some(kernel.reciprocal());
+        self
+    }
+
+    /// The same with light from below scattered back like this.
+    pub fn with_reflection_below(mut self, kernel: ScatterKernel) -> Self {
+        self.reflection[1] = Some(kernel.reciprocal());
+        self
+    }
+
+    /// The share that passes straight, per wavelength.
+    pub fn straight(&self) -> &Spectrum {
+        &self.straight
+    }
+
+    /// What goes through, of light on its way down or up.
+    pub(crate) fn through(&self, going: Going) -> Option<&ScatterKernel> {
+        self.transmission.as_ref().map(|ways| &ways[going as usize])
+    }
+
+    /// What is sent back, of light on its way down or up.
+    pub(crate) fn back(&self, going: Going) -> Option<&ScatterKernel> {
+        self.reflection[going as usize].as_ref()
+    }
+
+    /// The least width of its kernels.
+    pub(crate) fn width(&self) -> f64 {
+        self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// All kernels, of light from above.
+    pub(crate) fn kernels(&self) -> impl Iterator<Item = &ScatterKernel> {
+        self.through(Going::Down).into_iter().chain(self.reflection.iter().flatten())
+    }
+}
+
+impl ScatterKernel {
+    fn reciprocal(self) -> Self {
+        Self { scatter: self.scatter.reciprocal(), ..self }
+    }
+
+    /// The share of light with this `|beta|` that is sent on, before the factor.
+    pub(crate) fn total(&self, beta_length: f64) -> f64 {
+        if beta_length <= 1.0 { self.scatter.total(beta_length) } else { 0.0 }
+    }
 }
 
 /// A display in either form.

@@ -63,7 +63,7 @@ pub use base::{Base, Reflector};
 pub use cosines::CosinePanels;
 pub use estimate::{Estimate, Ledger, Rho};
 pub use front::Front;
-pub use layered::{Diffuser, Interface, Layer, Layered, Stack};
+pub use layered::{Diffuser, Interface, Layer, Layered, ScatterFace, ScatterKernel, Stack};
 pub use light::{Cone, Source};
 pub use medium::{Medium, Scattering};
 pub use panel::{Panel, Top};

@@ -14,9 +14,10 @@
 //! unit that enters from the air, is also the share of light sent up there that leaves.
 
 use papilio_optics::interface::fresnel_reflectance;
+use papilio_spectra::Spectrum;
 
 use crate::front::Flat;
-use crate::{Interface, Layer, Layered, Medium, Reflector};
+use crate::{Interface, Layer, Layered, Medium, Reflector, ScatterFace};
 
 /// Which way light goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +71,8 @@ impl Ray {
 pub(crate) struct Skeleton {
     air: Medium,
     bins: usize,
+    /// `|beta|` of the light.
+    length: f64,
     /// The elements; shape `[element][wavelength]`.
     parts: Vec<Part>,
     /// Reflectance of all that lies above a plane, seen from it; shape `[plane][wavelength]`.
@@ -84,8 +87,8 @@ pub(crate) struct Skeleton {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) flat: Flat,
-    /// The share that it scatters, alike from both sides.
-    pub(crate) scattered: f64,
+    /// The share that it scatters, of light from above and from below.
+    pub(crate) scattered: [f64; 2],
 }
 
 impl Part {
@@ -94,7 +97,7 @@ impl Part {
     const MIRROR: Self = Self::flat(Flat { t: 0.0, above: 1.0, below: 1.0 });
 
     const fn flat(flat: Flat) -> Self {
-        Self { flat, scattered: 0.0 }
+        Self { flat, scattered: [0.0; 2] }
     }
 
     /// The share that it absorbs of light that meets it on its way down or up.
@@ -104,7 +107,7 @@ impl Part {
             Going::Down => self.flat.above,
             Going::Up => self.flat.below,
         };
-        1.0 - self.flat.t - reflected - self.scattered
+        1.0 - self.flat.t - reflected - self.scattered[going as usize]
     }
 }
 
@@ -115,6 +118,7 @@ impl Skeleton {
         Self {
             air: Medium::new(vec![1.0; bins].into()),
             bins,
+            length: 0.0,
             parts: vec![Part::NOTHING; elements * bins],
             above: vec![0.0; (elements + 1) * bins],
             below: vec![0.0; (elements + 1) * bins],
@@ -133,6 +137,11 @@ impl Skeleton {
         self.parts.len() / self.bins
     }
 
+    /// `|beta|` of the light that it is prepared for.
+    pub(crate) fn length(&self) -> f64 {
+        self.length
+    }
+
     /// An element at every wavelength.
     pub(crate) fn element(&self, element: usize) -> &[Part] {
         &self.parts[element * self.bins..][..self.bins]
@@ -140,6 +149,7 @@ impl Skeleton {
 
     /// Prepares it for light with this `|beta|^2`.
     pub(crate) fn set(&mut self, stack: &Layered, beta_squared: f64) {
+        self.length = beta_squared.sqrt();
         let mut upper = &self.air;
         for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bins)) {
             let (interface, medium) = parts.split_at_mut(self.bins);
@@ -267,7 +277,8 @@ impl Currents {
 
 /// The interface over a layer, at every wavelength.
 fn set_interface(upper: &Medium, layer: &Layer, beta_squared: f64, out: &mut [Part]) {
-    let alike = match layer.interface {
+    let alike = match &layer.interface {
+        Interface::Scatter(face) => return set_scatter_face(face, beta_squared, out),
         Interface::Open | Interface::Rough(_) => true,
         Interface::Coated | Interface::Fresnel => {
             upper.constant_index().is_some() && layer.medium.constant_index().is_some()
@@ -277,6 +288,22 @@ fn set_interface(upper: &Medium, layer: &Layer, beta_squared: f64, out: &mut [Pa
     let first = at_interface(upper, layer, beta_squared, 0);
     for (bin, part) in out.iter_mut().enumerate() {
         *part = if alike { first } else { at_interface(upper, layer, beta_squared, bin) };
+    }
+}
+
+/// A face given by its BSDF, at every wavelength.
+fn set_scatter_face(face: &ScatterFace, beta_squared: f64, out: &mut [Part]) {
+    if beta_squared > 1.0 {
+        return out.fill(Part::OPAQUE);
+    }
+    let ways = [Going::Down, Going::Up].map(|going| {
+        [face.through(going), face.back(going)]
+            .map(|kernel| kernel.map(|kernel| (kernel.total(beta_squared.sqrt()), &kernel.factor)))
+    });
+    for (bin, part) in out.iter_mut().enumerate() {
+        let share = |way: &Option<(f64, &Spectrum)>| way.map_or(0.0, |(total, factor)| total * factor[bin]);
+        part.flat = Flat { t: face.straight()[bin], above: 0.0, below: 0.0 };
+        part.scattered = ways.each_ref().map(|way| way.iter().map(share).sum());
     }
 }
 
@@ -303,9 +330,11 @@ fn at_interface(upper: &Medium, layer: &Layer, beta_squared: f64, bin: usize) ->
         Interface::Diffuser(diffuser) => {
             let (t, s) = (diffuser.transmittance[bin], diffuser.straight_through);
             let straight = if both_carry { t * s } else { 0.0 };
-            Part { flat: Flat { t: straight, above: 0.0, below: 0.0 }, scattered: t * (1.0 - s) }
+            Part { flat: Flat { t: straight, above: 0.0, below: 0.0 }, scattered: [t * (1.0 - s); 2] }
         }
-        Interface::Rough(_) => Part { scattered: 1.0, ..Part::OPAQUE },
+        Interface::Rough(_) => Part { scattered: [1.0; 2], ..Part::OPAQUE },
+        // Its wavelengths are set together.
+        Interface::Scatter(_) => Part::OPAQUE,
     }
 }
 
@@ -321,5 +350,5 @@ fn through_medium(medium: &Medium, beta_squared: f64, bin: usize) -> Part {
     let clear = medium.transmittance().map_or(1.0, |t| t[bin].powf(secant));
     let depth = medium.scattering().map_or(0.0, |s| s.optical_thickness * secant);
     let t = clear * (-depth).exp();
-    Part { flat: Flat { t, above: 0.0, below: 0.0 }, scattered: -(-depth).exp_m1() }
+    Part { flat: Flat { t, above: 0.0, below: 0.0 }, scattered: [-(-depth).exp_m1(); 2] }
 }

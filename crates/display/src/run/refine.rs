@@ -24,6 +24,7 @@ fn too_narrow(stack: &Stack) -> DisplayError {
         Some(found) => {
             let what = match found.scatterer {
                 Scatterer::Lobe { width } => format!("the diffuser of width {width:.5}"),
+                Scatterer::Face { width } => format!("the diffuser of width {width:.5}"),
                 Scatterer::Rough { alpha, .. } => format!("the rough face of alpha {alpha}"),
                 Scatterer::Slab { anisotropy } => format!("the slab of anisotropy {anisotropy}"),
             };

@@ -96,6 +96,11 @@ number!(
     { "type": "number", "minimum": 0.01, "maximum": 1 }
 );
 number!(
+    /// A root mean square slope.
+    Slope, "a number from .005 to 1 (root mean square slope)", |v| (0.005..=1.0).contains(&v),
+    { "type": "number", "minimum": 0.005, "maximum": 1 }
+);
+number!(
     /// An illuminance, lx.
     Lux, "a number from 1e-6 to 1e9 (lx)", |v| (1e-6..=1e9).contains(&v),
     { "type": "number", "minimum": 1e-6, "maximum": 1e9 }

@@ -101,7 +101,7 @@ impl Resolver<'_> {
                 Part::Medium(self.medium(path, &medium.index, absorption)?, medium.index.origin)
             }
             describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
-            describe::Layer::Diffuser(diffuser) => Part::Interface(Interface::Diffuser(self.btdf(diffuser)?)),
+            describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(diffuser)?),
             describe::Layer::Sheet(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
             describe::Layer::Coating(coating) => {
                 Part::Interface(Interface::Coating(self.coating(path, coating)?))

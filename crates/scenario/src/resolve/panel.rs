@@ -13,6 +13,14 @@ use crate::describe::display as describe;
 use crate::problem::Problem;
 use crate::source::Origin;
 
+/// What a panel has between air and glass.
+enum Top {
+    Nothing,
+    Lobe(scene::Diffuser),
+    Scatter(scene::ScatterFace),
+    Slab(Medium),
+}
+
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
@@ -29,24 +37,32 @@ impl Resolver<'_> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
         let front: Vec<_> = front.iter().map(|component| self.sheet(component, component.origin)).collect();
-        // A lobe, or a slab, or neither.
+        // A lobe, or a slab, or a face given by its BSDF, or nothing.
         let diffuser = match &display.diffuser.value {
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(|lobe| (Some(lobe), None)),
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(|lobe| (Some(lobe), None)),
-            Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(|slab| (None, Some(slab))),
-            None => Some((None, None)),
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Lobe),
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
+            Some(Diffuser::Ward(ward)) => self.ward(ward).map(Top::Scatter),
+            Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(Top::Slab),
+            None => Some(Top::Nothing),
         };
         let glass = self.glass(display);
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
-        let ((diffuser, slab), (medium, surface)) = (diffuser?, glass?);
-        if slab.is_none() && medium.transmittance.min() == 1.0 {
-            let glass = Glass { index: medium.index, surface };
-            return Some(Layers::Panel(Panel { front, diffuser, glass }));
-        }
-        let face = match (diffuser, &slab, surface) {
-            (Some(diffuser), ..) => Interface::Diffuser(diffuser),
-            (None, None, scene::Surface::Coated) => Interface::Coated,
-            _ => Interface::Fresnel,
+        let (top, (medium, surface)) = (diffuser?, glass?);
+        let clear = medium.transmittance.min() == 1.0;
+        let glass = |medium: Medium| Glass { index: medium.index, surface };
+        let (face, slab) = match (top, surface) {
+            (Top::Lobe(diffuser), _) if clear => {
+                let glass = glass(medium);
+                return Some(Layers::Panel(Panel { front, diffuser: Some(diffuser), glass }));
+            }
+            (Top::Nothing, _) if clear => {
+                return Some(Layers::Panel(Panel { front, diffuser: None, glass: glass(medium) }));
+            }
+            (Top::Lobe(diffuser), _) => (Interface::Diffuser(diffuser), None),
+            (Top::Scatter(face), _) => (Interface::Scatter(face), None),
+            (Top::Nothing, scene::Surface::Coated) => (Interface::Coated, None),
+            (Top::Nothing, scene::Surface::Fresnel) => (Interface::Fresnel, None),
+            (Top::Slab(slab), _) => (Interface::Fresnel, Some(slab)),
         };
         Some(Layers::General(self.stack_of(front, face, slab, medium)))
     }

@@ -25,6 +25,7 @@ fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
         Interface::Coating(_) => "coating",
         Interface::Diffuser(_) => "diffuser",
         Interface::Rough { .. } => "rough",
+        Interface::Scatter(_) => "scatter",
     };
     layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
 }
@@ -67,6 +68,30 @@ fn every_kind_of_layer() {
     let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 turns light around about as one of \
                 0.4 with anisotropy 0 does (similarity)";
     assert_eq!(resolved.notes, [note]);
+}
+
+/// A Ward diffuser, in a panel and as a layer: T is what leaves along the normal over the kernel's total.
+#[test]
+fn ward_diffusers() {
+    let lobe = "model = \"k-correlation\"\nhaze = 0.78";
+    let ward = "model = \"ward\"\nalpha = 0.2\nnormalisation = \"ward\"\nstraight_through = 0.1";
+    let panel = resolved(&GOOD.replace(lobe, ward), &[]);
+    let layers = general(&panel);
+    assert_eq!(outline(layers), [("sheet", 1.0), ("scatter", 1.5)]);
+    let Interface::Scatter(face) = &layers[1].interface else { panic!("no face") };
+    // Of rho = 1 the lobe sends .895 along the normal, and a tenth passes straight.
+    let expected = 0.1 * 0.9 / (0.9 * 0.895 + 0.1);
+    assert!((face.straight()[3] - expected).abs() < 1e-4, "{} {expected}", face.straight()[3]);
+    let layer =
+        "{ kind = \"diffuser\", model = \"ward\", alpha = 0.1, transmittance = 0.9 }, { kind = \"medium\" }";
+    assert_eq!(outline(general(&resolved(&pixel_under(layer), &[]))), [("scatter", 1.5)]);
+    for (wrong, right) in
+        [("alpha = 2", "a number from .005 to 1"), ("alpha = 0.1\nwidth = 0.1", "k-correlation")]
+    {
+        let text = GOOD.replace(lobe, &format!("model = \"ward\"\n{wrong}"));
+        let errors = resolve(&text, Path::new(""), &[]).unwrap_err().to_string();
+        assert!(errors.contains(right), "{errors}");
+    }
 }
 
 #[test]

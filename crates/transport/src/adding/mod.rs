@@ -48,6 +48,11 @@ pub enum Scatterer {
         /// Its width b, direction cosines.
         width: f64,
     },
+    /// A face given by its BSDF.
+    Face {
+        /// That of its narrowest kernel, as of a k-correlation lobe, direction cosines.
+        width: f64,
+    },
     /// A rough face.
     Rough {
         /// Its roughness.

@@ -256,11 +256,17 @@ impl Target {
     /// products of densities. The same value serves whichever technique drew the sample.
     #[inline]
     fn weight(&self, scatter: f64, back: f64, forward: f64) -> f64 {
-        let ratio = back / forward;
+        self.balanced(scatter, scatter, back / forward)
+    }
+
+    /// [`Self::weight`] where the last event's kernel has this `value` and its sampler this `pdf`;
+    /// `ratio` is that of `back` to `forward`.
+    #[inline]
+    fn balanced(&self, value: f64, pdf: f64, ratio: f64) -> f64 {
         if self.density.is_infinite() {
-            self.strength * scatter / (1.0 + ratio)
+            self.strength * value / (1.0 + ratio)
         } else {
-            self.strength * scatter / (self.density * (1.0 + ratio) + scatter)
+            self.strength * value / (self.density * (1.0 + ratio) + pdf)
         }
     }
 }

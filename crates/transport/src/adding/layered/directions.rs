@@ -80,6 +80,7 @@ fn smoothness(stack: &Layered) -> f64 {
                 }
             }
             Interface::Rough(face) => scale = scale.min(rough::width(face)),
+            Interface::Scatter(face) => scale = scale.min(face.width()),
             _ => {}
         }
         if let Some(scattering) = layer.medium.scattering() {

@@ -7,10 +7,12 @@ use super::grid::Grid;
 use super::part::{Part, Place, nothing};
 use super::precision::Precision;
 use super::rough::RoughOrders;
+use super::scatter::ScatterOrders;
 use super::scatterers::{Scattered, Scatterers};
 use super::slab::Model;
 use crate::front::Flat;
-use crate::{Interface, Layered, Medium};
+use crate::skeleton::Going;
+use crate::{Interface, Layered, Medium, ScatterKernel};
 
 /// One layer at one wavelength.
 #[derive(Debug)]
@@ -24,11 +26,30 @@ pub(super) struct Element<'a> {
 /// Scatterers by their number.
 #[derive(Debug)]
 enum Kind<'a> {
-    Face { interface: &'a Interface, bin: usize },
-    Clear { transmittance: f64 },
-    Slab { number: usize, absorbing_share: f64 },
-    Diffuser { number: usize, transmittance: f64, straight_through: f64 },
-    Rough { number: usize },
+    Face {
+        interface: &'a Interface,
+        bin: usize,
+    },
+    Clear {
+        transmittance: f64,
+    },
+    Slab {
+        number: usize,
+        absorbing_share: f64,
+    },
+    Diffuser {
+        number: usize,
+        transmittance: f64,
+        straight_through: f64,
+    },
+    Rough {
+        number: usize,
+    },
+    /// Numbers and factors of what goes through and of what is sent back, above and below.
+    Scatter {
+        straight: f64,
+        ways: [Option<(usize, f64)>; 3],
+    },
 }
 
 /// The layers above the base at wavelength number `bin`. What scatters is added to `scatterers`,
@@ -55,6 +76,17 @@ pub(super) fn elements<'a>(
             Interface::Rough(face) => {
                 let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first);
                 Some(Kind::Rough { number: scatterers.rough(face, orders) })
+            }
+            Interface::Scatter(face) => {
+                let mut way = |kernel: Option<&'a ScatterKernel>| {
+                    kernel.map(|ScatterKernel { scatter, factor }| {
+                        let orders = || ScatterOrders::new(scatter, grid, precision.digits, beyond_first);
+                        (scatterers.scatter(scatter, orders), factor[bin])
+                    })
+                };
+                let [back, back_below] = [Going::Down, Going::Up].map(|going| face.back(going));
+                let ways = [way(face.through(Going::Down)), way(back), way(back_below)];
+                Some(Kind::Scatter { straight: face.straight()[bin], ways })
             }
             interface => Some(Kind::Face { interface, bin }),
         };
@@ -177,7 +209,15 @@ impl Element<'_> {
                     },
                     Scattered::Diffuser(lobe) => Part { down: self.dimmed(lobe, grid), ..Part::dark(grid) },
                     Scattered::Rough(part) => part.clone(),
+                    Scattered::Scatter(_) => Part::dark(grid),
                 }
+            }
+            Kind::Scatter { straight, ways } => {
+                let [mut down, above, below] = ways.map(|way| scatters(way, scattered, grid));
+                for (sum, beta) in down.straight.iter_mut().zip(&grid.beta) {
+                    *sum += if *beta < 1.0 { *straight } else { 0.0 };
+                }
+                Part { above, below, down, absorbed: None }
             }
         }
     }
@@ -201,7 +241,9 @@ impl Element<'_> {
         let place = match &self.kind {
             Kind::Face { interface: Interface::Sheet { .. }, .. } => Place::Front,
             Kind::Face { .. } | Kind::Clear { .. } => Place::Glass,
-            Kind::Slab { .. } | Kind::Diffuser { .. } | Kind::Rough { .. } => Place::Diffuser,
+            Kind::Slab { .. } | Kind::Diffuser { .. } | Kind::Rough { .. } | Kind::Scatter { .. } => {
+                Place::Diffuser
+            }
         };
         let mut part = part.booked(grid, place, [self.above, self.below]);
         if let (Kind::Slab { absorbing_share, .. }, Some(books)) = (&self.kind, &mut part.absorbed) {
@@ -212,6 +254,14 @@ impl Element<'_> {
             }
         }
         part
+    }
+}
+
+/// A kernel with its factor; nothing, if there is none.
+fn scatters(way: Option<(usize, f64)>, scattered: &[Scattered], grid: &Grid) -> Operator {
+    match way.map(|(number, factor)| (&scattered[number], factor)) {
+        Some((Scattered::Scatter(operator), factor)) => operator.clone().scaled(factor),
+        _ => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
     }
 }
 
@@ -242,6 +292,8 @@ fn face(interface: &Interface, bin: usize, [above, below]: [f64; 2], beta: f64) 
                 below: carried(below, part.below),
             }
         }
-        Interface::Open | Interface::Diffuser(_) | Interface::Rough(_) => both(0.0, 1.0),
+        Interface::Open | Interface::Diffuser(_) | Interface::Rough(_) | Interface::Scatter(_) => {
+            both(0.0, 1.0)
+        }
     }
 }

@@ -37,6 +37,7 @@ mod part;
 mod precision;
 mod prepare;
 mod rough;
+mod scatter;
 mod scatterers;
 mod seen;
 mod slab;

@@ -83,6 +83,7 @@ fn scatterers(layer: &Layer) -> impl Iterator<Item = Scatterer> {
             Some(Scatterer::Lobe { width: *width })
         }
         Interface::Rough(face) => Some(Scatterer::Rough { alpha: face.alpha(), width: rough::width(face) }),
+        Interface::Scatter(face) => Some(Scatterer::Face { width: face.width() }),
         _ => None,
     };
     let medium = layer.medium.scattering().map(|s| Scatterer::Slab { anisotropy: s.anisotropy });
@@ -100,7 +101,9 @@ impl Precision {
         // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
         let by_width = |width: f64| 2.0 * PI * width / self.digits;
         match scatterer {
-            Scatterer::Lobe { width } => density.spacing = density.spacing.min(by_width(width)),
+            Scatterer::Lobe { width } | Scatterer::Face { width } => {
+                density.spacing = density.spacing.min(by_width(width));
+            }
             Scatterer::Rough { width, .. } => {
                 density.spacing = density.spacing.min(by_width(width)).min(self.jump);
             }

@@ -141,6 +141,10 @@ fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
             }
             Interface::Coating(_) => key.push(bin as u64),
             Interface::Diffuser(diffuser) => key.push(diffuser.transmittance[bin].to_bits()),
+            Interface::Scatter(face) => {
+                key.push(face.straight()[bin].to_bits());
+                key.extend(face.kernels().map(|kernel| kernel.factor[bin].to_bits()));
+            }
             Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Rough(_) => {}
         }
         key.push(layer.medium.index()[bin].to_bits());

@@ -2,6 +2,7 @@
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Rough, Side};
+use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
 use super::grid::Grid;
@@ -9,6 +10,7 @@ use super::lobes::LobeOrders;
 use super::matrix::Matrix;
 use super::part::Part;
 use super::rough::RoughOrders;
+use super::scatter::ScatterOrders;
 use super::slab::{Model, Slab};
 
 /// Something that scatters, on one grid.
@@ -17,6 +19,7 @@ enum Scatterer<'a> {
     Slab(Slab),
     Diffuser(LobeBetween),
     Rough { face: &'a Rough, orders: Option<RoughOrders> },
+    Scatter { scatter: &'a Scatter, orders: Option<ScatterOrders> },
 }
 
 /// A diffuser's lobe between media of these indices.
@@ -39,6 +42,8 @@ pub(super) enum Scattered {
     Diffuser(Operator),
     /// Done by a rough face.
     Rough(Part),
+    /// Sent by a kernel, of light from above.
+    Scatter(Operator),
 }
 
 /// All that scatters on a grid.
@@ -69,6 +74,13 @@ impl<'a> Scatterers<'a> {
         self.find(known, || Scatterer::Rough { face, orders: Some(orders()) })
     }
 
+    /// The number of this kernel, added if it is new.
+    pub(super) fn scatter(&mut self, scatter: &'a Scatter, orders: impl FnOnce() -> ScatterOrders) -> usize {
+        let known =
+            |s: &Scatterer<'_>| matches!(s, Scatterer::Scatter { scatter: other, .. } if *other == scatter);
+        self.find(known, || Scatterer::Scatter { scatter, orders: Some(orders()) })
+    }
+
     fn find(&mut self, known: impl Fn(&Scatterer<'a>) -> bool, new: impl FnOnce() -> Scatterer<'a>) -> usize {
         self.0.iter().position(known).unwrap_or_else(|| {
             self.0.push(new());
@@ -83,6 +95,7 @@ impl<'a> Scatterers<'a> {
             Scatterer::Diffuser(LobeBetween { lobe: Lobe::Lambertian, .. }) => 1,
             Scatterer::Diffuser(_) => usize::MAX,
             Scatterer::Rough { orders, .. } => orders.as_ref().map_or(0, RoughOrders::orders),
+            Scatterer::Scatter { orders, .. } => orders.as_ref().map_or(0, ScatterOrders::orders),
         };
         self.0.iter().map(orders).max().unwrap_or(0)
     }
@@ -97,6 +110,7 @@ impl<'a> Scatterers<'a> {
                 ..lobe
             }),
             Scatterer::Rough { face, .. } => Scatterer::Rough { face, orders: None },
+            Scatterer::Scatter { scatter, .. } => Scatterer::Scatter { scatter, orders: None },
         };
         Self(self.0.into_iter().map(extras).collect())
     }
@@ -111,6 +125,10 @@ impl<'a> Scatterers<'a> {
             Scatterer::Rough { face, orders } => Scattered::Rough(match orders {
                 Some(orders) => orders.part(face, order, grid),
                 None => Part::dark(grid),
+            }),
+            Scatterer::Scatter { orders, .. } => Scattered::Scatter(match orders {
+                Some(orders) => orders.operator(order, grid),
+                None => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
             }),
         };
         self.0.iter_mut().map(one).collect()

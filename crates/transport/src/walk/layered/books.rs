@@ -73,7 +73,7 @@ impl Account {
     pub(super) fn of_elements(stack: &crate::Layered) -> Vec<Self> {
         let of_interface = |interface: &Interface| match interface {
             Interface::Sheet { .. } => Self::Front,
-            Interface::Diffuser(_) | Interface::Rough(_) => Self::Diffuser,
+            Interface::Diffuser(_) | Interface::Rough(_) | Interface::Scatter(_) => Self::Diffuser,
             Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Coating(_) => Self::Glass,
         };
         stack.layers.iter().flat_map(|layer| [of_interface(&layer.interface), Self::Glass]).collect()

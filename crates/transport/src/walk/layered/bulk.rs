@@ -15,7 +15,7 @@ use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
 use super::books::{Room, Sums};
-use super::sources::Lamps;
+use super::sources::{Lamps, Turned};
 use super::{Draws, Sent};
 use crate::Medium;
 use crate::skeleton::{Going, Ray};
@@ -187,7 +187,7 @@ impl<'a> Bulk<'a> {
                     Going::Down => self.optical_thickness - stay.depth,
                     Going::Up => stay.depth,
                 };
-                let weight = lamp.weight(self.density(cos, z), f64::INFINITY);
+                let weight = lamp.weight(Turned::exactly(self.density(cos, z)), f64::INFINITY);
                 lamp.gathered[way] += stay.scale * weight * (-rest / z.abs()).exp();
             }
         }
@@ -229,12 +229,8 @@ impl<'a> Bulk<'a> {
     fn leave(&self, stay: &Stay, cos: f64) -> Sent {
         let [x, y, z] = stay.direction;
         let going = if z > 0.0 { Going::Down } else { Going::Up };
-        Sent {
-            beta: Beta { x: self.index * x, y: self.index * y },
-            ray: Ray::from_element(self.element, going),
-            density: self.density(cos, z),
-            rival: f64::INFINITY,
-        }
+        let beta = Beta { x: self.index * x, y: self.index * y };
+        Sent::exactly(beta, Ray::from_element(self.element, going), self.density(cos, z))
     }
 }
 

@@ -52,9 +52,30 @@ struct Sent {
     /// The density over direction cosines with which it was scattered into `beta`; infinite if it
     /// never was.
     density: f64,
+    /// The density with which the same scatterer would send light from `beta` back where it came from.
+    back: f64,
+    /// The kernel's value over that density.
+    weight: f64,
     /// That with which the path had chosen the direction before, where the scatterer sends
     /// light of the sources on as well; else infinite.
     rival: f64,
+}
+
+impl Sent {
+    /// Light that no scatterer has sent.
+    const UNSCATTERED: Self = Self {
+        beta: Beta { x: 0.0, y: 0.0 },
+        ray: Ray::ENTERING,
+        density: f64::INFINITY,
+        back: f64::INFINITY,
+        weight: 1.0,
+        rival: f64::INFINITY,
+    };
+
+    /// Light drawn from the very kernel that scatters it, which is the same for the way back.
+    fn exactly(beta: Beta, ray: Ray, density: f64) -> Self {
+        Self { beta, ray, density, back: density, weight: 1.0, rival: f64::INFINITY }
+    }
 }
 
 /// The random numbers of a path, block by block; blocks are counted.
@@ -97,7 +118,7 @@ impl<'a> Layered<'a> {
         room.light.start();
         let mut draws = Draws { numbers, count: 0 };
         let beta = self.view.sample_towards(numbers.field());
-        let mut sent = Sent { beta, ray: Ray::ENTERING, density: f64::INFINITY, rival: f64::INFINITY };
+        let mut sent = Sent { beta, ray: Ray::ENTERING, ..Sent::UNSCATTERED };
         while !room.light.is_dark() {
             self.travel(sent, sums, room);
             let u = draws.next();
@@ -176,7 +197,7 @@ impl<'a> Layered<'a> {
                 Some(at_lambertian_base(reflectance, medium, meeting.element, [u[1], u[2]], sums, room))
             }
             Kind::Diffuser(..) => meeting.pass_face(sent, [u[1], u[2], 0.5, 0.5], sums, room),
-            Kind::Rough(_) => meeting.pass_face(sent, draws.next(), sums, room),
+            Kind::Rough(_) | Kind::Scatter { .. } => meeting.pass_face(sent, draws.next(), sums, room),
         }
     }
 }

@@ -7,9 +7,10 @@ use papilio_sampling::warp;
 use super::books::{Room, Sums};
 use super::bulk::Bulk;
 use super::light::Share;
+use super::sources::Turned;
 use super::{Sent, sources};
 use crate::skeleton::{Field, Going, Ray, Skeleton};
-use crate::{Diffuser, Interface, Layered, Medium, Reflector};
+use crate::{Diffuser, Interface, Layered, Medium, Reflector, ScatterFace, ScatterKernel};
 
 /// A scatterer, and light on its way to it.
 #[derive(Debug, Clone, Copy)]
@@ -24,15 +25,21 @@ pub(super) enum Kind<'a> {
     /// Between these media.
     Diffuser(&'a Diffuser, Option<&'a Medium>, &'a Medium),
     Rough(&'a Rough),
+    /// A face's kernel, its reverse, and which way it sends light on.
+    Scatter {
+        kernel: &'a ScatterKernel,
+        reversed: &'a ScatterKernel,
+        sends: Going,
+    },
     Bulk(Bulk<'a>),
     /// A Lambertian base of this reflectance, under this medium.
     Base(&'a [f64], Option<&'a Medium>),
 }
 
 impl Kind<'_> {
-    /// A diffuser or a rough face.
+    /// A diffuser, a rough face or a face's kernel.
     pub(super) fn is_face(&self) -> bool {
-        matches!(self, Self::Diffuser(..) | Self::Rough(_))
+        matches!(self, Self::Diffuser(..) | Self::Rough(_) | Self::Scatter { .. })
     }
 }
 
@@ -43,25 +50,41 @@ impl Meeting<'_> {
         if let Kind::Base(..) = self.kind {
             return share.set(field, ray, |_| 1.0);
         }
+        if let Kind::Scatter { kernel, .. } = self.kind {
+            let total = kernel.total(skeleton.length());
+            return share.set(field, ray, |bin| total * kernel.factor[bin]);
+        }
         let parts = skeleton.element(self.element);
-        share.set(field, ray, |bin| parts[bin].scattered);
+        share.set(field, ray, |bin| parts[bin].scattered[self.going as usize]);
     }
 
     /// The ways on which a face can send light on.
     fn ways(&self) -> &'static [Going] {
         match (self.kind, self.going) {
+            (Kind::Scatter { sends: Going::Up, .. }, _) => &[Going::Up],
+            (Kind::Scatter { sends: Going::Down, .. }, _) => &[Going::Down],
             (Kind::Rough(_), _) => &[Going::Up, Going::Down],
             (_, Going::Up) => &[Going::Up],
             (_, Going::Down) => &[Going::Down],
         }
     }
 
-    /// The density with which a face sends light on.
-    fn density(&self, from: Beta, going: Going, to: Beta) -> f64 {
+    /// How a face sends light on, in parts of its [`share`](Self::share).
+    fn turned(&self, from: Beta, going: Going, to: Beta) -> Turned {
         match self.kind {
-            Kind::Diffuser(diffuser, ..) => diffuser.lobe.density(from, to),
-            Kind::Rough(rough) => rough.density(side(self.going, true), from, side(going, false), to),
-            Kind::Bulk(_) | Kind::Base(..) => 0.0,
+            Kind::Diffuser(diffuser, ..) => Turned::exactly(diffuser.lobe.density(from, to)),
+            Kind::Rough(rough) => {
+                Turned::exactly(rough.density(side(self.going, true), from, side(going, false), to))
+            }
+            Kind::Scatter { kernel, reversed, .. } => {
+                let total = kernel.total(from.length()).max(f64::MIN_POSITIVE);
+                Turned {
+                    value: kernel.scatter.value(from, to) / total,
+                    pdf: kernel.scatter.pdf(from, to),
+                    back: reversed.scatter.pdf(to, from),
+                }
+            }
+            Kind::Bulk(_) | Kind::Base(..) => Turned::exactly(0.0),
         }
     }
 
@@ -73,10 +96,15 @@ impl Meeting<'_> {
                 let (side, beta) = rough.sample(side(self.going, true), from, u);
                 (beta, if side == Side::Above { Going::Up } else { Going::Down })
             }
+            Kind::Scatter { kernel, sends, .. } => (kernel.scatter.sample(from, u)?.beta, sends),
             Kind::Bulk(_) | Kind::Base(..) => return None,
         };
-        let density = self.density(from, going, beta);
-        Some(Sent { beta, ray: Ray::from_element(self.element, going), density, rival: f64::INFINITY })
+        let ray = Ray::from_element(self.element, going);
+        let Turned { value, pdf, back } = self.turned(from, going, beta);
+        if let Kind::Scatter { .. } = self.kind {
+            return (pdf > 0.0).then(|| Sent { back, weight: value / pdf, ..Sent::exactly(beta, ray, pdf) });
+        }
+        Some(Sent::exactly(beta, ray, pdf))
     }
 
     /// True if the medium into which a face sends the light has such a direction.
@@ -100,13 +128,13 @@ impl Meeting<'_> {
     ) -> Option<Sent> {
         let (from, ways) = (sent.beta, self.ways());
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
-        let density = |way: usize, lamp| self.density(from, ways[way], lamp);
-        sources::connect(rays, sent.density, density, |_, _| 1.0, sums, room);
+        let turned = |way: usize, lamp| self.turned(from, ways[way], lamp);
+        sources::connect(rays, sent.density, turned, |_, _| 1.0, sums, room);
         let Some(next) = self.send(from, u) else {
             room.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
             return None;
         };
-        let kept = |bin| f64::from(u8::from(self.carries(next, bin)));
+        let kept = |bin| if self.carries(next, bin) { next.weight } else { 0.0 };
         room.light.keep(kept, &mut sums.absorbed.diffuser);
         Some(Sent { rival: sent.density, ..next })
     }
@@ -131,6 +159,9 @@ pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
             Interface::Rough(rough) => meetings.extend(both_ways(2 * i, Kind::Rough(rough))),
             _ => {}
         }
+        if let Interface::Scatter(face) = &layer.interface {
+            meetings.extend(ways_of(face, 2 * i));
+        }
         if let Some(bulk) = Bulk::new(2 * i + 1, &layer.medium) {
             meetings.extend(both_ways(2 * i + 1, Kind::Bulk(bulk)));
         }
@@ -141,6 +172,20 @@ pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
         meetings.push(Meeting { element: 2 * stack.layers.len(), going: Going::Down, kind });
     }
     meetings
+}
+
+/// Every way to meet a face given by its BSDF.
+fn ways_of(face: &ScatterFace, element: usize) -> impl Iterator<Item = Meeting<'_>> {
+    [(Going::Down, Going::Up), (Going::Up, Going::Down)].into_iter().flat_map(move |(going, other)| {
+        let through = face.through(going).zip(face.through(other)).map(|ways| (ways, going));
+        // Reflections are reciprocal.
+        let back = face.back(going).map(|kernel| ((kernel, kernel), other));
+        through.into_iter().chain(back).map(move |((kernel, reversed), sends)| Meeting {
+            element,
+            going,
+            kind: Kind::Scatter { kernel, reversed, sends },
+        })
+    })
 }
 
 /// The index of a medium, or of air.
@@ -176,9 +221,9 @@ pub(super) fn at_lambertian_base(
         let n = index(medium, bin);
         if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
     };
-    sources::connect([ray].into_iter(), f64::INFINITY, |_, _| density, spread, sums, room);
+    sources::connect([ray].into_iter(), f64::INFINITY, |_, _| Turned::exactly(density), spread, sums, room);
     let (x, y) = warp::uniform_disc(largest, u);
     let out = Beta { x, y };
     room.light.keep(|bin| spread(out, bin), &mut sums.unaccounted);
-    Sent { beta: out, ray, density, rival: f64::INFINITY }
+    Sent::exactly(out, ray, density)
 }

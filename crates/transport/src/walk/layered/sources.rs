@@ -34,8 +34,9 @@ pub(super) struct Lamp {
     target: Target,
     /// The direction of this light.
     pub(super) beta: Beta,
-    /// The density with which a scatterer sent it that way; the source itself had no choice.
-    drawn: Option<f64>,
+    /// The densities with which a scatterer sent it that way, and would have sent it back; the source
+    /// itself had no choice.
+    drawn: Option<[f64; 2]>,
     field: Field,
     /// What has become of the light before it was sent out as `field`; what met the base before is also
     /// in the field's `rising`.
@@ -43,6 +44,24 @@ pub(super) struct Lamp {
     dark: bool,
     /// In a scattering medium: what its events have turned upwards and downwards, yet to be settled.
     pub(super) gathered: [f64; 2],
+}
+
+/// What a scattering event does to light of its path in a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turned {
+    /// The kernel: density over direction cosines.
+    pub(super) value: f64,
+    /// The density with which it chooses the direction.
+    pub(super) pdf: f64,
+    /// That with which it would choose the path's direction for light from there.
+    pub(super) back: f64,
+}
+
+impl Turned {
+    /// By a scatterer that draws from its very kernel, which is the same for the way back.
+    pub(super) fn exactly(density: f64) -> Self {
+        Self { value: density, pdf: density, back: density }
+    }
 }
 
 /// Light that a scatterer sends on.
@@ -137,14 +156,15 @@ impl Lamp {
         }
     }
 
-    /// The balanced weight of a connection by an event that sends light this way with density
-    /// `scatter`. `rival` is the density with which the path had chosen the direction that the
+    /// The balanced weight of a connection by an event that turns light this way. `rival` is the density with which the path had chosen the direction that the
     /// event turns, where the event may also send light of the source on; else infinite.
     #[inline]
-    pub(super) fn weight(&self, scatter: f64, rival: f64) -> f64 {
+    pub(super) fn weight(&self, turned: Turned, rival: f64) -> f64 {
+        let Turned { value, pdf, back } = turned;
         match self.drawn {
-            None => self.target.weight(scatter, scatter, rival),
-            Some(drawn) => self.target.weight(drawn, drawn, scatter),
+            None => self.target.balanced(value, pdf, back / rival),
+            Some([drawn, back]) if pdf > 0.0 => value / pdf * self.target.balanced(drawn, back, drawn / pdf),
+            Some(_) => 0.0,
         }
     }
 
@@ -176,25 +196,25 @@ impl Scattered {
         let Some(sent) = meeting.send(source.beta, u) else { return };
         lamp.before.clone_from(&self.arrived);
         lamp.before.keep_where(|bin| meeting.carries(sent, bin));
+        lamp.before.scale(sent.weight);
         if lamp.before.is_dark() {
             return;
         }
         skeleton.set(walk.stack, sent.beta.squared());
         skeleton.emit(sent.ray, &mut lamp.field);
         lamp.before.multiply_rows(&mut lamp.field.rising);
-        (lamp.target, lamp.beta, lamp.drawn) = (source.target, sent.beta, Some(sent.density));
+        (lamp.target, lamp.beta, lamp.drawn) = (source.target, sent.beta, Some([sent.density, sent.back]));
         lamp.dark = false;
     }
 }
 
 /// Connects the path's light to all lamps at a scattering event.
 ///
-/// `ways` are those on which the event can send it on; `density(way, beta)` the density over
-/// direction cosines with which it does, and `factor(beta, bin)` what differs between wavelengths.
+/// `ways` are those on which the event can send it on; `turned(way, beta)` says how it does, and `factor(beta, bin)` what differs between wavelengths.
 pub(super) fn connect(
     ways: impl Iterator<Item = Ray> + Clone,
     rival: f64,
-    density: impl Fn(usize, Beta) -> f64,
+    turned: impl Fn(usize, Beta) -> Turned,
     factor: impl Fn(Beta, usize) -> f64,
     sums: &mut Sums,
     room: &mut Room,
@@ -203,7 +223,7 @@ pub(super) fn connect(
     for lamp in lamps.iter() {
         share.clear();
         for (way, ray) in ways.clone().enumerate() {
-            let weight = lamp.weight(density(way, lamp.beta), rival);
+            let weight = lamp.weight(turned(way, lamp.beta), rival);
             lamp.reach(ray, |bin| weight * factor(lamp.beta, bin), share);
         }
         lamp.add(light, share, sums);
@@ -221,7 +241,7 @@ pub(super) fn meet_discs(
         if let Source::Disc(cone) = source
             && cone.sends(sent.beta)
         {
-            let back = if sent.rival.is_finite() { sent.density } else { 0.0 };
+            let back = if sent.rival.is_finite() { sent.back } else { 0.0 };
             let weight = Target::on_disc(cone, sent.beta).weight(sent.density, back, sent.rival);
             sum.add_share(light, share, rising, weight);
         }
