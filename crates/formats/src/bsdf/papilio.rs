@@ -2,6 +2,8 @@
 //!
 //! `docs/bsdf-files.md` describes it for its readers.
 
+use std::collections::HashSet;
+
 use papilio_goniometry::{
     Channel, Direction, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Ring, SpecularGrid,
     SphericalGrid, Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, Way,
@@ -96,8 +98,8 @@ fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatErro
     let way = way_named(&about.way).ok_or_else(|| arrays.unsound("about", "this is no way of light"))?;
     let channels: Option<Vec<Channel>> = about.channels.iter().map(|name| channel_named(name)).collect();
     let channels = channels.filter(|channels| {
-        let twice = (1..channels.len()).any(|k| channels[..k].contains(&channels[k]));
-        !channels.is_empty() && channels.len() <= 4096 && !twice
+        let mut seen = HashSet::new();
+        !channels.is_empty() && channels.iter().all(|channel| seen.insert(channel.to_string()))
     });
     let channels = channels.ok_or_else(|| arrays.unsound("about", "these are no channels"))?;
     let prefix = prefix(way);

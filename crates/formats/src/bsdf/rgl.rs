@@ -170,6 +170,10 @@ impl<'a> Tensors<'a> {
                 let [before, value] = [pair[0], pair[1]];
                 return Err(self.error(BsdfProblem::Order { what: "wavelength", value, before }));
             }
+            if let Some(&value) = wavelengths.first().filter(|first| **first <= 0.0) {
+                let expected = "expected a wavelength in nm";
+                return Err(self.error(Problem::OutOfRange { what: "a wavelength", value, expected }));
+            }
             let channels = wavelengths.into_iter().map(Channel::Wavelength).collect();
             (channels, self.expect("spectra", 5)?)
         } else {

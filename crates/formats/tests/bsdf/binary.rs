@@ -1,10 +1,10 @@
 //! Files of bytes: MERL, RGL, and Papilio's own.
 
-use papilio_formats::{BsdfFormat, BsdfProblem, Problem};
+use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
 use papilio_goniometry::{Channel, Direction, Way};
 
 use super::samples::{self, MATRIX, TREE_3, klems, merl, papilio, rgl, singles, tensors};
-use super::{read, refused, refused_bsdf, written};
+use super::{file, read, refused, refused_bsdf, written};
 
 /// Light from 30 deg and a viewer at 30 deg beside it, at azimuth 90: theta_h = atan(tan 30 / sqrt 2) = 22.2077 deg,
 /// theta_d = acos(sqrt(5/8 + 3/8 ...)) as the vectors have it. And at the mirror direction: theta_h = 0, theta_d = 30.
@@ -126,4 +126,17 @@ fn what_a_format_cannot_hold_is_said() {
     assert_eq!(read(&bytes).parts[0].channels, [Channel::Monochrome]);
     let csv = papilio_formats::write_measurement(Vec::new(), BsdfFormat::Csv, &warped);
     assert_eq!(csv.unwrap_err().to_string(), "CSV cannot hold a warped grid");
+}
+
+/// Cells of the file are [theta_i][theta_o][dphi][wavelength]; light from 10, viewer at 20, 10 deg beside it: the last.
+#[test]
+fn a_display_is_read_as_its_first_state() {
+    let read = read_bsdf(&file(samples::display())).unwrap();
+    let part = &read.value.parts[0];
+    assert_eq!(part.channels, [Channel::Wavelength(500.0), Channel::Wavelength(600.0)]);
+    let (light, viewer) = (Direction::new(10.0, 70.0), Direction::new(20.0, 60.0));
+    assert_eq!((part.evaluate(0, light, viewer), part.evaluate(1, light, viewer)), (Some(22.0), Some(23.0)));
+    assert_eq!(part.evaluate(0, Direction::new(10.0, 0.0), Direction::new(0.0, 0.0)), Some(12.0));
+    assert_eq!(read.value.provenance.sample, "panel (white)");
+    assert!(read.warnings.iter().any(|line| line.contains("`white`")), "{:?}", read.warnings);
 }

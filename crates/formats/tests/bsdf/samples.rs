@@ -1,6 +1,7 @@
 //! Small synthetic files of each format, for the tests and for what the mutations begin with.
 
-use papilio_formats::{BsdfFormat, write_measurement};
+use papilio_display::{BrdfGrid, BrdfState, BrdfTable};
+use papilio_formats::{BsdfFormat, BsdfSource, write_bsdf, write_measurement};
 use papilio_goniometry::HalfAngleGrid;
 
 use super::read;
@@ -128,4 +129,26 @@ pub(super) fn all() -> Vec<(&'static str, Vec<u8>)> {
         ("rgl", rgl()),
         ("papilio", papilio()),
     ]
+}
+
+/// A display's own BSDF: 2 inclinations of the light, 3 of the viewer, 2 azimuths, 2 wavelengths, 2 states.
+pub(super) fn display() -> Vec<u8> {
+    let axis = |count: u32| (0..count).map(|k| 10.0 * f64::from(k)).collect::<Vec<_>>();
+    let state = |first: f32, name: &str| BrdfState {
+        name: name.to_owned(),
+        brdf: (0..24).map(|k| first + k as f32).collect(),
+        specular: vec![0.0; 4],
+        directional_hemispherical: vec![0.0; 4],
+    };
+    let table = BrdfTable {
+        grid: BrdfGrid { theta_i_deg: axis(2), theta_o_deg: axis(3), dphi_deg: axis(2) },
+        wavelength_nm: vec![500.0, 600.0],
+        states: vec![state(0.0, "white"), state(100.0, "black")],
+        nodes: 32,
+        discretisation_error: 1e-4,
+    };
+    let mut bytes = Vec::new();
+    let source = BsdfSource { papilio: "0.1.0", title: "panel", hash: "abc" };
+    write_bsdf(&mut bytes, &source, &table).unwrap();
+    bytes
 }

@@ -83,14 +83,20 @@ impl SpecularGrid {
             let ((t, wt), (n, wn)) = (pick(turn, 0), pick(incidence, 1));
             let ((a, wa), (r, wr)) = (pick(azimuth, 2), pick(radial, 3));
             let share = wt * wn * wa * wr;
-            let place = (self.incidences_deg[n], self.azimuths_deg[a], self.radials_deg[r]);
-            if share > 0.0 && Self::direction(place.0, place.1, place.2).is_some() {
+            let place = [self.incidences_deg[n], self.azimuths_deg[a], self.radials_deg[r]];
+            if share > 0.0 && Self::is_inside(place) {
                 let row = (t * self.incidences_deg.len() + n) * self.azimuths_deg.len() + a;
                 sum += share * values.get(row * self.radials_deg.len() + r)?;
                 weight += share;
             }
         }
         (weight > 0.0).then(|| sum / weight)
+    }
+
+    /// Whether a cell is in the hemisphere; the angles at once where that is plain.
+    fn is_inside([incidence_deg, azimuth_deg, radial_deg]: [f64; 3]) -> bool {
+        incidence_deg + radial_deg < 89.999
+            || Self::direction(incidence_deg, azimuth_deg, radial_deg).is_some()
     }
 
     /// Azimuth and radial distance, degrees, about the specular direction of light from azimuth 180 deg.

@@ -45,7 +45,10 @@ impl WarpedGrid {
     /// Of its fields; `None` if the lengths do not fit each other, an axis does not rise, or a density is
     /// negative or nowhere positive.
     pub fn new(fields: WarpFields) -> Option<Self> {
-        let rises = |axis: &[f64]| !axis.is_empty() && axis.windows(2).all(|pair| pair[0] < pair[1]);
+        let rises = |axis: &[f64]| {
+            let is_finite = !axis.is_empty() && axis.iter().all(|angle| angle.is_finite());
+            is_finite && axis.windows(2).all(|pair| pair[0] < pair[1])
+        };
         let fits = |(values, [rows, columns]): &(Vec<f64>, [usize; 2]), places: usize| {
             let sound = values.iter().all(|v| v.is_finite() && *v >= 0.0);
             let count = rows.checked_mul(*columns).and_then(|cells| cells.checked_mul(places));
@@ -164,6 +167,7 @@ mod tests {
         for spoil in [
             |f: &mut WarpFields| f.theta_i = vec![1.0, 0.0],
             |f: &mut WarpFields| f.phi_i = vec![],
+            |f: &mut WarpFields| f.phi_i = vec![f64::NAN],
             |f: &mut WarpFields| f.vndf.0.truncate(7),
             |f: &mut WarpFields| f.vndf.0[0] = -1.0,
             |f: &mut WarpFields| f.vndf.0 = vec![0.0; 8],
