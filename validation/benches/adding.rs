@@ -4,6 +4,8 @@
 //! 8 states, at the levels that 1e-4 takes. `from_scratch`: kernels and estimates; `diffuse`,
 //! `beam`: the kernel of one light; `recycling`: what the front adds to both; `new_light`: a beam
 //! moves under a prepared kernel; `new_pixel`: an estimate through a prepared kernel.
+//!
+//! `slabs`: any layers, by their number and anisotropy (nodes grow as 1/(1 - g)), at two levels.
 
 #![allow(missing_docs, reason = "a benchmark")]
 
@@ -14,7 +16,8 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+    AngularTable, Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
+    Scattering, Source, Stack, Top,
 };
 
 fn main() {
@@ -118,4 +121,32 @@ fn new_pixel(bencher: Bencher<'_, '_>, level: u32) {
     let stack = panel(0.005);
     let kernel = kernel(level, &stack, &[Source::Diffuse, beam(-20.0)]);
     bencher.bench(|| kernel.estimate(&stack, 0));
+}
+
+/// Slabs of different thickness upon one another, over a mirror.
+fn slabs_over_mirror(count: usize, anisotropy: f64) -> Stack {
+    let slab = |number: usize| Layer {
+        interface: if number == 0 { Interface::Fresnel } else { Interface::Open },
+        medium: Medium::new(vec![1.5].into()).with_scattering(Scattering {
+            optical_thickness: 0.3 + 0.1 * number as f64,
+            anisotropy,
+            albedo: vec![1.0].into(),
+        }),
+    };
+    let mirror = AngularTable {
+        nodes: Nodes::Constant,
+        basis: vec![0.5].into(),
+        mixture: vec![1.0],
+        common: vec![0.0],
+    };
+    Stack::Layered(Layered {
+        layers: (0..count).map(slab).collect(),
+        base: Base { reflector: Reflector::Specular(mirror), inactive_absorptance: vec![0.0].into() },
+    })
+}
+
+#[divan::bench(args = [(1, 0.5), (3, 0.5), (6, 0.5), (1, 0.95), (3, 0.95), (6, 0.95), (1, 0.98), (2, 0.98)], sample_count = 3, sample_size = 1)]
+fn slabs(bencher: Bencher<'_, '_>, (count, anisotropy): (usize, f64)) {
+    let (stack, sources) = (slabs_over_mirror(count, anisotropy), [Source::Diffuse, beam(-20.0)]);
+    bencher.bench(|| [0, 1].map(|level| kernel(level, &stack, &sources).estimate(&stack, 0)));
 }

@@ -8,11 +8,12 @@
 //!
 //! - [`precision`]: what a level is; [`directions`]: views and sources; [`grid`]: the nodes;
 //!   [`convergence`]: the azimuthal orders;
-//! - [`algebra`]: operators with light that keeps its direction apart;
-//!   [`matrix`]: what they are made of;
+//! - [`algebra`]: operators with light that keeps its direction apart; [`beams`]: what they make of
+//!   a few beams; [`matrix`]: what they are made of;
 //! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
 //!   parts as one;
-//! - [`base`]: the stack closed by the pixel, by state and wavelength; [`seen`]: what comes of it.
+//! - [`base`]: the stack closed below its last scatterer by flat layers and pixel, by state and
+//!   wavelength; [`seen`]: what comes of it.
 //!
 //! # What the level decides
 //! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
