@@ -1,25 +1,29 @@
 //! Calibration against a known white.
 //!
-//! A white of known reflectance, measured on the same grid, tells what instrument and optics do to each direction: the correction is
-//! its known f, `reflectance_factor/pi` (Spectralon: .99, taken as Lambertian), over the f that was
-//! measured, and the sample is multiplied by it cell by cell. Vignetting, uneven coatings and the scale go; blur, stray light and noise
-//! stay, and the reference's own noise comes on top ([`Calibration::noise`]).
+//! A white of known reflectance, measured on the same grid, tells what instrument and optics do to each
+//! direction: the correction is its known f, `reflectance_factor/pi` (Spectralon: .99, taken as
+//! Lambertian), over the f that was measured, and the sample is multiplied by it cell by cell. Vignetting,
+//! uneven coatings and the scale go; blur, stray light and noise stay, and the reference's own noise
+//! comes on top ([`Calibration::noise`]).
 //!
 //! **What corrects what**: a part of the sample is corrected by the reference's part of the same way, or
-//! by its only part: the cells of reflection and transmission lie in the same directions of the sphere. A channel is corrected by the same
-//! channel, or by the only one.
+//! by its only part: the cells of reflection and transmission lie in the same directions of the sphere. A
+//! channel is corrected by the same channel, or by the only one.
 //!
-//! **Nothing is extrapolated.** Where the sample has a value and the reference has none, the result is NaN, and counted.
+//! **Nothing is extrapolated.** Where the sample has a value and the reference has none, the result is
+//! NaN, and counted.
 //!
-//! Total integrated scatter, where the file gives it, is multiplied with what the correction does to the light of its incidence.
+//! Total integrated scatter, where the file gives it, is multiplied with what the correction does to the
+//! light of its incidence.
 //!
-//! **Limits**: a Lambertian white. Pressed PTFE is within some per cent of it up to 60 deg.
+//! **Limits**: a Lambertian white. Real ones are within some per cent of it, up to 60 deg or so.
 
 use std::f64::consts::PI;
 
 use crate::{Channel, Geometry, GoniometryError, Measurement, Part, SpecularGrid, Way};
 
-/// Where the correction of a cell differs from its neighbours' mean by more than this share, it is called rough.
+/// Where the correction of a cell differs from its neighbours' mean by more than this share, it is called
+/// rough.
 const ROUGH: f64 = 0.05;
 
 /// A sample after calibration, and what was done to it.
@@ -44,7 +48,8 @@ pub struct Calibration {
     pub corrected: usize,
     /// Cells with a value for which the reference has none: NaN now.
     pub uncovered: usize,
-    /// Standard deviation of neighbouring factors, relative (on specular-centred grids): what the reference's noise adds.
+    /// Standard deviation of neighbouring factors, relative (on specular-centred grids): what the
+    /// reference's noise adds.
     pub noise: Option<f64>,
     /// Factors that differ from the mean of their neighbours by more than 5 %.
     pub rough: usize,
@@ -53,7 +58,8 @@ pub struct Calibration {
 /// A sample, corrected by a white of this reflectance factor that was measured on the same grid.
 ///
 /// # Errors
-/// If the grids differ, a way of light or a channel has no reference, or the reflectance factor is not above 0.
+/// If the grids differ, a way of light or a channel has no reference, or the reflectance factor is not
+/// above 0.
 pub fn calibrated(
     sample: &Measurement,
     reference: &Measurement,
@@ -150,7 +156,8 @@ fn apply(part: &mut Part, channel: usize, correction: &[Option<f64>]) -> Calibra
     calibration
 }
 
-/// How much light of one incidence there is after the correction, over that before, in the cells that have both.
+/// How much light of one incidence there is after the correction, over that before, in the cells that
+/// have both.
 fn change(grid: &SpecularGrid, block: usize, before: &[f64], after: &[f64]) -> f64 {
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
     let incidence = grid.incidences_deg[block % grid.incidences_deg.len()];
@@ -169,7 +176,8 @@ fn change(grid: &SpecularGrid, block: usize, before: &[f64], after: &[f64]) -> f
     if light[0] > 0.0 { light[1] / light[0] } else { 1.0 }
 }
 
-/// Standard deviation of the factors from second differences of their logarithms along the lines, and how many are rough.
+/// Standard deviation of the factors from second differences of their logarithms along the lines, and how
+/// many are rough.
 fn roughness(grid: &SpecularGrid, correction: &[Option<f64>]) -> (Option<f64>, usize) {
     let lines = correction.chunks_exact(grid.radials_deg.len().max(1));
     let mut differences: Vec<f64> = lines
@@ -247,7 +255,8 @@ mod tests {
         assert_eq!(calibration.uncovered, 2);
         assert!(result.measurement.parts[0].values[3].is_nan());
         assert!((calibration.noise.unwrap() / 0.02 - 1.0).abs() < 0.1, "{calibration:?}");
-        // Second differences have a standard deviation of 4.9 %, twice the limit is 2.04 of them: 4.1 % of the cells.
+        // Second differences have a standard deviation of 4.9 %, twice the limit is 2.04 of them: 4.1 %
+        // of the cells.
         let share = calibration.rough as f64 / calibration.corrected as f64;
         assert!((share - 0.041).abs() < 0.01, "{share}");
     }

@@ -1,10 +1,14 @@
 //! Why measured scattering could not be worked on.
 
+use crate::fit::SPARE_CELLS;
+
 /// What is wrong with measurements, or with a question about them.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GoniometryError {
     /// A fit needs more cells with light than it has parameters.
-    #[error("{cells} cells hold a value; a fit of {parameters} parameters needs at least {} of them", parameters + crate::fit::SPARE_CELLS)]
+    #[error(
+        "{cells} cells hold a value; a fit of {parameters} parameters needs {SPARE_CELLS} more than that"
+    )]
     TooFewCells {
         /// Cells with a value.
         cells: usize,

@@ -45,7 +45,7 @@ fn a_sample_without_blur_is_found_again() {
     }
 }
 
-/// Blurred, it is the k-correlation lobe of the widths' sum; taken for a lobe and a straight beam it is no better.
+/// Blurred, it is the k-correlation lobe of the widths' sum.
 #[test]
 fn a_blurred_sample_has_the_sum_of_the_widths() {
     let sample = SyntheticSample::new(0.65).unwrap();

@@ -9,8 +9,9 @@ use crate::{Geometry, Part, SpecularGrid, SphericalGrid, Symmetry};
 
 /// Measured values and where they lie, each direction once.
 ///
-/// Cells that hold nothing, that is NaN or exactly 0 as files write it beyond what an instrument sees, are left out.
-/// At radial distance 0 all azimuths of a specular-centred grid are one direction; it counts once, with their mean.
+/// Cells that hold nothing are left out: NaN, or exactly 0 as files have it beyond what an instrument
+/// sees. At radial distance 0 all azimuths of a specular-centred grid are one direction; it counts once,
+/// with their mean.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Data {
     pub(super) cells: Vec<Cell>,
@@ -76,8 +77,7 @@ impl Data {
         ours / theirs - 1.0
     }
 
-    /// The width of a k-correlation lobe with the data's peak and total, and the factor by which the middle of a
-    /// lobe of that width has to be multiplied.
+    /// The width of a k-correlation lobe that falls to half its peak where the data do.
     pub(super) fn width(&self) -> f64 {
         let mut cells: Vec<&Cell> = self.cells.iter().collect();
         cells.sort_by(|a, b| a.pair.delta2.total_cmp(&b.pair.delta2));

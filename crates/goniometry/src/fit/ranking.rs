@@ -11,8 +11,9 @@ pub struct Ranked {
     pub score: Option<f64>,
 }
 
-/// Fits by a score of the caller's, the smallest first: for instance by how far a display's metrics move when the lobe
-/// takes the measurement's place. Equal scores, and fits without one (at the end), go by their residual.
+/// Fits by a score of the caller's, the smallest first: for instance by how far a display's metrics
+/// move when the lobe takes the measurement's place. Equal scores, and fits without one (at the end), go
+/// by their residual.
 pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec<Ranked> {
     let score = |fit: Fit| Ranked { score: score(&fit).filter(|score| !score.is_nan()), fit };
     let mut all: Vec<Ranked> = fits.into_iter().map(score).collect();

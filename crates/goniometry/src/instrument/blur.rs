@@ -12,10 +12,11 @@ pub(super) const HALF: f64 = 0.766_420_937;
 
 /// The lobe of light from one direction, convolved with the k-correlation kernel of an instrument.
 ///
-/// Two lobes meet under the integral: the kernel about the direction looked at, and the sample's about the specular
-/// direction. Where they are apart, each has the half plane on its side, in polar coordinates about its middle, graded by its width;
-/// where they are close, the narrower's coordinates serve for both. Error below 1e-4, relative; below 5e-4 of
-/// what is near for lobes that end at the horizon in a root of the cosine.
+/// Two lobes meet under the integral: the kernel about the direction looked at, and the sample's about
+/// the specular direction. Where they are apart, each has the half plane on its side, in polar
+/// coordinates about its middle, graded by its width; where they are close, the narrower's coordinates
+/// serve for both. Error below 1e-4, relative; below 5e-4 of what is near for lobes that end at the
+/// horizon in a root of the cosine.
 pub(super) struct Blurred<'a> {
     pub(super) rule: &'a Rule,
     pub(super) f: &'a dyn Fn(Beta, Beta) -> f64,
@@ -64,7 +65,8 @@ impl<'a> Blurred<'a> {
     }
 }
 
-/// The width of a k-correlation lobe with the same half width, the least of four directions; 1 if there is no peak.
+/// The width of a k-correlation lobe with the same half width, the least of four directions; 1 if there is
+/// no peak.
 fn width(f: &dyn Fn(Beta, Beta) -> f64, from: Beta) -> f64 {
     let peak = f(from, from);
     let narrow = |x: f64, y: f64| {

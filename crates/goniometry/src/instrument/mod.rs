@@ -1,22 +1,25 @@
 //! A virtual instrument: what an imaging sphere would write about a lobe that is known.
 //!
-//! Light comes from each incidence of the grid; the values are those of the sample, blurred, normalised, with noise:
+//! Light comes from each incidence of the grid; the values are those of the sample, blurred, normalised,
+//! with noise:
 //!
-//! - **Blur**: f is convolved, in the plane of direction cosines, with a k-correlation kernel of width `blur`, the
-//!   image that source, optics and camera make of a straight beam. A k-correlation lobe of width b
-//!   becomes one of width b + blur.
-//! - **Renormalised** values integrate to the sample's own total in spite of light that the blur moves beyond the horizon; real instruments
-//!   calibrate so. Otherwise that light is lost.
-//! - **Noise** is normal: a `relative` part and a `floor` in 1/sr; what would be negative is 0. Numbers depend on seed,
-//!   way, channel and cell alone.
-//! - **TIS** is the true total of each incidence, times the channel's factor: a detector of its own, without
-//!   blur and noise.
+//! - **Blur**: f is convolved, in the plane of direction cosines, with a k-correlation kernel of width
+//!   `blur`, the image that source, optics and camera make of a straight beam. A k-correlation lobe of
+//!   width b becomes one of width b + blur.
+//! - **Renormalised** values integrate to the sample's own total in spite of light that the blur moves
+//!   beyond the horizon; real instruments calibrate so. Otherwise that light is lost.
+//! - **Noise** is normal: a `relative` part and a `floor` in 1/sr; what would be negative is 0. Numbers
+//!   depend on seed, way, channel and cell alone.
+//! - **TIS** is the true total of each incidence, times the channel's factor: a detector of its own,
+//!   without blur and noise.
 //!
-//! The instrument sees no finer than its kernel, but it samples points: cells are not averaged over their extent.
+//! The instrument sees no finer than its kernel, but it samples points: cells are not averaged over their
+//! extent.
 
 mod blur;
 mod deblur;
 mod quadrature;
+mod rings;
 mod synthetic;
 
 use std::f64::consts::PI;
@@ -38,7 +41,7 @@ pub struct Instrument {
     pub grid: SpecularGrid,
     /// What it looks through.
     pub channels: Vec<Channel>,
-    /// Width of the image of a straight beam, direction cosines; 0 for none.
+    /// Width of the image of a straight beam, direction cosines: .0001 to 1, or 0 for none.
     pub blur: f64,
     /// True if its values integrate to the sample's total.
     pub renormalise: bool,
@@ -72,8 +75,8 @@ pub struct View<'a> {
 }
 
 impl Instrument {
-    /// The dissertation's (Feng 2012, section 3.3): incidences 0 to 75 deg by 5, azimuths 0 to 180 by 10, radial distances 0 to 180
-    /// by 2, X, Y and Z, without blur and noise.
+    /// The dissertation's (Feng 2012, section 3.3): incidences 0 to 75 deg by 5, azimuths 0 to 180 by
+    /// 10, radial distances 0 to 180 by 2; X, Y and Z; without blur and noise.
     pub fn imaging_sphere() -> Self {
         let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect();
         Self {
@@ -117,15 +120,15 @@ impl Instrument {
     }
 
     fn check(&self, views: &[View<'_>]) -> Result<(), GoniometryError> {
-        let numbers = [
-            ("the blur", self.blur),
-            ("the relative noise", self.noise.relative),
-            ("the noise floor", self.noise.floor),
-        ];
+        let numbers = [("the relative noise", self.noise.relative), ("the noise floor", self.noise.floor)];
         for (what, value) in numbers {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(GoniometryError::OutOfRange { what, value, expected: "0 or more" });
             }
+        }
+        if self.blur != 0.0 && !(1e-4..=1.0).contains(&self.blur) {
+            let (what, value) = ("the blur", self.blur);
+            return Err(GoniometryError::OutOfRange { what, value, expected: "0, or .0001 to 1" });
         }
         let counts = views.iter().map(|view| view.factors.len());
         if let Some(count) = counts.into_iter().find(|count| *count != self.channels.len()) {

@@ -37,8 +37,8 @@ impl Rule {
         }
     }
 
-    /// Of a function with features of size `width` about `middle`, smoother elsewhere, that may end at the rim of
-    /// the disc |beta| = 1: over the whole plane, or over the disc.
+    /// Of a function with features of size `width` about `middle`, smoother elsewhere, that may end at
+    /// the rim of the disc |beta| = 1: over the whole plane, or over the disc.
     pub(super) fn plane(&self, middle: Beta, width: f64, whole: bool, f: impl Fn(Beta) -> f64) -> f64 {
         let step = 2.0 * PI / self.around as f64;
         let farthest = if whole { FARTHEST } else { 0.0 };

@@ -1,10 +1,10 @@
 //! The synthetic samples that ship with the project.
 //!
-//! Three diffusers like the dissertation's H65, H78 and H81 (Feng 2012, sections 3.3 and 5.4), whose files are not public:
-//! k-correlation lobes by haze, total transmittance .90, and an edge in the near ultraviolet,
-//! `1/(1 + exp(-(lambda - 392 nm)/7 nm))`, as figure 3.10 has it. Their peaks in figures 3.8 and 5.16 are lower than lobes of that haze
-//! can have. An instrument's blur of .0483 in direction cosines reconciles them; see
-//! [`SyntheticSample::instrument`].
+//! Three diffusers like the dissertation's H65, H78 and H81 (Feng 2012, sections 3.3 and 5.4), whose files
+//! are not public: k-correlation lobes by haze, total transmittance .90, and an edge in the near
+//! ultraviolet, `1/(1 + exp(-(lambda - 392 nm)/7 nm))`, as in figure 3.10. Their peaks in figures 3.8 and
+//! 5.16 are lower than lobes of that haze can have. An instrument's blur of .0483 in direction cosines
+//! reconciles them; see [`SyntheticSample::instrument`].
 
 use papilio_optics::Beta;
 use papilio_optics::lobe::{Lobe, width_from_haze};
@@ -62,7 +62,7 @@ impl SyntheticSample {
         Instrument { blur: BLUR, ..Instrument::imaging_sphere() }
     }
 
-    /// What an instrument finds; `factors` as [`tristimulus_factors`] gives them, one for each of its channels.
+    /// What an instrument finds; `factors` as [`Self::factors`] gives them, one for each of its channels.
     ///
     /// # Errors
     /// As [`Instrument::measure`].
@@ -89,8 +89,8 @@ fn edge(wavelength_nm: f64) -> f64 {
     1.0 / (1.0 + (-(wavelength_nm - EDGE_NM) / EDGE_WIDTH_NM).exp())
 }
 
-/// What a spectrum of transmission (or reflection) does to X, Y and Z, each relative to the light's own: `sum T S w/sum S w`. All
-/// on one grid of wavelengths; the weights are an observer's.
+/// What a spectrum of transmission (or reflection) does to X, Y and Z, each relative to the light's own:
+/// `sum T S w/sum S w`. All on one grid of wavelengths; the weights are an observer's.
 pub fn tristimulus_factors(transmission: &[f64], light: &[f64], weights: [&[f64]; 3]) -> [f64; 3] {
     weights.map(|weight| {
         let both = transmission.iter().zip(light.iter().zip(weight));
