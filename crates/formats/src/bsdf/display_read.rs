@@ -24,21 +24,21 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
         return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "expected version 1" }));
     }
     let states = arrays.texts("state")?;
-    let mut axis = |name: &str, most: f64| {
+    let mut axis = |name: &str, least: f64, most: f64| {
         let values = arrays.numbers(name)?.values;
         let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
-        if values.is_empty() || !rises || !values.iter().all(|value| (0.0..=most).contains(value)) {
+        if values.is_empty() || !rises || !values.iter().all(|value| (least..=most).contains(value)) {
             return Err(arrays.unsound(name, "expected values that rise"));
         }
         Ok(values)
     };
     let grid = SphericalGrid {
-        theta_i_deg: axis("theta_i_deg", 90.0)?,
+        theta_i_deg: axis("theta_i_deg", 0.0, 90.0)?,
         phi_i_deg: vec![0.0],
-        theta_o_deg: axis("theta_o_deg", 90.0)?,
-        phi_o_deg: axis("dphi_deg", 180.0)?,
+        theta_o_deg: axis("theta_o_deg", 0.0, 90.0)?,
+        phi_o_deg: axis("dphi_deg", 0.0, 180.0)?,
     };
-    let wavelengths = axis("wavelength_nm", 1e6)?;
+    let wavelengths = axis("wavelength_nm", 1e-3, 1e6)?;
     let Array { shape, values } = arrays.numbers("brdf")?;
     let lengths = [&grid.theta_i_deg, &grid.theta_o_deg, &grid.phi_o_deg, &wavelengths].map(Vec::len);
     if shape.get(1..) != Some(&lengths[..]) || shape[0] != states.len() || states.is_empty() {

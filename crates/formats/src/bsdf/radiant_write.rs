@@ -24,6 +24,9 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     let Geometry::Specular(grid) = &part.geometry else {
         return Err(WriteError::CannotHold { format: NAME, what: "these cells" });
     };
+    if grid.cells() == 0 {
+        return Err(WriteError::CannotHold { format: NAME, what: "a part without cells" });
+    }
     header(out, measurement, part, grid, channels.len())?;
     for (name, channel) in channels {
         writeln!(out, "\n{}\nDataBegin", block_name(name))?;

@@ -100,6 +100,18 @@ impl WarpedGrid {
         [i, o]
     }
 
+    /// The measured directions of light around one, and their shares.
+    fn lights(&self, phi_i: f64, theta_i: f64) -> Option<[(usize, f64); 4]> {
+        let axis = &self.fields.phi_i;
+        let phi = if self.is_isotropic() {
+            // One or two azimuths stand for all.
+            between(axis, phi_i.clamp(axis[0], axis[axis.len() - 1]))
+        } else {
+            [phi_i, phi_i - TAU, phi_i + TAU].into_iter().find_map(|phi| between(axis, phi))
+        };
+        Some(places(phi?, between(&self.fields.theta_i, theta_i)?, self.fields.theta_i.len()))
+    }
+
     pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
         if values.len() != self.cells() {
             return None;
@@ -111,10 +123,7 @@ impl WarpedGrid {
         let phi_m = m.phi_deg.to_radians() - if self.is_isotropic() { phi_i } else { 0.0 };
         let at_m = [(m.theta_deg.to_radians() / FRAC_PI_2).sqrt(), ((phi_m + PI) / TAU).rem_euclid(1.0)];
         let fields = &self.fields;
-        let (first, last) = (fields.phi_i[0], fields.phi_i[fields.phi_i.len() - 1]);
-        // One or two azimuths of an isotropic sample stand for all.
-        let phi = between(&fields.phi_i, phi_i.clamp(first, last))?;
-        let lights = places(phi, between(&fields.theta_i, theta_i)?, fields.theta_i.len());
+        let lights = self.lights(phi_i, theta_i)?;
         let at = self.warp.invert(&lights, at_m)?;
         let [rows, columns] = fields.shape;
         let value =
@@ -160,6 +169,32 @@ mod tests {
             let expected = 1.5 / 9.0 / 50_f64.to_radians().cos();
             assert!((f / expected - 1.0).abs() < 1e-9, "{f} {expected}");
         }
+    }
+
+    /// A quarter of the circle stands for all of it: each azimuth of the light has values of its own.
+    #[test]
+    fn a_quarter_of_the_azimuths_is_mirrored() {
+        let quarter = WarpFields {
+            phi_i: vec![-PI, -0.75 * PI, -FRAC_PI_2],
+            vndf: (vec![1.0; 24], [2, 2]),
+            jacobian: false,
+            ..fields()
+        };
+        let grid = WarpedGrid::new(quarter).unwrap();
+        let values: Vec<f64> = (0..24).map(|cell| f64::from(1 + cell / 8)).collect();
+        for (azimuth, value) in
+            [(-180.0, 1.0), (-135.0, 2.0), (-45.0, 2.0), (45.0, 2.0), (0.0, 1.0), (90.0, 3.0), (112.5, 2.5)]
+        {
+            let f = grid.evaluate(&values, Direction::new(30.0, azimuth), Direction::new(0.0, 0.0));
+            assert!((f.unwrap() - value).abs() < 1e-9, "{azimuth}: {f:?}");
+        }
+        let eighth = WarpFields { phi_i: vec![-PI, -3.0, -2.9], vndf: (vec![1.0; 24], [2, 2]), ..fields() };
+        let f = WarpedGrid::new(eighth).unwrap().evaluate(
+            &values,
+            Direction::new(30.0, 90.0),
+            Direction::new(0.0, 0.0),
+        );
+        assert_eq!(f, None, "nothing is extrapolated");
     }
 
     #[test]
