@@ -79,6 +79,26 @@ fn a_grid_is_averaged_over_patches() {
     assert!((sum - 0.25 * std::f64::consts::PI).abs() < 1e-12, "{sum}");
 }
 
+/// f that rises with the viewer's inclination: its mean over a ring, weighted with the cosine, in closed form.
+#[test]
+fn an_average_is_weighted_with_the_cosine() {
+    let table: String =
+        (0..=90).map(|theta| format!("0,0,{theta},0,{theta}\n90,0,{theta},0,{theta}\n")).collect();
+    let patches = read(written(BsdfFormat::Klems, &read(table)).0);
+    let integral = |deg: f64| {
+        let theta = deg.to_radians();
+        (-theta * (2.0 * theta).cos() / 4.0 + (2.0 * theta).sin() / 8.0).to_degrees()
+    };
+    for (patch, from, to) in [(0, 0.0, 5.0), (20, 15.0, 25.0), (80, 45.0, 55.0), (144, 75.0, 90.0)] {
+        let area = |deg: f64| deg.to_radians().sin().powi(2) / 2.0;
+        let mean = (integral(to) - integral(from)) / (area(to) - area(from));
+        for incident in [0, 77] {
+            let f = patches.parts[0].values[incident * 145 + patch];
+            assert!((f - mean).abs() < 0.02 * (to - from), "{patch}: {f} {mean}");
+        }
+    }
+}
+
 /// The trees of Radiance: for light along the normal, rank 3 is at 1/2 of its first side.
 #[test]
 fn a_tree_is_read_in_the_order_of_its_braces() {
