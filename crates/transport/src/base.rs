@@ -2,7 +2,7 @@
 
 use papilio_spectra::Spectrum;
 
-use crate::{AngularTable, Medium};
+use crate::{AngularTable, Medium, ScatterKernel};
 
 /// What lies under the medium and sends light back.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,17 @@ pub enum Reflector {
     Specular(AngularTable),
     /// The same basic radiance in every direction of the medium; shape `[state][wavelength]`.
     Lambertian(Vec<f64>),
+    /// By a kernel for each state, its directions those of the medium: cosines over its index, which
+    /// should be constant; made by [`Reflector::scattering`]. All that is not sent back is absorbed by
+    /// the pixel; any layers may be over it, but no panel.
+    Scattering(Vec<ScatterKernel>),
+}
+
+impl Reflector {
+    /// By a kernel for each state: of light both ways the mean of both readings counts.
+    pub fn scattering(kernels: impl IntoIterator<Item = ScatterKernel>) -> Self {
+        Self::Scattering(kernels.into_iter().map(ScatterKernel::reciprocal).collect())
+    }
 }
 
 impl Base {
@@ -33,14 +44,28 @@ impl Base {
         match &self.reflector {
             Reflector::Specular(table) => table.state_count(),
             Reflector::Lambertian(reflectance) => reflectance.len() / self.bins(),
+            Reflector::Scattering(kernels) => kernels.len(),
         }
     }
 
-    /// The reflectance of every state at `|beta|^2`; `out` has shape `[state][wavelength]`.
+    /// True if it keeps the direction of light, as a mirror.
+    pub fn is_specular(&self) -> bool {
+        matches!(self.reflector, Reflector::Specular(_))
+    }
+
+    /// The share that every state reflects at `|beta|^2`; `out` has shape `[state][wavelength]`.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         match &self.reflector {
             Reflector::Specular(table) => table.reflectance(beta_squared, medium, out),
             Reflector::Lambertian(reflectance) => out.copy_from_slice(reflectance),
+            Reflector::Scattering(kernels) => {
+                let index = medium.largest_index();
+                let rows = out.chunks_exact_mut(self.bins());
+                for (row, kernel) in rows.zip(kernels) {
+                    let total = kernel.total(beta_squared.sqrt() / index);
+                    row.iter_mut().zip(&*kernel.factor).for_each(|(out, factor)| *out = total * factor);
+                }
+            }
         }
     }
 
@@ -59,6 +84,7 @@ impl Base {
         match &self.reflector {
             Reflector::Specular(table) => (largest(&table.basis) + largest(&table.common)).min(1.0),
             Reflector::Lambertian(reflectance) => largest(reflectance).min(1.0),
+            Reflector::Scattering(_) => 1.0,
         }
     }
 }

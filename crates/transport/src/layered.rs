@@ -91,13 +91,16 @@ pub struct ScatterFace {
     /// `[down, up]`.
     transmission: Option<[ScatterKernel; 2]>,
     reflection: [Option<ScatterKernel>; 2],
+    /// The radius of the disc that its kernels live in, if that is not the air's: they are then a
+    /// pixel's.
+    disc: Option<Spectrum>,
 }
 
 impl ScatterFace {
     /// A face that passes this share of light, per wavelength, without changing its direction,
     /// and absorbs the rest.
     pub fn new(straight: Spectrum) -> Self {
-        Self { straight, transmission: None, reflection: [None, None] }
+        Self { straight, transmission: None, reflection: [None, None], disc: None }
     }
 
     /// The same with light from above scattered through it like this.
@@ -119,6 +122,17 @@ impl ScatterFace {
         self
     }
 
+    /// A pixel under a medium of this index: what it does not send back it takes.
+    pub(crate) fn pixel(kernel: ScatterKernel, index: &Spectrum) -> Self {
+        let face = Self::new(index.map(|_| 0.0)).with_reflection_above(kernel);
+        Self { disc: Some(index.clone()), ..face }
+    }
+
+    /// The radius of its disc, if it is a pixel.
+    pub(crate) fn disc(&self, bin: usize) -> Option<f64> {
+        self.disc.as_ref().map(|disc| disc[bin])
+    }
+
     /// The share that passes straight, per wavelength.
     pub fn straight(&self) -> &Spectrum {
         &self.straight
@@ -136,7 +150,8 @@ impl ScatterFace {
 
     /// The least width of its kernels.
     pub(crate) fn width(&self) -> f64 {
-        self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
+        let disc = self.disc.as_ref().map_or(1.0, Spectrum::min);
+        disc * self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
     }
 
     /// All kernels, of light from above.
@@ -146,7 +161,7 @@ impl ScatterFace {
 }
 
 impl ScatterKernel {
-    fn reciprocal(self) -> Self {
+    pub(crate) fn reciprocal(self) -> Self {
         Self { scatter: self.scatter.reciprocal(), ..self }
     }
 

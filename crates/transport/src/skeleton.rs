@@ -161,7 +161,7 @@ impl Skeleton {
         }
         match &stack.base.reflector {
             Reflector::Specular(_) => stack.base.reflectance(beta_squared, upper, &mut self.base),
-            Reflector::Lambertian(_) => {}
+            Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
         }
         self.combine();
     }

@@ -44,7 +44,7 @@ pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
     let mut r = vec![0.0; base.states() * base.bins()];
     match &base.reflector {
         Reflector::Specular(_) => base.reflectance(beta.squared(), &stack.medium, &mut r),
-        Reflector::Lambertian(_) => {}
+        Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
     }
     let flat = |bin: usize| match &stack.top {
         Top::Diffuser(_) => stack.front.at(bin),

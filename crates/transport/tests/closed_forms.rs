@@ -297,6 +297,7 @@ fn a_dispersive_medium_agrees_with_a_constant_one() {
                 table.common = vec![0.0; 2];
             }
             Reflector::Lambertian(reflectance) => *reflectance = vec![0.8; 2],
+            Reflector::Scattering(_) => unreachable!(),
         }
         let a = replicates(&constant, view(8.0), &sources, 5, 128, Sampler::Sobol);
         let b = replicates(&two_bins, view(8.0), &sources, 5, 128, Sampler::Sobol);

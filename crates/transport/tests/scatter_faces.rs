@@ -14,7 +14,9 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::scatter::{Normalisation, Scatter, Table, Ward};
 use papilio_sampling::Sampler;
-use papilio_transport::{Cone, Estimate, Interface, ScatterFace, ScatterKernel, Source, Stack};
+use papilio_transport::{
+    Base, Cone, Estimate, Interface, Reflector, ScatterFace, ScatterKernel, Source, Stack,
+};
 
 /// A table of a function of incidence, distance and azimuth.
 fn table(step: f64, f: impl Fn(f64, f64, f64) -> f64) -> Scatter {
@@ -198,5 +200,54 @@ fn the_walk_agrees() {
                 mean_and_error(estimates.iter().map(|estimate| rho(estimate, source)))
             });
         }
+    }
+}
+
+/// A pixel that scatters by a kernel: in air or in glass, a constant one is Lambertian.
+#[test]
+fn a_constant_pixel_is_lambertian() {
+    let constant: Scatter = Table::new(&[0.0], &[0.0, 2.0], &[0.0], &[1.0 / PI; 2]).unwrap().into();
+    for index in [1.0, 1.5] {
+        let over =
+            |base| stack([(diffuser(0.2, 0.9, 0.1), clear(index)), (Interface::Fresnel, clear(index))], base);
+        let base = pixel(&[(&constant, 0.3), (&constant, 0.7)]);
+        let sources = [Source::Diffuse, beam(-20.0, 0.0)];
+        let found = estimate(1, &over(base), view(30.0), &sources);
+        for (state, reflectance) in [0.3, 0.7].into_iter().enumerate() {
+            let closed = estimate(1, &over(lambertian(reflectance)), view(30.0), &sources);
+            for source in 0..2 {
+                let (a, b) = (&found.rho[source], &closed.rho[source]);
+                assert_close("base", a.base[state] / b.base[0], 1.0, 1e-3);
+                assert_close("front", a.front[0], b.front[0], 1e-12);
+            }
+            assert_close("pixel", found.ledger.pixel[state], closed.ledger.pixel[0], 1e-3);
+            assert_close("diffuser", found.ledger.diffuser[state], closed.ledger.diffuser[0], 1e-3);
+        }
+    }
+}
+
+fn pixel(states: &[(&Scatter, f64)]) -> Base {
+    let kernels = states.iter().map(|(scatter, factor)| times((*scatter).clone(), *factor));
+    Base { reflector: Reflector::scattering(kernels), inactive_absorptance: one(0.0) }
+}
+
+/// Two states of two shapes under layers, by both solvers.
+#[test]
+fn the_walk_agrees_on_scattering_pixels() {
+    let base = pixel(&[(&lopsided(), 0.8), (&ward(0.4), 0.3)]);
+    let stack = stack([(diffuser(0.3, 0.9, 0.2), clear(1.5))], base);
+    let sources = [Source::Diffuse, beam(-25.0, 0.0), Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0))];
+    let eye = Cone::new(12.0, 0.0, 0.5, 1.0);
+    let truth = estimate(2, &stack, eye, &sources);
+    let runs = RefCell::new(HashMap::new());
+    for (source, state) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+        let seen = |e: &Estimate| e.rho[source].base[state];
+        assert_unbiased(&format!("source {source}, state {state}"), seen(&truth), 0.1, |seed| {
+            let mut runs = runs.borrow_mut();
+            let estimates = runs
+                .entry(seed)
+                .or_insert_with(|| replicates_of(&stack, eye, &sources, seed, 128, Sampler::Sobol));
+            mean_and_error(estimates.iter().map(seen))
+        });
     }
 }

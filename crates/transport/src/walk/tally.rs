@@ -24,7 +24,7 @@ impl Channel {
     pub(super) fn new(base: &Base) -> Self {
         let nodes = match &base.reflector {
             Reflector::Specular(table) => table.nodes.count(),
-            Reflector::Lambertian(_) => 1,
+            Reflector::Lambertian(_) | Reflector::Scattering(_) => 1,
         };
         // A look-up always touches `Stencil::LEN` consecutive slots.
         Self { nodes: vec![0.0; nodes + Stencil::LEN], spectra: vec![0.0; base.states() * base.bins()] }
@@ -49,6 +49,8 @@ impl Channel {
                 table.weighted_sum(&self.nodes[..table.nodes.count()], &mut sum);
             }
             Reflector::Lambertian(reflectance) => add_scaled(&mut sum, reflectance, self.nodes[0]),
+            // Any layers are over such a base, no panel.
+            Reflector::Scattering(_) => {}
         }
         sum.iter_mut().zip(&self.spectra).for_each(|(value, s)| *value = (*value + s) * scale);
         sum

@@ -49,6 +49,7 @@ enum Kind<'a> {
     Scatter {
         straight: f64,
         ways: [Option<(usize, f64)>; 3],
+        place: Place,
     },
 }
 
@@ -78,15 +79,18 @@ pub(super) fn elements<'a>(
                 Some(Kind::Rough { number: scatterers.rough(face, orders) })
             }
             Interface::Scatter(face) => {
+                let disc = face.disc(bin).unwrap_or(1.0);
+                let place = if face.disc(bin).is_some() { Place::Pixel } else { Place::Diffuser };
                 let mut way = |kernel: Option<&'a ScatterKernel>| {
                     kernel.map(|ScatterKernel { scatter, factor }| {
-                        let orders = || ScatterOrders::new(scatter, grid, precision.digits, beyond_first);
-                        (scatterers.scatter(scatter, orders), factor[bin])
+                        let orders =
+                            || ScatterOrders::new(scatter, disc, grid, precision.digits, beyond_first);
+                        (scatterers.scatter(scatter, disc, orders), factor[bin])
                     })
                 };
                 let [back, back_below] = [Going::Down, Going::Up].map(|going| face.back(going));
                 let ways = [way(face.through(Going::Down)), way(back), way(back_below)];
-                Some(Kind::Scatter { straight: face.straight()[bin], ways })
+                Some(Kind::Scatter { straight: face.straight()[bin], ways, place })
             }
             interface => Some(Kind::Face { interface, bin }),
         };
@@ -212,7 +216,7 @@ impl Element<'_> {
                     Scattered::Scatter(_) => Part::dark(grid),
                 }
             }
-            Kind::Scatter { straight, ways } => {
+            Kind::Scatter { straight, ways, .. } => {
                 let [mut down, above, below] = ways.map(|way| scatters(way, scattered, grid));
                 for (sum, beta) in down.straight.iter_mut().zip(&grid.beta) {
                     *sum += if *beta < 1.0 { *straight } else { 0.0 };
@@ -241,9 +245,8 @@ impl Element<'_> {
         let place = match &self.kind {
             Kind::Face { interface: Interface::Sheet { .. }, .. } => Place::Front,
             Kind::Face { .. } | Kind::Clear { .. } => Place::Glass,
-            Kind::Slab { .. } | Kind::Diffuser { .. } | Kind::Rough { .. } | Kind::Scatter { .. } => {
-                Place::Diffuser
-            }
+            Kind::Scatter { place, .. } => *place,
+            Kind::Slab { .. } | Kind::Diffuser { .. } | Kind::Rough { .. } => Place::Diffuser,
         };
         let mut part = part.booked(grid, place, [self.above, self.below]);
         if let (Kind::Slab { absorbing_share, .. }, Some(books)) = (&self.kind, &mut part.absorbed) {

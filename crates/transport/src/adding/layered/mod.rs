@@ -35,6 +35,7 @@ mod grid;
 mod lobes;
 mod matrix;
 mod part;
+mod pixels;
 mod precision;
 mod prepare;
 mod rough;
@@ -49,20 +50,30 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::Narrowest;
 use super::images::ImagePoints;
 use crate::specular::layered_image;
-use crate::{Base, Cone, Estimate, Layered, Ledger, Rho, Source};
+use crate::{Base, Cone, Estimate, Layered, Ledger, Reflector, Rho, Source};
 use directions::{Directions, Ray};
+use pixels::Pixels;
 use precision::Precision;
 use prepare::Group;
 use seen::{Columns, Seen};
 
 /// Radial nodes, besides the directions of views and sources, that a level takes.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
-    prepare::nodes_needed(stack, &Precision::new(level))
+    let needed = |stack: &Layered| prepare::nodes_needed(stack, &Precision::new(level));
+    pixels::each_as_layers(stack)
+        .map_or_else(|| needed(stack), |all| all.iter().map(needed).max().unwrap_or(0))
 }
 
 /// What takes most of them.
 pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
-    precision::narrowest(stack, &prepare::splits(stack, 0), &Precision::new(0))
+    let precision = Precision::new(0);
+    let narrowest = |stack: &Layered| precision::narrowest(stack, &prepare::splits(stack, 0), &precision);
+    let worst =
+        |all: Vec<Layered>| all.into_iter().max_by_key(|stack| prepare::nodes_needed(stack, &precision));
+    match pixels::each_as_layers(stack) {
+        Some(all) => worst(all).as_ref().and_then(narrowest),
+        None => narrowest(stack),
+    }
 }
 
 /// Prepared for a stack, its views and its sources.
@@ -75,6 +86,10 @@ pub(super) struct Kernel {
     groups: Vec<Group>,
     /// What was seen over the last base.
     last: Mutex<Option<Arc<OverBase>>>,
+    /// Of a base that scatters by kernels.
+    pixels: Mutex<Option<Arc<Pixels>>>,
+    level: u32,
+    asked: (Vec<Cone>, Vec<Source>),
 }
 
 /// What beams from all extra nodes become over one base, as far as anyone asked: views of the
@@ -95,6 +110,9 @@ impl Clone for Kernel {
             images: self.images.clone(),
             groups: self.groups.clone(),
             last: Mutex::default(),
+            pixels: Mutex::default(),
+            level: self.level,
+            asked: self.asked.clone(),
         }
     }
 }
@@ -107,22 +125,37 @@ impl Kernel {
             images: Vec::new(),
             groups: Vec::new(),
             last: Mutex::default(),
+            pixels: Mutex::default(),
+            level,
+            asked: (Vec::new(), Vec::new()),
         }
     }
 
     pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source]) {
+        self.asked = (views.to_vec(), sources.to_vec());
+        if let Reflector::Scattering(_) = stack.base.reflector {
+            self.groups = Vec::new();
+            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(stack, self.level, views, sources))));
+            return;
+        }
         let digits = self.precision.digits;
         self.directions = Directions::new(stack, views, sources, &self.precision);
         self.images = views.iter().map(|view| super::images::image_points(view, sources, digits)).collect();
         self.groups = prepare::groups(stack, &self.directions, &self.precision);
         self.last = Mutex::default();
+        self.pixels = Mutex::default();
     }
 
     pub(super) fn nodes(&self) -> usize {
-        self.groups.iter().map(|group| group.nodes).max().unwrap_or(0)
+        let pixels = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_pixels = pixels.as_ref().map_or(0, |pixels| pixels.nodes());
+        self.groups.iter().map(|group| group.nodes).max().unwrap_or(of_pixels)
     }
 
     pub(super) fn estimate(&self, stack: &Layered, view: usize) -> Estimate {
+        if let Reflector::Scattering(_) = stack.base.reflector {
+            return self.pixels(stack).estimate(view);
+        }
         let (states, bins) = (stack.base.states(), stack.base.bins());
         let zeros = Rho { base: vec![0.0; states * bins], front: vec![0.0; bins] };
         let rho = vec![zeros; self.directions.sources.len()];
@@ -141,6 +174,17 @@ impl Kernel {
         }
         self.add_images(stack, view, &mut estimate);
         estimate
+    }
+
+    /// Kernels over this base, which scatters by its own.
+    fn pixels(&self, stack: &Layered) -> Arc<Pixels> {
+        let mut last = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last.as_ref().filter(|known| known.serves(&stack.base)) {
+            return Arc::clone(known);
+        }
+        let pixels = Arc::new(Pixels::new(stack, self.level, &self.asked.0, &self.asked.1));
+        *last = Some(Arc::clone(&pixels));
+        pixels
     }
 
     /// What is known over this base.

@@ -13,10 +13,12 @@ pub(super) enum Place {
     Diffuser = 1,
     /// In clear media and coatings.
     Glass = 2,
+    /// In a pixel that scatters.
+    Pixel = 3,
 }
 
 /// For light that arrives at each node, the share that each [`Place`] absorbs.
-pub(super) type Absorbed = [Vec<f64>; 3];
+pub(super) type Absorbed = [Vec<f64>; 4];
 
 /// What a part does to light.
 #[derive(Debug, Clone)]

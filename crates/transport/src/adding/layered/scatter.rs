@@ -30,8 +30,8 @@ pub(super) struct ScatterOrders {
 }
 
 impl ScatterOrders {
-    /// To so many natural digits in azimuth; orders beyond the first only where they are asked for.
-    pub(super) fn new(scatter: &Scatter, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
+    /// In a disc of this radius, to so many natural digits in azimuth; orders beyond the first only where they are asked for.
+    pub(super) fn new(scatter: &Scatter, disc: f64, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
         let len = grid.len();
         let orders = ((digits / scatter.width()).ceil() as usize).clamp(8, MOST_ORDERS);
         let count = if beyond_first { orders } else { 1 };
@@ -41,19 +41,19 @@ impl ScatterOrders {
             missing: Vec::new(),
         };
         let mut values = vec![0.0; count];
-        let inside: Vec<usize> = (0..len).filter(|&i| grid.beta[i] < 1.0).collect();
+        let inside: Vec<usize> = (0..len).filter(|&i| grid.beta[i] < disc).collect();
         for (number, &j) in inside.iter().enumerate() {
             let both = scatter.is_reciprocal();
             for &i in &inside[if both { number } else { 0 }..] {
-                fourier(scatter, [grid.beta[j], grid.beta[i]], digits, &mut values);
-                let scale = grid.scale[i] * grid.scale[j];
+                fourier(scatter, [grid.beta[j], grid.beta[i]].map(|b| b / disc), digits, &mut values);
+                let scale = grid.scale[i] * grid.scale[j] / (disc * disc);
                 all.set(i, j, &values, scale);
                 if both {
                     all.set(j, i, &values, scale);
                 }
             }
         }
-        all.missing = all.missing(scatter, grid);
+        all.missing = all.missing(scatter, disc, grid);
         all
     }
 
@@ -65,8 +65,8 @@ impl ScatterOrders {
         }
     }
 
-    /// What the quadrature finds missing, of light in the air disc.
-    fn missing(&self, scatter: &Scatter, grid: &Grid) -> Vec<f64> {
+    /// What the quadrature finds missing, of light in the disc.
+    fn missing(&self, scatter: &Scatter, disc: f64, grid: &Grid) -> Vec<f64> {
         let ones = vec![1.0; grid.len()];
         let kernel = Some(self.zeroth.clone());
         let there = Operator { regular: grid.regular, straight: vec![0.0; grid.len()], kernel };
@@ -74,7 +74,7 @@ impl ScatterOrders {
         let ways = [(scatter.clone(), there), (scatter.reversed(), back)];
         let found = ways.map(|(scatter, operator)| (scatter, operator.pull_back(&ones, &grid.scale)));
         let missing = |i: usize| {
-            let beta = grid.beta[i];
+            let beta = grid.beta[i] / disc;
             let of = |(scatter, found): &(Scatter, Vec<f64>)| scatter.total(beta) - found[i];
             if beta < 1.0 { 0.5 * found.iter().map(of).sum::<f64>() } else { 0.0 }
         };
@@ -141,12 +141,14 @@ mod tests {
             radial.iter().map(|r| lobe.density(Beta::default(), Beta { x: *r, y: 0.0 })).collect();
         let scatter: Scatter = Table::new(&[0.0], &radial, &[0.0], &values).unwrap().into();
         let grid = Grid::new(&[1.0], Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
-        let found = ScatterOrders::new(&scatter, &grid, 9.0, true);
+        let found = ScatterOrders::new(&scatter, 1.0, &grid, 9.0, true);
         let mut closed = LobeOrders::new(lobe);
+        let mut largest = 0.0_f64;
         for order in [0, 1, 5, 20] {
             let found = found.operator(order, &grid).kernel.unwrap();
             let closed = closed.order(order, &grid).unwrap();
-            let largest = (0..grid.len()).map(|i| closed[(i, i)]).fold(0.0, f64::max);
+            // Orders are summed: an error counts beside order 0.
+            largest = (0..grid.len()).map(|i| closed[(i, i)]).fold(largest, f64::max);
             for i in 0..grid.len() {
                 for j in 0..grid.len() {
                     let error = found[(i, j)] - closed[(i, j)];

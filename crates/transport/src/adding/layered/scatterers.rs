@@ -19,7 +19,7 @@ enum Scatterer<'a> {
     Slab(Slab),
     Diffuser(LobeBetween),
     Rough { face: &'a Rough, orders: Option<RoughOrders> },
-    Scatter { scatter: &'a Scatter, orders: Option<ScatterOrders> },
+    Scatter { scatter: &'a Scatter, disc: f64, orders: Option<ScatterOrders> },
 }
 
 /// A diffuser's lobe between media of these indices.
@@ -74,11 +74,15 @@ impl<'a> Scatterers<'a> {
         self.find(known, || Scatterer::Rough { face, orders: Some(orders()) })
     }
 
-    /// The number of this kernel, added if it is new.
-    pub(super) fn scatter(&mut self, scatter: &'a Scatter, orders: impl FnOnce() -> ScatterOrders) -> usize {
-        let known =
-            |s: &Scatterer<'_>| matches!(s, Scatterer::Scatter { scatter: other, .. } if *other == scatter);
-        self.find(known, || Scatterer::Scatter { scatter, orders: Some(orders()) })
+    /// The number of this kernel in a disc of this radius, added if it is new.
+    pub(super) fn scatter(
+        &mut self,
+        scatter: &'a Scatter,
+        disc: f64,
+        orders: impl FnOnce() -> ScatterOrders,
+    ) -> usize {
+        let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Scatter { scatter: other, disc: of, .. } if *other == scatter && *of == disc);
+        self.find(known, || Scatterer::Scatter { scatter, disc, orders: Some(orders()) })
     }
 
     fn find(&mut self, known: impl Fn(&Scatterer<'a>) -> bool, new: impl FnOnce() -> Scatterer<'a>) -> usize {
@@ -110,7 +114,7 @@ impl<'a> Scatterers<'a> {
                 ..lobe
             }),
             Scatterer::Rough { face, .. } => Scatterer::Rough { face, orders: None },
-            Scatterer::Scatter { scatter, .. } => Scatterer::Scatter { scatter, orders: None },
+            Scatterer::Scatter { scatter, disc, .. } => Scatterer::Scatter { scatter, disc, orders: None },
         };
         Self(self.0.into_iter().map(extras).collect())
     }

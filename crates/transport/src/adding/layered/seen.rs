@@ -72,6 +72,12 @@ impl Columns {
                 });
                 (BaseColumns::Specular(base), below)
             }
+            // Its states are layers of their own, over black.
+            Reflector::Scattering(_) => {
+                let nothing = Matrix::zeros(group.beta.len(), place.len());
+                let below = Matrix::from_fn(group.beta.len(), place.len() + 1, |i, _| black(i));
+                (BaseColumns::Specular(nothing), below)
+            }
             Reflector::Lambertian(all) => {
                 let base = place.iter().map(|at| all[*at]).collect();
                 (BaseColumns::Lambertian(base), Matrix::from_fn(group.beta.len(), 1, |i, _| black(i)))
@@ -216,11 +222,11 @@ impl Seen {
     }
 
     /// `arrives` at the base; `below` is absorbed by pixel and inactive share.
-    fn book(&mut self, columns: &Columns, layers: [Vec<f64>; 3], arrives: &[f64], below: &[f64]) {
+    fn book(&mut self, columns: &Columns, layers: [Vec<f64>; 4], arrives: &[f64], below: &[f64]) {
         let returned = self.diffuse.iter().map(|share| share + self.diffuse_front).collect();
         let inactive: Vec<f64> = arrives.iter().zip(&columns.inactive).map(|(a, i)| a * i).collect();
-        let pixel = below.iter().zip(&inactive).map(|(below, inactive)| below - inactive).collect();
-        let [front, diffuser, glass] = layers;
+        let [front, diffuser, glass, in_pixel] = layers;
+        let pixel = (0..below.len()).map(|c| below[c] - inactive[c] + in_pixel[c]).collect();
         self.ledger = vec![returned, front, diffuser, glass, pixel, inactive];
     }
 }

@@ -71,6 +71,8 @@ impl Kernel {
         let mut estimate = match &stack.base.reflector {
             Reflector::Specular(_) => self.over_mirror(stack, view),
             Reflector::Lambertian(reflectance) => self.over_lambertian(stack, view, reflectance),
+            // Any layers are over such a base, no panel.
+            Reflector::Scattering(_) => Estimate::default(),
         };
         for seen in &view.images {
             let rho = &mut estimate.rho[seen.source];

@@ -121,7 +121,7 @@ impl Layered<'_> {
             }
             sums.absorbed.of(account).add_share(light, share, &field.rising, 1.0);
         }
-        if self.lambertian() {
+        if self.base_scatters() {
             return;
         }
         let base = Ray { plane: skeleton.elements(), going: Going::Down };

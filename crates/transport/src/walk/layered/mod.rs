@@ -12,6 +12,7 @@
 mod books;
 mod bulk;
 mod light;
+mod pixel;
 mod scatterers;
 mod sources;
 
@@ -20,9 +21,10 @@ use papilio_sampling::PLANNED_BLOCKS;
 
 use super::{PathNumbers, add_scaled};
 use crate::skeleton::Ray;
-use crate::{Cone, Reflector, Source};
+use crate::{Cone, Source};
 pub(super) use books::Tally;
 use books::{Account, Room, Sums};
+use pixel::Pixel;
 use scatterers::{Kind, Meeting, at_lambertian_base, meetings};
 
 /// After its first scattering, a path never meets a further scatterer with a lower probability,
@@ -108,8 +110,9 @@ impl<'a> Layered<'a> {
         Self { stack, view, sources, meetings: meetings(stack), accounts: Account::of_elements(stack), discs }
     }
 
-    fn lambertian(&self) -> bool {
-        matches!(self.stack.base.reflector, Reflector::Lambertian(_))
+    /// True if the base scatters: the skeleton then ends in black.
+    fn base_scatters(&self) -> bool {
+        !self.stack.base.is_specular()
     }
 
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
@@ -195,6 +198,10 @@ impl<'a> Layered<'a> {
             Kind::Bulk(bulk) => bulk.stay((sent.beta, meeting.going), u, draws, sums, room),
             Kind::Base(reflectance, medium) => {
                 Some(at_lambertian_base(reflectance, medium, meeting.element, [u[1], u[2]], sums, room))
+            }
+            Kind::Pixel(kernels, medium) => {
+                let pixel = Pixel { kernels, medium, element: meeting.element };
+                pixel.reflect(sent.beta, draws.next(), sums, room)
             }
             Kind::Diffuser(..) => meeting.pass_face(sent, [u[1], u[2], 0.5, 0.5], sums, room),
             Kind::Rough(_) | Kind::Scatter { .. } => meeting.pass_face(sent, draws.next(), sums, room),

@@ -34,6 +34,8 @@ pub(super) enum Kind<'a> {
     Bulk(Bulk<'a>),
     /// A Lambertian base of this reflectance, under this medium.
     Base(&'a [f64], Option<&'a Medium>),
+    /// A base with a kernel for each state, under this medium.
+    Pixel(&'a [ScatterKernel], Option<&'a Medium>),
 }
 
 impl Kind<'_> {
@@ -47,7 +49,7 @@ impl Meeting<'_> {
     /// Sets `share` to that of the light that meets the scatterer and is scattered.
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::meeting(self.element, self.going);
-        if let Kind::Base(..) = self.kind {
+        if let Kind::Base(..) | Kind::Pixel(..) = self.kind {
             return share.set(field, ray, |_| 1.0);
         }
         if let Kind::Scatter { kernel, .. } = self.kind {
@@ -84,7 +86,7 @@ impl Meeting<'_> {
                     back: reversed.scatter.pdf(to, from),
                 }
             }
-            Kind::Bulk(_) | Kind::Base(..) => Turned::exactly(0.0),
+            Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => Turned::exactly(0.0),
         }
     }
 
@@ -97,7 +99,7 @@ impl Meeting<'_> {
                 (beta, if side == Side::Above { Going::Up } else { Going::Down })
             }
             Kind::Scatter { kernel, sends, .. } => (kernel.scatter.sample(from, u)?.beta, sends),
-            Kind::Bulk(_) | Kind::Base(..) => return None,
+            Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => return None,
         };
         let ray = Ray::from_element(self.element, going);
         let Turned { value, pdf, back } = self.turned(from, going, beta);
@@ -167,10 +169,13 @@ pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
         }
         upper = Some(&layer.medium);
     }
-    if let Reflector::Lambertian(reflectance) = &stack.base.reflector {
-        let kind = Kind::Base(reflectance, upper);
-        meetings.push(Meeting { element: 2 * stack.layers.len(), going: Going::Down, kind });
-    }
+    let base = match &stack.base.reflector {
+        Reflector::Specular(_) => None,
+        Reflector::Lambertian(reflectance) => Some(Kind::Base(reflectance, upper)),
+        Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
+    };
+    let element = 2 * stack.layers.len();
+    meetings.extend(base.map(|kind| Meeting { element, going: Going::Down, kind }));
     meetings
 }
 

@@ -40,6 +40,8 @@ impl Kernel {
         let at = |index: usize| match &stack.base.reflector {
             Reflector::Specular(table) => self.over_mirror(stack, table, view, index, &sent_back, sources),
             Reflector::Lambertian(r) => self.over_lambertian(r, view, index, &sent_back, sources),
+            // Any layers are over such a base, no panel.
+            Reflector::Scattering(_) => Sums::zeros(len, sources),
         };
         if self.indices.nodes.len() == 1 {
             return at(0);

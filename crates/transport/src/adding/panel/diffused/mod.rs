@@ -175,14 +175,14 @@ impl Kernel {
                 let seen = self.seen.as_ref().filter(|seen| seen.table.is_same(table));
                 seen.map_or_else(|| stack.base.largest_reflectance(), |seen| seen.largest_reflectance)
             }
-            Reflector::Lambertian(_) => stack.base.largest_reflectance(),
+            Reflector::Lambertian(_) | Reflector::Scattering(_) => stack.base.largest_reflectance(),
         }
     }
 
     /// Starts anew with a base that is not the one that was seen last.
     fn look_at(&mut self, stack: &Panel) {
         self.seen = match &stack.base.reflector {
-            Reflector::Lambertian(_) => None,
+            Reflector::Lambertian(_) | Reflector::Scattering(_) => None,
             Reflector::Specular(table) => {
                 self.seen.take().filter(|seen| seen.table.is_same(table)).or_else(|| {
                     let largest_reflectance = stack.base.largest_reflectance();
@@ -368,7 +368,7 @@ fn reach(views: &[Cone], sources: &[Source]) -> Option<f64> {
 fn table_nodes(stack: &Panel) -> Option<&Nodes> {
     match &stack.base.reflector {
         Reflector::Specular(table) => Some(&table.nodes),
-        Reflector::Lambertian(_) => None,
+        Reflector::Lambertian(_) | Reflector::Scattering(_) => None,
     }
 }
 

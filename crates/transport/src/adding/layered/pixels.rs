@@ -1,0 +1,91 @@
+//! A base that scatters by a kernel for each state: each state's kernel is a layer of its own,
+//! over black.
+
+use super::Kernel;
+use crate::{
+    AngularTable, Base, Cone, Estimate, Interface, Layer, Layered, Ledger, Medium, Nodes, Reflector, Rho,
+    ScatterFace, ScatterKernel, Source,
+};
+
+/// Prepared kernels of all states.
+#[derive(Debug)]
+pub(super) struct Pixels {
+    /// What they were prepared for.
+    base: Base,
+    /// The layers alone over black, then with each state's pixel below.
+    stacks: Vec<(Layered, Kernel)>,
+}
+
+impl Pixels {
+    pub(super) fn new(stack: &Layered, level: u32, views: &[Cone], sources: &[Source]) -> Self {
+        let Reflector::Scattering(states) = &stack.base.reflector else {
+            return Self { base: stack.base.clone(), stacks: Vec::new() };
+        };
+        let alone = std::iter::once(None).chain(states.iter().map(Some));
+        let prepared = alone.map(|pixel| {
+            let stack = over_black(stack, pixel);
+            let mut kernel = Kernel::new(level);
+            kernel.prepare(&stack, views, sources);
+            (stack, kernel)
+        });
+        Self { base: stack.base.clone(), stacks: prepared.collect() }
+    }
+
+    /// Whether it was prepared for this base.
+    pub(super) fn serves(&self, base: &Base) -> bool {
+        self.base == *base
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        self.stacks.iter().map(|(_, kernel)| kernel.nodes()).max().unwrap_or(0)
+    }
+
+    pub(super) fn estimate(&self, view: usize) -> Estimate {
+        let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view));
+        let alone = all.next().unwrap_or_default();
+        let fronts = alone.rho.into_iter().map(|rho| Rho { base: Vec::new(), front: rho.front });
+        let mut estimate = Estimate { rho: fronts.collect(), ledger: Ledger::default() };
+        for state in all {
+            for (rho, of_state) in estimate.rho.iter_mut().zip(&state.rho) {
+                let Rho { base, front } = rho;
+                base.extend(of_state.front.iter().zip(&*front).map(|(whole, front)| whole - front));
+            }
+            let (sum, one) = (&mut estimate.ledger, state.ledger);
+            sum.returned.extend(one.returned);
+            sum.front.extend(one.front);
+            sum.diffuser.extend(one.diffuser);
+            sum.glass.extend(one.glass);
+            sum.pixel.extend(one.pixel);
+            sum.inactive.extend(one.inactive);
+            sum.unaccounted.extend(one.unaccounted);
+        }
+        estimate
+    }
+}
+
+/// The layers with each state's pixel as the last of them, over black; `None` if the base does not
+/// scatter by kernels.
+pub(super) fn each_as_layers(stack: &Layered) -> Option<Vec<Layered>> {
+    let Reflector::Scattering(states) = &stack.base.reflector else { return None };
+    Some(states.iter().map(|pixel| over_black(stack, Some(pixel))).collect())
+}
+
+/// The layers, and a state's pixel as the last of them, over black.
+fn over_black(stack: &Layered, pixel: Option<&ScatterKernel>) -> Layered {
+    let bins = stack.base.bins();
+    let table = AngularTable {
+        nodes: Nodes::Constant,
+        basis: vec![0.0; bins].into(),
+        mixture: vec![1.0],
+        common: vec![0.0; bins],
+    };
+    let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; bins].into() };
+    let mut layers = stack.layers.clone();
+    if let Some(pixel) = pixel {
+        let index =
+            layers.last().map_or_else(|| vec![1.0; bins].into(), |layer| layer.medium.index().clone());
+        let face = ScatterFace::pixel(pixel.clone(), &index);
+        layers.push(Layer { interface: Interface::Scatter(Box::new(face)), medium: Medium::new(index) });
+    }
+    Layered { layers, base }
+}

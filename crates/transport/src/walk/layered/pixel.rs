@@ -1,0 +1,96 @@
+//! A base that scatters by a kernel for each state.
+//!
+//! One direction serves all states: it is drawn from the kernel of one of them, and each state's
+//! light has the weight of its own kernel over the mean of all densities.
+
+use papilio_optics::Beta;
+
+use super::Sent;
+use super::books::{Room, Sums};
+use super::light::Light;
+use super::sources::Turned;
+use crate::skeleton::{Going, Ray};
+use crate::{Medium, ScatterKernel};
+
+/// The base, under a medium (air, if there is none).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pixel<'a> {
+    pub(super) kernels: &'a [ScatterKernel],
+    pub(super) medium: Option<&'a Medium>,
+    pub(super) element: usize,
+}
+
+impl Pixel<'_> {
+    /// Off the base: connections to lamps, and a new direction.
+    pub(super) fn reflect(&self, from: Beta, u: [f64; 4], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
+        let ray = Ray { plane: self.element, going: Going::Up };
+        sums.arriving.add(&room.light, 1.0);
+        self.tint(&mut room.light);
+        let mut turned = room.light.clone();
+        let Room { light, share, lamps, .. } = &mut *room;
+        for lamp in lamps.iter() {
+            turned.clone_from(light);
+            let pdf = self.pdf(from, lamp.beta);
+            self.weigh(&mut turned, |kernel| {
+                let value = self.value(kernel, from, lamp.beta);
+                lamp.weight(Turned { value, pdf, back: pdf }, f64::INFINITY)
+            });
+            share.clear();
+            lamp.reach(ray, |_| 1.0, share);
+            lamp.add(&turned, share, sums);
+        }
+        let sent = self.send(from, u)?;
+        let pdf = self.pdf(from, sent);
+        self.weigh(&mut room.light, |kernel| self.value(kernel, from, sent) / pdf);
+        sums.reflected.add(&room.light, 1.0);
+        Some(Sent::exactly(sent, ray, pdf))
+    }
+
+    /// All light has met the base, and has each state's colour.
+    fn tint(&self, light: &mut Light) {
+        let rows = light.met.chunks_exact_mut(light.fresh.len());
+        for (row, kernel) in rows.zip(self.kernels) {
+            for ((met, fresh), factor) in row.iter_mut().zip(&light.fresh).zip(&*kernel.factor) {
+                *met = (*met + fresh) * factor;
+            }
+        }
+        light.fresh.fill(0.0);
+    }
+
+    /// Multiplies each state's light.
+    fn weigh(&self, light: &mut Light, weight: impl Fn(&ScatterKernel) -> f64) {
+        let rows = light.met.chunks_exact_mut(light.fresh.len());
+        for (row, kernel) in rows.zip(self.kernels) {
+            let weight = weight(kernel);
+            row.iter_mut().for_each(|met| *met *= weight);
+        }
+    }
+
+    fn index(&self) -> f64 {
+        self.medium.map_or(1.0, Medium::largest_index)
+    }
+
+    /// The same direction as cosines of a medium of index 1.
+    fn of_air(&self, beta: Beta) -> Beta {
+        let index = self.index();
+        Beta { x: beta.x / index, y: beta.y / index }
+    }
+
+    fn value(&self, kernel: &ScatterKernel, from: Beta, to: Beta) -> f64 {
+        kernel.scatter.value(self.of_air(from), self.of_air(to)) / self.index().powi(2)
+    }
+
+    /// The mean density of all kernels.
+    fn pdf(&self, from: Beta, to: Beta) -> f64 {
+        let (from, to) = (self.of_air(from), self.of_air(to));
+        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.pdf(from, to)).sum();
+        sum / (self.kernels.len() as f64 * self.index().powi(2))
+    }
+
+    fn send(&self, from: Beta, u: [f64; 4]) -> Option<Beta> {
+        let place = u[3] * self.kernels.len() as f64;
+        let kernel = self.kernels.get(place as usize)?;
+        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], u[2], place.fract()])?;
+        Some(Beta { x: sent.beta.x * self.index(), y: sent.beta.y * self.index() })
+    }
+}
