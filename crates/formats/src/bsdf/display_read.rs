@@ -24,6 +24,23 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
         return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "expected version 1" }));
     }
     let states = arrays.texts("state")?;
+    let part = first_state(&mut arrays, states.len())?;
+    let mut warnings =
+        vec!["the mirror part of the display is left out: it is not finite per steradian".to_owned()];
+    if states.len() > 1 {
+        warnings.push(format!("the state `{}` is read, {} others are left out", states[0], states.len() - 1));
+    }
+    let provenance = Provenance {
+        format: "display-bsdf.npz".to_owned(),
+        sample: format!("{} ({})", about.title, states[0]),
+        source: "computed".to_owned(),
+        remarks: Vec::new(),
+    };
+    Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts: vec![part] }, warnings })
+}
+
+/// The first of so many states.
+fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError> {
     let mut axis = |name: &str, least: f64, most: f64| {
         let values = arrays.numbers(name)?.values;
         let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
@@ -41,35 +58,22 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     let wavelengths = axis("wavelength_nm", 1e-3, 1e6)?;
     let Array { shape, values } = arrays.numbers("brdf")?;
     let lengths = [&grid.theta_i_deg, &grid.theta_o_deg, &grid.phi_o_deg, &wavelengths].map(Vec::len);
-    if shape.get(1..) != Some(&lengths[..]) || shape[0] != states.len() || states.is_empty() {
+    if shape.get(1..) != Some(&lengths[..]) || shape[0] != states || states == 0 {
         return Err(arrays.unsound("brdf", "its shape is not that of the axes"));
     }
     let (cells, channels) = (grid.cells(), wavelengths.len());
     let of_first = &values[..cells * channels];
     if let Some(&value) = of_first.iter().find(|value| !(**value >= 0.0 && value.is_finite())) {
-        let problem =
-            Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" };
-        return Err(arrays.error(problem));
+        let expected = "expected 0 or more";
+        return Err(arrays.error(Problem::OutOfRange { what: "a value of the BSDF", value, expected }));
     }
-    let values =
-        (0..channels).flat_map(|c| (0..cells).map(move |cell| of_first[cell * channels + c])).collect();
-    let part = Part {
+    // Wavelengths are last in the file, first in a part.
+    let values = (0..channels).flat_map(|c| (0..cells).map(move |cell| of_first[cell * channels + c]));
+    Ok(Part {
         way: Way::FrontReflection,
+        values: values.collect(),
         channels: wavelengths.into_iter().map(Channel::Wavelength).collect(),
         geometry: Geometry::Spherical(grid),
-        values,
         tis: Vec::new(),
-    };
-    let mut warnings =
-        vec!["the mirror part of the display is left out: it is not finite per steradian".to_owned()];
-    if states.len() > 1 {
-        warnings.push(format!("the state `{}` is read, {} others are left out", states[0], states.len() - 1));
-    }
-    let provenance = Provenance {
-        format: "display-bsdf.npz".to_owned(),
-        sample: format!("{} ({})", about.title, states[0]),
-        source: "computed".to_owned(),
-        remarks: Vec::new(),
-    };
-    Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts: vec![part] }, warnings })
+    })
 }
