@@ -36,7 +36,7 @@ pub struct Preparation {
 /// taken out of what it transmits, `f / T(beta_out)` with T of a face of this index.
 ///
 /// To first order: light that the back face sent into the film again is not followed. Next to grazing, where T goes
-/// to 0, the division ends at [`LEAST_PASSED`].
+/// to 0, the division ends at a T of .1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamination {
     /// Index of film and glass.

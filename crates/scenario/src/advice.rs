@@ -44,6 +44,8 @@ impl Problem {
             Self::TableInAir => "expected angles = \"glass\"".to_owned(),
             Self::Invisible { .. } => "expected a part of 380 to 780 nm".to_owned(),
             Self::SetWithoutValue => "expected for example display.glass.index=1.52".to_owned(),
+            Self::NoSuchWay { found, .. } => format!("expected it among: {found}"),
+            Self::MoreThanAll { .. } => "expected at most 1".to_owned(),
             Self::Data(problem) => problem.expected()?.to_owned(),
             _ => return None,
         })
@@ -90,6 +92,13 @@ impl Problem {
                 format!("there is {}", listed(choices))
             }
             Self::NotInThisVersion { .. } => "leave it out".to_owned(),
+            Self::NoSuchWay { wanted, .. } if wanted.ends_with("transmission") => {
+                "`flipped = true` takes the light from the other side of the sample".to_owned()
+            }
+            Self::MoreThanAll { .. } => {
+                "`papilio diffuser inspect` shows the totals; normalise = \"tis\" takes the instrument's".to_owned()
+            }
+            Self::Measurement(papilio_goniometry::GoniometryError::NoTis) => "use normalise = \"none\"".to_owned(),
             Self::NoDarkGap { .. } => "add `dark = 20.0`, in nm, to `gap_nm`".to_owned(),
             Self::NoStates { remedy } => (*remedy).to_owned(),
             Self::LightShares { remedy, value, .. } if (0.0..=1.0).contains(value) => {

@@ -352,6 +352,25 @@ pub enum Problem {
         /// Why.
         why: String,
     },
+    /// A file of measured scattering without the light that is asked for.
+    #[error("this file has no {wanted}")]
+    NoSuchWay {
+        /// The way of light.
+        wanted: &'static str,
+        /// Those that it has.
+        found: String,
+    },
+    /// A measurement that gives back more than it takes.
+    #[error("{way}: {total:.3} times as much light leaves as came")]
+    MoreThanAll {
+        /// The way of light.
+        way: &'static str,
+        /// The largest total.
+        total: f64,
+    },
+    /// A measurement that cannot be used.
+    #[error("{0}")]
+    Measurement(#[from] papilio_goniometry::GoniometryError),
     /// Something about spectral data.
     #[error(transparent)]
     Spectra(#[from] SpectraError),

@@ -19,7 +19,18 @@ const SMALLEST_INDEX: f64 = 1e-3;
 impl Resolver<'_> {
     /// Reads a file of the scenario's and notes its SHA-256.
     pub(super) fn open(&mut self, name: &str, origin: Origin) -> Option<DataFile> {
-        match DataFile::open(&self.folder.join(name), name) {
+        let file = DataFile::open(&self.folder.join(name), name);
+        self.opened(name, origin, file)
+    }
+
+    /// Notes the SHA-256 of a file that was read.
+    pub(super) fn opened(
+        &mut self,
+        name: &str,
+        origin: Origin,
+        file: Result<DataFile, FormatError>,
+    ) -> Option<DataFile> {
+        match file {
             Ok(file) => {
                 self.inputs.insert(name.to_owned(), hex(&Sha256::digest(&file.bytes)));
                 Some(file)

@@ -24,11 +24,12 @@ struct Whole<'a> {
 }
 
 impl Resolver<'_> {
-    pub(super) fn btdf(&mut self, diffuser: &Btdf) -> Option<Interface> {
+    pub(super) fn btdf(&mut self, path: &str, diffuser: &Btdf) -> Option<Interface> {
         match diffuser {
             Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(Interface::Diffuser),
             Btdf::Lambertian(lobe) => self.lambertian(lobe).map(Interface::Diffuser),
             Btdf::Ward(ward) => self.ward(ward).map(Interface::Scatter),
+            Btdf::Measured(measured) => self.measured_alone(path, measured).map(Interface::Scatter),
         }
     }
 

@@ -26,7 +26,7 @@ const NM_PER_MM: f64 = 1e6;
 const THICKEST_WALK: f64 = 200.0;
 
 /// An entry of the list.
-enum Part {
+pub(super) enum Part {
     /// And where its index is given.
     Medium(Medium, Origin),
     Interface(Interface),
@@ -87,7 +87,8 @@ impl Resolver<'_> {
             let on_nothing = layers.get(i + 1).is_none_or(|next| !is_medium(next));
             if matches!(layer.value, describe::Layer::Coating(_)) && on_nothing {
                 self.notes.push(format!(
-                    "display.layers.{i}: no medium follows this coating, so {above} is on both sides of it; on glass it                      would be followed by {{ kind = \"medium\", index = 1.5 }}"
+                    "display.layers.{i}: no medium follows this coating, so {above} is on both sides of it; on glass it \
+                     would be followed by {{ kind = \"medium\", index = 1.5 }}"
                 ));
             }
         }
@@ -101,7 +102,7 @@ impl Resolver<'_> {
                 Part::Medium(self.medium(path, &medium.index, absorption)?, medium.index.origin)
             }
             describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
-            describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(diffuser)?),
+            describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
             describe::Layer::Sheet(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
             describe::Layer::Coating(coating) => {
                 Part::Interface(Interface::Coating(self.coating(path, coating)?))

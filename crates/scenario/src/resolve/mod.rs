@@ -6,6 +6,7 @@ mod film;
 mod layers;
 mod light;
 mod lighting;
+mod measured;
 mod panel;
 mod pixel;
 mod sampling;

@@ -1,11 +1,12 @@
 //! The panel: front of screen, face or diffuser, glass; and what is for it alone.
 
 use papilio_display::scene::{
-    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Interface, Layer, Layers, Medium,
-    Panel, Scene,
+    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Interface, Layers, Medium, Panel, Scene,
 };
+use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use super::layers::Part;
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
@@ -17,8 +18,8 @@ use crate::source::Origin;
 enum Top {
     Nothing,
     Lobe(scene::Diffuser),
-    Scatter(scene::ScatterFace),
-    Slab(Medium),
+    /// From the air down.
+    Parts(Vec<Part>),
 }
 
 impl Resolver<'_> {
@@ -37,51 +38,56 @@ impl Resolver<'_> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
         let front: Vec<_> = front.iter().map(|component| self.sheet(component, component.origin)).collect();
-        // A lobe, or a slab, or a face given by its BSDF, or nothing.
-        let diffuser = match &display.diffuser.value {
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Lobe),
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
-            Some(Diffuser::Ward(ward)) => self.ward(ward).map(Top::Scatter),
-            Some(Diffuser::Slab(slab)) => self.slab("display.diffuser", slab).map(Top::Slab),
-            None => Some(Top::Nothing),
-        };
         let glass = self.glass(display);
+        let top = self.top(display, glass.as_ref().map(|(medium, _)| &medium.index));
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
-        let (top, (medium, surface)) = (diffuser?, glass?);
+        let (top, (medium, surface)) = (top?, glass?);
         let clear = medium.transmittance.min() == 1.0;
-        let glass = |medium: Medium| Glass { index: medium.index, surface };
-        let (face, slab) = match (top, surface) {
-            (Top::Lobe(diffuser), _) if clear => {
-                let glass = glass(medium);
+        let parts = match top {
+            Top::Parts(parts) => parts,
+            Top::Lobe(diffuser) if clear => {
+                let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: Some(diffuser), glass }));
             }
-            (Top::Nothing, _) if clear => {
-                return Some(Layers::Panel(Panel { front, diffuser: None, glass: glass(medium) }));
+            Top::Nothing if clear => {
+                let glass = Glass { index: medium.index, surface };
+                return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
             }
-            (Top::Lobe(diffuser), _) => (Interface::Diffuser(diffuser), None),
-            (Top::Scatter(face), _) => (Interface::Scatter(face), None),
-            (Top::Nothing, scene::Surface::Coated) => (Interface::Coated, None),
-            (Top::Nothing, scene::Surface::Fresnel) => (Interface::Fresnel, None),
-            (Top::Slab(slab), _) => (Interface::Fresnel, Some(slab)),
+            Top::Lobe(diffuser) => vec![Part::Interface(Interface::Diffuser(diffuser))],
+            Top::Nothing => vec![Part::Interface(match surface {
+                scene::Surface::Coated => Interface::Coated,
+                scene::Surface::Fresnel => Interface::Fresnel,
+            })],
         };
-        Some(Layers::General(self.stack_of(front, face, slab, medium)))
+        let front = front.into_iter().map(|sheet| Part::Interface(Interface::Sheet(sheet)));
+        let mut stack = Stack::new(&self.grid);
+        for part in front.chain(parts).chain([Part::Medium(medium, Origin::FILE)]) {
+            match part {
+                Part::Medium(medium, index_at) => stack.fill(medium, index_at),
+                Part::Interface(interface) => stack.put(interface, Origin::FILE),
+            }
+        }
+        Some(Layers::General(stack.finish(&mut self.errors)))
     }
 
-    /// The panel's parts in the general form.
-    fn stack_of(
-        &mut self,
-        front: Vec<FrontComponent>,
-        face: Interface,
-        slab: Option<Medium>,
-        glass: Medium,
-    ) -> Vec<Layer> {
-        let mut stack = Stack::new(&self.grid);
-        for sheet in front {
-            stack.put(Interface::Sheet(sheet), Origin::FILE);
+    /// What stands over glass of this index (`None` if that is unknown).
+    fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<Top> {
+        match &display.diffuser.value {
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Lobe),
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
+            Some(Diffuser::Ward(ward)) => {
+                let face = self.ward(ward)?;
+                Some(Top::Parts(vec![Part::Interface(Interface::Scatter(face))]))
+            }
+            Some(Diffuser::Measured(diffuser)) => {
+                self.measured_over("display.diffuser", diffuser, glass?).map(Top::Parts)
+            }
+            Some(Diffuser::Slab(slab)) => {
+                let slab = self.slab("display.diffuser", slab)?;
+                Some(Top::Parts(vec![Part::Interface(Interface::Fresnel), Part::Medium(slab, Origin::FILE)]))
+            }
+            None => Some(Top::Nothing),
         }
-        stack.put(face, Origin::FILE);
-        slab.into_iter().chain([glass]).for_each(|medium| stack.fill(medium, Origin::FILE));
-        stack.finish(&mut self.errors)
     }
 
     pub(super) fn sheet(

@@ -1,0 +1,207 @@
+//! `model = "measured"`: a diffuser as a goniometer or an imaging sphere saw it.
+
+use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel};
+use papilio_formats::{DataFile, LARGEST_BSDF_FILE, read_bsdf};
+use papilio_goniometry::{
+    self as goniometry, Changes, Fill, GoniometryError, Lamination, Measurement, Preparation, Way, kernel,
+};
+use papilio_optics::scatter::Scatter;
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use super::layers::Part;
+use crate::describe::diffuser::{DarkCells, Extrapolate, Measured, Mounting, Normalise};
+use crate::problem::Problem;
+use crate::read::At;
+use crate::source::Origin;
+
+/// A total further above 1 than this is worth a warning.
+const ABOVE_ONE: f64 = 1e-3;
+/// And beyond this no display can be computed.
+const FAR_ABOVE_ONE: f64 = 0.2;
+/// A grid that leaves more of the total open than this is too coarse for the usual error target.
+const COARSE: f64 = 0.005;
+
+impl Resolver<'_> {
+    /// A film over glass of this index: from the air down, without the glass.
+    pub(super) fn measured_over(
+        &mut self,
+        path: &str,
+        diffuser: &At<Measured>,
+        glass: &Spectrum,
+    ) -> Option<Vec<Part>> {
+        let index = glass.iter().sum::<f64>() / glass.len() as f64;
+        let laminated = diffuser.mounting.value == Mounting::Laminated;
+        let face = self.face(path, diffuser, laminated.then_some(Lamination { index }))?;
+        let mut parts = vec![Part::Interface(Interface::Scatter(face))];
+        let below = match diffuser.mounting.value {
+            Mounting::AsMeasured => return Some(parts),
+            // What the air disc does not hold stays in the glass.
+            Mounting::Laminated => Interface::Coated,
+            Mounting::Air => Interface::Fresnel,
+        };
+        let ones = Spectrum::constant(&self.grid, 1.0);
+        let air = Medium { index: ones.clone(), transmittance: ones, scattering: None };
+        parts.extend([Part::Medium(air, Origin::FILE), Part::Interface(below)]);
+        Some(parts)
+    }
+
+    /// A film among layers in any order, where what is below it is a layer of its own.
+    pub(super) fn measured_alone(&mut self, path: &str, diffuser: &At<Measured>) -> Option<ScatterFace> {
+        if diffuser.mounting.value != Mounting::AsMeasured {
+            let problem = Problem::NotWith { key: "mounting", beside: "`[[display.layers]]`" };
+            self.err(&diffuser.mounting, problem);
+            return None;
+        }
+        self.face(path, diffuser, None)
+    }
+
+    fn face(
+        &mut self,
+        path: &str,
+        diffuser: &At<Measured>,
+        lamination: Option<Lamination>,
+    ) -> Option<ScatterFace> {
+        let measurement = self.measurement(&diffuser.file.value, diffuser)?;
+        let (into, back, front) = if diffuser.flipped.value {
+            (Way::BackTransmission, Way::FrontReflection, Way::BackReflection)
+        } else {
+            (Way::FrontTransmission, Way::BackReflection, Way::FrontReflection)
+        };
+        let part = |way: Way| measurement.parts.iter().find(|part| part.way == way);
+        let Some(through) = part(into) else {
+            let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
+            self.err(&diffuser.file, Problem::NoSuchWay { wanted: into.name(), found });
+            return None;
+        };
+        let ones = Spectrum::constant(&self.grid, 1.0);
+        let spectrum = match &diffuser.transmission.value {
+            Some(share) => Some(self.share(share, diffuser.transmission.origin)?),
+            None => None,
+        };
+        let down =
+            self.kernel(path, diffuser, through, spectrum.as_deref().unwrap_or_default(), lamination)?;
+        let down = ScatterKernel { scatter: down, factor: spectrum.unwrap_or_else(|| ones.clone()) };
+        let mut face = ScatterFace::new(Spectrum::constant(&self.grid, 0.0)).with_transmission(down);
+        if let Some(part) = part(front) {
+            let scatter = self.kernel(path, diffuser, part, &[], None)?;
+            face = face.with_reflection_above(ScatterKernel { scatter, factor: ones.clone() });
+        }
+        // A laminated film's back face in air is gone, and with it most of what it reflected.
+        if let Some(part) = part(back).filter(|_| lamination.is_none()) {
+            let scatter = self.kernel(path, diffuser, part, &[], None)?;
+            face = face.with_reflection_below(ScatterKernel { scatter, factor: ones });
+        }
+        Some(face)
+    }
+
+    /// A file of measured scattering.
+    fn measurement(&mut self, name: &str, diffuser: &Measured) -> Option<Measurement> {
+        let file = self.open_within(name, diffuser.file.origin, LARGEST_BSDF_FILE)?;
+        match read_bsdf(&file) {
+            Ok(read) => {
+                self.warnings.extend(read.warnings.iter().map(|warning| format!("{name}: {warning}")));
+                Some(read.value)
+            }
+            Err(error) => {
+                self.errors.push_data(diffuser.file.origin, error);
+                None
+            }
+        }
+    }
+
+    /// The kernel of a part, and a report of what became of it.
+    fn kernel(
+        &mut self,
+        path: &str,
+        diffuser: &Measured,
+        part: &goniometry::Part,
+        spectrum: &[f64],
+        lamination: Option<Lamination>,
+    ) -> Option<Scatter> {
+        let preparation = Preparation {
+            fill: match diffuser.fill.value {
+                DarkCells::None => Fill::None,
+                DarkCells::Tail => Fill::Tail,
+            },
+            to_tis: diffuser.normalise.value == Normalise::Tis,
+            extrapolate: diffuser.extrapolate.value == Extrapolate::Hold,
+            lamination,
+        };
+        match kernel(part, part.luminous(), &preparation, spectrum) {
+            Ok((scatter, changes)) => {
+                let peak = spectrum.iter().fold(0.0, |most: f64, s| most.max(*s));
+                let mean = spectrum.iter().sum::<f64>() / spectrum.len().max(1) as f64;
+                let share = if spectrum.is_empty() { 1.0 } else { peak / mean };
+                self.tell(path, part.way, &changes, share, diffuser)?;
+                Some(scatter)
+            }
+            Err(error) => {
+                let at = match error {
+                    GoniometryError::NoTis => diffuser.normalise.origin,
+                    _ => diffuser.file.origin,
+                };
+                self.errors.push(at, Problem::Measurement(error));
+                None
+            }
+        }
+    }
+
+    /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
+    fn tell(
+        &mut self,
+        path: &str,
+        way: Way,
+        changes: &Changes,
+        share: f64,
+        diffuser: &Measured,
+    ) -> Option<()> {
+        let way = way.name();
+        let largest = changes.totals.iter().map(|[_, after]| share * after).fold(0.0, f64::max);
+        if largest > 1.0 + FAR_ABOVE_ONE {
+            self.err(&diffuser.file, Problem::MoreThanAll { way, total: largest });
+            return None;
+        }
+        if largest > 1.0 + ABOVE_ONE {
+            self.warnings
+                .push(format!("{path}: {way}: more light leaves than came, {largest:.3} times as much"));
+        }
+        let factors = || changes.totals.iter().map(|[before, after]| after / before);
+        let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
+        if most - 1.0 > 1e-9 || 1.0 - least > 1e-9 {
+            self.notes.push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}"));
+        }
+        if changes.filled > 0.0 {
+            let percent = 100.0 * changes.filled;
+            self.notes.push(format!(
+                "{path}: {way}: {percent:.1} % of the cells were dark; tails go on through them"
+            ));
+        }
+        if changes.lost > 0.0 {
+            self.warnings.push(format!(
+                "{path}: {way}: nothing was measured beyond {} deg, so {:.1} % of diffuse light is lost; `extrapolate = \
+                 \"hold\"` keeps the last lobe there",
+                changes.last_deg,
+                100.0 * changes.lost
+            ));
+        }
+        if changes.grid_error > COARSE {
+            let percent = 100.0 * changes.grid_error;
+            self.warnings
+                .push(format!("{path}: {way}: the file's grid leaves {percent:.1} % of the light uncertain"));
+        }
+        if changes.asymmetry > 0.01 {
+            let percent = 100.0 * changes.asymmetry;
+            self.warnings.push(format!(
+                "{path}: {way}: mirrored and turned directions differ by {percent:.1} %; their mean is taken"
+            ));
+        }
+        Some(())
+    }
+
+    /// As [`Resolver::open`], up to a size.
+    fn open_within(&mut self, name: &str, origin: Origin, limit: u64) -> Option<DataFile> {
+        let file = DataFile::open_within(&self.folder.join(name), name, limit);
+        self.opened(name, origin, file)
+    }
+}
