@@ -178,7 +178,7 @@ impl Scatter {
         }
     }
 
-    /// True if no direction of either light makes a difference: value is the same both ways.
+    /// True if light has the same density both ways, whatever the directions.
     pub fn is_reciprocal(&self) -> bool {
         matches!(self, Self::Ward(_) | Self::Table(_, Sense::Mean))
     }

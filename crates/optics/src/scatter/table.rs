@@ -8,8 +8,8 @@
 //!
 //! **Between the numbers** the kernel is cubic in its logarithm, along diameters through the
 //! peak and over azimuth and incidence, and does not overshoot ([`smooth`](super::smooth)). A
-//! k-correlation lobe on a grid as coarse as its width b keeps its values within a few per cent
-//! and its integral within one.
+//! k-correlation lobe tabulated every .3 of its width b keeps its values within .04 %, every .9 within
+//! .5 %; every b, its integral within .1 %.
 //!
 //! **At the edges.** Before the first and beyond the last incidence their values hold; beyond the
 //! last distance nothing is sent. Along the normal, and at the peak, the mean over azimuth
