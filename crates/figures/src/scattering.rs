@@ -66,7 +66,8 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
     let scale = scale.unwrap_or_else(|| Axis::exact(0.0, 1.0, 5, &figure.quantity));
     let maps_left = 80.0 + SIZE.0 + LEGEND;
     let pitch = 2.0 * RADIUS + 90.0;
-    let width = maps_left + pitch * figure.maps.len() as f64 + if figure.maps.is_empty() { 0.0 } else { 50.0 };
+    let width =
+        maps_left + pitch * figure.maps.len() as f64 + if figure.maps.is_empty() { 0.0 } else { 50.0 };
     let mut svg = Svg::new(width, SIZE.1 + 90.0).titled(title);
     let x = Axis::exact(-90.0, 90.0, 9, "Inclination in the plane of incidence (deg)");
     let panel = Panel { origin: (80.0, 24.0), size: SIZE, x, y: scale.clone() };
@@ -99,7 +100,11 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
 
 fn draw_map(svg: &mut Svg, map: &ScatterMap, scale: &Axis, centre: (f64, f64)) {
     let heading = Text::new(13.0, INK).strong().anchor(Anchor::Middle);
-    svg.text((centre.0, centre.1 - RADIUS - 26.0), &format!("Light from {}", degrees(map.incidence_deg)), heading);
+    svg.text(
+        (centre.0, centre.1 - RADIUS - 26.0),
+        &format!("Light from {}", degrees(map.incidence_deg)),
+        heading,
+    );
     let Some(directions) = Directions::new(&map.theta_deg, &map.phi_deg) else { return };
     let at = Map { centre, radius: RADIUS, scale, labelled: true };
     let value = |i: usize, j: usize| map.values.get(i * map.phi_deg.len() + j).copied().unwrap_or(f64::NAN);

@@ -14,6 +14,7 @@ use crate::{CosinePanels, Medium};
 
 /// Where the nodes of a table lie.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is one table, not many")]
 pub enum Nodes {
     /// One value for all directions.
     Constant,

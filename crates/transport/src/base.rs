@@ -15,6 +15,7 @@ pub struct Base {
 
 /// How a base reflects.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is one pixel, not many")]
 pub enum Reflector {
     /// Like a mirror.
     Specular(AngularTable),

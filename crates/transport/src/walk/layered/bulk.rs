@@ -116,7 +116,7 @@ impl<'a> Bulk<'a> {
             let cos = self.phase.sample(angle);
             stay.direction = warp::deflected(stay.direction, 1.0 - cos, turn);
             (angle, turn) = (next_angle, next_turn);
-            let edge = self.to_the_edge(&stay);
+            let edge = self.way_out(&stay);
             let (length, weight) = self.fly(edge, flight);
             if weight != 1.0 {
                 stay.weigh(weight);
@@ -148,7 +148,7 @@ impl<'a> Bulk<'a> {
     }
 
     /// Optical length to where the path's direction leaves the medium.
-    fn to_the_edge(&self, stay: &Stay) -> f64 {
+    fn way_out(&self, stay: &Stay) -> f64 {
         let z = stay.direction[2];
         let rest = if z > 0.0 { self.optical_thickness - stay.depth } else { stay.depth };
         rest / z.abs().max(f64::MIN_POSITIVE)
