@@ -80,16 +80,6 @@ fn finer(step: f64, missed: f64) -> String {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn a_step_that_would_do() {
-        assert!(super::finer(5.0, 0.06).starts_with("--step 2.5 would miss about 1.5 %"));
-        assert!(super::finer(1.0, 0.021).starts_with("--step 0.9 "));
-        assert!(super::finer(0.1, 0.5).contains("too many directions"));
-    }
-}
-
 /// The directions, if the table is of a size that can be held.
 fn grid(step: f64, scene: &Scene) -> Result<BrdfGrid, Failure> {
     let steps = (90.0 / step).round() as usize;
@@ -102,4 +92,14 @@ fn grid(step: f64, scene: &Scene) -> Result<BrdfGrid, Failure> {
         )));
     }
     Ok(BrdfGrid::even(step))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_step_that_would_do() {
+        assert!(super::finer(5.0, 0.06).starts_with("--step 2.5 would miss about 1.5 %"));
+        assert!(super::finer(1.0, 0.021).starts_with("--step 0.9 "));
+        assert!(super::finer(0.1, 0.5).contains("too many directions"));
+    }
 }
