@@ -113,7 +113,7 @@ mod tests {
                 let at = x[0] + (x[x.len() - 1] - x[0]) * (f64::from(step) + 0.123) / 201.0;
                 let weight = |k: usize| {
                     let sine = (PI * (k as f64 + 0.5) / x.len() as f64).sin();
-                    if k % 2 == 0 { sine / (at - x[k]) } else { -sine / (at - x[k]) }
+                    if k.is_multiple_of(2) { sine / (at - x[k]) } else { -sine / (at - x[k]) }
                 };
                 let (mut sum, mut all) = (0.0, 0.0);
                 (0..x.len()).for_each(|k| (sum, all) = (sum + weight(k) * y[k], all + weight(k)));
