@@ -1,5 +1,7 @@
 //! Faces given by their BSDF, by both solvers: laws, lobes given two ways, the walk.
 
+#![allow(clippy::unwrap_used, reason = "tests")]
+
 mod common;
 #[path = "common/layers.rs"]
 mod layers;
