@@ -444,6 +444,7 @@ fn dispersive_glass_is_a_glass_for_each_wavelength() {
                 table.common = all(0.0);
             }
             Reflector::Lambertian(reflectance) => *reflectance = all(0.7),
+            Reflector::Scattering(_) => unreachable!("no panel has one"),
         }
         let found = solve(&many, view(8.0), &lights(), 1);
         for bin in [0, 13, 29] {

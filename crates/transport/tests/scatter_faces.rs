@@ -1,6 +1,6 @@
 //! Faces given by their BSDF, by both solvers: laws, lobes given two ways, the walk.
 
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
 
 mod common;
 #[path = "common/layers.rs"]
