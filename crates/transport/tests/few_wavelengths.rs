@@ -17,7 +17,7 @@ fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
         AngularTable { nodes: Nodes::Cosines(33), basis, mixture: vec![1.0, 0.3], common: vec![0.1; bins] };
     let lobe = Lobe::KCorrelation { width: 0.1 };
     Stack::Panel(Panel {
-        front: Front::exact(bins, [(&*all(front), &*all(0.0))].into_iter()),
+        front: Front::exact(bins, [(&*all(front), &*all(0.0))]),
         top: Top::Diffuser(Diffuser { lobe, transmittance: all(0.9), straight_through }),
         medium: Medium::new(all(1.5)),
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: all(0.02) },
