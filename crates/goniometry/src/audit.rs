@@ -7,7 +7,8 @@
 
 use papilio_optics::Beta;
 
-use crate::{Fill, Geometry, Part, Shape, SpecularGrid};
+use crate::shape::on_specular_grid;
+use crate::{Fill, Part, Shape, SpecularGrid};
 
 /// Haze is light beyond this, degrees (ASTM D1003).
 const HAZE_DEG: f64 = 2.5;
@@ -71,10 +72,10 @@ pub struct Incidence {
 }
 
 impl Audit {
-    /// Of one channel, by its number; `None` for a part that is not on a specular-centred grid.
+    /// Of one channel, by its number. A part on another geometry than a specular-centred grid is read on one
+    /// first, and its cells are those of that grid; `None` for listed pairs.
     pub fn of(part: &Part, channel: usize) -> Option<Self> {
-        let Geometry::Specular(grid) = &part.geometry else { return None };
-        let values = part.channel(channel);
+        let (grid, values) = &on_specular_grid(part, channel)?;
         let shape = Shape::of_grid(grid, values, Fill::None);
         let filled = Shape::of_grid(grid, values, Fill::Tail);
         let incidence = |k: usize| Incidence {

@@ -28,6 +28,9 @@ pub enum GoniometryError {
     /// What was asked for needs a grid about the specular direction.
     #[error("only parts on a specular-centred grid (imaging spheres) can be {0}")]
     NotSpecular(&'static str),
+    /// What a display shows needs more than patches of ten degrees or a list of directions.
+    #[error("patches and listed pairs of directions are too coarse for a display: it needs a grid of angles")]
+    NoGrid,
     /// A sample and a reference were not measured at the same directions.
     #[error("sample and reference have different {0}: measure both on one grid")]
     GridsDiffer(&'static str),

@@ -7,7 +7,7 @@
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 
-use crate::{Fill, GoniometryError, Part, Shape, incidence_scale};
+use crate::{Fill, Geometry, GoniometryError, Part, Shape, incidence_scale};
 
 /// Distances of the table: `w sinh(t)` in such steps of t, w a half-width. Interpolation by cubics is good to
 /// 1e-4 then.
@@ -75,8 +75,10 @@ pub fn kernel(
     preparation: &Preparation,
     spectrum: &[f64],
 ) -> Result<(Scatter, Changes), GoniometryError> {
-    let shape = Shape::of_part(part, channel, preparation.fill)
-        .ok_or(GoniometryError::NotSpecular("put into a display"))?;
+    // Patches of ten degrees hide what a display shows.
+    let coarse = matches!(part.geometry, Geometry::Patches { .. });
+    let shape =
+        Shape::of_part(part, channel, preparation.fill).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
     let incidences: Vec<f64> = shape.incidences_deg().collect();
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.tis(channel, 0, k)).collect();
     let tis = match (preparation.to_tis, tis) {

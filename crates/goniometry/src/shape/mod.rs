@@ -18,13 +18,15 @@
 //! that the grid leaves is [`Shape::grid_error`].
 
 mod line;
+mod resample;
 
 use std::f64::consts::PI;
 
 use papilio_optics::Beta;
 
-use crate::{Geometry, Part, SpecularGrid, Symmetry};
+use crate::{Part, SpecularGrid, Symmetry};
 use line::Line;
+pub(crate) use resample::on_specular_grid;
 
 /// Widths w that are tried, in direction cosines.
 const WIDTHS: [f64; 2] = [1e-3, 10.0];
@@ -83,12 +85,11 @@ impl Cells {
 }
 
 impl Shape {
-    /// The shape of one channel, by its number; `None` for a part whose cells are not on a specular-centred grid.
+    /// The shape of one channel, by its number. A part on another geometry than a specular-centred grid is read on one
+    /// first; `None` for listed pairs, and where nothing was measured.
     pub fn of_part(part: &Part, channel: usize, fill: Fill) -> Option<Self> {
-        match &part.geometry {
-            Geometry::Specular(grid) => Some(Self::of_grid(grid, part.channel(channel), fill)),
-            _ => None,
-        }
+        let (grid, values) = on_specular_grid(part, channel)?;
+        Some(Self::of_grid(&grid, &values, fill))
     }
 
     /// The shape of values on a specular-centred grid, in the grid's order.
