@@ -19,7 +19,11 @@ type Chore = (&'static str, &'static str, fn() -> Outcome);
 
 const CHORES: [Chore; 7] = [
     ("test", "format, lints, all tests, documentation, every example scenario", test::test),
-    ("full", "test, with ten times the seeds and random displays; then oracle and deny", full),
+    (
+        "full",
+        "test, with ten times the seeds and random displays and longer fuzzing; then oracle and deny",
+        full,
+    ),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
     ("deny", "licences, advisories and sources of all dependencies", deny),
     ("bench", "all benchmarks", bench),

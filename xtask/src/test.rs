@@ -17,6 +17,12 @@ const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 /// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.
 const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
 
+/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format.
+const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
+
+/// Long enough for some hundred thousand files of each format.
+const FUZZ_SECONDS: &str = "180";
+
 /// The chore.
 pub(crate) fn test() -> Outcome {
     all_checks(cargo(TESTS))
@@ -25,7 +31,10 @@ pub(crate) fn test() -> Outcome {
 /// The chore, with the statistics over that many seeds and random displays.
 pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     let mut tests = cargo(TESTS);
-    tests.env(SEEDS_VARIABLE, seeds.to_string()).env(STACKS_VARIABLE, stacks.to_string());
+    tests
+        .env(SEEDS_VARIABLE, seeds.to_string())
+        .env(STACKS_VARIABLE, stacks.to_string())
+        .env(FUZZ_VARIABLE, FUZZ_SECONDS);
     all_checks(tests)
 }
 
