@@ -162,12 +162,6 @@ const WRITTEN_OTHERWISE: &[Case] = &[
 ];
 
 const NOT_IN_THIS_VERSION: &[Case] = &[
-    (
-        "\"k-correlation\"",
-        "\"ward\"",
-        (12, 9),
-        &["`ward` is not in this version", "\"k-correlation\" or \"lambertian\" or \"slab\""],
-    ),
     ("\"film\"", "\"measured\"", (20, 9), &["`measured` is not in this version"]),
     (
         "[viewer]",
