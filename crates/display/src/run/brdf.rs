@@ -137,7 +137,7 @@ impl Survey<'_> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
         let azimuths = self.grid.dphi_deg.len();
-        let mut shared = kernel.clone();
+        let mut shared = kernel.unprepared();
         if let Stack::Layered(_) = stack {
             let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
             shared.prepare(stack, &fields, &self.beams);
@@ -180,7 +180,7 @@ impl Survey<'_> {
     /// What is seen in diffuse light from each inclination of the light.
     fn returned(&self, kernel: &Kernel) -> Vec<Estimate> {
         let fields: Vec<Cone> = self.grid.theta_i_deg.iter().map(|theta| view(*theta, 0.0)).collect();
-        let mut kernel = kernel.clone();
+        let mut kernel = kernel.unprepared();
         kernel.prepare(&self.setup.stack, &fields, &[Source::Diffuse]);
         (0..fields.len()).map(|view| kernel.estimate(&self.setup.stack, view)).collect()
     }

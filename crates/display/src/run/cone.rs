@@ -69,7 +69,7 @@ impl Survey<'_> {
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let found = self.all(&kernel, &sample.finer[0], pool)?;
+        let found = self.all(kernel, &sample.finer[0], pool)?;
         let (rows, nodes): (Vec<Vec<ConeView>>, Vec<u64>) = found.into_iter().unzip();
         let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
         if !rows.iter().flatten().all(finite) {
@@ -153,7 +153,7 @@ impl Survey<'_> {
     /// that were its own.
     fn all(
         &self,
-        kernel: &Kernel,
+        mut kernel: Kernel,
         normal: &[Xyz],
         pool: Option<&ThreadPool>,
     ) -> Option<Vec<(Vec<ConeView>, u64)>> {
@@ -163,28 +163,23 @@ impl Survey<'_> {
         let fields = |theta: usize| computed.iter().map(move |phi| setup.views[phi * thetas + theta].field);
         // The operators of any layers are worth sharing; a panel's kernels are cheap, and each
         // inclination has its own.
-        let shared = match setup.stack {
-            Stack::Panel(_) => None,
-            Stack::Layered(_) => {
-                let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
-                let mut kernel = kernel.clone();
-                kernel.prepare(&setup.stack, &fields, &setup.sources);
-                Some(kernel)
-            }
-        };
+        let shared = matches!(setup.stack, Stack::Layered(_));
+        if shared {
+            let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
+            kernel.prepare(&setup.stack, &fields, &setup.sources);
+        }
         let done = AtomicUsize::new(0);
         let row = |theta: usize| {
             if self.run.control.stopped() {
                 return None;
             }
             let mut own = None;
-            let (kernel, first) = match &shared {
-                Some(kernel) => (kernel, theta * computed.len()),
-                None => {
-                    let kernel = own.insert(kernel.clone());
-                    kernel.prepare(&setup.stack, &fields(theta).collect::<Vec<Cone>>(), &setup.sources);
-                    (&*kernel, 0)
-                }
+            let (kernel, first) = if shared {
+                (&kernel, theta * computed.len())
+            } else {
+                let kernel = own.insert(kernel.clone());
+                kernel.prepare(&setup.stack, &fields(theta).collect::<Vec<Cone>>(), &setup.sources);
+                (&*kernel, 0)
             };
             let view = |k: usize| self.run.meter.cone_view(&self.colours(kernel, first + k), normal);
             let views = (0..computed.len()).map(view).collect();
@@ -195,7 +190,7 @@ impl Survey<'_> {
         let mut rows: Vec<usize> = (0..thetas).collect();
         let mut rows =
             each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
-        if let (Some(kernel), Some((_, nodes))) = (shared, rows.first_mut()) {
+        if let (true, Some((_, nodes))) = (shared, rows.first_mut()) {
             *nodes = kernel.nodes() as u64;
         }
         Some(rows)

@@ -107,6 +107,11 @@ impl Kernel {
         Self { level, kind: Kind::Empty }
     }
 
+    /// An empty kernel of the same level.
+    pub fn unprepared(&self) -> Self {
+        Self::new(self.level)
+    }
+
     /// Makes it ready for these layers, views (cones of directions in air) and sources. What
     /// was prepared before and still serves is kept.
     pub fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source]) {

@@ -6,6 +6,8 @@
 //! are iterated at once, one matrix product for each order of reflection; where light is nearly
 //! trapped, a direct solution is cheaper.
 
+use std::ops::Range;
+
 use super::algebra::Operator;
 use super::beams::Beams;
 use super::matrix::Matrix;
@@ -72,14 +74,18 @@ impl Above {
         let enter = Beams::sent_back_by(&last.down, kept.clone());
         let rises = gap.transposed().unsend(enter, factors.as_ref(), true);
         let again = upper.below.send(&rises);
-        let below = |rows: std::ops::Range<usize>| -> Matrix {
-            let mut sent = last.down.send_to(&again, rows.clone());
-            let sent = sent.get_or_insert_with(|| Matrix::zeros(rows.len(), kept.len()));
-            Matrix::from_fn(rows.len(), kept.len(), |i, k| {
-                sent[(i, k)] + last.below.at(rows.start + i, kept[k])
-            })
+        let below = |rows: Range<usize>, beams: &Beams| -> Matrix {
+            let sent = last.down.send_to(beams, rows.clone());
+            let mut sent = sent.unwrap_or_else(|| Matrix::zeros(rows.len(), beams.nodes().len()));
+            if let Some(kernel) = &last.below.kernel {
+                for (beam, column) in sent.columns_mut() {
+                    let more = &kernel.column(beams.nodes()[beam])[rows.clone()];
+                    column.iter_mut().zip(more).for_each(|(x, k)| *x += k);
+                }
+            }
+            sent
         };
-        let sent_below = below(n..len);
+        let of_lights = again.some(lights.iter().map(|light| carried + light));
         let on_kept = |straight: &dyn Fn(usize) -> f64| kept.iter().map(|&node| straight(node)).collect();
         let pairs = |at: &dyn Fn(usize, usize) -> f64| {
             Matrix::from_fn(extras, lights.len(), |extra, light| at(extra, lights[light]))
@@ -98,8 +104,8 @@ impl Above {
                 let (t, trips) = (last.down.straight[i], gap.inverse_straight_at(i));
                 last.below.straight[i] + t * t * trips * upper.below.straight[i]
             }),
-            below: below(0..carried),
-            below_light: pairs(&|extra, light| sent_below[(extra, carried + light)]),
+            below: below(0..carried, &again),
+            below_light: below(n..len, &of_lights),
             most: [Matrix::zeros(0, 0), Matrix::zeros(0, 0)],
         };
         let scattered =
@@ -129,9 +135,10 @@ impl Above {
         self.most.each_ref().map(|most| most[(extra, light)])
     }
 
-    /// How many extra nodes there are.
-    pub(super) fn extras(&self) -> usize {
-        self.down.columns()
+    /// Bytes that it takes, about.
+    pub(super) fn bytes(&self) -> usize {
+        let columns = self.down.columns() + self.below.columns() + self.front.columns() * 6;
+        8 * self.carried * columns + 48 * self.front.columns() * self.down.columns()
     }
 
     /// How many nodes with weight it holds.
@@ -237,13 +244,18 @@ impl Above {
         rising.column_mut(column).copy_from_slice(right.column(0));
     }
 
-    /// The kernel of the whole display between the beam and a light at extra node `to`, by column.
-    pub(super) fn leaves(&self, rising: &Rising, light: usize, to: usize, base: &Matrix) -> Vec<f64> {
-        let (n, extra) = (self.carried, rising.extra);
+    /// The kernel of the whole display between a view's extra node and a light, by column: the
+    /// beam entered at one of them and leaves at `to`, the other.
+    pub(super) fn leaves(&self, rising: &Rising, pair: (usize, usize), to: usize, base: &Matrix) -> Vec<f64> {
+        let n = self.carried;
+        let (mut there, mut back) = (self.from_light[pair], self.to_light[pair]);
+        if to == pair.0 && to != rising.extra {
+            std::mem::swap(&mut there, &mut back);
+        }
         let one = |c: usize| {
             let beam = rising.beam[c];
-            let mut out = self.from_light[(extra, light)] * beam;
-            let mut back = self.to_light[(extra, light)] + self.below_light[(extra, light)] * beam;
+            let mut out = there * beam;
+            let mut back = back + self.below_light[pair] * beam;
             if n > 0 {
                 let ways = self.down.column(to).iter().zip(self.below.column(n + to));
                 for (rising, (down, below)) in rising.scattered.column(c).iter().zip(ways) {

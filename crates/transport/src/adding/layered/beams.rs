@@ -29,6 +29,21 @@ impl Beams {
         Self { nodes, straight, scattered }
     }
 
+    /// The node of each beam.
+    pub(super) fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// Some of them, by their numbers.
+    pub(super) fn some(&self, numbers: impl Iterator<Item = usize>) -> Self {
+        let numbers: Vec<usize> = numbers.collect();
+        Self {
+            nodes: numbers.iter().map(|&beam| self.nodes[beam]).collect(),
+            straight: numbers.iter().map(|&beam| self.straight[beam]).collect(),
+            scattered: self.scattered.as_ref().map(|scattered| scattered.some_columns(&numbers)),
+        }
+    }
+
     /// Scattered light at a node.
     pub(super) fn at(&self, node: usize, beam: usize) -> f64 {
         self.scattered.as_ref().map_or(0.0, |scattered| scattered[(node, beam)])

@@ -135,16 +135,20 @@ pub(super) struct Elements<'a> {
 
 impl<'a> Elements<'a> {
     pub(super) fn new(mut all: Vec<Element<'a>>) -> Self {
-        let flat = |element: &Element<'_>| matches!(element.kind, Kind::Face { .. } | Kind::Clear { .. });
-        let upper = all.iter().rposition(|element| !flat(element)).unwrap_or(0);
+        let upper = all.iter().rposition(|element| !element.is_flat()).unwrap_or(0);
         let mut rest = all.split_off(upper);
-        let lower = rest.split_off(rest.iter().take(1).filter(|element| !flat(element)).count());
+        let lower = rest.split_off(rest.iter().take(1).filter(|element| !element.is_flat()).count());
         Self { upper: all, last: rest.pop(), lower }
     }
 
     /// Index of the medium below the last scatterer: air, without one.
     pub(super) fn index(&self) -> f64 {
         self.last.as_ref().map_or(1.0, |last| last.below)
+    }
+
+    /// True if nothing scatters above the last scatterer.
+    pub(super) fn flat_above(&self) -> bool {
+        self.upper.iter().all(Element::is_flat)
     }
 
     /// The layers above the last scatterer, as one part of this order.
@@ -187,6 +191,10 @@ fn compose(
 }
 
 impl Element<'_> {
+    fn is_flat(&self) -> bool {
+        matches!(self.kind, Kind::Face { .. } | Kind::Clear { .. })
+    }
+
     fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
         let part = self.part(scattered, grid);
         if order == 0 { self.booked(part, grid) } else { part }

@@ -56,6 +56,12 @@ impl Matrix {
         Self::from_fn(self.rows - first, self.columns, |i, j| self[(first + i, j)])
     }
 
+    /// These columns.
+    pub(super) fn some_columns(&self, columns: &[usize]) -> Self {
+        let values = columns.iter().flat_map(|&j| self.column(j)).copied().collect();
+        Self { rows: self.rows, columns: columns.len(), values }
+    }
+
     /// These rows as columns.
     pub(super) fn transposed_rows(&self, rows: &[usize]) -> Self {
         Self::from_fn(self.columns, rows.len(), |i, j| self[(rows[j], i)])

@@ -12,8 +12,9 @@
 //!   a few beams; [`matrix`]: what they are made of;
 //! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
 //!   parts as one;
-//! - [`base`]: the stack closed below its last scatterer by flat layers and pixel, by state and
-//!   wavelength; [`seen`]: what comes of it.
+//! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
+//!   that by flat layers and pixel, in [`columns`] by state and wavelength; [`over`]: what the views
+//!   see of beams then; [`seen`]: of diffuse light, and the ledger.
 //!
 //! # What the level decides
 //! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
@@ -28,12 +29,14 @@
 mod algebra;
 mod base;
 mod beams;
+mod columns;
 mod convergence;
 mod directions;
 mod elements;
 mod grid;
 mod lobes;
 mod matrix;
+mod over;
 mod part;
 mod pixels;
 mod precision;
@@ -44,18 +47,17 @@ mod scatterers;
 mod seen;
 mod slab;
 
-use std::f64::consts::PI;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
 use super::images::ImagePoints;
 use crate::specular::layered_image;
-use crate::{Base, Cone, Estimate, Layered, Ledger, Reflector, Rho, Source};
-use directions::{Directions, Ray};
+use crate::{Cone, Estimate, Layered, Reflector, Source};
+use directions::Directions;
+use over::Over;
 use pixels::Pixels;
 use precision::Precision;
-use prepare::Group;
-use seen::{Columns, Seen};
+use prepare::Prepared;
 
 /// Radial nodes, besides the directions of views and sources, that a level takes.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
@@ -83,23 +85,13 @@ pub(super) struct Kernel {
     directions: Directions,
     /// For each view, the mirror images in it.
     images: Vec<Vec<ImagePoints>>,
-    groups: Vec<Group>,
+    prepared: Prepared,
     /// What was seen over the last base.
-    last: Mutex<Option<Arc<OverBase>>>,
+    last: Mutex<Option<Arc<Over>>>,
     /// Of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: u32,
     asked: (Vec<Cone>, Vec<Source>),
-}
-
-/// What beams from all extra nodes become over one base, as far as anyone asked: views of the
-/// same inclination share it.
-#[derive(Debug)]
-struct OverBase {
-    base: Base,
-    columns: Vec<Columns>,
-    /// `[extra node][group]`.
-    seen: Vec<OnceLock<Vec<Seen>>>,
 }
 
 impl Clone for Kernel {
@@ -108,8 +100,8 @@ impl Clone for Kernel {
             precision: self.precision,
             directions: self.directions.clone(),
             images: self.images.clone(),
-            groups: self.groups.clone(),
-            last: Mutex::default(),
+            prepared: self.prepared.clone(),
+            last: Mutex::new(self.last().clone()),
             pixels: Mutex::default(),
             level: self.level,
             asked: self.asked.clone(),
@@ -123,7 +115,7 @@ impl Kernel {
             precision: Precision::new(level),
             directions: Directions::default(),
             images: Vec::new(),
-            groups: Vec::new(),
+            prepared: Prepared::default(),
             last: Mutex::default(),
             pixels: Mutex::default(),
             level,
@@ -132,46 +124,34 @@ impl Kernel {
     }
 
     pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source]) {
+        let digits = self.precision.digits;
+        // What is there may be large: it goes first.
+        self.prepared = Prepared::default();
+        self.last = Mutex::default();
+        self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
-            self.groups = Vec::new();
             self.pixels = Mutex::new(Some(Arc::new(Pixels::new(stack, self.level, views, sources))));
             return;
         }
-        let digits = self.precision.digits;
         self.directions = Directions::new(stack, views, sources, &self.precision);
         self.images = views.iter().map(|view| super::images::image_points(view, sources, digits)).collect();
-        self.groups = prepare::groups(stack, &self.directions, &self.precision);
-        self.last = Mutex::default();
-        self.pixels = Mutex::default();
+        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision);
+        self.prepared = prepared;
+        self.last = Mutex::new(Some(Arc::new(over)));
     }
 
     pub(super) fn nodes(&self) -> usize {
         let pixels = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
         let of_pixels = pixels.as_ref().map_or(0, |pixels| pixels.nodes());
-        self.groups.iter().map(|group| group.nodes).max().unwrap_or(of_pixels)
+        self.prepared.families.iter().flatten().map(|group| group.nodes).max().unwrap_or(of_pixels)
     }
 
     pub(super) fn estimate(&self, stack: &Layered, view: usize) -> Estimate {
         if let Reflector::Scattering(_) = stack.base.reflector {
             return self.pixels(stack).estimate(view);
         }
-        let (states, bins) = (stack.base.states(), stack.base.bins());
-        let zeros = Rho { base: vec![0.0; states * bins], front: vec![0.0; bins] };
-        let rho = vec![zeros; self.directions.sources.len()];
-        let mut estimate = Estimate { rho, ledger: Ledger::zeros(states * bins) };
-        let over = self.over(stack);
-        for ray in &self.directions.views[view] {
-            let seen = over.seen[ray.extra].get_or_init(|| {
-                let groups = self.groups.iter().zip(&over.columns);
-                groups
-                    .map(|(group, columns)| Seen::new(group, columns, ray.extra, self.precision.iteration))
-                    .collect()
-            });
-            for ((group, columns), seen) in self.groups.iter().zip(&over.columns).zip(seen) {
-                self.add_ray(group, columns, ray, seen, &mut estimate);
-            }
-        }
+        let mut estimate = self.over(stack).estimate(&self.directions, view);
         self.add_images(stack, view, &mut estimate);
         estimate
     }
@@ -187,51 +167,19 @@ impl Kernel {
         pixels
     }
 
-    /// What is known over this base.
-    fn over(&self, stack: &Layered) -> Arc<OverBase> {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+    /// What is seen over this base.
+    fn over(&self, stack: &Layered) -> Arc<Over> {
+        let mut last = self.last();
         if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
             return Arc::clone(known);
         }
-        let over = Arc::new(OverBase {
-            base: stack.base.clone(),
-            columns: Columns::new(stack, &self.groups),
-            seen: vec![OnceLock::new(); self.directions.beta.len()],
-        });
+        let over = Arc::new(self.prepared.over(stack, &self.directions, &self.precision));
         *last = Some(Arc::clone(&over));
         over
     }
 
-    fn add_ray(&self, group: &Group, columns: &Columns, ray: &Ray, seen: &Seen, estimate: &mut Estimate) {
-        for (source, rho) in self.directions.sources.iter().zip(&mut estimate.rho) {
-            if source.is_empty() {
-                columns.add(&mut rho.base, &seen.diffuse, ray.weight);
-                group.bins.iter().for_each(|&bin| rho.front[bin] += ray.weight * seen.diffuse_front);
-            }
-            for light in source {
-                let number = group.lights.binary_search(&light.extra).unwrap_or(0);
-                let mut base = vec![0.0; columns.len()];
-                let mut front = 0.0;
-                for (m, front_of_lights) in seen.front.iter().enumerate() {
-                    let both_ways = if m == 0 { 1.0 } else { 2.0 };
-                    let factor = both_ways * (m as f64 * (ray.turn - light.turn)).cos();
-                    front += factor * front_of_lights[number];
-                    if let Some(kernel) = seen.orders.get(m).map(|lights| &lights[number]) {
-                        base.iter_mut().zip(kernel).for_each(|(sum, k)| *sum += factor * k);
-                    }
-                }
-                let weight = PI * ray.weight * light.weight;
-                columns.add(&mut rho.base, &base, weight);
-                group.bins.iter().for_each(|&bin| rho.front[bin] += weight * front);
-            }
-        }
-        let Ledger { returned, front, diffuser, glass, pixel, inactive, unaccounted: _ } =
-            &mut estimate.ledger;
-        for (book, shares) in
-            [returned, front, diffuser, glass, pixel, inactive].into_iter().zip(&seen.ledger)
-        {
-            columns.add(book, shares, ray.weight);
-        }
+    fn last(&self) -> MutexGuard<'_, Option<Arc<Over>>> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn add_images(&self, stack: &Layered, view: usize, estimate: &mut Estimate) {

@@ -5,6 +5,7 @@ use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
+use super::over::Over;
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
@@ -15,15 +16,14 @@ use crate::{Interface, Layered, Reflector};
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     pub(super) bins: Vec<usize>,
-    /// Groups of a family have the same indices and nodes.
-    pub(super) family: usize,
-    /// How many nodes there are, with weight and extra ones.
+    /// How many nodes there are, with weight and extra ones; the latter alone.
     pub(super) nodes: usize,
+    pub(super) extras: usize,
     /// Index of the medium above the base.
     pub(super) index: f64,
     /// `|beta|` of the nodes that the medium below the last scatterer carries.
     pub(super) beta: Vec<f64>,
-    /// By azimuthal order: the layers down to the last scatterer.
+    /// By azimuthal order: the layers down to the last scatterer; none if they were not kept.
     pub(super) orders: Vec<Above>,
     /// The flat layers below it, at the same nodes.
     pub(super) lower: Lower,
@@ -93,14 +93,75 @@ impl Lower {
 }
 
 impl Group {
-    /// How many extra nodes there are.
-    pub(super) fn extras(&self) -> usize {
-        self.orders.first().map_or(0, Above::extras)
+    /// Where an extra node stands among its nodes.
+    pub(super) fn node(&self, extra: usize) -> usize {
+        self.beta.len() - self.extras + extra
+    }
+
+    /// Where its shares of light stand.
+    pub(super) fn share(&self, extra: usize) -> usize {
+        self.shares.scale.len() - self.extras + extra
     }
 }
 
-/// All groups, prepared.
-pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Precision) -> Vec<Group> {
+/// What was prepared of a stack, and what its views see over its base.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Prepared {
+    /// Groups of the same indices: they share their nodes, and what scatters.
+    pub(super) families: Vec<Vec<Group>>,
+    /// Whether the groups hold their operators.
+    kept: bool,
+}
+
+/// Operators that take more bytes than this are not kept.
+const MOST_KEPT: usize = 256 << 20;
+
+impl Prepared {
+    pub(super) fn new(stack: &Layered, directions: &Directions, precision: &Precision) -> (Self, Over) {
+        let mut over = Over::new(stack, directions);
+        let mut prepared = Self { families: Vec::new(), kept: true };
+        let mut bytes = 0;
+        for bins in families(stack) {
+            let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
+                let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
+                let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
+                over.add(stack, directions, order, &groups, &each, precision.iteration);
+                bytes += above.iter().flatten().map(Above::bytes).sum::<usize>();
+                for (one, above) in growing.iter_mut().zip(above) {
+                    one.group.orders.extend(above);
+                    if bytes > MOST_KEPT {
+                        one.group.orders = Vec::new();
+                    }
+                }
+            };
+            prepared.families.push(prepare(stack, bins, directions, precision, &mut add));
+        }
+        prepared.kept = bytes <= MOST_KEPT;
+        if !prepared.kept {
+            prepared.families.iter_mut().flatten().for_each(|group| group.orders = Vec::new());
+        }
+        (prepared, over)
+    }
+
+    /// What the views see over another base.
+    pub(super) fn over(&self, stack: &Layered, directions: &Directions, precision: &Precision) -> Over {
+        if !self.kept {
+            return Self::new(stack, directions, precision).1;
+        }
+        let mut over = Over::new(stack, directions);
+        for family in &self.families {
+            let groups: Vec<&Group> = family.iter().collect();
+            for order in 0..family.iter().map(|group| group.orders.len()).max().unwrap_or(0) {
+                let above: Vec<Option<&Above>> = family.iter().map(|group| group.orders.get(order)).collect();
+                over.add(stack, directions, order, &groups, &above, precision.iteration);
+            }
+        }
+        over
+    }
+}
+
+/// Wavelengths by family and group.
+fn families(stack: &Layered) -> Vec<Vec<Vec<usize>>> {
     let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
     for bin in 0..stack.base.bins() {
         let key = optics(stack, bin);
@@ -109,7 +170,6 @@ pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Preci
             None => kinds.push((key, vec![bin])),
         }
     }
-    // Groups of the same indices share their nodes, and what scatters.
     let mut families: Vec<(Vec<f64>, Vec<Vec<usize>>)> = Vec::new();
     for (_, bins) in kinds {
         let indices = indices(stack, bins[0]);
@@ -118,12 +178,7 @@ pub(super) fn groups(stack: &Layered, directions: &Directions, precision: &Preci
             None => families.push((indices, vec![bins])),
         }
     }
-    let prepared = families.into_iter().enumerate().flat_map(|(number, (_, bins))| {
-        let mut groups = prepare(stack, bins, directions, precision);
-        groups.iter_mut().for_each(|group| group.family = number);
-        groups
-    });
-    prepared.collect()
+    families.into_iter().map(|(_, family)| family).collect()
 }
 
 /// Indices of all media at a wavelength, air first.
@@ -168,12 +223,13 @@ pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
     (0..stack.base.bins()).map(at).max().unwrap_or(0)
 }
 
-/// Groups of wavelengths at which all indices are alike.
+/// Groups of wavelengths at which all indices are alike; `add` takes the operators of each order in turn.
 fn prepare(
     stack: &Layered,
     family: Vec<Vec<usize>>,
     directions: &Directions,
     precision: &Precision,
+    add: &mut dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>),
 ) -> Vec<Group> {
     let first = family[0][0];
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
@@ -190,8 +246,8 @@ fn prepare(
             let kept = grid.kept(elements.index());
             let group = Group {
                 bins,
-                family: 0,
                 nodes: grid.len(),
+                extras: directions.beta.len(),
                 index,
                 beta: kept.iter().map(|&i| grid.beta[i]).collect(),
                 orders: Vec::new(),
@@ -200,7 +256,7 @@ fn prepare(
                 shares: Shares::default(),
             };
             let convergence = Convergence::new(extras(&directions.views), lights.len());
-            Growing { group, elements, convergence, stage: Stage::All, lambertian }
+            Growing { group, elements, convergence, stage: Stage::All, lambertian, flat: None }
         })
         .collect();
     for order in 0.. {
@@ -210,9 +266,11 @@ fn prepare(
             grid = grid.extras();
         }
         let scattered = scatterers.scattered(order, &grid);
-        for one in growing.iter_mut().filter(|one| one.stage != Stage::Done) {
-            one.grow(&scattered, order, &grid, precision.tolerance);
-        }
+        let grow = |one: &mut Growing<'_>| {
+            (one.stage != Stage::Done).then(|| one.grow(&scattered, order, &grid, precision.tolerance))
+        };
+        let above = growing.iter_mut().map(grow).collect();
+        add(order, &mut growing, above);
         if growing.iter().all(|one| one.stage == Stage::Done) {
             break;
         }
@@ -227,12 +285,15 @@ struct Growing<'a> {
     convergence: Convergence,
     stage: Stage,
     lambertian: bool,
+    /// The layers above the last scatterer, where they are flat: alike in all orders.
+    flat: Option<Part>,
 }
 
 impl Growing<'_> {
-    /// Adds an order.
-    fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) {
-        let upper = self.elements.upper(scattered, order, grid);
+    /// The operators of an order.
+    fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) -> Above {
+        let known = self.flat.take().filter(|part| part.down.len() == grid.len());
+        let upper = known.unwrap_or_else(|| self.elements.upper(scattered, order, grid));
         let last = self.elements.last(scattered, order, grid);
         let group = &mut self.group;
         let index = self.elements.index();
@@ -247,6 +308,7 @@ impl Growing<'_> {
         let carried = grid.kept(index).len() - (grid.len() - grid.regular);
         let above = Above::new(&upper, &last, &group.lights, carried);
         self.stage = self.convergence.add(&above, tolerance);
-        group.orders.push(above);
+        self.flat = self.elements.flat_above().then_some(upper);
+        above
     }
 }

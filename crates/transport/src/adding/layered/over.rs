@@ -1,0 +1,226 @@
+//! What the views see over one base, gathered order by order of the azimuth, so that operators need
+//! not outlive their order.
+//!
+//! All kernels are reciprocal: the beam that enters against a view's direction tells what the view sees of
+//! a beam of light (the kernel towards it). So does the beam that enters from the light: beams are
+//! followed from whichever side has fewer directions.
+
+use std::f64::consts::PI;
+
+use super::base::Above;
+use super::columns::{BaseColumns, Columns};
+use super::directions::{Directions, extras};
+use super::matrix::Matrix;
+use super::prepare::Group;
+use super::seen::Seen;
+use crate::{Base, Estimate, Layered, Ledger, Rho};
+
+/// What the views see over one base.
+#[derive(Debug)]
+pub(super) struct Over {
+    pub(super) base: Base,
+    /// Of beams, by view and source.
+    beams: Vec<Vec<Rho>>,
+    families: Vec<Followed>,
+}
+
+/// What is known of a family of groups of wavelengths.
+#[derive(Debug)]
+pub(super) struct Followed {
+    bins: Vec<Vec<usize>>,
+    columns: Vec<Columns>,
+    /// Extra nodes of the views, ascending, and of the lights.
+    views: Vec<usize>,
+    lights: Vec<usize>,
+    /// Where beams of diffuse light end, `[group][view]`.
+    seen: Vec<Vec<Seen>>,
+    /// The largest densities met so far, `[group][beam][column]`.
+    floors: Vec<Vec<Vec<f64>>>,
+}
+
+/// One order's kernels between views and lights.
+struct Kernels {
+    /// By way of the base, `[column of all groups, pair]`.
+    base: Matrix,
+    /// Of light that has not met the base, `[bin of all groups, pair]`.
+    front: Matrix,
+}
+
+impl Over {
+    /// Nothing seen yet.
+    pub(super) fn new(stack: &Layered, directions: &Directions) -> Self {
+        let (states, bins) = (stack.base.states(), stack.base.bins());
+        let zeros = || Rho { base: vec![0.0; states * bins], front: vec![0.0; bins] };
+        let beams = directions.views.iter().map(|_| directions.sources.iter().map(|_| zeros()).collect());
+        Self { base: stack.base.clone(), beams: beams.collect(), families: Vec::new() }
+    }
+
+    /// Adds an order of the family added last, or the first of a new one.
+    pub(super) fn add(
+        &mut self,
+        stack: &Layered,
+        directions: &Directions,
+        order: usize,
+        groups: &[&Group],
+        above: &[Option<&Above>],
+        tolerance: f64,
+    ) {
+        if order == 0 {
+            self.families.push(Followed::new(stack, directions, groups));
+        }
+        if let Some(family) = self.families.last_mut() {
+            let kernels = family.follow(order, groups, above, tolerance);
+            family.gather(order, &kernels, directions, &mut self.beams);
+        }
+    }
+
+    /// From a view.
+    pub(super) fn estimate(&self, directions: &Directions, view: usize) -> Estimate {
+        let places = self.base.states() * self.base.bins();
+        let mut estimate = Estimate { rho: self.beams[view].clone(), ledger: Ledger::zeros(places) };
+        for family in &self.families {
+            for ray in &directions.views[view] {
+                let number = family.view(ray.extra);
+                for ((columns, bins), seen) in family.columns.iter().zip(&family.bins).zip(&family.seen) {
+                    let Some(seen) = seen.get(number) else { continue };
+                    let diffuse = directions.sources.iter().zip(&mut estimate.rho);
+                    for (_, rho) in diffuse.filter(|(source, _)| source.is_empty()) {
+                        columns.add(&mut rho.base, &seen.diffuse, ray.weight);
+                        bins.iter().for_each(|&bin| rho.front[bin] += ray.weight * seen.diffuse_front);
+                    }
+                    let Ledger { returned, front, diffuser, glass, pixel, inactive, unaccounted: _ } =
+                        &mut estimate.ledger;
+                    let books = [returned, front, diffuser, glass, pixel, inactive];
+                    for (book, shares) in books.into_iter().zip(&seen.ledger) {
+                        columns.add(book, shares, ray.weight);
+                    }
+                }
+            }
+        }
+        estimate
+    }
+}
+
+impl Followed {
+    fn new(stack: &Layered, directions: &Directions, groups: &[&Group]) -> Self {
+        Self {
+            bins: groups.iter().map(|group| group.bins.clone()).collect(),
+            columns: Columns::new(stack, groups),
+            views: extras(&directions.views),
+            lights: extras(&directions.sources),
+            seen: groups.iter().map(|_| Vec::new()).collect(),
+            floors: vec![Vec::new(); groups.len()],
+        }
+    }
+
+    /// The number of a view's extra node.
+    fn view(&self, extra: usize) -> usize {
+        self.views.binary_search(&extra).unwrap_or_default()
+    }
+
+    /// The number of a view's and a light's extra nodes together.
+    fn pair(&self, view: usize, light: usize) -> usize {
+        view * self.lights.len() + light
+    }
+
+    /// Follows beams through an order of every group that has it.
+    fn follow(
+        &mut self,
+        order: usize,
+        groups: &[&Group],
+        above: &[Option<&Above>],
+        tolerance: f64,
+    ) -> Kernels {
+        let pairs = self.views.len() * self.lights.len();
+        let columns = self.columns.iter().map(Columns::len).sum();
+        let mut kernels = Kernels {
+            base: Matrix::zeros(columns, pairs),
+            front: Matrix::zeros(self.bins.iter().map(Vec::len).sum(), pairs),
+        };
+        let mut first = (0, 0);
+        for (number, (group, above)) in groups.iter().zip(above).enumerate() {
+            if let Some(above) = above {
+                self.follow_group(order, (number, group), above, tolerance, first, &mut kernels);
+            }
+            first = (first.0 + self.columns[number].len(), first.1 + self.bins[number].len());
+        }
+        kernels
+    }
+
+    fn follow_group(
+        &mut self,
+        order: usize,
+        (number, group): (usize, &Group),
+        above: &Above,
+        tolerance: f64,
+        first: (usize, usize),
+        kernels: &mut Kernels,
+    ) {
+        // Order 0 tells where light from the views ends, too.
+        let from_views = order == 0 || self.views.len() <= self.lights.len();
+        let (beams, others) =
+            if from_views { (&self.views, &self.lights) } else { (&self.lights, &self.views) };
+        let columns = &self.columns[number];
+        // Later orders have no nodes with weight.
+        let extras_alone = (above.carried() == 0).then(|| columns.below.rows_from(group.node(0)));
+        let below = extras_alone.as_ref().unwrap_or(&columns.below);
+        if self.floors[number].len() != beams.len() {
+            self.floors[number] = vec![vec![0.0; below.columns()]; beams.len()];
+        }
+        for (beam, (extra, floor)) in beams.iter().zip(&mut self.floors[number]).enumerate() {
+            let rising = above.rise(*extra, below, tolerance, floor);
+            if order == 0 {
+                self.seen[number].push(Seen::new(group, columns, above, &rising));
+            }
+            for other in 0..others.len() {
+                let (view, light) = if from_views { (beam, other) } else { (other, beam) };
+                let mut kernel = above.leaves(&rising, (self.views[view], light), others[other], below);
+                let dark = kernel.pop().unwrap_or(0.0);
+                let pair = view * self.lights.len() + light;
+                let front = above.front(self.views[view], light) + dark;
+                kernels.front.column_mut(pair)[first.1..][..group.bins.len()].fill(front);
+                let column = &mut kernels.base.column_mut(pair)[first.0..][..columns.len()];
+                match &columns.base {
+                    BaseColumns::Specular(_) => {
+                        column.iter_mut().zip(&kernel).for_each(|(x, value)| *x = value - dark);
+                    }
+                    BaseColumns::Lambertian(_) if order == 0 => {
+                        let seen = &self.seen[number][view];
+                        let by_base = seen.by_way_of_base(group, self.lights[light]);
+                        column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
+                    }
+                    BaseColumns::Lambertian(_) => {}
+                }
+            }
+        }
+    }
+
+    /// Adds an order's kernels to what the views see.
+    fn gather(&self, order: usize, kernels: &Kernels, directions: &Directions, beams: &mut [Vec<Rho>]) {
+        let places: Vec<usize> =
+            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
+        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
+        let both_ways = if order == 0 { 1.0 } else { 2.0 };
+        for (rays, beams) in directions.views.iter().zip(beams) {
+            for (source, rho) in directions.sources.iter().zip(beams) {
+                for ray in rays {
+                    for light in source {
+                        let number = self.lights.binary_search(&light.extra).unwrap_or_default();
+                        let pair = self.pair(self.view(ray.extra), number);
+                        let turn = (order as f64 * (ray.turn - light.turn)).cos();
+                        let factor = PI * ray.weight * light.weight * both_ways * turn;
+                        add(&mut rho.base, &places, kernels.base.column(pair), factor);
+                        add(&mut rho.front, &bins, kernels.front.column(pair), factor);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds values times a factor to sums at these places.
+fn add(sums: &mut [f64], places: &[usize], values: &[f64], factor: f64) {
+    for (at, value) in places.iter().zip(values) {
+        sums[*at] += factor * value;
+    }
+}
