@@ -119,7 +119,7 @@ fn medium<'a>(
     let scattered = scattering.optical_thickness * scattering.albedo[bin];
     let albedo = scattered / thickness;
     let model = Model { thickness, albedo, anisotropy: scattering.anisotropy, index: medium.index()[bin] };
-    let number = scatterers.slab(model, precision.legendre_terms(scattering.anisotropy), grid);
+    let number = scatterers.slab(model, precision.kept_terms(scattering.anisotropy), grid);
     let lost = thickness - scattered;
     Some(Kind::Slab { number, absorbing_share: if lost > 0.0 { absorbing / lost } else { 0.0 } })
 }

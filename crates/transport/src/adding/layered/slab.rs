@@ -173,7 +173,8 @@ impl Slab {
     fn conserve(&self, reflected: &mut Operator, transmitted: &Operator) {
         let ones = vec![1.0; self.nodes.len()];
         let through = transmitted.pull_back(&ones, &self.scale);
-        for _ in 0..4 {
+        // What extra nodes lack is halved each time.
+        for _ in 0..12 {
             let back = reflected.pull_back(&ones, &self.scale);
             let factor: Vec<f64> = back
                 .iter()
