@@ -11,7 +11,25 @@
 //! direction and the straight-through direction of light from (theta, phi) are both
 //! (theta, phi + 180 deg).
 //!
+//! What is done with it: a smooth [`Shape`] between the cells, an [`Audit`], [`Fit`]s of lobes with a formula, the
+//! [`kernel`] that a display takes, [`calibrated`] and [`deblurred`] values, and an [`Instrument`] that measures what is
+//! given by numbers.
+//!
 //! **Limits**: unpolarised light, a uniform sample, no fluorescence.
+//!
+//! **Out of scope**: files (`formats`).
+//!
+//! ```
+//! use papilio_goniometry::{Fill, Instrument, Shape, SyntheticSample};
+//! // Haze 65 as an imaging sphere sees it, on its grid of two degrees and with its blur.
+//! let sample = SyntheticSample::new(0.65)?;
+//! let seen = sample.measured(&SyntheticSample::instrument(), &[1.0; 3])?;
+//! let shape = Shape::of_part(&seen.parts[0], 1, Fill::None).unwrap();
+//! // The instrument is told that the total integrated scatter is .90.
+//! assert!((shape.total(0) - 0.90).abs() < 2e-3);
+//! assert!((shape.along(0, 0.0, 0.0).unwrap() - 20.7).abs() < 0.1);
+//! # Ok::<(), papilio_goniometry::GoniometryError>(())
+//! ```
 
 mod audit;
 mod calibration;
