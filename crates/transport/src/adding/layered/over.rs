@@ -172,9 +172,9 @@ impl Followed {
             if order == 0 {
                 self.seen[number].push(Seen::new(group, columns, above, &rising));
             }
-            for other in 0..others.len() {
+            for (other, to) in others.iter().enumerate() {
                 let (view, light) = if from_views { (beam, other) } else { (other, beam) };
-                let mut kernel = above.leaves(&rising, (self.views[view], light), others[other], below);
+                let mut kernel = above.leaves(&rising, (self.views[view], light), *to, below);
                 let dark = kernel.pop().unwrap_or(0.0);
                 let pair = view * self.lights.len() + light;
                 let front = above.front(self.views[view], light) + dark;

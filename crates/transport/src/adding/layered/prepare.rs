@@ -223,13 +223,16 @@ pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
     (0..stack.base.bins()).map(at).max().unwrap_or(0)
 }
 
+/// Takes the operators of an order, for each group that has it.
+type AddOrder<'f> = dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>) + 'f;
+
 /// Groups of wavelengths at which all indices are alike; `add` takes the operators of each order in turn.
 fn prepare(
     stack: &Layered,
     family: Vec<Vec<usize>>,
     directions: &Directions,
     precision: &Precision,
-    add: &mut dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>),
+    add: &mut AddOrder<'_>,
 ) -> Vec<Group> {
     let first = family[0][0];
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
