@@ -17,6 +17,8 @@ use crate::source::Origin;
 
 /// A total further above 1 than this is worth a warning.
 const ABOVE_ONE: f64 = 1e-3;
+/// Totals that change by less than this go without saying: a table keeps them to 1e-4.
+const TOLD: f64 = 1e-3;
 /// And beyond this no display can be computed.
 const FAR_ABOVE_ONE: f64 = 0.2;
 /// A grid that leaves more of the total open than this is too coarse for the usual error target.
@@ -168,7 +170,7 @@ impl Resolver<'_> {
         }
         let factors = || changes.totals.iter().map(|[before, after]| after / before);
         let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
-        if most - 1.0 > 1e-9 || 1.0 - least > 1e-9 {
+        if most - 1.0 > TOLD || 1.0 - least > TOLD {
             self.notes.push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}"));
         }
         if changes.filled > 0.0 {
