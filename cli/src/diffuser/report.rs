@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use papilio_goniometry::{Audit, Channel, Geometry, Measurement, Part, Ranked, Symmetry, Way};
+use papilio_goniometry::{Audit, Channel, Geometry, Measurement, Parameter, Part, Ranked, Symmetry, Way};
 
 use crate::report::table;
 
@@ -50,8 +50,12 @@ pub(super) fn inspect(name: &str, measurement: &Measurement, audits: &[(&Part, V
         );
         let _ = writeln!(text, "\n  {}", geometry(&part.geometry));
         // One channel in full: the luminous one.
-        if let Some(audit) = audits.get(part.luminous()) {
-            text.push_str(&findings(audit));
+        match audits.get(part.luminous()) {
+            Some(audit) => text.push_str(&findings(audit)),
+            None => text.push_str("  directions on no grid: nothing is known of what is between them\n"),
+        }
+        if matches!(part.geometry, Geometry::Patches { .. }) {
+            text.push_str("  warning: patches of about ten degrees: peak, half-widths and haze are those of the patches\n");
         }
     }
     text
@@ -215,34 +219,35 @@ pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
     let cells = fits.first().map_or(0, |ranked| ranked.fit.cells);
     let channel = part.channels.get(part.luminous()).map(spoken).unwrap_or_default();
     let mut text = format!("{name}: {}, {channel}, {cells} cells\n\n", part.way.name());
-    let mut rows = vec![["lobe", "display", "residual", "total", "parameters"].map(str::to_owned).to_vec()];
+    let mut rows = vec![["lobe", "display", "residual", "total"].map(str::to_owned).to_vec()];
+    let mut parameters = String::new();
     for Ranked { fit, score } in fits {
-        let parameters: Vec<String> = fit
-            .parameters
-            .iter()
-            .map(|found| {
-                let [low, high] = found.interval;
-                let end = if found.at_bound { " (end of its range)" } else { "" };
-                format!("{} {} [{}, {}]{end}", found.name, short(found.value), short(low), short(high))
-            })
-            .collect();
+        let name = fit.model.kind().name();
         rows.push(vec![
-            fit.model.kind().name().to_owned(),
+            name.to_owned(),
             score.map_or("-".to_owned(), percent),
             percent(fit.relative_rms),
             percent(fit.total_error),
-            parameters.join(", "),
         ]);
+        let each: Vec<String> = fit.parameters.iter().map(parameter).collect();
+        let _ = writeln!(parameters, "  {name}: {}", each.join(", "));
     }
     text.push_str(&table(&rows));
     text.push_str(
-        "\ndisplay: luminance through the lobe and back over a mirror, largest deviation from the data's (best first);\n\
-         residual: rms of (data - lobe) cos(theta), relative; total: all cells; [ ]: 95 % intervals\n",
+        "  display: luminance through the lobe and back over a mirror, largest deviation from the data's (best first)\n  \
+         residual: rms of (data - lobe) cos(theta), relative; total: of all cells\n\nparameters, with 95 % intervals\n",
     );
+    text.push_str(&parameters);
     if fits.iter().any(|ranked| !ranked.fit.converged) {
         text.push_str("warning: a search did not come to rest\n");
     }
     text
+}
+
+fn parameter(found: &Parameter) -> String {
+    let [low, high] = found.interval;
+    let end = if found.at_bound { " (end of its range)" } else { "" };
+    format!("{} {} [{}, {}]{end}", found.name.replace('_', "-"), short(found.value), short(low), short(high))
 }
 
 /// Five digits.

@@ -6,11 +6,12 @@ use crate::{Direction, Geometry, Part, SpecularGrid, Symmetry};
 const INCIDENCES: u32 = 18;
 
 /// A part's channel on a specular-centred grid: its own, or what a plain reading of its geometry gives, 10 deg around
-/// and half a degree to two degrees outwards. `None` for listed pairs, which leave open what is between them.
+/// and half a degree to two degrees outwards. `None` for listed pairs that are not such a grid themselves: they leave open what
+/// is between them.
 pub(crate) fn on_specular_grid(part: &Part, channel: usize) -> Option<(SpecularGrid, Vec<f64>)> {
     let (incidences_deg, light_deg) = match &part.geometry {
         Geometry::Specular(grid) => return Some((grid.clone(), part.channel(channel).to_vec())),
-        Geometry::Pairs(_) => return None,
+        Geometry::Pairs(pairs) => return rings(pairs, part.channel(channel)),
         Geometry::Spherical(grid) => {
             let below = grid.theta_i_deg.iter().copied().filter(|theta| *theta < 90.0);
             (below.collect(), *grid.phi_i_deg.first()?)
@@ -48,6 +49,55 @@ pub(crate) fn on_specular_grid(part: &Part, channel: usize) -> Option<(SpecularG
     (!incidences_deg.is_empty()).then_some((SpecularGrid { incidences_deg, ..grid }, values))
 }
 
+/// Angles closer than this are the same, degrees: files round them.
+const SAME_DEG: f64 = 2e-3;
+
+/// Listed pairs that lie on rings about the specular direction, as a grid; cells that are not listed are NaN.
+fn rings(pairs: &[[Direction; 2]], values: &[f64]) -> Option<(SpecularGrid, Vec<f64>)> {
+    let light = pairs.first()?[0];
+    let place = |[from, to]: &[Direction; 2]| {
+        let turned = Direction::new(to.theta_deg, to.phi_deg - from.phi_deg + 180.0).vector();
+        let (sin, cos) = from.theta_deg.to_radians().sin_cos();
+        let [along, across, towards] =
+            [turned[0] * sin + turned[2] * cos, -turned[1], -turned[0] * cos + turned[2] * sin];
+        let radial = across.hypot(towards).atan2(along).to_degrees();
+        // At the centre all azimuths are one.
+        let azimuth =
+            if radial < SAME_DEG { 0.0 } else { across.atan2(towards).to_degrees().rem_euclid(360.0) };
+        [from.theta_deg, if azimuth > 360.0 - SAME_DEG { 0.0 } else { azimuth }, radial]
+    };
+    if pairs.iter().any(|pair| (pair[0].phi_deg - light.phi_deg).abs() > SAME_DEG) {
+        return None;
+    }
+    let places: Vec<[f64; 3]> = pairs.iter().map(place).collect();
+    let [incidences_deg, azimuths_deg, radials_deg] = [0, 1, 2].map(|axis| {
+        let mut angles: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup_by(|b, a| *b - *a < SAME_DEG);
+        angles
+    });
+    let (azimuths, radials) = (azimuths_deg.len(), radials_deg.len());
+    let cells = incidences_deg.len() * azimuths * radials;
+    // A grid is listed all but beyond the horizon: about half of each.
+    if radials < 3 || pairs.len() < cells / 4 {
+        return None;
+    }
+    let mut found = vec![f64::NAN; cells];
+    for ([incidence, azimuth, radial], value) in places.iter().zip(values) {
+        let [i, a, r] = [(&incidences_deg, incidence), (&azimuths_deg, azimuth), (&radials_deg, radial)]
+            .map(|(angles, angle)| angles.partition_point(|known| *known < angle - SAME_DEG));
+        let row = (i * azimuths + a) * radials;
+        found[row + r] = *value;
+        if r == 0 && *radial < SAME_DEG {
+            (1..azimuths).for_each(|k| found[row + k * radials] = *value);
+        }
+    }
+    let half = azimuths_deg.last().is_some_and(|last| *last <= 180.0 + SAME_DEG);
+    let symmetry = if half { Symmetry::Plane } else { Symmetry::None };
+    let rotations_deg = vec![0.0];
+    Some((SpecularGrid { rotations_deg, incidences_deg, azimuths_deg, radials_deg, symmetry }, found))
+}
+
 fn radials() -> Vec<f64> {
     let fine = (0..20).map(|k| 0.5 * f64::from(k));
     let medium = (10..30).map(f64::from);
@@ -58,6 +108,40 @@ fn radials() -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::{Channel, Fill, Shape, SphericalGrid, Way};
+
+    /// What is listed pair by pair from rings is found again as rings.
+    #[test]
+    fn rings_are_found_among_pairs() {
+        let grid = SpecularGrid {
+            rotations_deg: vec![0.0],
+            incidences_deg: vec![0.0, 20.0, 70.0],
+            azimuths_deg: (0..=18).map(|k| 10.0 * f64::from(k)).collect(),
+            radials_deg: (0..=90).map(|k| 2.0 * f64::from(k)).collect(),
+            symmetry: Symmetry::Plane,
+        };
+        let (mut pairs, mut values) = (Vec::new(), Vec::new());
+        for incidence in &grid.incidences_deg {
+            for azimuth in &grid.azimuths_deg {
+                for radial in &grid.radials_deg {
+                    if let Some(to) = SpecularGrid::direction(*incidence, *azimuth, *radial) {
+                        // As a file rounds them, seen with the light at 30 deg.
+                        let round = |angle: f64| (angle * 1e6).round() / 1e6;
+                        pairs.push([
+                            Direction::new(*incidence, 30.0),
+                            Direction::new(round(to.theta_deg), round(to.phi_deg - 150.0)),
+                        ]);
+                        values.push(incidence + azimuth.min(10.0 * radial) + radial);
+                    }
+                }
+            }
+        }
+        let (found, known) = rings(&pairs, &values).unwrap();
+        assert_eq!([found.incidences_deg.len(), found.azimuths_deg.len()], [3, 19]);
+        let lit = known.iter().filter(|value| value.is_finite()).count();
+        assert!(lit >= values.len(), "{lit} {}", values.len());
+        let at = |i: usize, a: usize, r: usize| known[(i * 19 + a) * found.radials_deg.len() + r];
+        assert_eq!([at(0, 3, 5), at(1, 18, 4), at(2, 9, 0)], [40.0, 20.0 + 80.0 + 8.0, 70.0]);
+    }
 
     /// A wide lobe on a grid of inclinations has the total of its formula.
     #[test]
