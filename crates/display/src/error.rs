@@ -33,6 +33,15 @@ pub enum DisplayError {
     /// Angles in glass need one index.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
     DispersiveGlassAngles,
+    /// A pixel that scatters lies under layers, not under the ordinary panel.
+    #[error("a pixel given by its BRDF lies under layers in general form, not under the ordinary panel")]
+    ScatteringUnderPanel,
+    /// A pixel that scatters has no reflectance by angle and wavelength alone.
+    #[error(
+        "a pixel given by its BRDF sends light into all directions: there is no table of its reflectance by angle; \
+         `papilio diffuser inspect` shows its file, and `papilio brdf` what the whole display makes of light"
+    )]
+    ScanOfScattering,
     /// The worker threads could not be started.
     #[error("{threads} worker threads could not be started")]
     Threads {

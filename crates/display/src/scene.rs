@@ -165,6 +165,8 @@ pub enum Pixel {
     Table(TablePixel),
     /// States that reflect alike at all angles.
     Uniform(UniformPixel),
+    /// States that scatter, each by its BRDF; under [`Layers::General`].
+    Scattering(ScatteringPixel),
 }
 
 /// Interferometric sub-pixels that share one film stack.
@@ -251,6 +253,14 @@ pub struct UniformPixel {
     pub kind: UniformKind,
     /// Name and reflectance of each state.
     pub states: Vec<(String, Spectrum)>,
+}
+
+/// States that scatter by their BRDF: directions are those of the medium above, of constant index, its sines in
+/// the place of those in air.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatteringPixel {
+    /// Name and kernel of each state.
+    pub states: Vec<(String, ScatterKernel)>,
 }
 
 /// How a uniform pixel reflects.

@@ -11,7 +11,7 @@ use papilio_transport::{
 
 use crate::DisplayError;
 use crate::pixel::{self, FilmKey};
-use crate::scene::{self, AngleMedium, Approximation, Layers, Scene, Surface};
+use crate::scene::{self, AngleMedium, Approximation, Layers, Pixel, Scene, Surface};
 
 /// A scene, ready for light.
 #[derive(Debug)]
@@ -50,6 +50,7 @@ pub(crate) struct ViewPoint {
 
 impl Setup {
     pub(crate) fn new(scene: &Scene) -> Result<Self, DisplayError> {
+        check(scene)?;
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
@@ -69,6 +70,7 @@ impl Setup {
 
     /// The same as `new(scene)`, of parts of this one as far as they still serve.
     pub(crate) fn renewed(mut self, scene: &Scene) -> Result<Self, DisplayError> {
+        check(scene)?;
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
@@ -126,6 +128,14 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
         AngleMedium::Air | AngleMedium::Unrefracted => Ok(1.0),
         AngleMedium::Glass if index.is_constant() => Ok(index[0]),
         AngleMedium::Glass => Err(DisplayError::DispersiveGlassAngles),
+    }
+}
+
+/// What no stack is made for.
+fn check(scene: &Scene) -> Result<(), DisplayError> {
+    match (&scene.display.layers, &scene.display.pixel) {
+        (Layers::Panel(_), Pixel::Scattering(_)) => Err(DisplayError::ScatteringUnderPanel),
+        _ => Ok(()),
     }
 }
 

@@ -25,14 +25,17 @@ impl Problem {
             Self::NoGlass { k, largest_k, .. } if k <= largest_k => "expected n from 1 to 10".to_owned(),
             Self::NoGlass { largest_k, .. } => format!("expected n from 1 to 10 and k below {largest_k:e}"),
             Self::NeedsPanel { .. } => {
-                "expected front components, a face or a diffuser by its BTDF, and clear glass".to_owned()
+                "expected front components, a face or a lobe by formula, clear glass, and a pixel that is not measured"
+                    .to_owned()
             }
             Self::SlabIndex { .. } => {
                 "expected one real index for all wavelengths: slabs have no other".to_owned()
             }
             Self::TooThickToWalk { limit, .. } => format!("expected at most {limit} with method = \"walk\""),
             Self::NoFace => "expected two media of different index".to_owned(),
-            Self::DispersiveFace { .. } => "expected the same index at all wavelengths".to_owned(),
+            Self::DispersiveFace { .. } | Self::DispersivePixel { .. } => {
+                "expected the same index at all wavelengths".to_owned()
+            }
             Self::NoFilm { .. } => "expected n and k up to 1000, and |n + ik| of .001 or more".to_owned(),
             Self::Trapped { limit_deg, .. } => {
                 format!("expected less than {limit_deg:.2} deg, field and radius included")
@@ -88,6 +91,7 @@ impl Problem {
             Self::NoSubPixel { name, known, .. } => {
                 suggestion(name, known.iter().map(String::as_str), "sub-pixels")
             }
+            Self::NoSuchState { name, known } => suggestion(name, known.iter().map(String::as_str), "states"),
             Self::NotInThisVersion { choices, .. } if !choices.is_empty() => {
                 format!("there is {}", listed(choices))
             }
@@ -118,7 +122,7 @@ impl Problem {
                                   the sheet in the medium above, a { kind = \"medium\" } of the same index around it"
                 .to_owned(),
             Self::NoFace => "put a { kind = \"medium\" } of another index below the face; or leave the face out".to_owned(),
-            Self::DispersiveFace { .. } => {
+            Self::DispersiveFace { .. } | Self::DispersivePixel { .. } => {
                 "give the index as a number, that at 550 nm for example".to_owned()
             }
             Self::SlabIndex { .. } => {

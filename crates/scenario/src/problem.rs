@@ -91,6 +91,14 @@ pub enum Problem {
         /// The sub-pixels there.
         known: Vec<String>,
     },
+    /// Something is said of a state that the pixel does not have.
+    #[error("there is no state `{name}`")]
+    NoSuchState {
+        /// The state.
+        name: String,
+        /// The states that there are.
+        known: Vec<String>,
+    },
     /// `dark` is not a sub-pixel.
     #[error("`dark` is not a sub-pixel: it has no area and is not driven")]
     DarkIsNoSubPixel,
@@ -168,6 +176,14 @@ pub enum Problem {
     /// A rough face beside a medium of dispersive index.
     #[error("a medium beside this face has an index of {} to {}", tidy(*.least), tidy(*.largest))]
     DispersiveFace {
+        /// Smallest index.
+        least: f64,
+        /// Largest index.
+        largest: f64,
+    },
+    /// A pixel that scatters, under a medium of dispersive index.
+    #[error("the medium over this pixel has an index of {} to {}", tidy(*.least), tidy(*.largest))]
+    DispersivePixel {
         /// Smallest index.
         least: f64,
         /// Largest index.

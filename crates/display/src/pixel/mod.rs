@@ -13,7 +13,9 @@ pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
 
-use crate::scene::{AngleMedium, Pixel, Scene, TableAngles, TablePixel, UniformKind, UniformPixel};
+use crate::scene::{
+    AngleMedium, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind, UniformPixel,
+};
 use crate::{DisplayError, setup};
 
 /// The reflectance of every state against angle, in the scene's angle medium.
@@ -33,6 +35,7 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
         Pixel::Film(film) => film.states.iter().map(|state| state.name.clone()).collect(),
         Pixel::Table(table) => table.states.iter().map(|state| state.name.clone()).collect(),
         Pixel::Uniform(uniform) => uniform.states.iter().map(|(name, _)| name.clone()).collect(),
+        Pixel::Scattering(pixel) => pixel.states.iter().map(|(name, _)| name.clone()).collect(),
     }
 }
 
@@ -40,9 +43,12 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
 /// the scene's angle medium.
 ///
 /// # Errors
-/// If the film cannot be.
+/// If the film cannot be, or the pixel scatters.
 pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError> {
     let pixel = &scene.display.pixel;
+    if let Pixel::Scattering(_) = pixel {
+        return Err(DisplayError::ScanOfScattering);
+    }
     let index = scene.display.index_above_pixel();
     let in_air = scene.solver.angle_medium == AngleMedium::Air;
     let sines: Vec<f64> = theta_deg.iter().map(|theta| theta.to_radians().sin()).collect();
@@ -95,6 +101,7 @@ pub(crate) fn base(
         Pixel::Film(pixel) => film::base(pixel, &scene.grid, index, film, before),
         Pixel::Table(table) => Ok(table_base(table, scene.grid.len())),
         Pixel::Uniform(uniform) => Ok(uniform_base(uniform, scene.grid.len())),
+        Pixel::Scattering(pixel) => Ok(scattering_base(pixel, scene.grid.len())),
     }
 }
 
@@ -107,6 +114,11 @@ fn uniform_base(pixel: &UniformPixel, bins: usize) -> Base {
         }
     };
     Base { reflector, inactive_absorptance: vec![0.0; bins].into() }
+}
+
+fn scattering_base(pixel: &ScatteringPixel, bins: usize) -> Base {
+    let kernels = pixel.states.iter().map(|(_, kernel)| kernel.clone());
+    Base { reflector: Reflector::scattering(kernels), inactive_absorptance: vec![0.0; bins].into() }
 }
 
 fn table_base(pixel: &TablePixel, bins: usize) -> Base {

@@ -20,6 +20,7 @@
 //! within some per cent.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use super::axis::Axis;
 use super::proposal::Proposal;
@@ -31,9 +32,9 @@ use crate::{Beta, OpticsError};
 #[derive(Debug, Clone)]
 pub struct Table {
     smooth: Smooth,
-    /// Forward, and for light that retraces its ways.
-    proposals: [Proposal; 2],
-    totals: [Totals; 2],
+    /// Forward, and for light that retraces its ways; made when they are first asked for.
+    proposals: [OnceLock<Proposal>; 2],
+    totals: [OnceLock<Totals>; 2],
     width: f64,
 }
 
@@ -75,28 +76,44 @@ impl Table {
     }
 
     fn of(smooth: Smooth) -> Self {
-        let forward = |from, to| raw(&smooth, from, to);
-        let reversed = |from, to| raw(&smooth, to, from);
-        let incidence = finer(smooth.incidence.nodes(), 1.0, WORKING_INCIDENCE);
-        let azimuth = finer(smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
-        let mut radial = smooth.radial.nodes().to_vec();
+        let width = width(&smooth);
+        Self { smooth, proposals: Default::default(), totals: Default::default(), width }
+    }
+
+    /// The kernel with nothing said of the air disc, either way.
+    fn raw(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
+        if reversed { raw(&self.smooth, to, from) } else { raw(&self.smooth, from, to) }
+    }
+
+    /// Nodes of distance and azimuth that are fine enough for rules of low order.
+    fn working(&self) -> [Vec<f64>; 3] {
+        let incidence = finer(self.smooth.incidence.nodes(), 1.0, WORKING_INCIDENCE);
+        let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
+        let mut radial = self.smooth.radial.nodes().to_vec();
         while 2 * radial.len() * azimuth.len() * incidence.len() < WORKING_CELLS {
             radial = halved(&radial);
         }
-        let axes = [&incidence[..], &radial, &azimuth];
-        let (distances, angles) = (Axis::mirrored(radial.clone()), Axis::mirrored(azimuth.clone()));
-        let proposals = [Proposal::new(axes, forward), Proposal::new(axes, reversed)];
-        let total = |value: &dyn Fn(Beta, Beta) -> f64| {
+        [incidence, radial, azimuth]
+    }
+
+    fn proposal(&self, reversed: bool) -> &Proposal {
+        self.proposals[usize::from(reversed)].get_or_init(|| {
+            let axes = self.working();
+            Proposal::new(axes.each_ref().map(|axis| &axis[..]), |from, to| self.raw(from, to, reversed))
+        })
+    }
+
+    fn totals(&self, reversed: bool) -> &Totals {
+        self.totals[usize::from(reversed)].get_or_init(|| {
+            let [_, radial, azimuth] = self.working();
+            let (distances, angles) = (Axis::mirrored(radial), Axis::mirrored(azimuth));
             Totals::new(|length| {
                 integral(&distances, &angles, length, |distance, angle| {
                     let [from, to] = turned(length, distance, angle);
-                    value(from, to)
+                    self.raw(from, to, reversed)
                 })
             })
-        };
-        let totals = [total(&forward), total(&reversed)];
-        let width = width(&smooth);
-        Self { smooth, proposals, totals, width }
+        })
     }
 
     #[inline]
@@ -106,18 +123,18 @@ impl Table {
 
     #[inline]
     pub(super) fn sample(&self, from: Beta, u: [f64; 4], reversed: bool) -> Beta {
-        self.proposals[usize::from(reversed)].sample(from, u)
+        self.proposal(reversed).sample(from, u)
     }
 
     #[inline]
     pub(super) fn pdf(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
         let (length, distance, azimuth) = place(from, to);
-        self.proposals[usize::from(reversed)].pdf(length, distance, azimuth)
+        self.proposal(reversed).pdf(length, distance, azimuth)
     }
 
     #[inline]
     pub(super) fn total(&self, length: f64, reversed: bool) -> f64 {
-        self.totals[usize::from(reversed)].at(length)
+        self.totals(reversed).at(length)
     }
 
     pub(super) fn width(&self) -> f64 {

@@ -1,15 +1,17 @@
-//! `[display.pixel]`: film, table or uniform.
+//! `[display.pixel]`: film, table, uniform or measured.
 
 use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
+use super::diffuser::{DarkCells, Extrapolate, Normalise};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, kinds, table};
 use crate::problem::Problem;
 use crate::read::{At, Named, Read};
+use crate::source::Origin;
 use crate::tree::{Node, Value};
 
 kinds! {
@@ -21,7 +23,21 @@ kinds! {
         Table(TablePixel) = "table",
         /// States that reflect alike at all angles.
         Uniform(UniformPixel) = "uniform",
-    } later ["measured"]
+        /// States that scatter as a goniometer or an imaging sphere saw them.
+        Measured(MeasuredPixel) = "measured",
+    }
+}
+
+impl Pixel {
+    /// Where its model stands.
+    pub(crate) fn model(&self) -> Origin {
+        match self {
+            Self::Film(film) => film.origin,
+            Self::Table(table) => table.origin,
+            Self::Uniform(uniform) => uniform.origin,
+            Self::Measured(measured) => measured.origin,
+        }
+    }
 }
 
 table! {
@@ -189,5 +205,22 @@ choice! {
         Mirror = "mirror",
         /// Diffusely: the same radiance in every direction of the glass.
         Lambertian = "lambertian",
+    }
+}
+
+table! {
+    /// A measured BRDF for each state; its directions are taken as those in the medium above the pixel.
+    MeasuredPixel {
+        /// A file for each state: Radiant/Zemax, ASTM E1392, CSV or Papilio's own; told by its content. Its front reflection counts.
+        file: Named<String>,
+        /// Reflectance spectra, of any of the states: 0 to 1, or a spectrum file. Their shape colours the BRDF, whose level is that of
+        /// the file (see `normalise`). Default: the same at all wavelengths.
+        spectrum: Named<ShareSpectrum> = Named(Vec::new()),
+        /// Default "none".
+        normalise: Normalise = Normalise::None,
+        /// Default "none".
+        fill: DarkCells = DarkCells::None,
+        /// Default "none".
+        extrapolate: Extrapolate = Extrapolate::None,
     }
 }

@@ -1,6 +1,6 @@
-//! `model = "measured"`: a diffuser as a goniometer or an imaging sphere saw it.
+//! `model = "measured"`: a diffuser or a pixel as a goniometer or an imaging sphere saw it.
 
-use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel};
+use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_formats::{DataFile, LARGEST_BSDF_FILE, read_bsdf};
 use papilio_goniometry::{
     self as goniometry, Changes, Fill, GoniometryError, Lamination, Measurement, Preparation, Way, kernel,
@@ -11,6 +11,8 @@ use papilio_spectra::Spectrum;
 use super::Resolver;
 use super::layers::Part;
 use crate::describe::diffuser::{DarkCells, Extrapolate, Measured, Mounting, Normalise};
+use crate::describe::display::ShareSpectrum;
+use crate::describe::pixel::MeasuredPixel;
 use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
@@ -23,6 +25,17 @@ const TOLD: f64 = 1e-3;
 const FAR_ABOVE_ONE: f64 = 0.2;
 /// A grid that leaves more of the total open than this is too coarse for the usual error target.
 const COARSE: f64 = 0.005;
+
+/// A file of measured scattering in a scenario, and what is to be done to it.
+struct Source<'a> {
+    /// The key that remarks are about.
+    path: &'a str,
+    name: &'a str,
+    file: Origin,
+    normalise: &'a At<Normalise>,
+    fill: &'a At<DarkCells>,
+    extrapolate: &'a At<Extrapolate>,
+}
 
 impl Resolver<'_> {
     /// A film over glass of this index: from the air down, without the glass.
@@ -64,70 +77,137 @@ impl Resolver<'_> {
         diffuser: &At<Measured>,
         lamination: Option<Lamination>,
     ) -> Option<ScatterFace> {
-        let measurement = self.measurement(&diffuser.file.value, diffuser)?;
+        let source = Source {
+            path,
+            name: &diffuser.file.value,
+            file: diffuser.file.origin,
+            normalise: &diffuser.normalise,
+            fill: &diffuser.fill,
+            extrapolate: &diffuser.extrapolate,
+        };
+        let measurement = self.measurement(&source)?;
         let (into, back, front) = if diffuser.flipped.value {
             (Way::BackTransmission, Way::FrontReflection, Way::BackReflection)
         } else {
             (Way::FrontTransmission, Way::BackReflection, Way::FrontReflection)
         };
+        let through = self.way(&source, &measurement, into)?;
         let part = |way: Way| measurement.parts.iter().find(|part| part.way == way);
-        let Some(through) = part(into) else {
-            let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
-            self.err(&diffuser.file, Problem::NoSuchWay { wanted: into.name(), found });
-            return None;
-        };
-        let ones = Spectrum::constant(&self.grid, 1.0);
         let spectrum = match &diffuser.transmission.value {
             Some(share) => Some(self.share(share, diffuser.transmission.origin)?),
             None => None,
         };
-        let down =
-            self.kernel(path, diffuser, through, spectrum.as_deref().unwrap_or_default(), lamination)?;
-        let down = ScatterKernel { scatter: down, factor: spectrum.unwrap_or_else(|| ones.clone()) };
+        let down = self.scattered(&source, through, spectrum, lamination)?;
         let mut face = ScatterFace::new(Spectrum::constant(&self.grid, 0.0)).with_transmission(down);
         if let Some(part) = part(front) {
-            let scatter = self.kernel(path, diffuser, part, &[], None)?;
-            face = face.with_reflection_above(ScatterKernel { scatter, factor: ones.clone() });
+            face = face.with_reflection_above(self.scattered(&source, part, None, None)?);
         }
         // A laminated film's back face in air is gone, and with it most of what it reflected.
         if let Some(part) = part(back).filter(|_| lamination.is_none()) {
-            let scatter = self.kernel(path, diffuser, part, &[], None)?;
-            face = face.with_reflection_below(ScatterKernel { scatter, factor: ones });
+            face = face.with_reflection_below(self.scattered(&source, part, None, None)?);
         }
         Some(face)
     }
 
+    /// A pixel under a medium of this index: the BRDF of its states, angles in air taken as angles in the medium.
+    pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
+        let states = &pixel.file.0;
+        self.limit(&pixel.file, "states", states.len(), 256)?;
+        if states.is_empty() {
+            let remedy = "name a state with its file: file = { white = \"white.bsdf\" }";
+            self.err(&pixel.file, Problem::NoStates { remedy });
+        }
+        for item in pixel.spectrum.0.iter().filter(|item| pixel.file.get(&item.name).is_none()) {
+            let problem = Problem::NoSuchState { name: item.name.clone(), known: pixel.file.names() };
+            self.errors.push(item.name_origin, problem);
+        }
+        let mut kernels = Vec::with_capacity(states.len());
+        for state in states {
+            let source = Source {
+                path: &format!("display.pixel.file.{}", state.name),
+                name: &state.value.value,
+                file: state.value.origin,
+                normalise: &pixel.normalise,
+                fill: &pixel.fill,
+                extrapolate: &pixel.extrapolate,
+            };
+            kernels.push((state.name.clone(), self.measured_state(&source, pixel.spectrum.get(&state.name))));
+        }
+        let kernels = kernels.into_iter().map(|(name, kernel)| Some((name, kernel?)));
+        Some(ScatteringPixel { states: kernels.collect::<Option<_>>()? })
+    }
+
+    fn measured_state(
+        &mut self,
+        source: &Source<'_>,
+        spectrum: Option<&At<ShareSpectrum>>,
+    ) -> Option<ScatterKernel> {
+        let measurement = self.measurement(source)?;
+        let reflection = self.way(source, &measurement, Way::FrontReflection)?;
+        let spectrum = match spectrum {
+            Some(share) => Some(self.share(share, share.origin)?),
+            None => None,
+        };
+        self.scattered(source, reflection, spectrum, None)
+    }
+
+    fn way<'a>(
+        &mut self,
+        source: &Source<'_>,
+        measurement: &'a Measurement,
+        way: Way,
+    ) -> Option<&'a goniometry::Part> {
+        let part = measurement.parts.iter().find(|part| part.way == way);
+        if part.is_none() {
+            let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
+            self.errors.push(source.file, Problem::NoSuchWay { wanted: way.name(), found });
+        }
+        part
+    }
+
     /// A file of measured scattering.
-    fn measurement(&mut self, name: &str, diffuser: &Measured) -> Option<Measurement> {
-        let file = self.open_within(name, diffuser.file.origin, LARGEST_BSDF_FILE)?;
+    fn measurement(&mut self, source: &Source<'_>) -> Option<Measurement> {
+        let file = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
         match read_bsdf(&file) {
             Ok(read) => {
+                let name = source.name;
                 self.warnings.extend(read.warnings.iter().map(|warning| format!("{name}: {warning}")));
                 Some(read.value)
             }
             Err(error) => {
-                self.errors.push_data(diffuser.file.origin, error);
+                self.errors.push_data(source.file, error);
                 None
             }
         }
     }
 
-    /// The kernel of a part, and a report of what became of it.
+    /// The kernel of a part, coloured by the shape of a spectrum, and a report of what became of it.
+    fn scattered(
+        &mut self,
+        source: &Source<'_>,
+        part: &goniometry::Part,
+        spectrum: Option<Spectrum>,
+        lamination: Option<Lamination>,
+    ) -> Option<ScatterKernel> {
+        let scatter = self.kernel(source, part, spectrum.as_deref().unwrap_or_default(), lamination)?;
+        let factor = spectrum.unwrap_or_else(|| Spectrum::constant(&self.grid, 1.0));
+        Some(ScatterKernel { scatter, factor })
+    }
+
     fn kernel(
         &mut self,
-        path: &str,
-        diffuser: &Measured,
+        source: &Source<'_>,
         part: &goniometry::Part,
         spectrum: &[f64],
         lamination: Option<Lamination>,
     ) -> Option<Scatter> {
         let preparation = Preparation {
-            fill: match diffuser.fill.value {
+            fill: match source.fill.value {
                 DarkCells::None => Fill::None,
                 DarkCells::Tail => Fill::Tail,
             },
-            to_tis: diffuser.normalise.value == Normalise::Tis,
-            extrapolate: diffuser.extrapolate.value == Extrapolate::Hold,
+            to_tis: source.normalise.value == Normalise::Tis,
+            extrapolate: source.extrapolate.value == Extrapolate::Hold,
             lamination,
         };
         match kernel(part, part.luminous(), &preparation, spectrum) {
@@ -135,13 +215,13 @@ impl Resolver<'_> {
                 let peak = spectrum.iter().fold(0.0, |most: f64, s| most.max(*s));
                 let mean = spectrum.iter().sum::<f64>() / spectrum.len().max(1) as f64;
                 let share = if spectrum.is_empty() { 1.0 } else { peak / mean };
-                self.tell(path, part.way, &changes, share, diffuser)?;
+                self.tell(source, part.way, &changes, share)?;
                 Some(scatter)
             }
             Err(error) => {
                 let at = match error {
-                    GoniometryError::NoTis => diffuser.normalise.origin,
-                    _ => diffuser.file.origin,
+                    GoniometryError::NoTis => source.normalise.origin,
+                    _ => source.file,
                 };
                 self.errors.push(at, Problem::Measurement(error));
                 None
@@ -150,18 +230,11 @@ impl Resolver<'_> {
     }
 
     /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
-    fn tell(
-        &mut self,
-        path: &str,
-        way: Way,
-        changes: &Changes,
-        share: f64,
-        diffuser: &Measured,
-    ) -> Option<()> {
-        let way = way.name();
+    fn tell(&mut self, source: &Source<'_>, way: Way, changes: &Changes, share: f64) -> Option<()> {
+        let (path, way) = (source.path, way.name());
         let largest = changes.totals.iter().map(|[_, after]| share * after).fold(0.0, f64::max);
         if largest > 1.0 + FAR_ABOVE_ONE {
-            self.err(&diffuser.file, Problem::MoreThanAll { way, total: largest });
+            self.errors.push(source.file, Problem::MoreThanAll { way, total: largest });
             return None;
         }
         if largest > 1.0 + ABOVE_ONE {

@@ -124,6 +124,7 @@ impl Resolver<'_> {
         let scene = Scene { grid: self.grid, display, lighting, viewer, solver };
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
+        self.check_medium(file, &scene);
         self.check_size(file, &scene);
         Some(scene)
     }
@@ -143,6 +144,7 @@ impl Resolver<'_> {
             scene::Pixel::Film(film) => film.states.len(),
             scene::Pixel::Table(table) => table.states.len(),
             scene::Pixel::Uniform(uniform) => uniform.states.len(),
+            scene::Pixel::Scattering(scattering) => scattering.states.len(),
         };
         let bins = scene.grid.len();
         let (step, views_at) = (file.spectrum.step_nm.origin, file.viewer.theta_deg.origin);

@@ -11,6 +11,7 @@ use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
+use crate::describe::pixel::Pixel;
 use crate::problem::Problem;
 use crate::source::Origin;
 
@@ -33,7 +34,8 @@ impl Resolver<'_> {
         Some(Display { layers: layers?, pixel: pixel? })
     }
 
-    /// Front, face or diffuser, glass: the ordinary panel, if nothing scatters in bulk and the glass is clear.
+    /// Front, face or diffuser, glass: the ordinary panel, if nothing scatters in bulk, the glass is clear, and
+    /// the pixel scatters by no kernel.
     fn panel(&mut self, display: &describe::Display) -> Option<Layers> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
@@ -42,14 +44,16 @@ impl Resolver<'_> {
         let top = self.top(display, glass.as_ref().map(|(medium, _)| &medium.index));
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
         let (top, (medium, surface)) = (top?, glass?);
-        let clear = medium.transmittance.min() == 1.0;
+        // What is for the panel alone takes neither.
+        let scatters = matches!(display.pixel.value, Pixel::Measured(_));
+        let plain = medium.transmittance.min() == 1.0 && !scatters;
         let parts = match top {
             Top::Parts(parts) => parts,
-            Top::Lobe(diffuser) if clear => {
+            Top::Lobe(diffuser) if plain => {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: Some(diffuser), glass }));
             }
-            Top::Nothing if clear => {
+            Top::Nothing if plain => {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
             }
@@ -142,6 +146,7 @@ impl Resolver<'_> {
         };
         let (display, solver) = (&file.display, &file.solver);
         let mut causes = vec![display.layers.origin, display.diffuser.origin, display.glass.origin];
+        causes.push(display.pixel.model());
         causes.extend(display.diffuser.as_ref().map(Diffuser::model));
         causes.extend(display.glass.as_ref().map(|glass| glass.internal_transmittance.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.thickness_mm.origin));

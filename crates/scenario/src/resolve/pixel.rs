@@ -1,4 +1,4 @@
-//! The pixel: uniform states, tables, and how far a table must reach.
+//! The pixel: uniform states, tables and how far a table must reach, and what lies over a pixel that scatters.
 
 use papilio_display::scene::{
     self, AngleMedium, Lobe, Pixel, Scene, TableAngles, TablePixel, TableState, UniformKind, UniformPixel,
@@ -19,6 +19,7 @@ impl Resolver<'_> {
             describe::Pixel::Film(film) => self.film(film).map(Pixel::Film),
             describe::Pixel::Table(table) => self.table_pixel(table).map(Pixel::Table),
             describe::Pixel::Uniform(uniform) => self.uniform(uniform).map(Pixel::Uniform),
+            describe::Pixel::Measured(measured) => self.measured_pixel(measured).map(Pixel::Scattering),
         }
     }
 
@@ -57,6 +58,20 @@ impl Resolver<'_> {
             describe::TableMedium::Glass => TableAngles::Glass,
         };
         Some(TablePixel { angles, theta_deg: table.theta_deg, states })
+    }
+
+    /// A pixel that scatters has directions of its own, which are those of a medium of one index.
+    pub(super) fn check_medium(&mut self, file: &File, scene: &Scene) {
+        let Pixel::Scattering(_) = scene.display.pixel else { return };
+        let index = scene.display.index_above_pixel();
+        if !index.is_constant() {
+            let display = &file.display;
+            let causes = [display.glass.origin, display.layers.origin];
+            let glass = display.glass.as_ref().map(|glass| glass.index.origin);
+            let at = display.pixel.model().or_set(glass.into_iter().chain(causes));
+            let problem = Problem::DispersivePixel { least: index.min(), largest: index.max() };
+            self.errors.push(at, problem);
+        }
     }
 
     /// A pixel table must reach as far as the light in the stack does.

@@ -162,7 +162,6 @@ const WRITTEN_OTHERWISE: &[Case] = &[
 ];
 
 const NOT_IN_THIS_VERSION: &[Case] = &[
-    ("\"film\"", "\"measured\"", (20, 9), &["`measured` is not in this version"]),
     (
         "[viewer]",
         "[solver]\nsampler = \"stratified\"\n[viewer]",

@@ -13,6 +13,7 @@ mod common;
 mod examples;
 mod hostile;
 mod layers;
+mod pixels;
 mod remarks;
 mod schema;
 mod set_and_presets;

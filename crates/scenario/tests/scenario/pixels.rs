@@ -1,0 +1,190 @@
+//! Pixels from measured BRDFs: the shipped files, what they become, and what is refused.
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use papilio_display::scene::{Layers, Pixel, Scene};
+use papilio_formats::{BsdfFormat, write_measurement};
+use papilio_goniometry::{Channel, Instrument, Measurement, SpecularGrid, Symmetry, View, Way};
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_scenario::Scenario;
+
+use crate::common::{resolve, shipped};
+
+/// The shipped synthetic paper: matte, with some gloss.
+const WHITE: [f64; 3] = [0.42, 0.06, 0.3];
+const BLACK: [f64; 3] = [0.015, 0.025, 0.2];
+
+/// f of paper: a matte share, and a lobe of a share and a width about the mirror direction.
+fn paper([matte, gloss, width]: [f64; 3]) -> impl Fn(Beta, Beta) -> f64 {
+    let lobe = Lobe::KCorrelation { width };
+    move |from, to| matte / PI + gloss * lobe.density(from, to)
+}
+
+fn measured(name: &str, paper: &dyn Fn(Beta, Beta) -> f64, way: Way, beyond_75_deg: &[f64]) -> Measurement {
+    let steps = |from: u32, to: u32, step: u32| (from..=to).step_by(step as usize).map(f64::from);
+    let mut instrument = Instrument::imaging_sphere();
+    instrument.grid = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: steps(0, 75, 15).chain(beyond_75_deg.iter().copied()).collect(),
+        azimuths_deg: steps(0, 180, 30).collect(),
+        radials_deg: steps(0, 28, 4).chain(steps(30, 180, 10)).collect(),
+        symmetry: Symmetry::Plane,
+    };
+    instrument.channels = vec![Channel::Monochrome];
+    let mut measurement = instrument.measure(name, &[View { way, f: paper, factors: &[1.0] }]).unwrap();
+    let rounded = |value: &mut f64| *value = format!("{value:.4e}").parse().unwrap();
+    measurement.parts[0].values.iter_mut().for_each(rounded);
+    measurement.parts[0].tis.iter_mut().for_each(rounded);
+    measurement
+}
+
+fn file(measurement: &Measurement) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_measurement(&mut bytes, BsdfFormat::Radiant, measurement).unwrap();
+    bytes
+}
+
+/// The shipped files are what this program makes; where they are not, what it makes is left beside the tests.
+#[test]
+fn shipped_papers_are_made_by_the_virtual_instrument() {
+    let mut other = Vec::new();
+    for (name, parameters) in [("white", WHITE), ("black", BLACK)] {
+        let sample = format!("synthetic paper, {name}");
+        let made = file(&measured(&sample, &paper(parameters), Way::FrontReflection, &[85.0]));
+        let name = format!("synthetic-paper-{name}.bsdf");
+        if fs::read(shipped().join("data").join(&name)).ok().as_ref() != Some(&made) {
+            let beside = Path::new(env!("CARGO_TARGET_TMPDIR")).join(&name);
+            fs::write(&beside, made).unwrap();
+            other.push(beside);
+        }
+    }
+    assert!(other.is_empty(), "these are not what is shipped: {other:?}");
+}
+
+fn scene(path: &str) -> Scene {
+    Scenario::load(&shipped().join(path), &[]).unwrap().resolve().unwrap().scene
+}
+
+/// What the example makes of the files is the paper that they were made from.
+#[test]
+fn the_kernel_of_a_pixel_is_its_paper() {
+    let scene = scene("epaper-measured.toml");
+    assert!(matches!(scene.display.layers, Layers::General(_)));
+    let Pixel::Scattering(pixel) = &scene.display.pixel else { panic!("not a scattering pixel") };
+    assert_eq!(pixel.states.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["white", "black"]);
+    for ((_, kernel), parameters) in pixel.states.iter().zip([WHITE, BLACK]) {
+        let truth = paper(parameters);
+        let mean = kernel.factor.iter().sum::<f64>() / kernel.factor.len() as f64;
+        for (from, to) in [(0.0, 0.3), (0.34, 0.1), (0.5, -0.5), (0.7, 0.7), (0.2, 0.9), (0.9, -0.6)] {
+            let [from, to] = [Beta { x: from, y: 0.0 }, Beta { x: to, y: 0.1 }];
+            let error = mean * kernel.scatter.value(from, to) / truth(from, to) - 1.0;
+            assert!(error.abs() < 0.01, "{from:?} {to:?}: {error}");
+        }
+    }
+}
+
+const PAPER: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n\n[display.pixel]\nmodel = \"measured\"\n\
+                     file = { white = \"w.bsdf\", black = \"b.bsdf\" }\n";
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: Vec<u8>| fs::write(folder.path().join(name), bytes).unwrap();
+    write("w.bsdf", file(&measured("white", &paper(WHITE), Way::FrontReflection, &[])));
+    write("b.bsdf", file(&measured("black", &paper(BLACK), Way::FrontReflection, &[])));
+    write("bright.bsdf", file(&measured("bright", &paper([1.4, 0.0, 0.1]), Way::FrontReflection, &[])));
+    write("through.bsdf", file(&measured("film", &paper(WHITE), Way::FrontTransmission, &[])));
+    write("cut.bsdf", file(&measured("white", &paper(WHITE), Way::FrontReflection, &[]))[..4000].to_vec());
+    write("blue.csv", b"380,0.9\n780,0.1\n".to_vec());
+    folder
+}
+
+/// Its spectrum colours a state; its level stays that of the file.
+#[test]
+fn spectra_colour_and_keep_the_level() {
+    let folder = folder();
+    let kernels = |text: &str| {
+        let scene = resolve(text, folder.path(), &[]).unwrap().scene;
+        let Pixel::Scattering(pixel) = scene.display.pixel else { panic!("not a scattering pixel") };
+        pixel.states
+    };
+    let plain = kernels(PAPER);
+    let blue = kernels(&format!("{PAPER}spectrum = {{ white = \"blue.csv\" }}\n"));
+    let [from, to] = [Beta { x: 0.2, y: 0.0 }, Beta { x: 0.1, y: 0.3 }];
+    let at = |kernel: &papilio_display::scene::ScatterKernel, bin: usize| {
+        kernel.factor[bin] * kernel.scatter.value(from, to)
+    };
+    let bins = plain[0].1.factor.len();
+    let mean = (0..bins).map(|bin| at(&blue[0].1, bin)).sum::<f64>() / bins as f64;
+    assert!((mean / at(&plain[0].1, 0) - 1.0).abs() < 1e-9);
+    assert!((at(&blue[0].1, 0) / at(&blue[0].1, bins - 1) - 9.0).abs() < 1e-9);
+    assert_eq!(at(&blue[1].1, 0), at(&plain[1].1, 0));
+}
+
+/// What is over it, and what the light from beyond the last incidence becomes, is said.
+#[test]
+fn what_is_lost_is_told() {
+    let folder = folder();
+    let warned = |text: &str| resolve(text, folder.path(), &[]).unwrap().warnings;
+    let lost = warned(PAPER);
+    assert_eq!(lost.len(), 2, "{lost:?}");
+    assert!(
+        lost[0].contains("display.pixel.file.white: front reflection: nothing was measured beyond 75"),
+        "{lost:?}"
+    );
+    assert_eq!(warned(&format!("{PAPER}extrapolate = \"hold\"\n")), Vec::<String>::new());
+}
+
+#[test]
+fn mistakes_are_shown_where_they_are() {
+    let folder = folder();
+    let cases: &[(&str, &str, (usize, usize), &[&str])] = &[
+        ("\"w.bsdf\"", "\"none.bsdf\"", (7, 18), &["none.bsdf"]),
+        ("\"w.bsdf\"", "\"cut.bsdf\"", (7, 18), &["cut.bsdf"]),
+        ("\"w.bsdf\"", "\"through.bsdf\"", (7, 18), &["no front reflection", "front transmission"]),
+        ("\"w.bsdf\"", "\"bright.bsdf\"", (7, 18), &["1.400 times as much light", "expected at most 1"]),
+        (
+            "{ white = \"w.bsdf\", black = \"b.bsdf\" }",
+            "\"w.bsdf\"",
+            (7, 8),
+            &["a string", "a table of names"],
+        ),
+        ("{ white = \"w.bsdf\", black = \"b.bsdf\" }", "{}", (7, 8), &["no states", "white.bsdf"]),
+        (
+            "file = ",
+            "spectrum = { whit = 0.5 }\nfile = ",
+            (7, 14),
+            &["no state `whit`", "did you mean `white`"],
+        ),
+        ("file = ", "mounting = \"air\"\nfile = ", (7, 1), &["no key `mounting`"]),
+        ("file = ", "angles = \"air\"\nfile = ", (7, 1), &["model = \"measured\"", "model = \"table\""]),
+        ("file = ", "normalise = \"white\"\nfile = ", (7, 13), &["\"none\" or \"tis\""]),
+        ("index = 1.5", "index = \"BK7\"", (6, 9), &["index of 1.5", "same index at all wavelengths"]),
+        (
+            "[display.pixel]",
+            "[solver]\napproximation = \"single-pass\"\n[display.pixel]",
+            (6, 17),
+            &["ordinary panel"],
+        ),
+        (
+            "[display.pixel]",
+            "[solver]\nangle_medium = \"unrefracted\"\n[display.pixel]",
+            (6, 16),
+            &["ordinary panel"],
+        ),
+    ];
+    let mut wrong = Vec::new();
+    for (from, to, (line, column), said) in cases {
+        assert!(PAPER.contains(from));
+        let errors = resolve(&PAPER.replacen(from, to, 1), folder.path(), &[]).expect_err(to);
+        let shown: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        let place = format!("test.toml:{line}:{column}");
+        let all = said.iter().copied().chain([&place[..]]);
+        if shown.len() != 1 || !all.clone().all(|words| shown[0].contains(words)) {
+            wrong.push(format!("{:?}\n{}", all.collect::<Vec<_>>(), shown.join("\n")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
