@@ -89,6 +89,11 @@ pub(crate) enum Diffuser {
     Fit(FitArguments),
     /// Correct a sample by a known white that was measured on the same grid
     Calibrate(Calibrate),
+    /// Write what a virtual imaging sphere sees of a scenario's diffuser, its blur and noise included
+    #[command(
+        after_help = "Example: papilio diffuser measure scenarios/virtual-instrument.toml H78.bsdf --set measure.noise=0.01"
+    )]
+    Measure(Measure),
 }
 
 #[derive(Debug, Args)]
@@ -183,6 +188,22 @@ impl PartName {
             Self::BackReflection => "back reflection",
         }
     }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Measure {
+    /// The scenario (TOML): its [display.diffuser], seen as [measure] says
+    #[arg(value_name = "SCENARIO")]
+    pub(crate) scenario: PathBuf,
+    /// The file to write
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Set a key of the scenario, e.g. measure.blur=0.05; may be repeated
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Format of the output [default: by its name: .bsdf, .csv, .xml, .npz]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<Format>,
 }
 
 #[derive(Debug, Args)]

@@ -2,14 +2,19 @@
 
 use crate::shell::{self, Outcome, cargo};
 
-/// A command of papilio, its scenario, and the figures to keep.
-type Drawing = (&'static str, &'static str, &'static [&'static str]);
+/// A command of papilio, its file among the scenarios, the figures to keep, and what goes before their names.
+type Drawing = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const DRAWINGS: [Drawing; 3] = [
-    ("run", "indoor", &["overview.svg", "spectra.svg", "chromaticity.svg", "patches.svg", "cone.svg"]),
+const DRAWINGS: [Drawing; 6] = [
     (
-        "run",
-        "angle-scan",
+        &["run"],
+        "indoor.toml",
+        &["overview.svg", "spectra.svg", "chromaticity.svg", "patches.svg", "cone.svg"],
+        "",
+    ),
+    (
+        &["run"],
+        "angle-scan.toml",
         &[
             "reflectance_against_angle.svg",
             "contrast_against_angle.svg",
@@ -17,25 +22,29 @@ const DRAWINGS: [Drawing; 3] = [
             "colour_shift_against_angle.svg",
             "peak_against_angle.svg",
         ],
+        "",
     ),
-    ("pixel", "indoor", &["pixel.svg"]),
+    (&["pixel"], "indoor.toml", &["pixel.svg"], ""),
+    (&["diffuser", "inspect"], "data/H78.bsdf", &["front-transmission.svg"], "measured-"),
+    (&["run"], "measured-diffused.toml", &["spectra.svg"], "measured-"),
+    (&["run"], "measured-h65.toml", &["reflectance_against_angle.svg"], "measured-"),
 ];
 
 /// The chore.
 pub(crate) fn pictures() -> Outcome {
     let pictures = shell::root().join("docs/pictures");
     std::fs::create_dir_all(&pictures).map_err(|error| format!("docs/pictures: {error}"))?;
-    for (what, scenario, figures) in DRAWINGS {
-        let out = shell::target().join("pictures").join(what);
-        let file = format!("scenarios/{scenario}.toml");
-        let mut papilio = cargo(["run", "--release", "--quiet", "--package", "papilio", "--", what, &file]);
-        papilio.arg("--out").arg(&out);
+    for (what, file, figures, prefix) in DRAWINGS {
+        let out = shell::target().join("pictures").join(what.join("-"));
+        let file = format!("scenarios/{file}");
+        let mut papilio = cargo(["run", "--release", "--quiet", "--package", "papilio", "--"]);
+        papilio.args(what).arg(file).arg("--out").arg(&out);
         if figures.contains(&"cone.svg") {
             papilio.arg("--cone");
         }
         shell::run(papilio)?;
         for figure in figures {
-            std::fs::copy(out.join(figure), pictures.join(figure))
+            std::fs::copy(out.join(figure), pictures.join(format!("{prefix}{figure}")))
                 .map_err(|error| format!("{figure}: {error}"))?;
         }
     }

@@ -4,6 +4,7 @@ mod calibrate;
 mod convert;
 mod fit;
 mod inspect;
+mod measure;
 mod report;
 
 use std::path::Path;
@@ -20,6 +21,7 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
         Diffuser::Convert(arguments) => convert::convert(arguments),
         Diffuser::Fit(arguments) => fit::fit(arguments),
         Diffuser::Calibrate(arguments) => calibrate::calibrate(arguments),
+        Diffuser::Measure(arguments) => measure::measure(arguments),
     }
 }
 

@@ -211,7 +211,7 @@ mod tests {
 
     fn measured(instrument: &Instrument, way: Way, f: &dyn Fn(Beta, Beta) -> f64) -> Measurement {
         let count = instrument.channels.len();
-        instrument.measure("", &[View { way, f, factors: &vec![1.0; count] }]).unwrap()
+        instrument.measure("", &[View { way, f, straight: 0.0, factors: &vec![1.0; count] }]).unwrap()
     }
 
     fn sample(_: Beta, delta: Beta) -> f64 {

@@ -19,7 +19,7 @@ fn instrument() -> Instrument {
 }
 
 fn measured(instrument: &Instrument, f: &dyn Fn(Beta, Beta) -> f64) -> Part {
-    let view = View { way: Way::FrontTransmission, f, factors: &[1.0] };
+    let view = View { way: Way::FrontTransmission, f, straight: 0.0, factors: &[1.0] };
     instrument.measure("", &[view]).unwrap().parts.remove(0)
 }
 

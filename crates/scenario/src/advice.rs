@@ -103,6 +103,9 @@ impl Problem {
                 "`papilio diffuser inspect` shows the totals; normalise = \"tis\" takes the instrument's".to_owned()
             }
             Self::Measurement(papilio_goniometry::GoniometryError::NoTis) => "use normalise = \"none\"".to_owned(),
+            Self::NoBtdf => "use model = \"k-correlation\", \"lambertian\", \"ward\" or \"measured\"; `papilio brdf` tables a whole \
+                             display with a slab"
+                .to_owned(),
             Self::NoDarkGap { .. } => "add `dark = 20.0`, in nm, to `gap_nm`".to_owned(),
             Self::NoStates { remedy } => (*remedy).to_owned(),
             Self::LightShares { remedy, value, .. } if (0.0..=1.0).contains(value) => {

@@ -63,5 +63,6 @@ mod tree;
 pub use error::{ScenarioError, ScenarioErrors};
 pub use preset::preset_names;
 pub use problem::Problem;
+pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

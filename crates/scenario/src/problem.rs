@@ -384,6 +384,9 @@ pub enum Problem {
         /// The largest total.
         total: f64,
     },
+    /// A diffuser that an instrument cannot be put before.
+    #[error("a slab has no BTDF of its own that an instrument could see")]
+    NoBtdf,
     /// A measurement that cannot be used.
     #[error("{0}")]
     Measurement(#[from] papilio_goniometry::GoniometryError),

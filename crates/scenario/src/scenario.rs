@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::read::Read;
-use crate::resolve::{self, Found};
+use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::source::Sources;
 use crate::tree::Node;
 use crate::{preset, set};
@@ -86,6 +86,14 @@ impl Scenario {
         let mut file = errors.finish(file, &sources)?;
         file.complete();
         Ok(Self { file, folder: folder.to_owned(), sources })
+    }
+
+    /// Looks up what [`papilio diffuser measure`](VirtualMeasurement) needs: the display's diffuser and `[measure]`.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve), and where the display has no diffuser that is given by its BTDF.
+    pub fn measurement(&self) -> Result<VirtualMeasurement, ScenarioErrors> {
+        resolve::measurement(&self.file, &self.folder, &self.sources)
     }
 
     /// Looks up materials, lights and files, puts everything on the wavelength grid and checks it.

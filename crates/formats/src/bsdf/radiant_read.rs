@@ -14,6 +14,8 @@ use crate::file::DataFile;
 
 /// How the format is called.
 pub(super) const NAME: &str = "Radiant/Zemax tabular BSDF";
+/// What a remark that names the sample begins with.
+pub(super) const SAMPLE: &str = "sample: ";
 
 /// The axes' keywords, in the file's order, with the range of their angles.
 pub(super) const AXES: [(&str, f64, f64); 4] = [
@@ -52,8 +54,12 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     grid.symmetry = symmetry;
     let part = Part { way, channels, geometry: Geometry::Specular(grid), values: data.values, tis: data.tis };
     let source = header.source.unwrap_or_default();
-    let provenance =
-        Provenance { format: NAME.to_owned(), sample: String::new(), source, remarks: lines.comments };
+    // The writer's own remark.
+    let (samples, remarks): (Vec<_>, Vec<_>) =
+        lines.comments.into_iter().partition(|remark| remark.starts_with(SAMPLE));
+    let sample =
+        samples.first().and_then(|remark| remark.strip_prefix(SAMPLE)).unwrap_or_default().to_owned();
+    let provenance = Provenance { format: NAME.to_owned(), sample, source, remarks };
     Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts: vec![part] }, warnings })
 }
 

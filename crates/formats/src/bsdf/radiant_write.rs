@@ -4,7 +4,7 @@ use std::io::Write;
 
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, SpecularGrid, Symmetry, Way};
 
-use super::radiant_read::{AXES, NAME, block_name};
+use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
 use super::resample::{choose_single, covers, on_specular_grid};
 use super::write::{Number, WriteError, lost_media, one_line};
 
@@ -95,7 +95,7 @@ fn header(
 ) -> Result<(), WriteError> {
     let provenance = &measurement.provenance;
     if !provenance.sample.is_empty() {
-        writeln!(out, "# sample: {}", one_line(&provenance.sample))?;
+        writeln!(out, "# {SAMPLE}{}", one_line(&provenance.sample))?;
     }
     for remark in &provenance.remarks {
         writeln!(out, "# {}", one_line(remark))?;

@@ -24,11 +24,18 @@ pub(super) struct Blurred<'a> {
     /// Width of the kernel, direction cosines; 0 for none.
     pub(super) blur: f64,
     width: f64,
+    /// Share that passes without scattering; its image is the kernel.
+    straight: f64,
 }
 
 impl<'a> Blurred<'a> {
     pub(super) fn new(rule: &'a Rule, f: &'a dyn Fn(Beta, Beta) -> f64, from: Beta, blur: f64) -> Self {
-        Self { rule, f, from, blur, width: width(f, from) }
+        Self { rule, f, from, blur, width: width(f, from), straight: 0.0 }
+    }
+
+    /// The same with light that passes straight beside the lobe.
+    pub(super) fn with_straight(self, straight: f64) -> Self {
+        Self { straight, ..self }
     }
 
     /// f as the instrument sees it.
@@ -39,19 +46,21 @@ impl<'a> Blurred<'a> {
         let kernel = Lobe::KCorrelation { width: self.blur };
         let product = |beta: Beta| (self.f)(self.from, beta) * kernel.density(beta, to);
         let apart = (to - self.from).length();
-        if apart > APART * self.blur.max(self.width) {
-            self.rule.half_plane(to, self.from, self.blur, product)
-                + self.rule.half_plane(self.from, to, self.width, product)
-        } else if self.blur < self.width {
-            self.rule.plane(to, self.blur, true, product)
-        } else {
-            self.rule.plane(self.from, self.width, true, product)
-        }
+        let straight = self.straight * kernel.density(self.from, to);
+        straight
+            + if apart > APART * self.blur.max(self.width) {
+                self.rule.half_plane(to, self.from, self.blur, product)
+                    + self.rule.half_plane(self.from, to, self.width, product)
+            } else if self.blur < self.width {
+                self.rule.plane(to, self.blur, true, product)
+            } else {
+                self.rule.plane(self.from, self.width, true, product)
+            }
     }
 
     /// What the sample sends into the hemisphere: its total integrated scatter.
     pub(super) fn total(&self) -> f64 {
-        self.rule.plane(self.from, self.width, false, |beta| (self.f)(self.from, beta))
+        self.straight + self.rule.plane(self.from, self.width, false, |beta| (self.f)(self.from, beta))
     }
 
     /// The integral of what the instrument sees: the kernel loses some of it beyond the horizon.
@@ -61,7 +70,8 @@ impl<'a> Blurred<'a> {
         }
         let kernel = Lobe::KCorrelation { width: self.blur };
         let kept = |beta: Beta| (self.f)(self.from, beta) * kernel.share_in_disc(beta.length(), 1.0);
-        self.rule.plane(self.from, self.width, true, kept)
+        self.straight * kernel.share_in_disc(self.from.length(), 1.0)
+            + self.rule.plane(self.from, self.width, true, kept)
     }
 }
 

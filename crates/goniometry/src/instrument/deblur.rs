@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn other_lobes_come_back_to_the_resolution_of_the_blur() {
         let gaussian = |from: Beta, to: Beta| (-(to - from).squared() / 0.005).exp() * 0.9 / (0.005 * PI);
-        let view = View { way: Way::FrontTransmission, f: &gaussian, factors: &[1.0] };
+        let view = View { way: Way::FrontTransmission, f: &gaussian, straight: 0.0, factors: &[1.0] };
         for noise in [0.0, 0.003] {
             let instrument = instrument(noise);
             let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
@@ -291,7 +291,7 @@ mod tests {
     fn wrong_questions_and_flat_lobes() {
         let instrument = instrument(0.0);
         let flat = |_: Beta, _: Beta| 0.3;
-        let view = View { way: Way::FrontReflection, f: &flat, factors: &[1.0] };
+        let view = View { way: Way::FrontReflection, f: &flat, straight: 0.0, factors: &[1.0] };
         let mut part = Instrument { blur: 0.0, ..instrument }.measure("", &[view]).unwrap().parts.remove(0);
         let error = deblurred(&part, 0, &Unblur::of_width(-1.0)).unwrap_err();
         assert!(matches!(error, GoniometryError::OutOfRange { .. }));

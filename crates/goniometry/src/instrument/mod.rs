@@ -70,6 +70,9 @@ pub struct View<'a> {
     /// f, 1/sr, from and to direction cosines of propagation in air. What it is beyond |beta| = 1 is
     /// blurred into the hemisphere; 0 for nothing.
     pub f: &'a dyn Fn(Beta, Beta) -> f64,
+    /// Share that passes without scattering, multiplied with the same factors: 0 for an instrument without blur, to which it
+    /// has no width.
+    pub straight: f64,
     /// What f is multiplied with in each of the instrument's channels.
     pub factors: &'a [f64],
 }
@@ -130,6 +133,10 @@ impl Instrument {
             let (what, value) = ("the blur", self.blur);
             return Err(GoniometryError::OutOfRange { what, value, expected: "0, or .0001 to 1" });
         }
+        if self.blur == 0.0 && views.iter().any(|view| view.straight > 0.0) {
+            let expected = "above 0 beside light that passes straight, whose image it is";
+            return Err(GoniometryError::OutOfRange { what: "the blur", value: 0.0, expected });
+        }
         let counts = views.iter().map(|view| view.factors.len());
         if let Some(count) = counts.into_iter().find(|count| *count != self.channels.len()) {
             let what = "the number of a view's factors";
@@ -148,7 +155,7 @@ impl Instrument {
             for incidence in &self.grid.incidences_deg {
                 // Only the sample turns.
                 let from = Beta::from_source(*incidence, 180.0 - rotation, 1.0);
-                let lobe = Blurred::new(&rule, view.f, from, self.blur);
+                let lobe = Blurred::new(&rule, view.f, from, self.blur).with_straight(view.straight);
                 let total = lobe.total();
                 let scale = if self.renormalise && total > 0.0 { total / lobe.seen() } else { 1.0 };
                 let cells = clean.len()..clean.len() + per_incidence;

@@ -68,8 +68,8 @@ impl SyntheticSample {
     /// As [`Instrument::measure`].
     pub fn measured(&self, instrument: &Instrument, factors: &[f64]) -> Result<Measurement, GoniometryError> {
         let f = |from: Beta, to: Beta| self.btdf(from, to);
-        let mut measurement =
-            instrument.measure(&self.name(), &[View { way: Way::FrontTransmission, f: &f, factors }])?;
+        let mut measurement = instrument
+            .measure(&self.name(), &[View { way: Way::FrontTransmission, f: &f, straight: 0.0, factors }])?;
         measurement.provenance.remarks.push(format!(
             "truth: k-correlation lobe, width {:.5} in direction cosines, total transmittance {}, \
              edge at {EDGE_NM} nm",

@@ -14,7 +14,7 @@ fn small() -> Instrument {
 
 fn measured(instrument: &Instrument, width: f64) -> Part {
     let f = move |from: Beta, to: Beta| 0.9 * Lobe::KCorrelation { width }.density(from, to);
-    let view = View { way: Way::FrontTransmission, f: &f, factors: &[1.0] };
+    let view = View { way: Way::FrontTransmission, f: &f, straight: 0.0, factors: &[1.0] };
     instrument.measure("test", &[view]).unwrap().parts.remove(0)
 }
 
@@ -81,6 +81,26 @@ fn renormalised_values_integrate_to_the_total() {
     assert!(part.tis[0] > part.tis[2]);
 }
 
+/// Straight light is the kernel's own lobe beside the other, in closed form.
+#[test]
+fn straight_light_has_the_width_of_the_blur() {
+    let mut instrument = small();
+    instrument.grid.incidences_deg.truncate(2);
+    instrument.blur = 0.05;
+    instrument.renormalise = false;
+    let [kernel, lobe, sum] = [0.05, 0.1, 0.15].map(|width| Lobe::KCorrelation { width });
+    let f = move |from: Beta, to: Beta| 0.5 * lobe.density(from, to);
+    let view = View { way: Way::FrontTransmission, f: &f, straight: 0.3, factors: &[1.0] };
+    let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
+    for (cell, value) in part.values.iter().enumerate() {
+        let Some([light, viewer]) = part.geometry.directions(cell) else { continue };
+        let (from, to) = (light.arriving(), viewer.leaving());
+        let exact = 0.5 * sum.density(from, to) + 0.3 * kernel.density(from, to);
+        assert!((value / exact - 1.0).abs() < 1e-4, "{cell}: {value} {exact}");
+    }
+    assert!((part.tis[0] - 0.3 - 0.5 * lobe.hemispherical_share()).abs() < 1e-4, "{:?}", part.tis);
+}
+
 #[test]
 fn noise_has_its_size_and_comes_again() {
     let mut instrument = small();
@@ -141,8 +161,13 @@ fn channels_have_their_factors_and_the_sample_says_what_it_is() {
 fn wrong_questions_are_refused() {
     let instrument = Instrument { blur: -0.1, ..small() };
     let f = |_: Beta, _: Beta| 1.0;
-    let view = View { way: Way::FrontReflection, f: &f, factors: &[1.0] };
+    let view = View { way: Way::FrontReflection, f: &f, straight: 0.0, factors: &[1.0] };
     assert!(matches!(instrument.measure("", &[view]), Err(GoniometryError::OutOfRange { .. })));
+    let view = View { straight: 0.1, ..view };
+    assert!(matches!(
+        small().measure("", &[view]),
+        Err(GoniometryError::OutOfRange { what: "the blur", .. })
+    ));
     let view = View { factors: &[], ..view };
     assert!(matches!(small().measure("", &[view]), Err(GoniometryError::OutOfRange { .. })));
     assert!(SyntheticSample::new(1.5).is_err());

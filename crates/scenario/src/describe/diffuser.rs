@@ -1,7 +1,7 @@
 //! `[display.diffuser]`: a lobe or a slab of particles.
 
 use super::display::{MaterialSpec, ShareSpectrum};
-use super::numbers::{Anisotropy, Index, InnerShare, OpticalThickness, Share, Slope, Width};
+use super::numbers::{Anisotropy, BlurWidth, Index, InnerShare, OpticalThickness, Share, Slope, Width};
 use crate::grammar::{choice, kinds, table};
 use crate::read::At;
 use crate::source::Origin;
@@ -121,6 +121,16 @@ choice! {
 }
 
 choice! {
+    /// How the level of a file, one number, is the mean of a spectrum.
+    SpectralMean {
+        /// All wavelengths of the grid alike (Feng 2012, eq. 3-10).
+        Even = "even",
+        /// Each as bright as it is in D65: what a luminous channel sees.
+        Luminous = "luminous",
+    }
+}
+
+choice! {
     /// What cells of the hemisphere without light are.
     DarkCells {
         /// Dark.
@@ -165,6 +175,11 @@ table! {
         transmission: Option<ShareSpectrum>,
         /// Default "none".
         normalise: Normalise = Normalise::None,
+        /// What the file's level is the mean of, beside `transmission`. Default "even".
+        spectral_mean: SpectralMean = SpectralMean::Even,
+        /// Width b of the image that the instrument makes of a straight beam, direction cosines, .0001 to 1: is removed. Default:
+        /// the values stay as they are.
+        instrument_blur: Option<BlurWidth>,
         /// Default "none".
         fill: DarkCells = DarkCells::None,
         /// Default "none".

@@ -7,6 +7,7 @@ pub(crate) mod diffuser;
 pub(crate) mod display;
 pub(crate) mod layers;
 pub(crate) mod lighting;
+pub(crate) mod measure;
 pub(crate) mod numbers;
 pub(crate) mod pixel;
 pub(crate) mod solver;
@@ -21,7 +22,7 @@ use numbers::Wavelength;
 
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
-    File later ["sweep", "optimize", "tolerance", "measure", "study"] {
+    File later ["sweep", "optimize", "tolerance", "study"] {
         /// A title for tables and figures, one line. Default: none.
         title: Option<Title>,
         /// The wavelengths of the computation.
@@ -34,6 +35,8 @@ table! {
         viewer: viewer::Viewer,
         /// How to compute, and how well.
         solver: solver::Solver,
+        /// A virtual imaging sphere that looks at the diffuser; for `papilio diffuser measure` alone. Default: none.
+        measure: Option<measure::Measure>,
     }
 }
 

@@ -31,6 +31,11 @@ number!(
     { "type": "number", "minimum": 1e-6, "maximum": 100 }
 );
 number!(
+    /// The width of an instrument's image, in direction cosines.
+    BlurWidth, "a number from .0001 to 1 (direction cosines)", |v| (1e-4..=1.0).contains(&v),
+    { "type": "number", "minimum": 1e-4, "maximum": 1 }
+);
+number!(
     /// A length of films, nm.
     Nanometres, "a number from 0 to 1e6 (nm)", |v| (0.0..=1e6).contains(&v),
     { "type": "number", "minimum": 0, "maximum": 1e6 }

@@ -34,6 +34,12 @@ impl Resolver<'_> {
     }
 
     pub(super) fn ward(&mut self, ward: &At<Ward>) -> Option<ScatterFace> {
+        let (scatter, transmittance) = self.ward_lobe(ward)?;
+        Some(transmitting_face(scatter, &transmittance, ward.straight_through.0))
+    }
+
+    /// The lobe, and what it is multiplied with, straight-through included.
+    pub(super) fn ward_lobe(&mut self, ward: &At<Ward>) -> Option<(Scatter, Spectrum)> {
         let Ward { alpha, normalisation, transmittance, total_transmittance, straight_through } = &ward.value;
         let normalisation = match normalisation.value {
             WardNormalisation::Ward => Normalisation::Ward,
@@ -48,7 +54,7 @@ impl Resolver<'_> {
         let whole = Whole { transmittance, total_transmittance, straight_through };
         let causes = [alpha.origin, ward.origin, ward.origin];
         let transmittance = self.transmittance(Some(scatter.total(0.0)), &whole, causes)?;
-        Some(transmitting_face(scatter, &transmittance, straight_through.value.0))
+        Some((scatter, transmittance))
     }
 
     pub(super) fn k_correlation(&mut self, diffuser: &At<KCorrelation>) -> Option<Diffuser> {

@@ -6,6 +6,7 @@ mod film;
 mod layers;
 mod light;
 mod lighting;
+mod measure;
 mod measured;
 mod panel;
 mod pixel;
@@ -14,6 +15,8 @@ mod stack;
 mod viewer;
 
 pub(crate) use data::hex;
+pub use measure::VirtualMeasurement;
+pub(crate) use measure::measurement;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -68,21 +71,26 @@ struct Resolver<'a> {
 
 /// Resolves a described scenario whose files lie relative to `folder`.
 pub(crate) fn resolve(file: &File, folder: &Path, sources: &Sources) -> Result<Found, ScenarioErrors> {
-    let mut errors = Errors::default();
-    let grid = grid(file, &mut errors);
-    let grid = errors.finish(grid, sources)?;
-    let mut resolver = Resolver {
-        grid,
-        range: file.spectrum.range_nm.origin.or_set(file.spectrum.range_nm.iter().map(|end| end.origin)),
-        folder,
-        errors: Errors::default(),
-        warnings: Vec::new(),
-        notes: Vec::new(),
-        inputs: BTreeMap::new(),
-    };
+    let mut resolver = Resolver::new(file, folder, sources)?;
     let scene = resolver.scene(file);
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
     Ok(Found { scene: errors.finish(scene, sources)?, warnings, notes, inputs })
+}
+
+impl<'a> Resolver<'a> {
+    fn new(file: &File, folder: &'a Path, sources: &Sources) -> Result<Self, ScenarioErrors> {
+        let mut errors = Errors::default();
+        let grid = grid(file, &mut errors);
+        Ok(Self {
+            grid: errors.finish(grid, sources)?,
+            range: file.spectrum.range_nm.origin.or_set(file.spectrum.range_nm.iter().map(|end| end.origin)),
+            folder,
+            errors: Errors::default(),
+            warnings: Vec::new(),
+            notes: Vec::new(),
+            inputs: BTreeMap::new(),
+        })
+    }
 }
 
 fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {

@@ -23,13 +23,13 @@ impl Resolver<'_> {
         let phi_deg = match &viewer.phi_deg.value {
             Azimuths::One(phi) => Some(vec![phi.0]),
             Azimuths::List(list) => self.listed(list, |phi| phi.0, viewer.phi_deg.origin),
-            Azimuths::Range(range) => self.spaced("phi_deg", range, viewer.phi_deg.origin),
+            Azimuths::Range(range) => self.spaced("viewer.phi_deg", range, viewer.phi_deg.origin),
         };
         let (theta_deg, phi_deg) = (theta_deg?, phi_deg?);
         let count = theta_deg.len() * phi_deg.len();
         if count > MOST_VIEWS {
             let at = viewer.theta_deg.origin.or_set([viewer.phi_deg.origin]);
-            self.errors.push(at, too_many(count as f64));
+            self.errors.push(at, Problem::TooMany { what: "views", count: count as f64, limit: MOST_VIEWS });
         }
         let field_deg = viewer.field_deg.0;
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
@@ -41,7 +41,12 @@ impl Resolver<'_> {
     }
 
     /// The angles of a list, each there once.
-    fn listed<T>(&mut self, list: &[At<T>], angle: fn(&T) -> f64, origin: Origin) -> Option<Vec<f64>> {
+    pub(super) fn listed<T>(
+        &mut self,
+        list: &[At<T>],
+        angle: fn(&T) -> f64,
+        origin: Origin,
+    ) -> Option<Vec<f64>> {
         if list.is_empty() {
             self.errors.push(origin, Problem::EmptyList);
             return None;
@@ -61,11 +66,11 @@ impl Resolver<'_> {
                 return None;
             }
         }
-        self.spaced("theta_deg", range, origin)
+        self.spaced("viewer.theta_deg", range, origin)
     }
 
     /// `from`, `from + step`, ... up to `to`, with a millionth of a step to spare.
-    fn spaced(&mut self, key: &str, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
+    pub(super) fn spaced(&mut self, key: &str, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
         let (from, to, step) = (range.from.0, range.to.0, range.step.0);
         let origin = origin.or_set([range.from.origin, range.to.origin, range.step.origin]);
         if from > to {
@@ -74,20 +79,17 @@ impl Resolver<'_> {
         }
         let steps = ((to - from) / step + 1e-6).floor();
         if steps + 1.0 > MOST_VIEWS as f64 {
-            self.errors.push(origin, too_many(steps + 1.0));
+            let what = if key.starts_with("viewer") { "views" } else { "angles" };
+            self.errors.push(origin, Problem::TooMany { what, count: steps + 1.0, limit: MOST_VIEWS });
             return None;
         }
         let last = (from + step * steps).min(to);
         if to - last > 1e-6 * step {
             self.notes.push(format!(
-                "viewer.{key}: steps of {step} deg from {from} deg end at {} deg, before {to} deg",
+                "{key}: steps of {step} deg from {from} deg end at {} deg, before {to} deg",
                 tidy(last)
             ));
         }
         Some((0..=steps as usize).map(|i| (from + step * i as f64).min(to)).collect())
     }
-}
-
-fn too_many(count: f64) -> Problem {
-    Problem::TooMany { what: "views", count, limit: MOST_VIEWS }
 }

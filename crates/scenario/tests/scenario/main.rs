@@ -13,6 +13,7 @@ mod common;
 mod examples;
 mod hostile;
 mod layers;
+mod measured;
 mod pixels;
 mod remarks;
 mod schema;

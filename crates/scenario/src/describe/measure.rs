@@ -1,0 +1,93 @@
+//! `[measure]`: a virtual imaging sphere that looks at the diffuser.
+
+use super::Title;
+use super::lighting::LightSpectrum;
+use super::numbers::{Azimuth, Count, Seed};
+use super::viewer::{AngleRange, AngleStep};
+use crate::grammar::{choice, forms, number, table};
+use crate::read::At;
+
+table! {
+    /// A virtual imaging sphere (the defaults are the grid of Feng 2012, section 3.3), for `papilio diffuser measure` alone.
+    Measure {
+        /// Name of the sample, one line. Default: that of the output file.
+        sample: Option<Title>,
+        /// Inclinations of the light, degrees, from 0 to below 90, rising. Default { from = 0, to = 75, step = 5 }.
+        incidence_deg: GridAngles = evenly(75.0, 5.0),
+        /// Azimuths about the specular direction, degrees, from 0 to 180, rising, both ends included. Default by 10.
+        azimuth_deg: GridAngles = evenly(180.0, 10.0),
+        /// Distances from the specular direction, degrees, from 0 to at most 180, rising. Default 0 to 180 by 2.
+        radial_deg: GridAngles = evenly(180.0, 2.0),
+        /// Default "xyz".
+        channels: Channels = Channels::Xyz,
+        /// The light, whose spectrum weights the channels. Default "D65".
+        light: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
+        /// Width b of the image of a straight beam, direction cosines: 0, or .0001 to 1. Default 0.
+        blur: Blur = Blur(0.0),
+        /// True: the values integrate to the sample's own total in spite of what the blur moves beyond the horizon. Default true.
+        renormalise: bool = true,
+        /// Standard deviation of the noise relative to the value, 0 to 1. Default 0.
+        noise: Noise = Noise(0.0),
+        /// Standard deviation of what comes on top, 1/sr, 0 to 1000. Default 0.
+        noise_floor: NoiseFloor = NoiseFloor(0.0),
+        /// Seed of the noise, 0 or more. Default 0.
+        seed: Seed = Count(0),
+        /// Nothing is seen beyond this inclination, degrees, above 0, at most 90. Default 90.
+        dark_beyond_deg: Horizon = Horizon(90.0),
+    }
+}
+
+forms! {
+    /// Angles of a grid, degrees: a list, or { from, to, step }.
+    GridAngles, "a list of angles (degrees), or { from, to, step }" {
+        /// One by one.
+        List(Vec<At<GridAngle>>) if Value::Array(_),
+        /// Evenly spaced.
+        Range(AngleRange) if Value::Table(_),
+    }
+}
+
+choice! {
+    /// What the instrument looks through.
+    Channels {
+        /// CIE X, Y and Z.
+        Xyz = "xyz",
+        /// The luminous one.
+        Monochrome = "monochrome",
+    }
+}
+
+number!(
+    /// An angle of a grid, degrees.
+    GridAngle, "a number from 0 to 180 (degrees)", |v| (0.0..=180.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 180 }
+);
+number!(
+    /// A width in direction cosines, or none.
+    Blur, "0, or a number from .0001 to 1 (direction cosines)", |v| v == 0.0 || (1e-4..=1.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1 }
+);
+number!(
+    /// Relative noise.
+    Noise, "a number from 0 to 1", |v| (0.0..=1.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1 }
+);
+number!(
+    /// Noise of a BSDF.
+    NoiseFloor, "a number from 0 to 1000 (1/sr)", |v| (0.0..=1e3).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1000 }
+);
+number!(
+    /// The last inclination that is seen, degrees.
+    Horizon, "a number above 0, at most 90 (degrees)", |v| v > 0.0 && v <= 90.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+);
+
+/// From 0.
+fn evenly(to: f64, step: f64) -> GridAngles {
+    GridAngles::Range(AngleRange {
+        from: At::at_large(Azimuth(0.0)),
+        to: At::at_large(Azimuth(to)),
+        step: At::at_large(AngleStep(step)),
+    })
+}

@@ -1,0 +1,268 @@
+//! `[measure]`: the diffuser before a virtual imaging sphere.
+
+use std::path::Path;
+
+use papilio_colour::Observer;
+use papilio_display::scene::Lobe;
+use papilio_goniometry::{
+    Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
+};
+use papilio_optics::Beta;
+use papilio_optics::scatter::Scatter;
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use crate::describe::File;
+use crate::describe::diffuser::Diffuser;
+use crate::describe::measure::{Channels, GridAngles, Measure};
+use crate::error::ScenarioErrors;
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::source::Sources;
+
+/// More cells than this, in one channel, are no instrument's.
+const MOST_CELLS: usize = 1_000_000;
+/// Significant digits that an instrument writes.
+const DIGITS: usize = 5;
+
+/// A diffuser before a virtual imaging sphere.
+#[derive(Debug, Clone)]
+pub struct VirtualMeasurement {
+    /// What looks at it.
+    pub instrument: Instrument,
+    /// Its name, if the scenario gives one.
+    pub sample: Option<String>,
+    /// What may be wrong with the scenario.
+    pub warnings: Vec<String>,
+    /// What the reader should know, with nothing wrong.
+    pub notes: Vec<String>,
+    /// The diffuser's table, as JSON.
+    truth: String,
+    ways: Vec<Seen>,
+}
+
+/// One way of light, as it is in truth.
+#[derive(Debug, Clone)]
+struct Seen {
+    way: Way,
+    lobe: Truth,
+    /// What of the lobe is scattered, and what passes straight.
+    shares: [f64; 2],
+    /// By channel.
+    factors: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+enum Truth {
+    Lobe(Lobe),
+    Scatter(Scatter),
+}
+
+impl Truth {
+    fn value(&self, from: Beta, to: Beta) -> f64 {
+        match self {
+            Self::Lobe(lobe) => lobe.density(from, to),
+            Self::Scatter(scatter) => scatter.value(from, to),
+        }
+    }
+}
+
+impl VirtualMeasurement {
+    /// What the instrument writes: five digits, and in its remarks what the truth is.
+    ///
+    /// # Errors
+    /// If the instrument cannot see what it looks at: unscattered light without blur.
+    pub fn measure(&self, sample: &str) -> Result<Measurement, GoniometryError> {
+        let lobes: Vec<_> = self
+            .ways
+            .iter()
+            .map(|seen| move |from: Beta, to: Beta| seen.shares[0] * seen.lobe.value(from, to))
+            .collect();
+        let views: Vec<View<'_>> = self
+            .ways
+            .iter()
+            .zip(&lobes)
+            .map(|(seen, f)| View { way: seen.way, f, straight: seen.shares[1], factors: &seen.factors })
+            .collect();
+        let mut measurement = self.instrument.measure(sample, &views)?;
+        measurement.provenance.remarks.push(format!("the diffuser in truth: {}", self.truth));
+        for part in &mut measurement.parts {
+            part.values.iter_mut().chain(&mut part.tis).for_each(|value| *value = rounded(*value));
+        }
+        Ok(measurement)
+    }
+}
+
+/// To the digits of an instrument.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
+}
+
+/// Resolves what a virtual measurement needs of a described scenario.
+pub(crate) fn measurement(
+    file: &File,
+    folder: &Path,
+    sources: &Sources,
+) -> Result<VirtualMeasurement, ScenarioErrors> {
+    let mut resolver = Resolver::new(file, folder, sources)?;
+    let found = resolver.before_instrument(file);
+    let Resolver { errors, warnings, notes, .. } = resolver;
+    let found = errors.finish(found, sources)?;
+    Ok(VirtualMeasurement { warnings, notes, ..found })
+}
+
+impl Resolver<'_> {
+    fn before_instrument(&mut self, file: &File) -> Option<VirtualMeasurement> {
+        let default = Measure::absent().map(At::at_large);
+        let measure = file.measure.value.as_ref().or(default.as_deref())?;
+        let instrument = self.instrument(measure);
+        let light = self.light("measure.light", &measure.light);
+        let ways = self.ways(file);
+        let (instrument, light, ways) = (instrument?, light?, ways?);
+        let ways = ways.into_iter().map(|(way, lobe, shares, spectrum)| {
+            let factors = self.factors(&spectrum, &light, measure.channels.value)?;
+            Some(Seen { way, lobe, shares, factors })
+        });
+        let ways = ways.collect::<Option<_>>()?;
+        Some(VirtualMeasurement {
+            instrument,
+            sample: measure.sample.as_ref().map(|title| title.0.clone()),
+            warnings: Vec::new(),
+            notes: Vec::new(),
+            truth: serde_json::to_string(&file.display.diffuser).unwrap_or_default(),
+            ways,
+        })
+    }
+
+    fn instrument(&mut self, measure: &Measure) -> Option<Instrument> {
+        let incidences = self.grid_angles("measure.incidence_deg", &measure.incidence_deg);
+        let azimuths = self.grid_angles("measure.azimuth_deg", &measure.azimuth_deg);
+        let radials = self.grid_angles("measure.radial_deg", &measure.radial_deg);
+        let (incidences_deg, azimuths_deg, radials_deg) = (incidences?, azimuths?, radials?);
+        let ends = [
+            (
+                &measure.incidence_deg,
+                incidences_deg.last().filter(|last| **last >= 90.0),
+                "angles below 90 deg",
+            ),
+            (
+                &measure.azimuth_deg,
+                azimuths_deg.first().filter(|first| **first != 0.0),
+                "0 as the first angle",
+            ),
+            (
+                &measure.azimuth_deg,
+                azimuths_deg.last().filter(|last| **last != 180.0),
+                "180 as the last angle",
+            ),
+            (&measure.radial_deg, radials_deg.first().filter(|first| **first != 0.0), "0 as the first angle"),
+        ];
+        for (at, wrong, expected) in ends {
+            if let Some(value) = wrong {
+                self.err(at, Problem::OutOfRange { value: *value, expected });
+                return None;
+            }
+        }
+        let cells = incidences_deg.len() * azimuths_deg.len() * radials_deg.len();
+        self.limit(&measure.radial_deg, "cells", cells, MOST_CELLS)?;
+        Some(Instrument {
+            grid: SpecularGrid {
+                rotations_deg: vec![0.0],
+                incidences_deg,
+                azimuths_deg,
+                radials_deg,
+                symmetry: Symmetry::Plane,
+            },
+            channels: match measure.channels.value {
+                Channels::Xyz => vec![Channel::X, Channel::Y, Channel::Z],
+                Channels::Monochrome => vec![Channel::Monochrome],
+            },
+            blur: measure.blur.0,
+            renormalise: measure.renormalise.value,
+            noise: Noise { relative: measure.noise.0, floor: measure.noise_floor.0, seed: measure.seed.0 },
+            dark_beyond_deg: measure.dark_beyond_deg.0,
+        })
+    }
+
+    /// The angles of an axis: from 0 to 180 deg, rising.
+    fn grid_angles(&mut self, key: &str, angles: &At<GridAngles>) -> Option<Vec<f64>> {
+        let values = match &angles.value {
+            GridAngles::List(list) => self.listed(list, |angle| angle.0, angles.origin)?,
+            GridAngles::Range(range) => self.spaced(key, range, angles.origin)?,
+        };
+        let beyond = values.iter().find(|value| !(0.0..=180.0).contains(*value));
+        if let Some(value) = beyond {
+            self.err(angles, Problem::OutOfRange { value: *value, expected: "angles from 0 to 180 deg" });
+            return None;
+        }
+        if let Some(pair) = values.windows(2).find(|pair| pair[1] <= pair[0]) {
+            self.err(angles, Problem::OutOfRange { value: pair[1], expected: "angles that rise" });
+            return None;
+        }
+        Some(values)
+    }
+
+    /// What light does at the diffuser: its way, the lobe, the shares of it that are scattered and not, and the
+    /// spectrum of both.
+    fn ways(&mut self, file: &File) -> Option<Vec<(Way, Truth, [f64; 2], Spectrum)>> {
+        let at = &file.display.diffuser;
+        let through = |truth: Truth, spectrum: Spectrum, straight: f64| {
+            vec![(Way::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
+        };
+        let lobe = match &at.value {
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe)?,
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe)?,
+            Some(Diffuser::Ward(ward)) => {
+                let (scatter, transmittance) = self.ward_lobe(ward)?;
+                return Some(through(Truth::Scatter(scatter), transmittance, ward.straight_through.0));
+            }
+            Some(Diffuser::Measured(measured)) => {
+                let film = self.film_in_air("display.diffuser", measured)?;
+                let whole = |(way, kernel): (Way, papilio_display::scene::ScatterKernel)| {
+                    (way, Truth::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
+                };
+                return Some(film.into_iter().map(whole).collect());
+            }
+            Some(Diffuser::Slab(slab)) => {
+                self.errors.push(slab.origin, Problem::NoBtdf);
+                return None;
+            }
+            None => {
+                let expected = Diffuser::in_words();
+                let problem = Problem::MissingKey { key: "diffuser".to_owned(), expected };
+                self.errors.push(file.display.origin.or_set([file.display.layers.origin]), problem);
+                return None;
+            }
+        };
+        Some(through(Truth::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through))
+    }
+
+    /// What a spectrum of transmission does to each channel, relative to the light's own.
+    pub(super) fn factors(
+        &mut self,
+        spectrum: &Spectrum,
+        light: &Spectrum,
+        channels: Channels,
+    ) -> Option<Vec<f64>> {
+        let observer = match Observer::new(&self.grid) {
+            Ok(observer) => observer,
+            Err(_) => {
+                let range_nm = (self.grid.start_nm(), self.grid.stop_nm());
+                self.errors.push(self.range, Problem::Invisible { range_nm });
+                return None;
+            }
+        };
+        let weights = observer.weights();
+        let share = |k: usize| {
+            let weighted = light.iter().zip(weights[k]).map(|(light, weight)| light * weight);
+            let both = weighted.zip(spectrum.iter());
+            let (through, all) = both.fold((0.0, 0.0), |(through, all), (w, t)| (through + w * t, all + w));
+            // A channel without light sees nothing.
+            if all > 0.0 { through / all } else { 0.0 }
+        };
+        Some(match channels {
+            Channels::Xyz => (0..3).map(share).collect(),
+            Channels::Monochrome => vec![share(1)],
+        })
+    }
+}

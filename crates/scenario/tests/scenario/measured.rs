@@ -1,0 +1,147 @@
+//! Measured diffusers: what is refused, and where; what is told.
+
+use std::path::Path;
+
+use papilio_formats::{BsdfFormat, DataFile, LARGEST_BSDF_FILE, read_bsdf, write_measurement};
+use papilio_scenario::Scenario;
+
+use crate::common::{changed, resolve, shipped};
+
+const LOBE: &str = "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9";
+
+/// The small scenario with a measured diffuser, and more keys for it.
+fn measured(file: &str, more: &str) -> String {
+    changed(&[(LOBE, &format!("model = \"measured\"\nfile = \"{file}\"\nextrapolate = \"hold\"\n{more}"))])
+}
+
+fn refusal(text: &str) -> String {
+    resolve(text, &shipped(), &[]).unwrap_err().to_string()
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_where_it_is_said() {
+    let h78 = "data/H78-raw.bsdf";
+    for (text, says) in [
+        (measured("data/none.bsdf", ""), &["test.toml:13:8", "data/none.bsdf"][..]),
+        (measured("data/H78-transmission.csv", ""), &["data/H78-transmission.csv"]),
+        (measured(h78, "flipped = true"), &["test.toml:13:8", "no back transmission", "front transmission"]),
+        (measured(h78, "normalise = \"sum\""), &["test.toml:15:13", "`sum` is not a choice"]),
+        (measured(h78, "spectral_mean = \"odd\""), &["`odd` is not a choice", "\"even\" or \"luminous\""]),
+        (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from .0001 to 1"]),
+        (measured(h78, "transmission = 90"), &["not percent"]),
+        (measured(h78, "haze = 0.5"), &["`haze` means nothing with model = \"measured\""]),
+    ] {
+        let shown = refusal(&text);
+        assert!(says.iter().all(|words| shown.contains(words)), "{says:?}\n{shown}");
+    }
+}
+
+#[test]
+fn a_film_among_layers_is_mounted_by_its_neighbours() {
+    let layers = |mounting: &str| {
+        format!(
+            "[display]\nlayers = [{{ kind = \"diffuser\", model = \"measured\", file = \"data/H78-raw.bsdf\", \
+             extrapolate = \"hold\"{mounting} }}, {{ kind = \"medium\" }}]\n[display.pixel]\nmodel = \"uniform\"\n\
+             kind = \"mirror\"\nreflectance = {{ white = 0.6, black = 0.05 }}\n"
+        )
+    };
+    assert!(resolve(&layers(""), &shipped(), &[]).is_ok());
+    let shown = refusal(&layers(", mounting = \"laminated\""));
+    assert!(shown.contains("`mounting` means nothing with `[[display.layers]]`"), "{shown}");
+}
+
+/// A file without transmission, and one without TIS.
+#[test]
+fn a_file_must_have_what_is_asked_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rows = "theta_i,phi_i,theta_o,phi_o,value\n".to_owned();
+    for theta_i in [0, 30, 60] {
+        for theta_o in 0..9 {
+            for phi_o in [0, 90, 180] {
+                rows += &format!("{theta_i},180,{},{phi_o},0.3\n", 10 * theta_o);
+            }
+        }
+    }
+    std::fs::write(folder.path().join("brdf.csv"), &rows).unwrap();
+    let shown = resolve(&measured("brdf.csv", ""), folder.path(), &[]).unwrap_err().to_string();
+    assert!(shown.contains("no front transmission") && shown.contains("front reflection"), "{shown}");
+    // The shipped file without its TIS.
+    let name = shipped().join("data/H78-raw.bsdf");
+    let file = DataFile::open_within(&name, "H78", LARGEST_BSDF_FILE).unwrap();
+    let mut measurement = read_bsdf(&file).unwrap().value;
+    measurement.parts[0].tis.clear();
+    let mut bytes = Vec::new();
+    write_measurement(&mut bytes, BsdfFormat::Papilio, &measurement).unwrap();
+    std::fs::write(folder.path().join("btdf.npz"), bytes).unwrap();
+    let text = |normalise: &str| measured("btdf.npz", &format!("normalise = \"{normalise}\""));
+    assert!(resolve(&text("none"), folder.path(), &[]).is_ok());
+    let shown = resolve(&text("tis"), folder.path(), &[]).unwrap_err().to_string();
+    assert!(shown.contains("no total integrated scatter (TIS)") && shown.contains("\"none\""), "{shown}");
+}
+
+/// Nothing is changed that is not said.
+#[test]
+fn what_is_changed_is_told() {
+    let told = |more: &str| {
+        let resolved = resolve(&measured("data/H78-raw.bsdf", more), &shipped(), &[]).unwrap();
+        assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);
+        resolved.notes.join("\n")
+    };
+    assert_eq!(told(""), "");
+    assert!(told("normalise = \"tis\"").contains("totals are multiplied by 1.05"), "{}", told(""));
+    let sharp = told("instrument_blur = 0.0483");
+    assert!(sharp.contains("instead of 13.8 per sr") && sharp.contains("relative noise"), "{sharp}");
+    let text = measured("data/H78-raw.bsdf", "").replace("extrapolate = \"hold\"", "extrapolate = \"none\"");
+    let resolved = resolve(&text, &shipped(), &[]).unwrap();
+    assert!(resolved.warnings[0].contains("beyond 75 deg"), "{:?}", resolved.warnings);
+}
+
+fn measurement(text: &str, more: &str) -> Result<papilio_scenario::VirtualMeasurement, String> {
+    let text = format!("{text}\n[measure]\n{more}");
+    let scenario = Scenario::from_text(&text, "test.toml", Path::new(""), &[]).map_err(|e| e.to_string())?;
+    scenario.measurement().map_err(|e| e.to_string())
+}
+
+#[test]
+fn an_instrument_sees_what_it_is_asked_to() {
+    let good = changed(&[]);
+    let small =
+        "incidence_deg = [0, 45]\nradial_deg = { from = 0, to = 180, step = 5 }\nchannels = \"monochrome\"";
+    let found = measurement(&good, small).unwrap();
+    let part = found.measure("film").unwrap().parts.remove(0);
+    assert_eq!((part.values.len(), part.tis.len()), (2 * 19 * 37, 2));
+    // The peak of a lobe of haze .78 and total transmittance .90, and its total.
+    assert!((part.values[0] / 47.3 - 1.0).abs() < 2e-3 && (part.tis[0] - 0.9).abs() < 1e-4);
+    // Five digits.
+    assert!(part.values.iter().all(|value| format!("{value:.4e}").parse::<f64>() == Ok(*value)));
+    // Light that passes straight is seen with a blur, or not at all.
+    let straight = changed(&[("haze = 0.78", "haze = 0.5\nstraight_through = 0.2")]);
+    let found = measurement(&straight, small).unwrap();
+    assert!(found.measure("film").unwrap_err().to_string().contains("the blur is 0"));
+    let found = measurement(&straight, &format!("{small}\nblur = 0.01")).unwrap();
+    let part = found.measure("film").unwrap().parts.remove(0);
+    assert!((part.tis[0] - 0.9).abs() < 1e-4, "{:?}", part.tis);
+}
+
+#[test]
+fn what_no_instrument_can_see_is_refused() {
+    let good = changed(&[]);
+    let slab = changed(&[(LOBE, "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.8")]);
+    let bare = changed(&[(LOBE, ""), ("[display.diffuser]\n", "")]);
+    for (text, more, says) in [
+        (&slab, "", "a slab has no BTDF"),
+        (&bare, "", "`diffuser` is missing"),
+        (&good, "incidence_deg = [0, 90]", "expected angles below 90 deg"),
+        (&good, "radial_deg = [0, 4, 2]", "expected angles that rise"),
+        (&good, "radial_deg = [2, 4]", "expected 0 as the first angle"),
+        (&good, "azimuth_deg = [0, 90]", "expected 180 as the last angle"),
+        (&good, "radial_deg = { from = 0, to = 180, step = 0.001 }", "angles"),
+        (&good, "blur = 0.00001", "expected 0, or a number from .0001 to 1"),
+        (&good, "noise = -1", "expected a number from 0 to 1"),
+        (&good, "channels = \"rgb\"", "\"xyz\" or \"monochrome\""),
+        (&good, "light = \"D66\"", "no light named `D66`"),
+    ] {
+        let shown = measurement(text, more).unwrap_err();
+        assert!(shown.contains(says), "{says}\n{shown}");
+    }
+}
