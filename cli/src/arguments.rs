@@ -192,7 +192,7 @@ impl PartName {
 
 #[derive(Debug, Args)]
 pub(crate) struct Measure {
-    /// The scenario (TOML): its [display.diffuser], seen as [measure] says
+    /// The scenario (TOML): its `[display.diffuser]`, seen as `[measure]` says
     #[arg(value_name = "SCENARIO")]
     pub(crate) scenario: PathBuf,
     /// The file to write

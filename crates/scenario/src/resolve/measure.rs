@@ -111,6 +111,10 @@ pub(crate) fn measurement(
     Ok(VirtualMeasurement { warnings, notes, ..found })
 }
 
+/// A way of light at the diffuser: the lobe, the shares of it that are scattered and not, and the spectrum of
+/// both.
+type TrueWay = (Way, Truth, [f64; 2], Spectrum);
+
 impl Resolver<'_> {
     fn before_instrument(&mut self, file: &File) -> Option<VirtualMeasurement> {
         let default = Measure::absent().map(At::at_large);
@@ -202,9 +206,8 @@ impl Resolver<'_> {
         Some(values)
     }
 
-    /// What light does at the diffuser: its way, the lobe, the shares of it that are scattered and not, and the
-    /// spectrum of both.
-    fn ways(&mut self, file: &File) -> Option<Vec<(Way, Truth, [f64; 2], Spectrum)>> {
+    /// What light does at the diffuser.
+    fn ways(&mut self, file: &File) -> Option<Vec<TrueWay>> {
         let at = &file.display.diffuser;
         let through = |truth: Truth, spectrum: Spectrum, straight: f64| {
             vec![(Way::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]

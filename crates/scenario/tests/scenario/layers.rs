@@ -206,7 +206,10 @@ const WRONG: &[Case] = &[
         "index = \"air\"",
         "index = \"air\", alpha = 0.1",
         (7, 45),
-        &["`alpha` means nothing with kind = \"medium\"", "a key of kind = \"diffuser\" and kind = \"rough\""],
+        &[
+            "`alpha` means nothing with kind = \"medium\"",
+            "a key of kind = \"diffuser\" and kind = \"rough\"",
+        ],
     ),
     ("index = \"air\"", "inedx = \"air\"", (7, 22), &["no key `inedx`", "did you mean `index`?"]),
     (

@@ -34,7 +34,8 @@ fn measured(name: &str, paper: &dyn Fn(Beta, Beta) -> f64, way: Way, beyond_75_d
         symmetry: Symmetry::Plane,
     };
     instrument.channels = vec![Channel::Monochrome];
-    let mut measurement = instrument.measure(name, &[View { way, f: paper, straight: 0.0, factors: &[1.0] }]).unwrap();
+    let mut measurement =
+        instrument.measure(name, &[View { way, f: paper, straight: 0.0, factors: &[1.0] }]).unwrap();
     let rounded = |value: &mut f64| *value = format!("{value:.4e}").parse().unwrap();
     measurement.parts[0].values.iter_mut().for_each(rounded);
     measurement.parts[0].tis.iter_mut().for_each(rounded);
