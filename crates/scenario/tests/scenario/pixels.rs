@@ -141,7 +141,8 @@ fn what_is_lost_is_told() {
 #[test]
 fn mistakes_are_shown_where_they_are() {
     let folder = folder();
-    let cases: &[(&str, &str, (usize, usize), &[&str])] = &[
+    type Case<'a> = (&'a str, &'a str, (usize, usize), &'a [&'a str]);
+    let cases: &[Case<'_>] = &[
         ("\"w.bsdf\"", "\"none.bsdf\"", (7, 18), &["none.bsdf"]),
         ("\"w.bsdf\"", "\"cut.bsdf\"", (7, 18), &["cut.bsdf"]),
         ("\"w.bsdf\"", "\"through.bsdf\"", (7, 18), &["no front reflection", "front transmission"]),
