@@ -46,8 +46,8 @@ pub struct ScatterMap {
 
 /// Size of the panel of curves, px.
 const SIZE: (f64, f64) = (560.0, 400.0);
-/// Room for its legend, px.
-const LEGEND: f64 = 150.0;
+/// Room for its legend beside the names, and for each letter of the longest name, px.
+const LEGEND: [f64; 2] = [90.0, 6.6];
 /// Radius of a map, px.
 const RADIUS: f64 = 150.0;
 /// Values further below the peak than this are not drawn: no instrument sees them.
@@ -64,7 +64,9 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
     let least = values().fold(peak, f64::min).max(REACH * peak);
     let scale = if peak > 0.0 { Axis::decades(least, peak, &figure.quantity) } else { None };
     let scale = scale.unwrap_or_else(|| Axis::exact(0.0, 1.0, 5, &figure.quantity));
-    let maps_left = 80.0 + SIZE.0 + LEGEND;
+    let longest =
+        figure.curves.iter().filter_map(|curve| curve.name.as_ref()).map(|name| name.chars().count());
+    let maps_left = 80.0 + SIZE.0 + LEGEND[0] + LEGEND[1] * longest.max().unwrap_or(9) as f64;
     let pitch = 2.0 * RADIUS + 90.0;
     let width =
         maps_left + pitch * figure.maps.len() as f64 + if figure.maps.is_empty() { 0.0 } else { 50.0 };
