@@ -100,18 +100,18 @@ impl Scatter {
         }
     }
 
-    /// A direction for light from `from`, drawn with [`Self::pdf`] from four uniform numbers; `None`
+    /// A direction for light from `from`, drawn with [`Self::pdf`] from three uniform numbers; `None`
     /// where the proposal misses the air disc, and the light is lost. Its weight is value over pdf.
     #[inline]
-    pub fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sampled> {
+    pub fn sample(&self, from: Beta, u: [f64; 3]) -> Option<Sampled> {
         let beta = match self {
             Self::Ward(ward) => ward.sample(from, [u[0], u[1]])?,
             Self::Table(table, Sense::Forward) => table.sample(from, u, false),
             Self::Table(table, Sense::Reversed) => table.sample(from, u, true),
-            Self::Table(table, Sense::Mean) if u[3] < 0.5 => {
-                table.sample(from, [u[0], u[1], u[2], 2.0 * u[3]], false)
+            Self::Table(table, Sense::Mean) if u[2] < 0.5 => {
+                table.sample(from, [u[0], u[1], 2.0 * u[2]], false)
             }
-            Self::Table(table, Sense::Mean) => table.sample(from, [u[0], u[1], u[2], 2.0 * u[3] - 1.0], true),
+            Self::Table(table, Sense::Mean) => table.sample(from, [u[0], u[1], 2.0 * u[2] - 1.0], true),
         };
         let pdf = self.pdf(from, beta);
         (pdf > 0.0).then_some(Sampled { beta, pdf })

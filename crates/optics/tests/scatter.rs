@@ -169,7 +169,8 @@ fn chi_square(kernel: &Scatter, from: Beta, density: impl Fn(Beta) -> f64) -> (f
     let numbers = Numbers::new(Sampler::Random, 23, 0);
     let mut found = vec![0.0; RINGS * SPOKES];
     for path in 0..samples {
-        if let Some(sampled) = kernel.sample(from, numbers.block(path, 0)) {
+        let [u, v, w, _] = numbers.block(path, 0);
+        if let Some(sampled) = kernel.sample(from, [u, v, w]) {
             assert!((sampled.pdf / kernel.pdf(from, sampled.beta) - 1.0).abs() < 1e-12);
             found[cells.number(sampled.beta)] += 1.0;
         }
@@ -236,8 +237,9 @@ fn weights_are_the_totals() {
             let samples = 1 << 15;
             let (mut sum, mut squares, mut most) = (0.0, 0.0, 0.0_f64);
             for path in 0..samples {
+                let [u, v, w, _] = numbers.block(path, 0);
                 let weight = kernel
-                    .sample(from, numbers.block(path, 0))
+                    .sample(from, [u, v, w])
                     .map_or(0.0, |sampled| kernel.value(from, sampled.beta) / sampled.pdf);
                 (sum, squares, most) = (sum + weight, squares + weight * weight, most.max(weight));
             }

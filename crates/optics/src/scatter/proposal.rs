@@ -69,26 +69,29 @@ impl Proposal {
     }
 
     /// Drawn for light from `from`; may lie beyond the air disc.
-    pub(super) fn sample(&self, from: Beta, u: [f64; 4]) -> Beta {
-        let even = |u: [f64; 2]| {
-            let (x, y) = warp::uniform_disc(1.0, u);
+    ///
+    /// The last number makes all choices, one after the other.
+    pub(super) fn sample(&self, from: Beta, [u, v, choice]: [f64; 3]) -> Beta {
+        let even = || {
+            let (x, y) = warp::uniform_disc(1.0, [u, v]);
             Beta { x, y }
         };
-        if u[3] < EVEN {
-            return even([u[1], u[2]]);
+        if choice < EVEN {
+            return even();
         }
+        let choice = (choice - EVEN) / (1.0 - EVEN);
         let length = from.length();
         let place = self.incidence.place(length);
-        let (incidence, mut side) = if u[0] < place.t {
-            (place.cell + 1, u[0] / place.t)
+        let (incidence, mut side) = if choice < place.t {
+            (place.cell + 1, choice / place.t)
         } else {
-            (place.cell, (u[0] - place.t) / (1.0 - place.t))
+            (place.cell, (choice - place.t) / (1.0 - place.t))
         };
         if self.whole(incidence) <= 0.0 {
-            return even([u[1], u[2]]);
+            return even();
         }
         side -= 0.5;
-        let (distance, azimuth) = self.draw(incidence, [u[1], u[2]]);
+        let (distance, azimuth) = self.draw(incidence, [u, v]);
         let (sin, cos) = azimuth.sin_cos();
         let (along, across) = (distance * cos, distance * sin.copysign(side));
         // The frame of the incidence; along the normal any will do.

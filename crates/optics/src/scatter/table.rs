@@ -43,6 +43,8 @@ const WORKING_INCIDENCE: f64 = 0.1;
 const WORKING_AZIMUTH: f64 = PI / 18.0;
 /// Distances are halved while the working table has fewer cells.
 const WORKING_CELLS: usize = 60_000;
+/// Cells about the peak that integrals need.
+const SMOOTH_CELLS: usize = 1000;
 
 impl Table {
     /// From f in 1/sr in `[incidence][azimuth][radial]` order, at ascending `|beta|` of incidence
@@ -85,7 +87,7 @@ impl Table {
         if reversed { raw(&self.smooth, to, from) } else { raw(&self.smooth, from, to) }
     }
 
-    /// Nodes of distance and azimuth that are fine enough for rules of low order.
+    /// Incidences, distances and azimuths of the working table.
     fn working(&self) -> [Vec<f64>; 3] {
         let incidence = finer(self.smooth.incidence.nodes(), 1.0, WORKING_INCIDENCE);
         let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
@@ -105,7 +107,11 @@ impl Table {
 
     fn totals(&self, reversed: bool) -> &Totals {
         self.totals[usize::from(reversed)].get_or_init(|| {
-            let [_, radial, azimuth] = self.working();
+            let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
+            let mut radial = self.smooth.radial.nodes().to_vec();
+            while radial.len() * azimuth.len() < SMOOTH_CELLS {
+                radial = halved(&radial);
+            }
             let (distances, angles) = (Axis::mirrored(radial), Axis::mirrored(azimuth));
             Totals::new(|length| {
                 integral(&distances, &angles, length, |distance, angle| {
@@ -122,7 +128,7 @@ impl Table {
     }
 
     #[inline]
-    pub(super) fn sample(&self, from: Beta, u: [f64; 4], reversed: bool) -> Beta {
+    pub(super) fn sample(&self, from: Beta, u: [f64; 3], reversed: bool) -> Beta {
         self.proposal(reversed).sample(from, u)
     }
 

@@ -201,10 +201,11 @@ impl<'a> Layered<'a> {
             }
             Kind::Pixel(kernels, medium) => {
                 let pixel = Pixel { kernels, medium, element: meeting.element };
-                pixel.reflect(sent.beta, draws.next(), sums, room)
+                pixel.reflect(sent.beta, u, sums, room)
             }
             Kind::Diffuser(..) => meeting.pass_face(sent, [u[1], u[2], 0.5, 0.5], sums, room),
-            Kind::Rough(_) | Kind::Scatter { .. } => meeting.pass_face(sent, draws.next(), sums, room),
+            Kind::Scatter { .. } => meeting.pass_face(sent, [u[0], u[1], u[2], 0.5], sums, room),
+            Kind::Rough(_) => meeting.pass_face(sent, draws.next(), sums, room),
         }
     }
 }

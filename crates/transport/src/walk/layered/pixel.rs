@@ -22,7 +22,7 @@ pub(super) struct Pixel<'a> {
 
 impl Pixel<'_> {
     /// Off the base: connections to lamps, and a new direction.
-    pub(super) fn reflect(&self, from: Beta, u: [f64; 4], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
+    pub(super) fn reflect(&self, from: Beta, u: [f64; 3], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
         let ray = Ray { plane: self.element, going: Going::Up };
         sums.arriving.add(&room.light, 1.0);
         self.tint(&mut room.light);
@@ -87,10 +87,10 @@ impl Pixel<'_> {
         sum / (self.kernels.len() as f64 * self.index().powi(2))
     }
 
-    fn send(&self, from: Beta, u: [f64; 4]) -> Option<Beta> {
-        let place = u[3] * self.kernels.len() as f64;
+    fn send(&self, from: Beta, u: [f64; 3]) -> Option<Beta> {
+        let place = u[2] * self.kernels.len() as f64;
         let kernel = self.kernels.get(place as usize)?;
-        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], u[2], place.fract()])?;
+        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], place.fract()])?;
         Some(Beta { x: sent.beta.x * self.index(), y: sent.beta.y * self.index() })
     }
 }

@@ -98,7 +98,9 @@ impl Meeting<'_> {
                 let (side, beta) = rough.sample(side(self.going, true), from, u);
                 (beta, if side == Side::Above { Going::Up } else { Going::Down })
             }
-            Kind::Scatter { kernel, sends, .. } => (kernel.scatter.sample(from, u)?.beta, sends),
+            Kind::Scatter { kernel, sends, .. } => {
+                (kernel.scatter.sample(from, [u[0], u[1], u[2]])?.beta, sends)
+            }
             Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => return None,
         };
         let ray = Ray::from_element(self.element, going);
