@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 
+use crate::base::largest;
 use crate::product::add_product;
 use crate::{CosinePanels, Medium};
 
@@ -217,6 +218,11 @@ impl AngularTable {
             && self.mixture == other.mixture
             && self.common == other.common
             && self.nodes == other.nodes
+    }
+
+    /// An upper bound of every state's reflectance at any angle, from that of the basis.
+    pub(crate) fn largest_reflectance(&self, of_basis: f64) -> f64 {
+        (of_basis + largest(&self.common)).min(1.0)
     }
 
     fn add_nodes(&self, stencil: &Stencil, scale: f64, basis: &mut [f64]) {

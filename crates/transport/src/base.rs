@@ -72,20 +72,22 @@ impl Base {
 
     /// An upper bound of every state's reflectance at any angle.
     pub(crate) fn largest_reflectance(&self) -> f64 {
-        // Side by side, as registers hold them: tables are large.
-        let largest = |values: &[f64]| {
-            let mut most = [0.0_f64; 16];
-            for values in values.chunks(most.len()) {
-                most.iter_mut()
-                    .zip(values)
-                    .for_each(|(most, value)| *most = if value > most { *value } else { *most });
-            }
-            most.into_iter().fold(0.0, f64::max)
-        };
         match &self.reflector {
-            Reflector::Specular(table) => (largest(&table.basis) + largest(&table.common)).min(1.0),
+            Reflector::Specular(table) => table.largest_reflectance(largest(&table.basis)),
             Reflector::Lambertian(reflectance) => largest(reflectance).min(1.0),
             Reflector::Scattering(_) => 1.0,
         }
     }
+}
+
+/// The largest of these values that are not negative.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    // Side by side, as registers hold them: tables are large.
+    let mut most = [0.0_f64; 16];
+    for values in values.chunks(most.len()) {
+        most.iter_mut()
+            .zip(values)
+            .for_each(|(most, value)| *most = if value > most { *value } else { *most });
+    }
+    most.into_iter().fold(0.0, f64::max)
 }

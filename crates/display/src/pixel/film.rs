@@ -1,6 +1,5 @@
 //! Film pixels: the reflectances at the gaps that the states need, against angle.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -64,6 +63,10 @@ impl FilmKey {
     }
 }
 
+/// Most panels that are too wide for a film are so at any of these many wavelengths (which fill a
+/// wide register).
+const BINS_OF_SAMPLE: usize = 8;
+
 /// The reflectances at the gaps, shape `[node][gap][wavelength]`.
 fn tabulated(
     film: &FilmPixel,
@@ -71,9 +74,12 @@ fn tabulated(
     index: &Spectrum,
     gaps_nm: &[f64],
 ) -> Result<(Nodes, Arc<[f64]>), DisplayError> {
-    let film = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
-    let (panels, values) = table::panels(gaps_nm.len() * grid.len(), |cosines| film.at_cosines(cosines))?;
-    Ok((Nodes::CosinePanels(panels), values.into()))
+    let whole = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
+    let few: Vec<usize> = (0..grid.len()).step_by(grid.len().div_ceil(BINS_OF_SAMPLE).max(1)).collect();
+    let sample = Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?;
+    let (panels, values) =
+        table::panels(|cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
+    Ok((Nodes::CosinePanels(panels), values))
 }
 
 /// Which gaps the states need, and how much of each they hold.
@@ -133,9 +139,10 @@ pub(super) enum Beta {
     InGlass,
 }
 
-/// A film over the grid, condensed for its gaps.
+/// A film over the grid or some bins of it, condensed for its gaps.
 pub(super) struct Film<'a> {
-    index: &'a Spectrum,
+    /// Of the medium above, at each bin.
+    index: Vec<f64>,
     gaps_nm: &'a [f64],
     kind: Beta,
     /// One over all wavelengths, or one for each: the same angle in a dispersive glass has
@@ -147,23 +154,31 @@ impl<'a> Film<'a> {
     pub(super) fn new(
         film: &FilmPixel,
         grid: &Grid,
-        index: &'a Spectrum,
+        index: &Spectrum,
         gaps_nm: &'a [f64],
         kind: Beta,
     ) -> Result<Self, DisplayError> {
+        Self::at_bins(film, grid, index, gaps_nm, kind, &(0..grid.len()).collect::<Vec<usize>>())
+    }
+
+    /// The same at these bins of the grid alone.
+    fn at_bins(
+        film: &FilmPixel,
+        grid: &Grid,
+        index: &Spectrum,
+        gaps_nm: &'a [f64],
+        kind: Beta,
+        bins: &[usize],
+    ) -> Result<Self, DisplayError> {
         let wavelengths_nm = grid.wavelengths_nm();
-        let part = |bins: Range<usize>| {
-            let layers: Vec<_> = film.layers.iter().map(|layer| layer_at(layer, &bins)).collect();
-            let (nm, index) = (&wavelengths_nm[bins.clone()], &index[bins.clone()]);
-            GapFilm::new(nm, index, &layers, &film.substrate[bins])
+        let part = |bins: &[usize]| {
+            let layers: Vec<_> = film.layers.iter().map(|layer| layer_at(layer, bins)).collect();
+            GapFilm::new(&at(&wavelengths_nm, bins), &at(index, bins), &layers, &at(&film.substrate, bins))
         };
         let alike = kind == Beta::Air || index.is_constant();
-        let parts: Result<Vec<GapFilm>, _> = if alike {
-            [part(0..grid.len())].into_iter().collect()
-        } else {
-            (0..grid.len()).map(|bin| part(bin..bin + 1)).collect()
-        };
-        Ok(Self { index, gaps_nm, kind, parts: parts? })
+        let together = if alike { bins.len().max(1) } else { 1 };
+        let parts: Result<Vec<GapFilm>, _> = bins.chunks(together).map(part).collect();
+        Ok(Self { index: at(index, bins), gaps_nm, kind, parts: parts? })
     }
 
     /// Mean reflectance of s and p; shape `[angle][gap][wavelength]`. A grazing ray in the glass
@@ -195,6 +210,10 @@ impl<'a> Film<'a> {
     }
 }
 
-fn layer_at(layer: &FilmLayer, bins: &Range<usize>) -> FilmLayer {
-    FilmLayer { index: layer.index[bins.clone()].to_vec(), thickness: layer.thickness }
+fn layer_at(layer: &FilmLayer, bins: &[usize]) -> FilmLayer {
+    FilmLayer { index: at(&layer.index, bins), thickness: layer.thickness }
+}
+
+fn at<T: Copy>(values: &[T], bins: &[usize]) -> Vec<T> {
+    bins.iter().map(|bin| values[*bin]).collect()
 }

@@ -6,6 +6,7 @@
 //! that lack too much are halved.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use papilio_transport::CosinePanels;
 
@@ -16,33 +17,39 @@ pub const TABLE_ERROR: f64 = 1e-7;
 /// Halvings of the panel from 0 to 1 to begin with, and at most: only extremely thick films need more.
 const HALVINGS: (u32, u32) = (1, 6);
 
-/// Panels fine enough for functions of the cosine, so many in number, and the functions' values at the
-/// nodes, `[node][function]`. `at` computes them at these cosines.
+/// Panels fine enough for functions of the cosine, and the functions' values at the nodes,
+/// `[node][function]`. `whole` computes them at these cosines, `sample` some of them: where those are
+/// lacking, the others need not be known.
 pub(super) fn panels<E>(
-    functions: usize,
-    at: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
-) -> Result<(CosinePanels, Vec<f64>), E> {
-    let size = CosinePanels::NODES * functions;
+    sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+    whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+) -> Result<(CosinePanels, Arc<[f64]>), E> {
     let last = last_polynomials();
+    let suffice =
+        |panel: &Panel, values: &[f64]| panel.halvings == HALVINGS.1 || lacking(values, &last) < TABLE_ERROR;
     let mut done: Vec<Panel> = Vec::new();
-    let mut open: Vec<Panel> = (0..1 << HALVINGS.0).map(|number| Panel::new(number, HALVINGS.0)).collect();
-    while !open.is_empty() {
-        let cosines: Vec<f64> = open.iter().flat_map(Panel::nodes).collect();
-        let known = at(&cosines)?;
-        let mut halves = Vec::new();
-        for (mut panel, values) in open.into_iter().zip(known.chunks_exact(size)) {
-            if panel.halvings == HALVINGS.1 || lacking(values, functions, &last) < TABLE_ERROR {
-                panel.values = values.to_vec();
+    let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
+    while let Some(mut panel) = open.pop() {
+        let nodes: Vec<f64> = panel.nodes().collect();
+        if suffice(&panel, &sample(&nodes)?) {
+            panel.values = whole(&nodes)?;
+            if suffice(&panel, &panel.values) {
                 done.push(panel);
-            } else {
-                halves.extend([0, 1].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));
+                continue;
             }
         }
-        open = halves;
+        open.extend([1, 0].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));
     }
-    done.sort_by(|a, b| a.start().total_cmp(&b.start()));
     let panels = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
-    Ok((panels, done.into_iter().flat_map(|panel| panel.values).collect()))
+    let count = done.iter().map(|panel| panel.values.len()).sum();
+    let mut all: Arc<[f64]> = std::iter::repeat_n(0.0, count).collect();
+    let mut rest = Arc::make_mut(&mut all);
+    for panel in &done {
+        let (here, beyond) = rest.split_at_mut(panel.values.len());
+        here.copy_from_slice(&panel.values);
+        rest = beyond;
+    }
+    Ok((panels, all))
 }
 
 /// A panel in the making: the one of this number, of those of its width.
@@ -81,10 +88,11 @@ fn last_polynomials() -> [[f64; CosinePanels::NODES]; LAST] {
 }
 
 /// An estimate of the largest error of the polynomials through these values, `[node][function]`.
-fn lacking(values: &[f64], functions: usize, last: &[[f64; CosinePanels::NODES]; LAST]) -> f64 {
+fn lacking(values: &[f64], last: &[[f64; CosinePanels::NODES]; LAST]) -> f64 {
+    let functions = values.len() / CosinePanels::NODES;
     let coefficients = last.map(|polynomial| {
         let mut sum = vec![0.0; functions];
-        for (row, weight) in values.chunks_exact(functions).zip(polynomial) {
+        for (row, weight) in values.chunks_exact(functions.max(1)).zip(polynomial) {
             sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
         sum
@@ -137,10 +145,20 @@ mod tests {
         ];
         for (number, (function, most)) in functions.into_iter().enumerate() {
             let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
-            let (panels, values) = panels(1, at).unwrap();
+            let (panels, values) = panels(at, at).unwrap();
             let error = largest_error(&panels, &values, function);
             assert!(error < TABLE_ERROR, "{number}: {error}");
             assert!(panels.count() <= most * CosinePanels::NODES, "{number}: {}", panels.count());
         }
+    }
+    /// Where a sample sees nothing, the whole is looked at.
+    #[test]
+    fn a_sample_changes_nothing() {
+        let smooth = |c: f64| 0.3 + 0.1 * c;
+        let sharp = |c: f64| 0.1 / (1.0 + ((c - 0.8) / 0.02).powi(2));
+        let whole =
+            |cosines: &[f64]| Ok::<_, ()>(cosines.iter().flat_map(|c| [smooth(*c), sharp(*c)]).collect());
+        let blind = |cosines: &[f64]| Ok(cosines.iter().map(|c| smooth(*c)).collect());
+        assert_eq!(panels(blind, whole).unwrap(), panels(whole, whole).unwrap());
     }
 }

@@ -140,14 +140,14 @@ pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[
         let weight = |points: &[Point]| points.iter().map(|point| point.weight).sum::<f64>();
         return if radius <= 1.0 { 2.0 / PI * weight(one) * weight(other) } else { 0.0 };
     };
-    // A lobe's poles in azimuth lie at its own azimuth, this far off the real line.
-    let off = |point: &Point| {
+    // A lobe's poles in azimuth lie at its own azimuth, so far off the real line as this says.
+    let excess = |point: &Point| {
         let r = point.beta.length();
-        let excess = ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300);
-        2.0 * (0.5 * excess).sqrt().asinh()
+        ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300)
     };
-    let nearest = one.iter().chain(other).map(off).fold(f64::INFINITY, f64::min);
-    let count = ((digits + MULTIPLE_POLES) / nearest).ceil() + 2.0;
+    let off = |excess: f64| 2.0 * (0.5 * excess).sqrt().asinh();
+    let least = |points: &[Point]| points.iter().map(excess).fold(f64::INFINITY, f64::min);
+    let count = ((digits + MULTIPLE_POLES) / off(least(one).min(least(other)))).ceil() + 2.0;
     let scale = (width / (2.0 * PI)).powi(2);
     if count <= MOST_EVEN_POINTS {
         return scale * even_sum(width, radius, count as usize, one, other);
@@ -156,7 +156,7 @@ pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[
     let mut poles: Vec<Pole> = Vec::new();
     for point in one.iter().chain(other) {
         for turn in [-2.0 * PI, 0.0, 2.0 * PI] {
-            let pole = Pole { at: azimuth(point) + turn, off: off(point) };
+            let pole = Pole { at: azimuth(point) + turn, off: off(excess(point)) };
             let sharper = |p: &Pole| p.off <= pole.off && (p.at - pole.at).abs() < 0.25 * p.off;
             if !poles.iter().any(sharper) {
                 poles.push(pole);
@@ -174,8 +174,11 @@ pub(super) fn ring_of_products(lobe: Lobe, radius: f64, one: &[Point], other: &[
 /// The integral by so many even steps; some are made side by side.
 fn even_sum(width: f64, radius: f64, count: usize, one: &[Point], other: &[Point]) -> f64 {
     let step = 2.0 * PI / count as f64;
-    let start: [(f64, f64); LANES] = std::array::from_fn(|k| (k as f64 * step).sin_cos());
-    let (mut x, mut y) = (start.map(|(_, cos)| radius * cos), start.map(|(sin, _)| radius * sin));
+    let (sin, cos) = step.sin_cos();
+    let (mut x, mut y) = ([radius; LANES], [0.0; LANES]);
+    for k in 1..LANES {
+        (x[k], y[k]) = (x[k - 1] * cos - y[k - 1] * sin, x[k - 1] * sin + y[k - 1] * cos);
+    }
     let (sin, cos) = (LANES as f64 * step).sin_cos();
     let mut sum = [0.0; LANES];
     for first in (0..count).step_by(LANES) {

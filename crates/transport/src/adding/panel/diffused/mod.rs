@@ -12,6 +12,7 @@ use super::first_pass::{Alone, Pass, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
 use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances};
+use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 
 /// Everything of a panel that does not depend on its spectra.
@@ -37,7 +38,8 @@ pub(super) struct Kernel {
 #[derive(Debug, Clone)]
 struct Seen {
     table: AngularTable,
-    largest_reflectance: f64,
+    /// Of the table's basis.
+    largest: f64,
     /// For each index what recycling needs of it.
     at: Vec<Arc<Reflectances>>,
 }
@@ -173,7 +175,8 @@ impl Kernel {
         match &stack.base.reflector {
             Reflector::Specular(table) => {
                 let seen = self.seen.as_ref().filter(|seen| seen.table.is_same(table));
-                seen.map_or_else(|| stack.base.largest_reflectance(), |seen| seen.largest_reflectance)
+                let of_basis = seen.map_or_else(|| largest(&table.basis), |seen| seen.largest);
+                table.largest_reflectance(of_basis)
             }
             Reflector::Lambertian(_) | Reflector::Scattering(_) => stack.base.largest_reflectance(),
         }
@@ -181,15 +184,18 @@ impl Kernel {
 
     /// Starts anew with a base that is not the one that was seen last.
     fn look_at(&mut self, stack: &Panel) {
-        self.seen = match &stack.base.reflector {
-            Reflector::Lambertian(_) | Reflector::Scattering(_) => None,
-            Reflector::Specular(table) => {
-                self.seen.take().filter(|seen| seen.table.is_same(table)).or_else(|| {
-                    let largest_reflectance = stack.base.largest_reflectance();
-                    Some(Seen { table: table.clone(), largest_reflectance, at: Vec::new() })
-                })
-            }
+        let Reflector::Specular(table) = &stack.base.reflector else {
+            self.seen = None;
+            return;
         };
+        let before = self.seen.take();
+        if before.as_ref().is_some_and(|seen| seen.table.is_same(table)) {
+            self.seen = before;
+            return;
+        }
+        let same_basis = before.filter(|seen| Arc::ptr_eq(&seen.table.basis, &table.basis));
+        let largest = same_basis.map_or_else(|| largest(&table.basis), |seen| seen.largest);
+        self.seen = Some(Seen { table: table.clone(), largest, at: Vec::new() });
     }
 
     /// What recycling needs to know of the base, if it is not known.

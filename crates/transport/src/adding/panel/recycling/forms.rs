@@ -5,7 +5,7 @@
 //! products of the terms ([`Products`]) depend on the pixel alone, the coefficients on views and
 //! lights: many values of both are one product of matrices.
 
-use crate::product::add_product;
+use crate::product::{add_product, product_of_columns};
 
 /// Which sequences of terms make the same product.
 #[derive(Debug, Clone)]
@@ -54,40 +54,61 @@ fn ascending(mut sequence: usize, terms: usize, degree: u32) -> usize {
     digits.into_iter().fold(0, |number, digit| number * terms + digit)
 }
 
-/// The products of the terms of one order of the series, `[product][column]`.
+/// The products of the terms of one order of the series, all but their first factors: those of full
+/// degree are several times as many, and need not be written down.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Products {
-    /// Of the form's degree.
-    all: Vec<f64>,
-    /// Of one degree less.
+    /// `[term][column]`.
+    terms: Vec<f64>,
+    /// Of one degree less than the form's, `[product][column]`.
     less: Vec<f64>,
+    /// For each term, from which of these on their own first factor is that term or a later one.
+    from: Vec<usize>,
 }
 
 impl Products {
     /// Of `degree` (2 or more) terms, which are given as `[term][column]`.
     pub(super) fn new(terms: Vec<f64>, columns: usize, degree: u32) -> Self {
         let count = terms.len() / columns.max(1);
-        // From which product on the first term is the k-th or a later one.
         let mut from: Vec<usize> = (0..count).collect();
-        let (mut less, mut all) = (Vec::new(), terms.clone());
-        for _ in 1..degree {
-            less = std::mem::take(&mut all);
-            let kept = less.len() / columns;
-            all.reserve_exact(from.iter().map(|from| (kept - from) * columns).sum());
+        let mut less = terms.clone();
+        for _ in 2..degree {
+            let before = std::mem::take(&mut less);
+            let kept = before.len() / columns;
+            less.reserve_exact(from.iter().map(|from| (kept - from) * columns).sum());
             for (term, from) in terms.chunks_exact(columns).zip(&mut from) {
-                let first = std::mem::replace(from, all.len() / columns);
-                for product in less[first * columns..].chunks_exact(columns) {
-                    all.extend(product.iter().zip(term).map(|(product, term)| product * term));
+                let first = std::mem::replace(from, less.len() / columns);
+                for product in before[first * columns..].chunks_exact(columns) {
+                    less.extend(product.iter().zip(term).map(|(product, term)| product * term));
                 }
             }
         }
-        Self { all, less }
+        Self { terms, less, from }
     }
 
-    /// Adds the values of forms of the full degree, or of one less, to `out` (`[form][column]`).
-    pub(super) fn add(&self, forms: &[f64], one_less: bool, columns: usize, out: &mut [f64]) {
-        let products = if one_less { &self.less } else { &self.all };
-        add_product(forms, products, products.len() / columns.max(1), out);
+    /// Adds the values of so many forms of the full degree, or of one less, to `out`
+    /// (`[form][column]`).
+    pub(super) fn add(
+        &self,
+        (forms, count): (&[f64], usize),
+        one_less: bool,
+        columns: usize,
+        out: &mut [f64],
+    ) {
+        let kept = self.less.len() / columns.max(1);
+        if one_less {
+            return add_product(forms, &self.less, kept, out);
+        }
+        let mut first = 0;
+        let mut sum = vec![0.0; out.len()];
+        for (term, from) in self.terms.chunks_exact(columns.max(1)).zip(&self.from) {
+            let places = first..first + kept - from;
+            first = places.end;
+            product_of_columns((forms, count), places, &self.less[from * columns..], &mut sum);
+            for (out, sum) in out.chunks_exact_mut(columns).zip(sum.chunks_exact(columns)) {
+                out.iter_mut().zip(sum).zip(term).for_each(|((out, sum), term)| *out += sum * term);
+            }
+        }
     }
 }
 
@@ -119,10 +140,11 @@ mod tests {
             let products = Products::new(values.clone(), 3, degree);
             let mut found = vec![0.0; 6];
             let places = Places::new(terms, degree);
-            products.add(&both.each_ref().map(|one| places.folded(one)).concat(), false, 3, &mut found);
+            let folded = both.each_ref().map(|one| places.folded(one)).concat();
+            products.add((&folded, 2), false, 3, &mut found);
             let mut less = vec![0.0; 3];
             let smaller = &both[0][..terms.pow(degree - 1)];
-            products.add(&Places::new(terms, degree - 1).folded(smaller), true, 3, &mut less);
+            products.add((&Places::new(terms, degree - 1).folded(smaller), 1), true, 3, &mut less);
             for column in 0..3 {
                 let at: Vec<f64> = values[column..].iter().step_by(3).copied().collect();
                 for form in 0..2 {

@@ -67,7 +67,7 @@ impl Recycling {
         // Horner's rule in g.
         for (k, products) in products.iter().enumerate().rev() {
             let coefficients: Vec<&[f64]> = forms.iter().map(|forms| &forms.0[k][..]).collect();
-            products.add(&coefficients.concat(), one_less, g.len(), &mut sum);
+            products.add((&coefficients.concat(), forms.len()), one_less, g.len(), &mut sum);
             for row in sum.chunks_exact_mut(g.len()) {
                 row.iter_mut().zip(g).for_each(|(sum, g)| *sum *= g);
             }
