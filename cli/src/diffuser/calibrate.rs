@@ -2,11 +2,12 @@
 
 use papilio_goniometry::calibrated;
 
-use super::{format_of, read, write};
+use super::{format_of, read, spare, write};
 use crate::arguments::Calibrate;
 use crate::{Failure, say};
 
 pub(crate) fn calibrate(arguments: &Calibrate) -> Result<(), Failure> {
+    spare(&[&arguments.sample, &arguments.reference], &arguments.output)?;
     let format = format_of(arguments.format, &arguments.output)?;
     let (sample, reference) = (read(&arguments.sample)?, read(&arguments.reference)?);
     let calibrated = calibrated(&sample, &reference, arguments.reflectance)

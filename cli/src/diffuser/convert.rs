@@ -1,10 +1,11 @@
 //! `papilio diffuser convert`.
 
-use super::{format_of, read, write};
+use super::{format_of, read, spare, write};
 use crate::Failure;
 use crate::arguments::Convert;
 
 pub(crate) fn convert(arguments: &Convert) -> Result<(), Failure> {
+    spare(&[&arguments.input], &arguments.output)?;
     let format = format_of(arguments.format, &arguments.output)?;
     write(&read(&arguments.input)?, format, &arguments.output)
 }

@@ -34,6 +34,18 @@ fn read(path: &Path) -> Result<Measurement, Failure> {
     Ok(read.value)
 }
 
+/// Fails if the output would take the place of what is read: measurements do not come again.
+fn spare(inputs: &[&Path], output: &Path) -> Result<(), Failure> {
+    let real = |path: &Path| path.canonicalize().ok();
+    if real(output).is_some_and(|output| inputs.iter().any(|input| real(input).as_ref() == Some(&output))) {
+        return Err(Failure::Input(format!(
+            "{} is read here, and would be overwritten\n  = help: give the output another name",
+            output.display()
+        )));
+    }
+    Ok(())
+}
+
 /// Writes a measurement, and says what the format does not hold.
 fn write(measurement: &Measurement, format: BsdfFormat, output: &Path) -> Result<(), Failure> {
     let mut lost = Ok(Vec::new());

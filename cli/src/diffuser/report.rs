@@ -149,10 +149,12 @@ fn findings(audit: &Audit) -> String {
     let mut line = |said: String| {
         let _ = writeln!(text, "  {said}");
     };
-    if let (Some(haze), Some(clarity)) = (audit.haze, audit.clarity) {
+    if let Some(haze) = audit.haze {
         let scope =
             if haze > HAZE_SCOPE { " (above 30 %: outside ASTM D1003's scope, see ASTM E2387)" } else { "" };
-        line(format!("haze {}{scope}, clarity {}", percent(haze), percent(clarity)));
+        let clarity =
+            audit.clarity.map_or(String::new(), |clarity| format!(", clarity {}", percent(clarity)));
+        line(format!("haze {}{clarity}{scope}", percent(haze)));
     }
     if let Some([rms, worst]) = audit.reciprocity {
         line(format!(
@@ -191,8 +193,14 @@ fn warnings(audit: &Audit) -> Vec<String> {
         warnings.push(format!("more light leaves than came, at {at} deg"));
     }
     if let Some(at) = at(&|i| i.tis.is_some_and(|tis| (i.integral / tis - 1.0).abs() > TIS_TOLERANCE)) {
+        let all: Vec<f64> = audit.incidences.iter().filter_map(|i| i.tis).collect();
+        let one = all.len() > 1 && all.iter().all(|tis| *tis == all[0]);
         warnings.push(format!(
-            "integral and TIS differ by more than 2 % at {at} deg; `normalise = \"tis\"` takes the file's TIS"
+            "integral and TIS differ by more than 2 % at {at} deg{}",
+            match one {
+                true => "; TIS is the same at all incidences, as if it had been measured at one",
+                false => "; `normalise = \"tis\"` takes the file's TIS",
+            }
         ));
     }
     if let Some(at) = at(&|i| i.grid_error > TIS_TOLERANCE) {

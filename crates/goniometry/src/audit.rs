@@ -46,7 +46,7 @@ pub struct Audit {
     pub reciprocity: Option<[f64; 2]>,
     /// Share of the transmitted light that is more than 2.5 deg off, at the smallest incidence; of a transmission.
     pub haze: Option<f64>,
-    /// See the module's page.
+    /// See the module's page; of a grid of half a degree or finer near the peak.
     pub clarity: Option<f64>,
     /// By incidence.
     pub incidences: Vec<Incidence>,
@@ -93,7 +93,12 @@ impl Audit {
         };
         let transmission = part.way.is_transmission();
         let haze = beyond(HAZE_DEG).filter(|_| transmission);
-        let clarity = beyond(CLEAR_DEG).zip(haze).map(|(beyond_disc, haze)| {
+        // A coarser grid does not tell the disc from the ring.
+        let fine = grid
+            .radials_deg
+            .windows(2)
+            .all(|pair| pair[0] >= HAZE_DEG || pair[1] - pair[0] <= 0.5 * CLEAR_DEG);
+        let clarity = beyond(CLEAR_DEG).zip(haze).filter(|_| fine).map(|(beyond_disc, haze)| {
             let (disc, ring) = (1.0 - beyond_disc, beyond_disc - haze);
             (disc - ring) / (disc + ring)
         });

@@ -53,6 +53,10 @@ pub struct Changes {
     pub filled: f64,
     /// Totals before and after, by incidence.
     pub totals: Vec<[f64; 2]>,
+    /// True if totals became the instrument's.
+    pub to_tis: bool,
+    /// True if the loss of a back face was taken out.
+    pub laminated: bool,
     /// The largest incidence, degrees.
     pub last_deg: f64,
     /// Share of diffuse light that comes from beyond it, and is lost.
@@ -112,6 +116,8 @@ pub fn kernel(
     let changes = Changes {
         filled: shape.filled(),
         totals: totals.collect(),
+        to_tis: preparation.to_tis,
+        laminated: preparation.lamination.is_some(),
         last_deg: incidences[incidences.len() - 1],
         lost,
         grid_error: (0..incidences.len()).map(|k| shape.grid_error(k)).fold(0.0, f64::max),

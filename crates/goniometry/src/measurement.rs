@@ -134,10 +134,11 @@ impl Part {
         channels.min_by(|a, b| off(&self.channels[*a]).total_cmp(&off(&self.channels[*b]))).unwrap_or(0)
     }
 
-    /// Total integrated scatter as the file gives it, by number of channel, rotation and incidence.
+    /// Total integrated scatter as the file gives it, by number of channel, rotation and incidence; a TIS of 0 was not
+    /// measured.
     pub fn tis(&self, channel: usize, rotation: usize, incidence: usize) -> Option<f64> {
         let Geometry::Specular(grid) = &self.geometry else { return None };
         let turn = channel * grid.rotations_deg.len() + rotation;
-        self.tis.get(turn * grid.incidences_deg.len() + incidence).copied()
+        self.tis.get(turn * grid.incidences_deg.len() + incidence).copied().filter(|tis| *tis > 0.0)
     }
 }

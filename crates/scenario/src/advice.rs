@@ -96,11 +96,12 @@ impl Problem {
                 format!("there is {}", listed(choices))
             }
             Self::NotInThisVersion { .. } => "leave it out".to_owned(),
-            Self::NoSuchWay { wanted, .. } if wanted.ends_with("transmission") => {
+            Self::NoSuchWay { wanted: "front transmission", found } if found.contains("back transmission") => {
                 "`flipped = true` takes the light from the other side of the sample".to_owned()
             }
             Self::MoreThanAll { .. } => {
-                "`papilio diffuser inspect` shows the totals; normalise = \"tis\" takes the instrument's".to_owned()
+                "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `fill` and `mounting` change them"
+                    .to_owned()
             }
             Self::Measurement(papilio_goniometry::GoniometryError::NoTis) => "use normalise = \"none\"".to_owned(),
             Self::NoBtdf => "use model = \"k-correlation\", \"lambertian\", \"ward\" or \"measured\"; `papilio brdf` tables a whole \

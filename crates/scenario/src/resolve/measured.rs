@@ -149,6 +149,13 @@ impl Resolver<'_> {
             Some(share) => Some(self.share(share, diffuser.transmission.origin)?),
             None => None,
         };
+        if spectrum.as_ref().is_some_and(Spectrum::is_constant) {
+            self.notes.push(format!(
+                "{}.transmission is the same at all wavelengths, and does nothing: only its shape counts, the level is the \
+                 file's or, with normalise = \"tis\", the instrument's",
+                source.path
+            ));
+        }
         let mut film = vec![(Side::Through, self.scattered(&source, through, spectrum, lamination)?)];
         if let Some(part) = part(front) {
             film.push((Side::Above, self.scattered(&source, part, None, None)?));
@@ -356,8 +363,15 @@ impl Resolver<'_> {
         }
         let factors = || changes.totals.iter().map(|[before, after]| after / before);
         let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
+        let why = match (changes.to_tis, changes.laminated) {
+            (true, true) => "to the instrument's TIS, less the back face's loss",
+            (true, false) => "to the instrument's TIS",
+            (false, true) => "the loss of the back face in air is gone",
+            (false, false) => "what the smooth lobe makes of dark cells at the horizon",
+        };
         if most - 1.0 > TOLD || 1.0 - least > TOLD {
-            self.notes.push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}"));
+            self.notes
+                .push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}: {why}"));
         }
         if changes.filled > 0.0 {
             let percent = 100.0 * changes.filled;
@@ -367,8 +381,8 @@ impl Resolver<'_> {
         }
         if changes.lost > 0.0 {
             self.warnings.push(format!(
-                "{path}: {way}: nothing was measured beyond {} deg, so {:.1} % of diffuse light is lost; `extrapolate = \
-                 \"hold\"` keeps the last lobe there",
+                "{path}: {way}: nothing was measured beyond {} deg: lamps and views from there are dark, {:.1} % of diffuse \
+                 light is lost; `extrapolate = \"hold\"` keeps the last lobe there",
                 changes.last_deg,
                 100.0 * changes.lost
             ));
