@@ -48,8 +48,8 @@ fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) 
         return Err(WriteError::CannotHold { format: NAME, what: "single pairs of directions" });
     }
     lost.push(
-        "the values are interpolated at incidences 0 to 75 by 5 deg, light from azimuth 180 deg, azimuths by 10 deg and \
-         radial distances by 2 deg; TIS is their integral"
+        "the values are interpolated for light from azimuth 180 deg, at azimuths by 10 deg and radial distances by 2 deg (and \
+         incidences 0 to 75 by 5 deg, where the cells have none of their own); TIS is their integral"
             .to_owned(),
     );
     let numbers: Vec<usize> = channels.iter().map(|(_, number)| *number).collect();
