@@ -10,13 +10,13 @@ fn resolved(text: &str, sets: &[&str]) -> Resolved {
     resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn general(resolved: &Resolved) -> &[Layer] {
+pub(crate) fn general(resolved: &Resolved) -> &[Layer] {
     let Layers::General(layers) = &resolved.scene.display.layers else { panic!("an ordinary panel") };
     layers
 }
 
 /// Each layer in a word and its medium's index.
-fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
+pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
     let word = |interface: &Interface| match interface {
         Interface::Open => "open",
         Interface::Coated => "coated",

@@ -6,6 +6,7 @@ use papilio_formats::{BsdfFormat, DataFile, LARGEST_BSDF_FILE, read_bsdf, write_
 use papilio_scenario::Scenario;
 
 use crate::common::{changed, resolve, shipped};
+use crate::layers::{general, outline};
 
 const LOBE: &str = "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9";
 
@@ -48,6 +49,22 @@ fn a_film_among_layers_is_mounted_by_its_neighbours() {
     assert!(resolve(&layers(""), &shipped(), &[]).is_ok());
     let shown = refusal(&layers(", mounting = \"laminated\""));
     assert!(shown.contains("`mounting` means nothing with `[[display.layers]]`"), "{shown}");
+}
+
+/// In a panel the mounting puts down what stands below the film.
+#[test]
+fn mountings_are_what_stands_below_the_film() {
+    for (mounting, below) in [
+        ("as-measured", &[("scatter", 1.5)][..]),
+        ("laminated", &[("scatter", 1.0), ("coated", 1.5)]),
+        ("air", &[("scatter", 1.0), ("fresnel", 1.5)]),
+    ] {
+        let resolved =
+            resolve(&measured("data/H78-raw.bsdf", &format!("mounting = \"{mounting}\"")), &shipped(), &[]);
+        let resolved = resolved.unwrap();
+        let layers = outline(general(&resolved));
+        assert_eq!(layers[layers.len() - below.len()..], *below, "{mounting}");
+    }
 }
 
 /// A file without transmission, and one without TIS.
