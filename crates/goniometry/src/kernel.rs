@@ -7,7 +7,8 @@
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 
-use crate::{Fill, Geometry, GoniometryError, Part, Shape, incidence_scale};
+use crate::shape::on_specular_grid;
+use crate::{Fill, Geometry, GoniometryError, Part, Shape, SpecularGrid, incidence_scale};
 
 /// Distances of the table: `w sinh(t)` in such steps of t, w a half-width. Interpolation by cubics is good to
 /// 1e-4 then.
@@ -16,8 +17,8 @@ const STEP: f64 = 0.125;
 const AZIMUTHS: usize = 19;
 /// A lobe this wide (direction cosines) needs no finer distances.
 const WIDEST: f64 = 0.5;
-/// Beyond the last incidence light fades over this distance, in direction cosines.
-const FADE: f64 = 0.004;
+/// Distances are no farther apart: next to the horizon transmission falls fast.
+const COARSEST: f64 = 0.025;
 
 /// What may be done to a measurement on its way into a display.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,15 +36,15 @@ pub struct Preparation {
 /// A film that was measured in air, and in the display touches the glass: the Fresnel loss of its back face is
 /// taken out of what it transmits, `f / T(beta_out)` with T of a face of this index.
 ///
-/// To first order: light that the back face sent into the film again is not followed. Next to grazing, where T goes
-/// to 0, the division ends at a T of .1.
+/// To first order: light that the back face sent into the film again is not followed. Next to grazing, where T falls
+/// below .1, the tail of the divided lobe goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamination {
     /// Index of film and glass.
     pub index: f64,
 }
 
-/// A face that passes less than this is taken to pass as much.
+/// Where the face passes less than this, tails go on.
 const LEAST_PASSED: f64 = 0.1;
 
 /// What was done, and what is left open.
@@ -81,8 +82,8 @@ pub fn kernel(
 ) -> Result<(Scatter, Changes), GoniometryError> {
     // Patches of ten degrees hide what a display shows.
     let coarse = matches!(part.geometry, Geometry::Patches { .. });
-    let shape =
-        Shape::of_part(part, channel, preparation.fill).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
+    let (grid, cells) = on_specular_grid(part, channel).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
+    let shape = Shape::of_grid(&grid, &cells, preparation.fill);
     let incidences: Vec<f64> = shape.incidences_deg().collect();
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.tis(channel, 0, k)).collect();
     let tis = match (preparation.to_tis, tis) {
@@ -95,23 +96,19 @@ pub fn kernel(
     let radial = distances(&shape);
     let azimuth: Vec<f64> =
         (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
-    let mut values = shape.tabulate(&radial, &azimuth);
-    let cells = radial.len() * azimuth.len();
-    for ((lobe, scale), from) in values.chunks_exact_mut(cells).zip(&scale).zip(&incidences) {
+    let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, preparation.fill));
+    let mut values = mounted.as_ref().unwrap_or(&shape).tabulate(&radial, &azimuth);
+    for (lobe, scale) in values.chunks_exact_mut(radial.len() * azimuth.len()).zip(&scale) {
         lobe.iter_mut().for_each(|value| *value *= scale);
-        if let Some(lamination) = preparation.lamination {
-            lamination.apply(lobe, from.to_radians().sin(), &azimuth, &radial);
-        }
     }
-    let mut incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
+    let incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
     let last = incidence[incidence.len() - 1];
-    let mut lost = 0.0;
-    if !preparation.extrapolate && last + FADE < 1.0 {
-        lost = 1.0 - last * last;
-        incidence.extend([last + FADE, 1.0]);
-        values.extend(std::iter::repeat_n(0.0, 2 * cells));
-    }
-    let scatter = Scatter::from(Table::new(&incidence, &radial, &azimuth, &values)?);
+    let table = Table::new(&incidence, &radial, &azimuth, &values)?;
+    let (scatter, lost) = if preparation.extrapolate {
+        (Scatter::from(table), 0.0)
+    } else {
+        (Scatter::from(table.dark_beyond()), 1.0 - last * last)
+    };
     let totals = (0..incidences.len()).map(|k| [shape.total(k), mean * scatter.total(incidence[k])]);
     let changes = Changes {
         filled: shape.filled(),
@@ -127,15 +124,17 @@ pub fn kernel(
 }
 
 impl Lamination {
-    /// Of one incidence's values, `[azimuth][radial]`.
-    fn apply(&self, lobe: &mut [f64], from: f64, azimuth: &[f64], radial: &[f64]) {
-        for (line, azimuth) in lobe.chunks_exact_mut(radial.len()).zip(azimuth) {
-            for (value, r) in line.iter_mut().zip(radial) {
-                let out = (from + r * azimuth.cos()).hypot(r * azimuth.sin()).min(1.0);
-                let passed = 1.0 - fresnel_reflectance(1.0, self.index, out);
-                *value /= passed.max(LEAST_PASSED);
-            }
-        }
+    /// The lobe of a grid's cells without the face. Cells are divided before they become a smooth lobe, which the face's
+    /// loss next to grazing would not let it be.
+    fn removed(&self, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Shape {
+        let passed = |beta: f64| 1.0 - fresnel_reflectance(1.0, self.index, beta);
+        let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
+        let horizon = horizon.take_while(|beta| passed(*beta) >= LEAST_PASSED).last().unwrap_or(0.0);
+        let of = |cell: usize| {
+            grid.directions(cell).map_or(1.0, |[_, to]| passed(to.leaving().length()).max(LEAST_PASSED))
+        };
+        let divided: Vec<f64> = cells.iter().enumerate().map(|(cell, value)| value / of(cell)).collect();
+        Shape::of_grid_within(grid, &divided, fill, horizon)
     }
 }
 
@@ -146,7 +145,109 @@ fn distances(shape: &Shape) -> Vec<f64> {
         .flatten()
         .map(|degrees| degrees.to_radians().sin());
     let width = half_widths.fold(WIDEST, f64::min);
-    let steps = ((2.0 / width).asinh() / STEP).ceil();
-    let step = (2.0 / width).asinh() / steps;
-    (0..=steps as usize).map(|k| (width * (k as f64 * step).sinh()).min(2.0)).collect()
+    let mut distances = vec![0.0];
+    let (mut t, mut distance) = (0.0, 0.0);
+    while distance < 2.0 {
+        t += STEP;
+        distance = (width * f64::sinh(t)).min(distance + COARSEST).min(2.0);
+        distances.push(distance);
+    }
+    distances
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::{Channel, SpecularGrid, Symmetry, Way};
+    use papilio_optics::Beta;
+
+    const WIDTH: f64 = 0.1;
+    const TIS: [f64; 4] = [0.9, 0.88, 0.8, 0.7];
+
+    fn lobe(from: Beta, to: Beta) -> f64 {
+        0.8 * WIDTH / (2.0 * PI * (WIDTH * WIDTH + (to - from).squared()).powf(1.5))
+    }
+
+    /// A film on a grid of one degree, seen as `f`.
+    fn part(f: impl Fn(Beta, Beta) -> f64) -> Part {
+        let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect::<Vec<_>>();
+        let grid = SpecularGrid {
+            rotations_deg: vec![0.0],
+            incidences_deg: steps(60, 20),
+            azimuths_deg: steps(180, 10),
+            radials_deg: steps(180, 1),
+            symmetry: Symmetry::Plane,
+        };
+        let mut values = Vec::new();
+        for theta in &grid.incidences_deg {
+            for azimuth in &grid.azimuths_deg {
+                values.extend(grid.radials_deg.iter().map(|radial| {
+                    let to = SpecularGrid::direction(*theta, *azimuth, *radial);
+                    to.map_or(0.0, |to| f(ray(*theta), to.leaving()))
+                }));
+            }
+        }
+        Part {
+            way: Way::FrontTransmission,
+            channels: vec![Channel::Monochrome],
+            geometry: Geometry::Specular(grid),
+            values,
+            tis: TIS.to_vec(),
+        }
+    }
+
+    fn ray(theta_deg: f64) -> Beta {
+        Beta::towards(theta_deg, 0.0, 1.0)
+    }
+
+    /// A lobe whose light goes out through a bare face of 1.5, which sends nothing back through the lobe: laminated, it is
+    /// the lobe alone. Next to grazing the face passes little, and the division ends.
+    #[test]
+    fn laminated_films_are_rid_of_their_back_face() {
+        let behind = part(|from, to| lobe(from, to) * (1.0 - fresnel_reflectance(1.0, 1.5, to.length())));
+        let preparation =
+            Preparation { lamination: Some(Lamination { index: 1.5 }), ..Preparation::default() };
+        let (film, changes) = kernel(&behind, 0, &preparation, &[]).unwrap();
+        let (seen, _) = kernel(&behind, 0, &Preparation::default(), &[]).unwrap();
+        assert!(changes.laminated && changes.totals.iter().all(|[before, after]| after > before));
+        for from in [0.0, 20.0, 40.0, 60.0].map(ray) {
+            for (theta, phi) in [(0.0, 0.0), (15.0, 70.0), (35.0, 10.0), (60.0, 0.0), (70.0, 120.0)] {
+                let to = Beta::towards(theta, phi, 1.0);
+                let ratio = film.value(from, to) / lobe(from, to);
+                assert!((ratio - 1.0).abs() < 1e-3, "{from:?} {to:?}: {ratio}");
+                // As it was seen it has the face's loss, 4 % and more.
+                assert!(seen.value(from, to) < 0.965 * lobe(from, to), "{from:?} {to:?}");
+            }
+        }
+    }
+
+    /// Feng 2012, eq. 3-10: the integral of k f S, averaged over the spectrum, is the instrument's TIS.
+    #[test]
+    fn totals_become_the_instruments() {
+        let spectrum = [0.2, 0.9, 0.95, 0.91];
+        let mean = spectrum.iter().sum::<f64>() / 4.0;
+        let preparation = Preparation { to_tis: true, ..Preparation::default() };
+        let (scatter, changes) = kernel(&part(lobe), 0, &preparation, &spectrum).unwrap();
+        for (k, tis) in TIS.into_iter().enumerate() {
+            let averaged = mean * scatter.total(ray(20.0 * k as f64).x);
+            assert!((averaged / tis - 1.0).abs() < 1e-3, "{k}: {averaged} {tis}");
+            assert!((changes.totals[k][1] / tis - 1.0).abs() < 1e-3);
+        }
+        let without = Part { tis: vec![0.0; 4], ..part(lobe) };
+        assert_eq!(kernel(&without, 0, &preparation, &[]).unwrap_err(), GoniometryError::NoTis);
+    }
+
+    /// Beyond the last incidence light is lost, and it is said how much; or the lobe holds about its own direction.
+    #[test]
+    fn beyond_the_last_incidence() {
+        let [(none, lost), (hold, kept)] = [false, true].map(|extrapolate| {
+            kernel(&part(lobe), 0, &Preparation { extrapolate, ..Preparation::default() }, &[]).unwrap()
+        });
+        assert!((lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && kept.lost == 0.0, "{lost:?}");
+        let (from, to) = (ray(75.0), ray(70.0));
+        assert_eq!(none.value(from, to), 0.0);
+        assert!((hold.value(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.value(from, to));
+    }
 }

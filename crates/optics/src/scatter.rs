@@ -155,6 +155,15 @@ impl Scatter {
         }
     }
 
+    /// The `|beta|` at which it ends, if that is within the air disc: light beyond it is not scattered (reversed: none
+    /// is scattered there), and the kernel jumps.
+    pub fn edge(&self) -> Option<f64> {
+        match self {
+            Self::Ward(_) => None,
+            Self::Table(table, _) => Some(table.end()).filter(|end| *end < 1.0),
+        }
+    }
+
     /// The kernel of light that retraces its ways: `reversed.value(a, b) = value(b, a)`.
     pub fn reversed(&self) -> Self {
         match self {

@@ -154,6 +154,12 @@ impl ScatterFace {
         disc * self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
     }
 
+    /// Where its kernels end within its disc, `|beta|`.
+    pub(crate) fn edges(&self, bin: usize) -> impl Iterator<Item = f64> {
+        let disc = self.disc(bin).unwrap_or(1.0);
+        self.kernels().filter_map(move |kernel| kernel.scatter.edge().map(|edge| edge * disc))
+    }
+
     /// All kernels, of light from above.
     pub(crate) fn kernels(&self) -> impl Iterator<Item = &ScatterKernel> {
         self.through(Going::Down).into_iter().chain(self.reflection.iter().flatten())

@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 
 use papilio_optics::Beta;
 
-use crate::{Part, SpecularGrid, Symmetry};
+use crate::{Direction, Part, SpecularGrid, Symmetry};
 use line::Line;
 pub(crate) use resample::on_specular_grid;
 
@@ -94,10 +94,15 @@ impl Shape {
 
     /// The shape of values on a specular-centred grid, in the grid's order.
     pub fn of_grid(grid: &SpecularGrid, values: &[f64], fill: Fill) -> Self {
+        Self::of_grid_within(grid, values, fill, 1.0)
+    }
+
+    /// The same by cells up to this `|beta|` of the scattered light alone: tails go on beyond.
+    pub(crate) fn of_grid_within(grid: &SpecularGrid, values: &[f64], fill: Fill, horizon: f64) -> Self {
         let mut asymmetry = Spread::default();
         let mut filled = [0.0; 2];
         let cells: Vec<Cells> = (0..grid.incidences_deg.len())
-            .map(|number| folded(grid, values, number, &mut asymmetry))
+            .map(|number| folded(grid, values, (number, horizon), &mut asymmetry))
             .map(|cells| if fill == Fill::Tail { without_tail_zeros(cells, &mut filled) } else { cells })
             .collect();
         let width = best_width(&cells);
@@ -289,8 +294,13 @@ impl Spread {
     }
 }
 
-/// The cells of an incidence on one half plane, the mean of those that should be alike.
-fn folded(grid: &SpecularGrid, values: &[f64], incidence: usize, asymmetry: &mut Spread) -> Cells {
+/// The cells of an incidence on one half plane up to a `|beta|`, the mean of those that should be alike.
+fn folded(
+    grid: &SpecularGrid,
+    values: &[f64],
+    (incidence, horizon): (usize, f64),
+    asymmetry: &mut Spread,
+) -> Cells {
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
     let half: Vec<usize> = (0..azimuths).filter(|&k| grid.azimuths_deg[k] <= 180.0).collect();
     let mirrored = |k: usize| -> Option<usize> {
@@ -306,7 +316,9 @@ fn folded(grid: &SpecularGrid, values: &[f64], incidence: usize, asymmetry: &mut
         }
         let mut line = Vec::with_capacity(radials);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
-            let Some(to) = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial) else {
+            let to = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial);
+            let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
+            else {
                 break;
             };
             let rows = (0..grid.rotations_deg.len()).flat_map(|turn| {
@@ -317,7 +329,6 @@ fn folded(grid: &SpecularGrid, values: &[f64], incidence: usize, asymmetry: &mut
             let mean = if known.is_empty() { 0.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
             asymmetry.add(&known, mean);
             // Seen from the specular direction, in the plane of direction cosines.
-            let beta = to.leaving();
             let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
             if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
                 line.push([delta, mean]);
@@ -436,16 +447,16 @@ mod tests {
             move |squared: f64| (1.0 + squared / (width * width)).powf(-0.5 * exponent)
         };
         let gaussian = |spread: f64| move |squared: f64| (-squared / (spread * spread)).exp();
-        let lobes: [(&str, Box<dyn Fn(f64) -> f64>); 7] = [
-            ("narrow", Box::new(power(0.02, 3.0))),
-            ("slow tail", Box::new(power(0.045, 2.4))),
-            ("steep tail", Box::new(power(0.08, 6.0))),
-            ("core and halo", Box::new(move |d| power(0.03, 3.0)(d) + 0.02 * power(0.3, 4.0)(d))),
-            ("Gaussian and tail", Box::new(move |d| gaussian(0.05)(d) + 0.05 * power(0.2, 3.0)(d))),
-            ("two Gaussians", Box::new(move |d| gaussian(0.04)(d) + 0.1 * gaussian(0.2)(d))),
-            ("flat top", Box::new(move |d: f64| 1.0 / (1.0 + (d / 0.01).powi(2)))),
+        let lobes: [(&str, &dyn Fn(f64) -> f64); 7] = [
+            ("narrow", &power(0.02, 3.0)),
+            ("slow tail", &power(0.045, 2.4)),
+            ("steep tail", &power(0.08, 6.0)),
+            ("core and halo", &|d| power(0.03, 3.0)(d) + 0.02 * power(0.3, 4.0)(d)),
+            ("Gaussian and tail", &|d| gaussian(0.05)(d) + 0.05 * power(0.2, 3.0)(d)),
+            ("two Gaussians", &|d| gaussian(0.04)(d) + 0.1 * gaussian(0.2)(d)),
+            ("flat top", &|d| 1.0 / (1.0 + (d / 0.01).powi(2))),
         ];
-        for (name, lobe) in &lobes {
+        for (name, lobe) in lobes {
             let [coarse, fine] = [2.0, 0.1].map(|radial| {
                 let grid = grid(radial);
                 Shape::of_grid(&grid, &measured(&grid, |_, delta| lobe(delta.squared())), Fill::None)

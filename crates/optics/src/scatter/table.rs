@@ -11,9 +11,9 @@
 //! k-correlation lobe tabulated every .3 of its width b keeps its values within .04 %, every .9 within
 //! .5 %; every b, its integral within .1 %.
 //!
-//! **At the edges.** Before the first and beyond the last incidence their values hold; beyond the
-//! last distance nothing is sent. Along the normal, and at the peak, the mean over azimuth
-//! counts: an isotropic sample has no azimuth there.
+//! **At the edges.** Before the first incidence its values hold, beyond the last one too, or nothing is
+//! sent there ([`Table::dark_beyond`]); beyond the last distance nothing is sent. Along the normal, and at the
+//! peak, the mean over azimuth counts: an isotropic sample has no azimuth there.
 //!
 //! **Sampling.** [`sample`](super::Scatter::sample) draws from a working table that is bilinear
 //! between finer nodes: what is drawn follows `pdf` exactly, and value over pdf is the total,
@@ -36,6 +36,8 @@ pub struct Table {
     proposals: [OnceLock<Proposal>; 2],
     totals: [OnceLock<Totals>; 2],
     width: f64,
+    /// Light of incidences beyond this `|beta|` is not scattered.
+    end: f64,
 }
 
 /// Working incidences, distances and azimuths are no farther apart.
@@ -79,12 +81,26 @@ impl Table {
 
     fn of(smooth: Smooth) -> Self {
         let width = width(&smooth);
-        Self { smooth, proposals: Default::default(), totals: Default::default(), width }
+        Self { smooth, proposals: Default::default(), totals: Default::default(), width, end: 1.0 }
     }
 
-    /// The kernel with nothing said of the air disc, either way.
-    fn raw(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
-        if reversed { raw(&self.smooth, to, from) } else { raw(&self.smooth, from, to) }
+    /// The same with nothing scattered of light from beyond its last incidence.
+    pub fn dark_beyond(self) -> Self {
+        let last = self.smooth.incidence.last();
+        Self { proposals: Default::default(), totals: Default::default(), end: last.min(1.0), ..self }
+    }
+
+    /// Where the kernel ends, `|beta|` of the incidence: 1, if it is not dark before.
+    pub(super) fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// The kernel with nothing said of the air disc and of where it ends, either way.
+    #[inline]
+    fn held(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
+        let [from, to] = if reversed { [to, from] } else { [from, to] };
+        let (length, distance, azimuth) = place(from, to);
+        self.smooth.value(length, distance, azimuth)
     }
 
     /// Incidences, distances and azimuths of the working table.
@@ -101,7 +117,7 @@ impl Table {
     fn proposal(&self, reversed: bool) -> &Proposal {
         self.proposals[usize::from(reversed)].get_or_init(|| {
             let axes = self.working();
-            Proposal::new(axes.each_ref().map(|axis| &axis[..]), |from, to| self.raw(from, to, reversed))
+            Proposal::new(axes.each_ref().map(|axis| &axis[..]), |from, to| self.held(from, to, reversed))
         })
     }
 
@@ -113,10 +129,12 @@ impl Table {
                 radial = halved(&radial);
             }
             let (distances, angles) = (Axis::mirrored(radial), Axis::mirrored(azimuth));
-            Totals::new(|length| {
-                integral(&distances, &angles, length, |distance, angle| {
+            // Light comes from within the end, and goes anywhere in the air disc.
+            let (from, to) = if reversed { (1.0, self.end) } else { (self.end, 1.0) };
+            Totals::new(from, |length| {
+                integral(&distances, &angles, (length, to), |distance, angle| {
                     let [from, to] = turned(length, distance, angle);
-                    self.raw(from, to, reversed)
+                    self.held(from, to, reversed)
                 })
             })
         })
@@ -124,7 +142,7 @@ impl Table {
 
     #[inline]
     pub(super) fn value(&self, from: Beta, to: Beta) -> f64 {
-        raw(&self.smooth, from, to)
+        if from.squared() > self.end * self.end { 0.0 } else { self.held(from, to, false) }
     }
 
     #[inline]
@@ -146,13 +164,6 @@ impl Table {
     pub(super) fn width(&self) -> f64 {
         self.width
     }
-}
-
-/// The kernel with nothing said of the air disc.
-#[inline]
-fn raw(smooth: &Smooth, from: Beta, to: Beta) -> f64 {
-    let (length, distance, azimuth) = place(from, to);
-    smooth.value(length, distance, azimuth)
 }
 
 /// `|beta|` of incidence, then distance and azimuth of the way to `to`.

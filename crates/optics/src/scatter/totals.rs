@@ -1,29 +1,34 @@
 //! The share of light that a kernel sends into the air disc, by incidence.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use super::axis::Axis;
 use crate::Beta;
 
-/// Integrals over the air disc at evenly spaced angles of incidence.
+/// Integrals at evenly spaced angles of incidence, up to the last from which light is scattered.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Totals {
+    end: f64,
     values: Vec<f64>,
 }
 
 const STEPS: usize = 36;
 
 impl Totals {
-    /// Of a function of `|beta|` that is the integral.
-    pub(super) fn new(integral: impl Fn(f64) -> f64) -> Self {
-        let at = |step: usize| integral((FRAC_PI_2 * step as f64 / STEPS as f64).sin());
-        Self { values: (0..=STEPS).map(at).collect() }
+    /// Of a function of `|beta|` that is the integral; beyond `end` it is 0.
+    pub(super) fn new(end: f64, integral: impl Fn(f64) -> f64) -> Self {
+        let at = |step: usize| integral((end.asin() * step as f64 / STEPS as f64).sin().min(end));
+        Self { end, values: (0..=STEPS).map(at).collect() }
     }
 
     /// At `|beta|`, 0 to 1.
     #[inline]
     pub(super) fn at(&self, length: f64) -> f64 {
-        let x = length.min(1.0).asin() / FRAC_PI_2 * STEPS as f64;
+        if length > self.end && self.end < 1.0 {
+            return 0.0;
+        }
+        // An end at the normal leaves one value.
+        let x = length.min(1.0).asin() / self.end.asin().max(f64::MIN_POSITIVE) * STEPS as f64;
         let first = (x as usize).saturating_sub(1).min(STEPS - 3);
         let s = x - first as f64;
         // Lagrange's four points.
@@ -38,12 +43,17 @@ impl Totals {
     }
 }
 
-/// The integral over the air disc of a function of distance and azimuth about `|beta| = length`
-/// that is smooth between these nodes.
-pub(super) fn integral(radial: &Axis, azimuth: &Axis, length: f64, value: impl Fn(f64, f64) -> f64) -> f64 {
+/// The integral over a disc about 0, of radius 1 in air or less, of a function of distance and azimuth about
+/// `|beta| = length` that is smooth between these nodes.
+pub(super) fn integral(
+    radial: &Axis,
+    azimuth: &Axis,
+    (length, disc): (f64, f64),
+    value: impl Fn(f64, f64) -> f64,
+) -> f64 {
     let mut radii = radial.nodes().to_vec();
     // Where the rim of the disc begins and ends to cut circles, the integrand has a square root.
-    let rims = [1.0 - length, 1.0 + length].into_iter();
+    let rims = [(disc - length).abs(), disc + length].into_iter();
     let graded =
         rims.flat_map(|r| [0.0, 0.001, 0.004, 0.016, 0.064].into_iter().flat_map(move |d| [r - d, r + d]));
     radii.extend(graded.filter(|r| (0.0..radial.last()).contains(r)));
@@ -54,7 +64,7 @@ pub(super) fn integral(radial: &Axis, azimuth: &Axis, length: f64, value: impl F
     for pair in radii.windows(2).filter(|pair| pair[1] > pair[0]) {
         for (r, weight) in gauss(pair[0], pair[1], points) {
             // Light beyond this azimuth stays within the disc.
-            let cosine = (1.0 - length * length - r * r) / (2.0 * length * r).max(1e-300);
+            let cosine = (disc * disc - length * length - r * r) / (2.0 * length * r).max(1e-300);
             if cosine <= -1.0 {
                 continue;
             }

@@ -69,8 +69,8 @@ impl Ward {
         if !(0.005..=1.0).contains(&alpha) {
             return Err(OpticsError::Slope { alpha });
         }
-        let mut ward = Self { alpha, normalisation, totals: Totals::new(|_| 0.0) };
-        ward.totals = Totals::new(|length| ward.integral(length));
+        let mut ward = Self { alpha, normalisation, totals: Totals::new(1.0, |_| 0.0) };
+        ward.totals = Totals::new(1.0, |length| ward.integral(length));
         Ok(ward)
     }
 

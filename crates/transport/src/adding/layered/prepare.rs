@@ -212,6 +212,11 @@ fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
 /// Where the nodes of a wavelength are split, ascending.
 pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
     let mut splits = indices(stack, bin);
+    for layer in &stack.layers {
+        if let Interface::Scatter(face) = &layer.interface {
+            splits.extend(face.edges(bin));
+        }
+    }
     splits.sort_by(f64::total_cmp);
     splits.dedup();
     splits
