@@ -2,10 +2,8 @@
 //! instrument, written to a file, read from it into a display, and the display is that of the
 //! diffuser itself.
 //!
-//! A file taken in air ends at |beta| = 1, and so does what the display scatters by it. The lobe itself
-//! goes on into the glass, 1 < |beta| < n, and some of that light comes back: .2 to .5 % of the darkest state, less of
-//! all others. Under glass of index 1 there is no such light, and what differs is the file, its interpolation and
-//! the kernel alone.
+//! A file taken in air ends at |beta| = 1; the lobe goes on into the glass, 1 < |beta| < n, and some of that light comes back:
+//! .2 to .5 % of the darkest state. `extrapolate = "glass"` follows its tail there.
 //!
 //! Samples: the synthetic diffusers of haze 65, 78 and 81 %, total transmittance .90, over the reference film pixel
 //! (scenarios/indoor.toml: half of the light diffuse, half from -20 deg, viewer at 8 deg). The instrument is the
@@ -40,7 +38,7 @@ fn under(path: &Path, sets: &[&str]) -> RunResult {
     let (_, after) = rest.split_once("[display.glass]").unwrap();
     let file = path.file_name().unwrap().to_str().unwrap();
     let text = format!(
-        "{before}[display.diffuser]\nmodel = \"measured\"\nfile = \"{file}\"\nextrapolate = \"hold\"\n\n\
+        "{before}[display.diffuser]\nmodel = \"measured\"\nfile = \"{file}\"\nextrapolate = \"glass\"\n\n\
          [display.glass]{after}"
     );
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
@@ -99,13 +97,12 @@ const ADDING: &str = "solver.relative_error=1e-4";
 fn on_half_a_degree_a_measured_diffuser_is_the_diffuser() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.bsdf");
-    // The last, under glass: by the light beyond |beta| = 1 (see above) black is .52 % darker.
-    for (haze, limit) in HAZES.into_iter().zip([0.005, 0.005, 0.006]) {
+    for haze in HAZES {
         measured(haze, 0.5, &path);
-        for (glass, limit) in [(AIR, 0.001), (GLASS, limit)] {
+        for glass in [AIR, GLASS] {
             println!("haze {haze}, {glass}");
             let (relative, points) = differences(&under(&path, &[glass, ADDING]), &truth(haze, glass));
-            assert!(relative < limit && points < 0.2, "{haze}, {glass}: {relative} {points}");
+            assert!(relative < 0.001 && points < 0.02, "{haze}, {glass}: {relative} {points}");
         }
     }
 }
@@ -118,12 +115,14 @@ fn on_the_real_grid_the_audit_predicts_the_error() {
     for haze in HAZES {
         let predicted = measured(haze, 2.0, &path);
         println!("haze {haze}, predicted {:.3} %", 100.0 * predicted);
-        let (relative, points) = differences(&under(&path, &[AIR, ADDING]), &truth(haze, AIR));
-        // Both solutions have their own error besides.
-        assert!(
-            relative < 2.0 * predicted + 2e-4 && points < 0.2,
-            "{haze}: {relative} of {predicted}, {points}"
-        );
+        for glass in [AIR, GLASS] {
+            let (relative, points) = differences(&under(&path, &[glass, ADDING]), &truth(haze, glass));
+            // Both solutions have their own error besides.
+            assert!(
+                relative < 2.0 * predicted + 2e-4 && points < 0.2,
+                "{haze}, {glass}: {relative} of {predicted}, {points}"
+            );
+        }
     }
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
         None => Fit::all(&data, &options).map_err(input)?,
         Some(model) => vec![Fit::new(&data, model.kind(), &options).map_err(input)?],
     };
-    let truth = kernel(part, channel, &Preparation { extrapolate: true, ..Preparation::default() }, &[]);
+    let truth = kernel(part, channel, &Preparation { extrapolate: Some(1.0), ..Preparation::default() }, &[]);
     let score = |fit: &Fit| {
         let (truth, _) = truth.as_ref().ok()?;
         Some(double_pass_error(|i, o| fit.value(i, o), |i, o| truth.value(i, o)))

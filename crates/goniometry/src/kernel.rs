@@ -27,8 +27,9 @@ pub struct Preparation {
     pub fill: Fill,
     /// Totals become the instrument's TIS.
     pub to_tis: bool,
-    /// Beyond the largest incidence its lobe holds, shifted with the light.
-    pub extrapolate: bool,
+    /// Beyond the largest incidence its lobe holds, shifted with the light; and of a transmission tails go on beyond the
+    /// horizon of the air, into a medium of this index (1: air).
+    pub extrapolate: Option<f64>,
     /// Of a transmission: its back face in air is removed.
     pub lamination: Option<Lamination>,
 }
@@ -52,8 +53,10 @@ const LEAST_PASSED: f64 = 0.1;
 pub struct Changes {
     /// Share of the cells in the hemisphere that were dark and filled.
     pub filled: f64,
-    /// Totals before and after, by incidence.
+    /// Totals in air before and after, by incidence.
     pub totals: Vec<[f64; 2]>,
+    /// The largest total, with what goes into the glass beyond the horizon of the air.
+    pub most: f64,
     /// True if totals became the instrument's.
     pub to_tis: bool,
     /// True if the loss of a back face was taken out.
@@ -93,7 +96,7 @@ pub fn kernel(
     };
     let scale = incidence_scale(&shape, tis.as_deref(), spectrum);
     let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
-    let radial = distances(&shape);
+    let radial = distances(&shape, preparation.extrapolate.unwrap_or(1.0));
     let azimuth: Vec<f64> =
         (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
     let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, preparation.fill));
@@ -104,19 +107,21 @@ pub fn kernel(
     let incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
     let last = incidence[incidence.len() - 1];
     let table = Table::new(&incidence, &radial, &azimuth, &values)?;
-    let (scatter, lost) = if preparation.extrapolate {
-        (Scatter::from(table), 0.0)
-    } else {
-        (Scatter::from(table.dark_beyond()), 1.0 - last * last)
+    let table = if preparation.extrapolate.is_some() { table } else { table.dark_beyond() };
+    let in_air = Scatter::from(table.clone());
+    let totals = (0..incidences.len()).map(|k| [shape.total(k), mean * in_air.total(incidence[k])]).collect();
+    let scatter = match preparation.extrapolate {
+        Some(index) if index > 1.0 => Scatter::from(table.reaching(index)),
+        _ => in_air,
     };
-    let totals = (0..incidences.len()).map(|k| [shape.total(k), mean * scatter.total(incidence[k])]);
     let changes = Changes {
         filled: shape.filled(),
-        totals: totals.collect(),
+        totals,
+        most: incidence.iter().map(|beta| mean * scatter.total(*beta)).fold(0.0, f64::max),
         to_tis: preparation.to_tis,
         laminated: preparation.lamination.is_some(),
         last_deg: incidences[incidences.len() - 1],
-        lost,
+        lost: if preparation.extrapolate.is_some() { 0.0 } else { 1.0 - last * last },
         grid_error: (0..incidences.len()).map(|k| shape.grid_error(k)).fold(0.0, f64::max),
         asymmetry: shape.asymmetry(),
     };
@@ -138,8 +143,8 @@ impl Lamination {
     }
 }
 
-/// Distances from the peak, fine where the lobe falls, up to across the disc.
-fn distances(shape: &Shape) -> Vec<f64> {
+/// Distances from the peak, fine where the lobe falls, up to across the discs of air and of this radius.
+fn distances(shape: &Shape, radius: f64) -> Vec<f64> {
     let half_widths = (0..shape.incidences_deg().count())
         .flat_map(|k| [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)))
         .flatten()
@@ -147,9 +152,9 @@ fn distances(shape: &Shape) -> Vec<f64> {
     let width = half_widths.fold(WIDEST, f64::min);
     let mut distances = vec![0.0];
     let (mut t, mut distance) = (0.0, 0.0);
-    while distance < 2.0 {
+    while distance < 1.0 + radius {
         t += STEP;
-        distance = (width * f64::sinh(t)).min(distance + COARSEST).min(2.0);
+        distance = (width * f64::sinh(t)).min(distance + COARSEST).min(1.0 + radius);
         distances.push(distance);
     }
     distances
@@ -162,6 +167,7 @@ mod tests {
     use super::*;
     use crate::{Channel, SpecularGrid, Symmetry, Way};
     use papilio_optics::Beta;
+    use papilio_optics::lobe::Lobe;
 
     const WIDTH: f64 = 0.1;
     const TIS: [f64; 4] = [0.9, 0.88, 0.8, 0.7];
@@ -242,12 +248,38 @@ mod tests {
     /// Beyond the last incidence light is lost, and it is said how much; or the lobe holds about its own direction.
     #[test]
     fn beyond_the_last_incidence() {
-        let [(none, lost), (hold, kept)] = [false, true].map(|extrapolate| {
+        let [(none, lost), (hold, kept)] = [None, Some(1.0)].map(|extrapolate| {
             kernel(&part(lobe), 0, &Preparation { extrapolate, ..Preparation::default() }, &[]).unwrap()
         });
         assert!((lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && kept.lost == 0.0, "{lost:?}");
         let (from, to) = (ray(75.0), ray(70.0));
         assert_eq!(none.value(from, to), 0.0);
         assert!((hold.value(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.value(from, to));
+    }
+
+    /// Into the glass tails go on, and what they hold is the lobe's there.
+    #[test]
+    fn tails_go_on_into_the_glass() {
+        let preparation = Preparation { extrapolate: Some(1.5), ..Preparation::default() };
+        let (scatter, changes) = kernel(&part(lobe), 0, &preparation, &[]).unwrap();
+        let back = scatter.reversed();
+        for (from, to) in [(0.0, 1.2), (0.5, 1.1), (0.86, 1.45), (0.3, -1.4)] {
+            let [from, to] = [from, to].map(|x| Beta { x, y: 0.0 });
+            for value in [scatter.value(from, to), back.value(to, from)] {
+                assert!((value / lobe(from, to) - 1.0).abs() < 1e-2, "{from:?} {to:?}: {value}");
+            }
+            assert_eq!(scatter.value(to, from), 0.0);
+        }
+        let closed = Lobe::KCorrelation { width: WIDTH };
+        for (k, length) in [0.0, 20.0, 40.0, 60.0].map(|theta| ray(theta).length()).into_iter().enumerate() {
+            let (air, glass) =
+                (0.8 * closed.share_in_disc(length, 1.0), 0.8 * closed.share_in_disc(length, 1.5));
+            assert!((changes.totals[k][1] - air).abs() < 1e-4, "{k}: {air} {:?}", changes.totals[k]);
+            assert!((scatter.total(length) - glass).abs() < 3e-4, "{k}: {glass} {}", scatter.total(length));
+        }
+        for length in [0.2, 0.97, 1.0, 1.003, 1.05, 1.2, 1.45] {
+            let share = 0.8 * closed.share_in_disc(length, 1.0);
+            assert!((back.total(length) - share).abs() < 5e-4, "{length}: {share} {}", back.total(length));
+        }
     }
 }

@@ -12,7 +12,8 @@
 //!
 //! **Validity.** Isotropic samples: turned about its normal the face stays the same, and light
 //! scattered left and right of the plane of incidence is alike. Only light of the air disc
-//! `|beta| <= 1` is scattered, and only into it.
+//! `|beta| <= 1` is scattered, and only into it; a table of a transmission may reach farther on the side of the glass
+//! ([`Table::reaching`]).
 //!
 //! **Reciprocity.** `f(from, to) = f(to, from)` in cosines of propagation holds for a reflection;
 //! a table need not know that. [`Scatter::reciprocal`] is the mean of both readings. Of light
@@ -86,10 +87,10 @@ impl PartialEq for Scatter {
 
 impl Scatter {
     /// f in 1/sr: the density per area of direction cosines of light from `from` that is sent to
-    /// `to`, both of propagation. 0 beyond the air disc.
+    /// `to`, both of propagation. 0 beyond the [discs](Self::discs).
     #[inline]
     pub fn value(&self, from: Beta, to: Beta) -> f64 {
-        if from.squared() > 1.0 || to.squared() > 1.0 {
+        if self.misses(from, to) {
             return 0.0;
         }
         match self {
@@ -101,7 +102,7 @@ impl Scatter {
     }
 
     /// A direction for light from `from`, drawn with [`Self::pdf`] from three uniform numbers; `None`
-    /// where the proposal misses the air disc, and the light is lost. Its weight is value over pdf.
+    /// where the proposal misses the disc, and the light is lost. Its weight is value over pdf.
     #[inline]
     pub fn sample(&self, from: Beta, u: [f64; 3]) -> Option<Sampled> {
         let beta = match self {
@@ -117,11 +118,11 @@ impl Scatter {
         (pdf > 0.0).then_some(Sampled { beta, pdf })
     }
 
-    /// The density of [`Self::sample`] per area of direction cosines; 0 beyond the air disc, over
-    /// which it integrates to one or less.
+    /// The density of [`Self::sample`] per area of direction cosines; 0 beyond the disc that light
+    /// is sent to, over which it integrates to one or less.
     #[inline]
     pub fn pdf(&self, from: Beta, to: Beta) -> f64 {
-        if from.squared() > 1.0 || to.squared() > 1.0 {
+        if self.misses(from, to) {
             return 0.0;
         }
         match self {
@@ -132,8 +133,8 @@ impl Scatter {
         }
     }
 
-    /// The share of light that arrives with this `|beta|`, 0 to 1, that is sent on: the integral
-    /// of [`Self::value`] over the air disc, within about 1e-4.
+    /// The share of light that arrives with this `|beta|`, within its disc, that is sent on: the integral
+    /// of [`Self::value`], within about 1e-4.
     #[inline]
     pub fn total(&self, from_length: f64) -> f64 {
         match self {
@@ -155,13 +156,32 @@ impl Scatter {
         }
     }
 
-    /// The `|beta|` at which it ends, if that is within the air disc: light beyond it is not scattered (reversed: none
-    /// is scattered there), and the kernel jumps.
-    pub fn edge(&self) -> Option<f64> {
+    /// The radii, in direction cosines, of the discs that light comes from and is sent to: 1, the air's, save for a table
+    /// that [reaches](Table::reaching) beyond.
+    #[inline]
+    pub fn discs(&self) -> [f64; 2] {
         match self {
-            Self::Ward(_) => None,
-            Self::Table(table, _) => Some(table.end()).filter(|end| *end < 1.0),
+            Self::Table(table, Sense::Forward) => [1.0, table.ends()[1]],
+            Self::Table(table, Sense::Reversed) => [table.ends()[1], 1.0],
+            Self::Ward(_) | Self::Table(_, Sense::Mean) => [1.0, 1.0],
         }
+    }
+
+    /// True if either direction lies beyond its disc.
+    #[inline]
+    fn misses(&self, from: Beta, to: Beta) -> bool {
+        let [of_from, of_to] = self.discs();
+        from.squared() > of_from * of_from || to.squared() > of_to * of_to
+    }
+
+    /// The `|beta|` other than 1 at which the kernel jumps: where its incidences end ([`Table::dark_beyond`]), and
+    /// what it reaches.
+    pub fn edges(&self) -> impl Iterator<Item = f64> {
+        let ends = match self {
+            Self::Ward(_) => [1.0; 2],
+            Self::Table(table, _) => table.ends(),
+        };
+        ends.into_iter().filter(|end| *end != 1.0)
     }
 
     /// The kernel of light that retraces its ways: `reversed.value(a, b) = value(b, a)`.

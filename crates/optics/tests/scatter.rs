@@ -164,7 +164,7 @@ impl Cells {
 /// Chi-square of samples against a density over the cells that expect ten or more, and the
 /// rest; with its degrees of freedom.
 fn chi_square(kernel: &Scatter, from: Beta, density: impl Fn(Beta) -> f64) -> (f64, f64) {
-    let cells = Cells { from, reach: 2.0 };
+    let cells = Cells { from, reach: kernel.discs().iter().sum() };
     let samples = 60_000;
     let numbers = Numbers::new(Sampler::Random, 23, 0);
     let mut found = vec![0.0; RINGS * SPOKES];
@@ -199,13 +199,28 @@ fn all_kernels() -> Vec<Scatter> {
     let mut kernels = vec![of_lobe(0.06, 0.03), lopsided(), lopsided().reversed(), lopsided().reciprocal()];
     kernels.push(Table::new(&[0.0], &[0.0, 2.0], &[0.0], &[1.0 / PI; 2]).unwrap().into());
     kernels.extend(wards());
+    kernels.extend([into_glass(), into_glass().reversed()]);
     kernels
+}
+
+/// A lobe of the air that goes on into glass.
+fn into_glass() -> Scatter {
+    let radial: Vec<f64> = (0..=125).map(|k| 0.02 * f64::from(k)).collect();
+    let lobe = Lobe::KCorrelation { width: 0.1 };
+    let values: Vec<f64> = radial.iter().map(|r| lobe.density(along_x(0.0), along_x(*r))).collect();
+    Table::new(&[0.0], &radial, &[0.0], &values).unwrap().reaching(1.5).into()
+}
+
+/// Where light of a kernel's tests comes from: beyond the horizon of the air, if it comes from there.
+fn lengths(kernel: &Scatter) -> Vec<f64> {
+    let beyond = [0.99, 1.1, 1.4];
+    [0.0, 0.37, 0.9].into_iter().chain(beyond.into_iter().filter(|_| kernel.discs()[0] > 1.0)).collect()
 }
 
 #[test]
 fn samples_follow_their_density() {
     for (number, kernel) in all_kernels().iter().enumerate() {
-        for length in [0.0, 0.37, 0.9] {
+        for length in lengths(kernel) {
             let from = Beta { x: 0.8 * length, y: -0.6 * length };
             let (statistic, freedom) = chi_square(kernel, from, |to| kernel.pdf(from, to));
             assert!(statistic < quantile(freedom), "{number} {length}: {statistic} of {freedom}");
@@ -231,7 +246,7 @@ fn a_wrong_density_is_caught() {
 #[test]
 fn weights_are_the_totals() {
     for (number, kernel) in all_kernels().iter().enumerate() {
-        for length in [0.0, 0.37, 0.9] {
+        for length in lengths(kernel) {
             let from = along_x(length);
             let numbers = Numbers::new(Sampler::Sobol, 5, 0);
             let samples = 1 << 15;

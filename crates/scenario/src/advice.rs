@@ -116,6 +116,9 @@ impl Problem {
                 "take a larger spectrum.step_nm, or fewer of the others".to_owned()
             }
             Self::NotWith { key: "paths", .. } => "give `relative_error`, or method = \"walk\"".to_owned(),
+            Self::NotWith { key: "extrapolate = \"glass\"", .. } => {
+                "\"hold\" keeps the last lobe within the horizon of the air".to_owned()
+            }
             Self::NotWith { key, .. } => format!("leave `{key}` out"),
             Self::OfAnotherKind { key, of, .. } => {
                 format!("leave it out: `{key}` is a key of {}", of.join(" and "))

@@ -81,7 +81,8 @@ pub struct ScatterKernel {
 }
 
 /// A face given by its BSDF, faces of whatever it is included: light of the air disc
-/// `|beta| <= 1` is scattered into the air disc, passes straight, or is absorbed in it.
+/// `|beta| <= 1` is scattered into the air disc, passes straight, or is absorbed in it. What it transmits may reach
+/// beyond the air disc below it, and comes back from there.
 ///
 /// All its ways are reciprocal: light that goes up takes the ways back of light that goes down,
 /// and of a reflection both readings are averaged.
@@ -154,10 +155,10 @@ impl ScatterFace {
         disc * self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where its kernels end within its disc, `|beta|`.
+    /// Where its kernels jump but for the rim of the air disc, `|beta|`.
     pub(crate) fn edges(&self, bin: usize) -> impl Iterator<Item = f64> {
         let disc = self.disc(bin).unwrap_or(1.0);
-        self.kernels().filter_map(move |kernel| kernel.scatter.edge().map(|edge| edge * disc))
+        self.kernels().flat_map(move |kernel| kernel.scatter.edges().map(move |edge| edge * disc))
     }
 
     /// All kernels, of light from above.
@@ -173,7 +174,7 @@ impl ScatterKernel {
 
     /// The share of light with this `|beta|` that is sent on, before the factor.
     pub(crate) fn total(&self, beta_length: f64) -> f64 {
-        if beta_length <= 1.0 { self.scatter.total(beta_length) } else { 0.0 }
+        if beta_length <= self.scatter.discs()[0] { self.scatter.total(beta_length) } else { 0.0 }
     }
 }
 

@@ -293,16 +293,14 @@ fn set_interface(upper: &Medium, layer: &Layer, beta_squared: f64, out: &mut [Pa
 
 /// A face given by its BSDF, at every wavelength.
 fn set_scatter_face(face: &ScatterFace, beta_squared: f64, out: &mut [Part]) {
-    if beta_squared > 1.0 {
-        return out.fill(Part::OPAQUE);
-    }
     let ways = [Going::Down, Going::Up].map(|going| {
         [face.through(going), face.back(going)]
             .map(|kernel| kernel.map(|kernel| (kernel.total(beta_squared.sqrt()), &kernel.factor)))
     });
     for (bin, part) in out.iter_mut().enumerate() {
         let share = |way: &Option<(f64, &Spectrum)>| way.map_or(0.0, |(total, factor)| total * factor[bin]);
-        part.flat = Flat { t: face.straight()[bin], above: 0.0, below: 0.0 };
+        let straight = if beta_squared <= 1.0 { face.straight()[bin] } else { 0.0 };
+        part.flat = Flat { t: straight, above: 0.0, below: 0.0 };
         part.scattered = ways.each_ref().map(|way| way.iter().map(share).sum());
     }
 }

@@ -3,9 +3,7 @@
 //! Between nodes the density times the distance from the specular direction is bilinear; the
 //! distance is drawn by its marginal, the azimuth given that, both by inverting their cumulative
 //! sums. Between two incidences one of the two is drawn. A small share of directions is drawn
-//! evenly from the air disc, so that no weight is without bound.
-
-use std::f64::consts::PI;
+//! evenly from the disc, so that no weight is without bound.
 
 use papilio_sampling::warp;
 
@@ -28,30 +26,36 @@ pub(super) struct Proposal {
     around: Vec<f64>,
     /// The integral of the whole over distance up to each node, `[incidence][radial]`.
     outward: Vec<f64>,
+    /// The radius of the disc that light is sent to: 1 in air.
+    disc: f64,
 }
 
 impl Proposal {
-    /// Of a kernel, on working nodes; light that it sends well beyond the air disc is left out.
-    pub(super) fn new(axes: [&[f64]; 3], value: impl Fn(Beta, Beta) -> f64) -> Self {
+    /// Of a kernel, on working nodes; light that it sends well beyond a disc is left out.
+    pub(super) fn new(axes: [&[f64]; 3], disc: f64, value: impl Fn(Beta, Beta) -> f64) -> Self {
         let [incidence, radial, azimuth] = axes.map(|nodes| Axis::mirrored(nodes.to_vec()));
         let mut density = Vec::with_capacity(axes.iter().map(|axis| axis.len()).product());
         let reach = |nodes: &[f64], i: usize| {
             let last = nodes.len() - 1;
             [i.max(1) - 1, i, (i + 1).min(last)].map(|i| nodes[i])
         };
-        for &length in axes[0] {
+        for (i, &length) in axes[0].iter().enumerate() {
             for (k, &r) in axes[1].iter().enumerate() {
                 for (j, &angle) in axes[2].iter().enumerate() {
                     // A node counts if a cell that it ends has a corner on the disc.
-                    let near = reach(axes[1], k).into_iter().any(|r| {
-                        reach(axes[2], j).into_iter().any(|a| turned(length, r, a)[1].squared() <= 1.0)
+                    let near = reach(axes[0], i).into_iter().any(|length| {
+                        reach(axes[1], k).into_iter().any(|r| {
+                            let on_disc = |a| turned(length, r, a)[1].squared() <= disc * disc;
+                            reach(axes[2], j).into_iter().any(on_disc)
+                        })
                     });
                     let [from, to] = turned(length, r, angle);
                     density.push(if near { r * value(from, to) } else { 0.0 });
                 }
             }
         }
-        let mut all = Self { incidence, radial, azimuth, density, around: Vec::new(), outward: Vec::new() };
+        let mut all =
+            Self { incidence, radial, azimuth, density, around: Vec::new(), outward: Vec::new(), disc };
         all.integrate();
         all
     }
@@ -68,12 +72,12 @@ impl Proposal {
         }
     }
 
-    /// Drawn for light from `from`; may lie beyond the air disc.
+    /// Drawn for light from `from`; may lie beyond the disc.
     ///
     /// The last number makes all choices, one after the other.
     pub(super) fn sample(&self, from: Beta, [u, v, choice]: [f64; 3]) -> Beta {
         let even = || {
-            let (x, y) = warp::uniform_disc(1.0, [u, v]);
+            let (x, y) = warp::uniform_disc(self.disc, [u, v]);
             Beta { x, y }
         };
         if choice < EVEN {
@@ -123,10 +127,11 @@ impl Proposal {
         self.outward[incidence * distances + distances - 1]
     }
 
-    /// The density of [`Self::sample`] at a distance and azimuth, on the air disc.
+    /// The density of [`Self::sample`] at a distance and azimuth, on the disc.
     #[inline]
     pub(super) fn pdf(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
         let i = self.incidence.place(length);
+        let even = warp::uniform_disc_density(self.disc);
         // The density is finite at the peak: it is the limit.
         let distance = distance.max(1e-9);
         let (k, j) = (self.radial.place(distance), self.azimuth.place(azimuth));
@@ -134,7 +139,7 @@ impl Proposal {
         let of = |incidence: usize| {
             let whole = self.whole(incidence);
             if whole <= 0.0 {
-                return 1.0 / PI;
+                return even;
             }
             if distance > self.radial.last() {
                 return 0.0;
@@ -145,7 +150,7 @@ impl Proposal {
             (near + k.t * (far - near)) / (2.0 * whole * distance)
         };
         let drawn = (1.0 - i.t) * of(i.cell) + i.t * of(i.cell + 1);
-        EVEN / PI + (1.0 - EVEN) * drawn
+        EVEN * even + (1.0 - EVEN) * drawn
     }
 }
 

@@ -36,13 +36,17 @@ pub struct Table {
     proposals: [OnceLock<Proposal>; 2],
     totals: [OnceLock<Totals>; 2],
     width: f64,
-    /// Light of incidences beyond this `|beta|` is not scattered.
+    /// Light of incidences beyond this `|beta|`, 1 at most, is not scattered.
     end: f64,
+    /// Light is scattered to `|beta|` up to this, 1 at least.
+    reach: f64,
 }
 
 /// Working incidences, distances and azimuths are no farther apart.
-const WORKING_INCIDENCE: f64 = 0.1;
+const WORKING_INCIDENCE: f64 = 0.05;
 const WORKING_AZIMUTH: f64 = PI / 18.0;
+/// No `|beta|` that light is scattered to is larger: indices of glass are less.
+const FARTHEST: f64 = 4.0;
 /// Distances are halved while the working table has fewer cells.
 const WORKING_CELLS: usize = 60_000;
 /// Cells about the peak that integrals need.
@@ -50,7 +54,8 @@ const SMOOTH_CELLS: usize = 1000;
 
 impl Table {
     /// From f in 1/sr in `[incidence][azimuth][radial]` order, at ascending `|beta|` of incidence
-    /// (0 to 1), azimuths (radians, from 0 to pi, or one for all) and distances (0 to 2).
+    /// (0 to 1), azimuths (radians, from 0 to pi, or one for all) and distances (0 to 2, or on for a table that is to
+    /// [reach](Self::reaching) farther).
     ///
     /// # Errors
     /// An axis that does not ascend or leaves its range; a value that is negative or not finite;
@@ -62,7 +67,7 @@ impl Table {
         values: &[f64],
     ) -> Result<Self, OpticsError> {
         ascending("|beta| of incidence", incidence, 1.0, 1)?;
-        ascending("distances", radial, 2.0, 2)?;
+        ascending("distances", radial, 1.0 + FARTHEST, 2)?;
         ascending("azimuths", azimuth, PI, 1)?;
         if let [first, .., last] = azimuth
             && (*first > 1e-9 || *last < PI - 1e-9)
@@ -81,7 +86,14 @@ impl Table {
 
     fn of(smooth: Smooth) -> Self {
         let width = width(&smooth);
-        Self { smooth, proposals: Default::default(), totals: Default::default(), width, end: 1.0 }
+        Self {
+            smooth,
+            proposals: Default::default(),
+            totals: Default::default(),
+            width,
+            end: 1.0,
+            reach: 1.0,
+        }
     }
 
     /// The same with nothing scattered of light from beyond its last incidence.
@@ -90,9 +102,22 @@ impl Table {
         Self { proposals: Default::default(), totals: Default::default(), end: last.min(1.0), ..self }
     }
 
-    /// Where the kernel ends, `|beta|` of the incidence: 1, if it is not dark before.
-    pub(super) fn end(&self) -> f64 {
-        self.end
+    /// The same of a transmission that scatters light of air into a medium of this index, 1 to 4, beyond the air disc
+    /// too; light of the medium comes back the same ways.
+    pub fn reaching(self, reach: f64) -> Self {
+        let reach = reach.clamp(1.0, FARTHEST);
+        Self { proposals: Default::default(), totals: Default::default(), reach, ..self }
+    }
+
+    /// Where the kernel ends, `|beta|`: of light that comes, and of light that is sent.
+    #[inline]
+    pub(super) fn ends(&self) -> [f64; 2] {
+        [self.end, self.reach]
+    }
+
+    /// The radii of the discs that light comes from and is sent to, where its kernel may end before.
+    fn discs(&self, reversed: bool) -> [f64; 2] {
+        if reversed { [self.reach, 1.0] } else { [1.0, self.reach] }
     }
 
     /// The kernel with nothing said of the air disc and of where it ends, either way.
@@ -104,8 +129,8 @@ impl Table {
     }
 
     /// Incidences, distances and azimuths of the working table.
-    fn working(&self) -> [Vec<f64>; 3] {
-        let incidence = finer(self.smooth.incidence.nodes(), 1.0, WORKING_INCIDENCE);
+    fn working(&self, from: f64) -> [Vec<f64>; 3] {
+        let incidence = finer(self.smooth.incidence.nodes(), from, WORKING_INCIDENCE);
         let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
         let mut radial = self.smooth.radial.nodes().to_vec();
         while 2 * radial.len() * azimuth.len() * incidence.len() < WORKING_CELLS {
@@ -116,8 +141,9 @@ impl Table {
 
     fn proposal(&self, reversed: bool) -> &Proposal {
         self.proposals[usize::from(reversed)].get_or_init(|| {
-            let axes = self.working();
-            Proposal::new(axes.each_ref().map(|axis| &axis[..]), |from, to| self.held(from, to, reversed))
+            let [from, to] = self.discs(reversed);
+            let axes = self.working(from);
+            Proposal::new(axes.each_ref().map(|axis| &axis[..]), to, |from, to| self.held(from, to, reversed))
         })
     }
 
@@ -129,8 +155,7 @@ impl Table {
                 radial = halved(&radial);
             }
             let (distances, angles) = (Axis::mirrored(radial), Axis::mirrored(azimuth));
-            // Light comes from within the end, and goes anywhere in the air disc.
-            let (from, to) = if reversed { (1.0, self.end) } else { (self.end, 1.0) };
+            let (from, to) = if reversed { (self.reach, self.end) } else { (self.end, self.reach) };
             Totals::new(from, |length| {
                 integral(&distances, &angles, (length, to), |distance, angle| {
                     let [from, to] = turned(length, distance, angle);

@@ -1,49 +1,67 @@
-//! The share of light that a kernel sends into the air disc, by incidence.
+//! The share of light that a kernel sends into its disc, by incidence.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::axis::Axis;
 use crate::Beta;
 
-/// Integrals at evenly spaced angles of incidence, up to the last from which light is scattered.
+/// Integrals at nodes of `|beta|`, up to the last from which light is scattered.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Totals {
-    end: f64,
-    values: Vec<f64>,
+    /// Where nodes go on in another way: where it ends within the air disc, and beyond.
+    ends: [f64; 2],
+    values: [Vec<f64>; 2],
 }
 
+/// Steps within the air disc, and as many beyond.
 const STEPS: usize = 36;
 
 impl Totals {
-    /// Of a function of `|beta|` that is the integral; beyond `end` it is 0.
+    /// Of a function of `|beta|` that is the integral; beyond `end`, 1 in air, it is 0.
     pub(super) fn new(end: f64, integral: impl Fn(f64) -> f64) -> Self {
-        let at = |step: usize| integral((end.asin() * step as f64 / STEPS as f64).sin().min(end));
-        Self { end, values: (0..=STEPS).map(at).collect() }
+        let ends = [end.min(1.0), end];
+        let at = |step: usize| FRAC_PI_2 * step as f64 / STEPS as f64;
+        let within = (0..=STEPS).map(|step| integral(ends[0] * at(step).sin()));
+        // Beyond the horizon lobes fall, steeply at first.
+        let beyond =
+            (0..=STEPS).filter(|_| end > 1.0).map(|step| integral(end - (end - 1.0) * at(step).cos()));
+        Self { values: [within.collect(), beyond.collect()], ends }
     }
 
-    /// At `|beta|`, 0 to 1.
+    /// At `|beta|`, 0 to 1, or on to where light comes from.
     #[inline]
     pub(super) fn at(&self, length: f64) -> f64 {
-        if length > self.end && self.end < 1.0 {
-            return 0.0;
+        let [within, end] = self.ends;
+        // Without light from beyond the air disc, rounding beyond 1 counts as 1.
+        if length > end && end != 1.0 {
+            0.0
+        } else if length <= within || end <= 1.0 {
+            // An end at the normal leaves one value.
+            let share = (length / within.max(f64::MIN_POSITIVE)).min(1.0);
+            interpolated(&self.values[0], share.asin() / FRAC_PI_2)
+        } else {
+            interpolated(&self.values[1], ((end - length) / (end - 1.0)).min(1.0).acos() / FRAC_PI_2)
         }
-        // An end at the normal leaves one value.
-        let x = length.min(1.0).asin() / self.end.asin().max(f64::MIN_POSITIVE) * STEPS as f64;
-        let first = (x as usize).saturating_sub(1).min(STEPS - 3);
-        let s = x - first as f64;
-        // Lagrange's four points.
-        let weights = [
-            -(s - 1.0) * (s - 2.0) * (s - 3.0) / 6.0,
-            s * (s - 2.0) * (s - 3.0) / 2.0,
-            -s * (s - 1.0) * (s - 3.0) / 2.0,
-            s * (s - 1.0) * (s - 2.0) / 6.0,
-        ];
-        let sum: f64 = weights.iter().zip(&self.values[first..]).map(|(w, v)| w * v).sum();
-        sum.max(0.0)
     }
 }
 
-/// The integral over a disc about 0, of radius 1 in air or less, of a function of distance and azimuth about
+/// Lagrange's four points among values at even places from 0 to 1.
+#[inline]
+fn interpolated(values: &[f64], place: f64) -> f64 {
+    let x = place * STEPS as f64;
+    let first = (x as usize).saturating_sub(1).min(STEPS - 3);
+    let s = x - first as f64;
+    let weights = [
+        -(s - 1.0) * (s - 2.0) * (s - 3.0) / 6.0,
+        s * (s - 2.0) * (s - 3.0) / 2.0,
+        -s * (s - 1.0) * (s - 3.0) / 2.0,
+        s * (s - 1.0) * (s - 2.0) / 6.0,
+    ];
+    let sum: f64 = weights.iter().zip(&values[first..]).map(|(w, v)| w * v).sum();
+    sum.max(0.0)
+}
+
+/// The integral over a disc about 0, of radius 1 in air, of a function of distance and azimuth about
 /// `|beta| = length` that is smooth between these nodes.
 pub(super) fn integral(
     radial: &Axis,

@@ -141,12 +141,14 @@ choice! {
 }
 
 choice! {
-    /// What becomes of light from beyond the largest incidence that was measured.
+    /// What becomes of light beyond the directions that were measured.
     Extrapolate {
-        /// It is lost.
+        /// Light from beyond the largest incidence is lost.
         None = "none",
         /// The last lobe holds, about its own direction.
         Hold = "hold",
+        /// The same, and in the glass tails go on beyond the horizon of the air. Of a diffuser as measured.
+        Glass = "glass",
     }
 }
 

@@ -55,6 +55,34 @@ enum Side {
     Below,
 }
 
+/// What is behind a film, and how: glass of an index, or air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Behind {
+    Air,
+    /// The table as it stands: it holds the film's back face.
+    Glass(f64),
+    /// The film touches it.
+    Laminated(f64),
+}
+
+impl Behind {
+    fn lamination(self) -> Option<Lamination> {
+        match self {
+            Self::Laminated(index) => Some(Lamination { index }),
+            Self::Air | Self::Glass(_) => None,
+        }
+    }
+
+    /// How far in `|beta|` lobes go on, if they do.
+    fn reach(self, extrapolate: Extrapolate) -> Option<f64> {
+        match (extrapolate, self) {
+            (Extrapolate::None, _) => None,
+            (Extrapolate::Glass, Self::Glass(index)) => Some(index),
+            (Extrapolate::Glass | Extrapolate::Hold, _) => Some(1.0),
+        }
+    }
+}
+
 impl Resolver<'_> {
     /// A film over glass of this index: from the air down, without the glass.
     pub(super) fn measured_over(
@@ -63,9 +91,15 @@ impl Resolver<'_> {
         diffuser: &At<Measured>,
         glass: &Spectrum,
     ) -> Option<Vec<Part>> {
-        let index = glass.iter().sum::<f64>() / glass.len() as f64;
-        let laminated = diffuser.mounting.value == Mounting::Laminated;
-        let face = self.face(path, diffuser, laminated.then_some(Lamination { index }))?;
+        let behind = match diffuser.mounting.value {
+            Mounting::AsMeasured => Behind::Glass(glass.min()),
+            Mounting::Laminated => Behind::Laminated(glass.iter().sum::<f64>() / glass.len() as f64),
+            Mounting::Air => Behind::Air,
+        };
+        if !matches!(behind, Behind::Glass(_)) {
+            self.in_air(&diffuser.extrapolate, "this mounting")?;
+        }
+        let face = self.face(path, diffuser, behind)?;
         let mut parts = vec![Part::Interface(Interface::Scatter(face))];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
@@ -86,17 +120,22 @@ impl Resolver<'_> {
             self.err(&diffuser.mounting, problem);
             return None;
         }
-        self.face(path, diffuser, None)
+        self.in_air(&diffuser.extrapolate, "`[[display.layers]]`")?;
+        self.face(path, diffuser, Behind::Air)
     }
 
-    fn face(
-        &mut self,
-        path: &str,
-        diffuser: &At<Measured>,
-        lamination: Option<Lamination>,
-    ) -> Option<ScatterFace> {
+    /// Refuses tails in the glass where none is known to be.
+    fn in_air(&mut self, extrapolate: &At<Extrapolate>, beside: &'static str) -> Option<()> {
+        if extrapolate.value == Extrapolate::Glass {
+            self.err(extrapolate, Problem::NotWith { key: "extrapolate = \"glass\"", beside });
+            return None;
+        }
+        Some(())
+    }
+
+    fn face(&mut self, path: &str, diffuser: &At<Measured>, behind: Behind) -> Option<ScatterFace> {
         let mut face = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
-        for (side, kernel) in self.film_sides(path, diffuser, lamination)? {
+        for (side, kernel) in self.film_sides(path, diffuser, behind)? {
             face = match side {
                 Side::Through => face.with_transmission(kernel),
                 Side::Above => face.with_reflection_above(kernel),
@@ -117,7 +156,7 @@ impl Resolver<'_> {
             Side::Above => Way::FrontReflection,
             Side::Below => Way::BackReflection,
         };
-        let film = self.film_sides(path, diffuser, None)?;
+        let film = self.film_sides(path, diffuser, Behind::Air)?;
         Some(film.into_iter().map(|(side, kernel)| (way(side), kernel)).collect())
     }
 
@@ -125,7 +164,7 @@ impl Resolver<'_> {
         &mut self,
         path: &str,
         diffuser: &At<Measured>,
-        lamination: Option<Lamination>,
+        behind: Behind,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
         let source = Source {
             path,
@@ -156,19 +195,20 @@ impl Resolver<'_> {
                 source.path
             ));
         }
-        let mut film = vec![(Side::Through, self.scattered(&source, through, spectrum, lamination)?)];
+        let mut film = vec![(Side::Through, self.scattered(&source, through, spectrum, behind)?)];
         if let Some(part) = part(front) {
-            film.push((Side::Above, self.scattered(&source, part, None, None)?));
+            film.push((Side::Above, self.scattered(&source, part, None, Behind::Air)?));
         }
         // A laminated film's back face in air is gone, and with it most of what it reflected.
-        if let Some(part) = part(back).filter(|_| lamination.is_none()) {
-            film.push((Side::Below, self.scattered(&source, part, None, None)?));
+        if let Some(part) = part(back).filter(|_| behind.lamination().is_none()) {
+            film.push((Side::Below, self.scattered(&source, part, None, Behind::Air)?));
         }
         Some(film)
     }
 
     /// A pixel under a medium of this index: the BRDF of its states, angles in air taken as angles in the medium.
     pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
+        self.in_air(&pixel.extrapolate, "a pixel")?;
         let states = &pixel.file.0;
         self.limit(&pixel.file, "states", states.len(), 256)?;
         if states.is_empty() {
@@ -208,7 +248,7 @@ impl Resolver<'_> {
             Some(share) => Some(self.share(share, share.origin)?),
             None => None,
         };
-        self.scattered(source, reflection, spectrum, None)
+        self.scattered(source, reflection, spectrum, Behind::Air)
     }
 
     fn way<'a>(
@@ -247,7 +287,7 @@ impl Resolver<'_> {
         source: &Source<'_>,
         part: &goniometry::Part,
         spectrum: Option<Spectrum>,
-        lamination: Option<Lamination>,
+        behind: Behind,
     ) -> Option<ScatterKernel> {
         let level = match (&spectrum, source.spectral_mean) {
             (Some(spectrum), SpectralMean::Even) => spectrum.iter().sum::<f64>() / spectrum.len() as f64,
@@ -255,7 +295,7 @@ impl Resolver<'_> {
             (None, _) => 1.0,
         };
         let largest = spectrum.as_ref().map_or(1.0, |spectrum| spectrum.max()) / level;
-        let scatter = self.kernel(source, part, [level, largest], lamination)?;
+        let scatter = self.kernel(source, part, [level, largest], behind)?;
         let factor = spectrum.unwrap_or_else(|| Spectrum::constant(&self.grid, 1.0));
         Some(ScatterKernel { scatter, factor })
     }
@@ -274,7 +314,7 @@ impl Resolver<'_> {
         source: &Source<'_>,
         part: &goniometry::Part,
         [level, largest]: [f64; 2],
-        lamination: Option<Lamination>,
+        behind: Behind,
     ) -> Option<Scatter> {
         let preparation = Preparation {
             fill: match source.fill.value {
@@ -282,8 +322,8 @@ impl Resolver<'_> {
                 DarkCells::Tail => Fill::Tail,
             },
             to_tis: source.normalise.value == Normalise::Tis,
-            extrapolate: source.extrapolate.value == Extrapolate::Hold,
-            lamination,
+            extrapolate: behind.reach(source.extrapolate.value),
+            lamination: behind.lamination(),
         };
         let sharp = self.without_blur(source, part)?;
         let part = sharp.as_ref().unwrap_or(part);
@@ -352,7 +392,7 @@ impl Resolver<'_> {
     /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
     fn tell(&mut self, source: &Source<'_>, way: Way, changes: &Changes, share: f64) -> Option<()> {
         let (path, way) = (source.path, way.name());
-        let largest = changes.totals.iter().map(|[_, after]| share * after).fold(0.0, f64::max);
+        let largest = share * changes.most;
         if largest > 1.0 + FAR_ABOVE_ONE {
             self.errors.push(source.file, Problem::MoreThanAll { way, total: largest });
             return None;

@@ -30,6 +30,10 @@ fn what_cannot_be_used_is_refused_where_it_is_said() {
         (measured(h78, "spectral_mean = \"odd\""), &["`odd` is not a choice", "\"even\" or \"luminous\""]),
         (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from .0001 to 1"]),
         (measured(h78, "transmission = 90"), &["not percent"]),
+        (
+            measured(h78, "mounting = \"air\"").replace("hold", "glass"),
+            &["test.toml:14:15", "`extrapolate = \"glass\"` means nothing with this mounting", "\"hold\""],
+        ),
         (measured(h78, "haze = 0.5"), &["`haze` means nothing with model = \"measured\""]),
     ] {
         let shown = refusal(&text);
@@ -49,6 +53,8 @@ fn a_film_among_layers_is_mounted_by_its_neighbours() {
     assert!(resolve(&layers(""), &shipped(), &[]).is_ok());
     let shown = refusal(&layers(", mounting = \"laminated\""));
     assert!(shown.contains("`mounting` means nothing with `[[display.layers]]`"), "{shown}");
+    let shown = refusal(&layers("").replace("hold", "glass"));
+    assert!(shown.contains("`extrapolate = \"glass\"` means nothing with `[[display.layers]]`"), "{shown}");
 }
 
 /// In a panel the mounting puts down what stands below the film.

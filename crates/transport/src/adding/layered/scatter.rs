@@ -30,7 +30,8 @@ pub(super) struct ScatterOrders {
 }
 
 impl ScatterOrders {
-    /// In a disc of this radius, to so many natural digits in azimuth; orders beyond the first only where they are asked for.
+    /// In a disc of this radius for the air's, to so many natural digits in azimuth; orders beyond the first only where they
+    /// are asked for.
     pub(super) fn new(scatter: &Scatter, disc: f64, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
         let len = grid.len();
         let orders = ((digits / scatter.width()).ceil() as usize).clamp(8, MOST_ORDERS);
@@ -41,10 +42,12 @@ impl ScatterOrders {
             missing: Vec::new(),
         };
         let mut values = vec![0.0; count];
-        let inside: Vec<usize> = (0..len).filter(|&i| grid.beta[i] < disc).collect();
-        for (number, &j) in inside.iter().enumerate() {
+        let [from, to] = scatter.discs().map(|radius| radius * disc);
+        let within = |radius: f64| (0..len).filter(|&i| grid.beta[i] < radius).collect::<Vec<_>>();
+        let (sources, targets) = (within(from), within(to));
+        for (number, &j) in sources.iter().enumerate() {
             let both = scatter.is_reciprocal();
-            for &i in &inside[if both { number } else { 0 }..] {
+            for &i in &targets[if both { number } else { 0 }..] {
                 fourier(scatter, [grid.beta[j], grid.beta[i]].map(|b| b / disc), digits, &mut values);
                 let scale = grid.scale[i] * grid.scale[j] / (disc * disc);
                 all.set(i, j, &values, scale);
