@@ -1,8 +1,6 @@
 //! Products of matrices kept row after row: `faer`'s, in the widest registers that there are, on
 //! one thread.
 
-use std::ops::Range;
-
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
@@ -10,38 +8,24 @@ use faer::{Accum, MatMut, MatRef, Par};
 pub(crate) fn add_product(left: &[f64], right: &[f64], inner: usize, out: &mut [f64]) {
     if inner > 0 && !out.is_empty() {
         let rows = left.len() / inner;
-        multiply(Accum::Add, MatRef::from_row_major_slice(left, rows, inner), right, out);
+        multiply(MatRef::from_row_major_slice(left, rows, inner), right, out);
     }
-}
-
-/// `out = left right`, of a `left` that has so many `rows` those columns alone.
-pub(crate) fn product_of_columns(
-    (left, rows): (&[f64], usize),
-    columns: Range<usize>,
-    right: &[f64],
-    out: &mut [f64],
-) {
-    if columns.is_empty() || out.is_empty() {
-        return out.fill(0.0);
-    }
-    let left = MatRef::from_row_major_slice(left, rows, left.len() / rows);
-    multiply(Accum::Replace, left.subcols(columns.start, columns.len()), right, out);
 }
 
 /// As [`add_product`] with `left` of shape `[inner][row]`.
 pub(crate) fn add_transposed_product(left: &[f64], right: &[f64], inner: usize, out: &mut [f64]) {
     if inner > 0 && !out.is_empty() {
         let rows = left.len() / inner;
-        multiply(Accum::Add, MatRef::from_row_major_slice(left, inner, rows).transpose(), right, out);
+        multiply(MatRef::from_row_major_slice(left, inner, rows).transpose(), right, out);
     }
 }
 
-fn multiply(accum: Accum, left: MatRef<'_, f64>, right: &[f64], out: &mut [f64]) {
+fn multiply(left: MatRef<'_, f64>, right: &[f64], out: &mut [f64]) {
     let (rows, inner) = (left.nrows(), left.ncols());
     let columns = right.len() / inner;
     let right = MatRef::from_row_major_slice(right, inner, columns);
     let out = MatMut::from_row_major_slice_mut(out, rows, columns);
-    matmul(out, accum, left, right, 1.0, Par::Seq);
+    matmul(out, Accum::Add, left, right, 1.0, Par::Seq);
 }
 
 #[cfg(test)]
@@ -57,10 +41,6 @@ mod tests {
         let mut out = [0.0; 4];
         add_transposed_product(&[1.0, 4.0, 2.0, 5.0, 3.0, 6.0], &right, 3, &mut out);
         assert_eq!(out, [-1.0, 13.5, -1.0, 30.0]);
-        product_of_columns((&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 2), 1..3, &right[..4], &mut out);
-        assert_eq!(out, [-1.0, 7.0, -1.0, 14.5]);
-        product_of_columns((&left, 2), 1..1, &[], &mut out);
-        assert_eq!(out, [0.0; 4]);
         let mut out = [-1.0, 13.5, -1.0, 30.0];
         add_product(&[], &[], 0, &mut out);
         assert_eq!(out, [-1.0, 13.5, -1.0, 30.0]);

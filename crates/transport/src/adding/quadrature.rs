@@ -82,12 +82,13 @@ impl Pole {
         Self { at: difference.clamp(-1.0, 1.0).asin(), off: sum.max(1.0).acosh() }
     }
 
-    /// The sum of half-axes of the ellipse around the interval that this pole lies on.
-    fn ellipse(self, from: f64, to: f64) -> f64 {
+    /// The larger half-axis of the ellipse around the interval (as one from -1 to 1) that this pole
+    /// lies on.
+    fn half_axis(self, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let (re, im) = ((self.at - middle) / half, self.off / half);
-        let axis = (0.5 * ((re + 1.0).hypot(im) + (re - 1.0).hypot(im))).max(1.0);
-        axis + (axis * axis - 1.0).sqrt()
+        let distance = |end: f64| ((re - end) * (re - end) + im * im).sqrt();
+        (0.5 * (distance(-1.0) + distance(1.0))).max(1.0)
     }
 }
 
@@ -112,12 +113,14 @@ pub(super) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits:
 fn cut(from: f64, to: f64, poles: &[Pole], digits: f64, least: f64, nodes: &mut Vec<Node>) {
     let mut nearest = (Pole { at: 0.0, off: 0.0 }, f64::INFINITY);
     for pole in poles {
-        let ellipse = pole.ellipse(from, to);
-        if ellipse < nearest.1 {
-            nearest = (*pole, ellipse);
+        let axis = pole.half_axis(from, to);
+        if axis < nearest.1 {
+            nearest = (*pole, axis);
         }
     }
-    let (pole, ellipse) = nearest;
+    let (pole, axis) = nearest;
+    // The sum of half-axes.
+    let ellipse = axis + (axis * axis - 1.0).sqrt();
     if ellipse < SMALLEST_ELLIPSE && to - from > least {
         let inside = (pole.at - from) / (to - from);
         let at = if (0.2..0.8).contains(&inside) { pole.at } else { 0.5 * (from + to) };

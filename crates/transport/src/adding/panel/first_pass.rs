@@ -11,7 +11,8 @@
 use papilio_optics::lobe::Lobe;
 
 use super::super::quadrature::{Node, Point, Pole, radial};
-use super::lobes::{self, ring, ring_of_products};
+use super::lobes;
+use super::rings::RingOfProducts;
 use crate::angular::Stencil;
 use crate::{Diffuser, Nodes};
 
@@ -100,10 +101,8 @@ impl Pass<'_> {
         }
         let radii = merged_radii(view);
         let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
-        for node in &rule {
-            let ring: f64 =
-                radii.iter().map(|(r, weight)| weight * ring(self.diffuser.lobe, *r, node.x)).sum();
-            let weight = (1.0 - self.straight()) * node.weight * ring / (2.0 * std::f64::consts::PI);
+        for (node, mean) in rule.iter().zip(lobes::means(self.diffuser.lobe, &radii, &rule)) {
+            let weight = (1.0 - self.straight()) * node.weight * mean;
             let stencil = self.look_up(node.x);
             reflected.add(&stencil, weight);
             leaving.add(&stencil, weight * self.share_leaving(node.x));
@@ -132,22 +131,24 @@ impl Pass<'_> {
         }
         let radii = view.iter().chain(source).map(|p| p.beta.length());
         let rule = self.rule(radii, false, self.digits);
-        for node in &rule {
-            let ring = ring_of_products(lobe, node.x, view, source, self.digits);
+        RingOfProducts::new(lobe, view, source, self.digits).at(&rule, |k, ring| {
             // The rule's weights hold the 2 pi that the ring has already.
-            let weight = (1.0 - s).powi(2) * 0.5 * node.weight * ring;
-            sum.add(&self.look_up(node.x), weight);
-        }
+            let weight = (1.0 - s).powi(2) * 0.5 * rule[k].weight * ring;
+            sum.add(&self.look_up(rule[k].x), weight);
+        });
         (sum.finish(self.table), rule.len())
     }
 }
+
+/// Radii closer than this are one.
+pub(super) const SAME_RADIUS: f64 = 1e-14;
 
 /// The distinct radii of a set of points and their weights.
 pub(super) fn merged_radii(points: &[Point]) -> Vec<(f64, f64)> {
     let mut radii: Vec<(f64, f64)> = Vec::with_capacity(points.len());
     for point in points {
         let radius = point.beta.length();
-        match radii.iter_mut().find(|r| (r.0 - radius).abs() <= 1e-14) {
+        match radii.iter_mut().find(|r| (r.0 - radius).abs() <= SAME_RADIUS) {
             Some(same) => same.1 += point.weight,
             None => radii.push((radius, point.weight)),
         }

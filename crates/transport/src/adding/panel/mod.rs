@@ -17,6 +17,7 @@ mod indices;
 mod lambertian;
 mod lobes;
 mod recycling;
+mod rings;
 
 use crate::{Cone, Estimate, Panel, Source, Top};
 

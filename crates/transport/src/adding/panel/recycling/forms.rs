@@ -5,7 +5,8 @@
 //! products of the terms ([`Products`]) depend on the pixel alone, the coefficients on views and
 //! lights: many values of both are one product of matrices.
 
-use crate::product::{add_product, product_of_columns};
+use super::values::Values;
+use crate::product::add_product;
 
 /// Which sequences of terms make the same product.
 #[derive(Debug, Clone)]
@@ -99,16 +100,9 @@ impl Products {
         if one_less {
             return add_product(forms, &self.less, kept, out);
         }
-        let mut first = 0;
-        let mut sum = vec![0.0; out.len()];
-        for (term, from) in self.terms.chunks_exact(columns.max(1)).zip(&self.from) {
-            let places = first..first + kept - from;
-            first = places.end;
-            product_of_columns((forms, count), places, &self.less[from * columns..], &mut sum);
-            for (out, sum) in out.chunks_exact_mut(columns).zip(sum.chunks_exact(columns)) {
-                out.iter_mut().zip(sum).zip(term).for_each(|((out, sum), term)| *out += sum * term);
-            }
-        }
+        let products = forms.len() / count.max(1);
+        let (terms, less, from) = (&self.terms[..], &self.less[..], &self.from[..]);
+        Values { forms, products, terms, less, from, columns, out }.add();
     }
 }
 

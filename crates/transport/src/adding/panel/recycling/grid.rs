@@ -7,9 +7,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use papilio_optics::lobe::Lobe;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::super::super::quadrature::{Node, Point, Pole, gauss, graded};
-use super::super::first_pass::Pass;
+use super::super::first_pass::{Pass, SAME_RADIUS, merged_radii};
 use super::super::lobes;
 use crate::Nodes;
 use crate::product::{add_product, add_transposed_product};
@@ -51,6 +52,18 @@ pub(super) struct Columns<'a> {
     pub(super) count: usize,
     pub(super) glass: &'a [f64],
     pub(super) air: &'a [f64],
+}
+
+/// Light that other light is to meet, in each azimuthal order.
+#[derive(Debug, Clone, Default)]
+pub(super) struct End {
+    width: usize,
+    /// `[order][air][width]`, where it is needed.
+    air: Vec<f64>,
+    /// If both pass once more: lifted to the glass's nodes, and, where light goes straight through, after
+    /// one lobe within air.
+    glass: Vec<f64>,
+    across: Vec<f64>,
 }
 
 impl Grid {
@@ -101,20 +114,23 @@ impl Grid {
 
     /// The lobes of a group of points that is symmetric about `azimuth`.
     pub(super) fn meridian(&self, points: &[Point], azimuth: f64) -> Meridian {
+        // Points of one radius have their lobes in common.
+        let mut rings: Vec<(f64, Vec<f64>)> =
+            merged_radii(points).iter().map(|ring| (ring.0, vec![0.0; self.orders])).collect();
+        for point in points {
+            let off = point.beta.y.atan2(point.beta.x) - azimuth;
+            let radius = point.beta.length();
+            if let Some(ring) = rings.iter_mut().find(|ring| (ring.0 - radius).abs() <= SAME_RADIUS) {
+                let turns = (0..self.orders).map(|m| (m as f64 * off).cos());
+                ring.1.iter_mut().zip(turns).for_each(|(sum, turn)| *sum += point.weight * turn);
+            }
+        }
         let lobes_at = |nodes: &[Node]| {
             let mut sum = vec![0.0; self.orders * nodes.len()];
-            for point in points {
-                let off = point.beta.y.atan2(point.beta.x) - azimuth;
-                lobes::orders_of_nodes(
-                    self.lobe,
-                    point.beta.length(),
-                    nodes,
-                    self.orders,
-                    |m, first, values| {
-                        let weight = point.weight * (m as f64 * off).cos();
-                        add_scaled(&mut sum[m * nodes.len() + first..], values, weight);
-                    },
-                );
+            for (radius, weights) in &rings {
+                lobes::orders_of_nodes(self.lobe, *radius, nodes, self.orders, |m, first, values| {
+                    add_scaled(&mut sum[m * nodes.len() + first..], values, weights[m]);
+                });
             }
             sum
         };
@@ -127,10 +143,10 @@ impl Grid {
     pub(super) fn scattered(&self, group: &Meridian, order: usize, r: Columns<'_>, own: &[f64]) -> Vec<f64> {
         let (n, s) = (r.count, self.straight);
         let glass = &group.glass[order * self.glass.len()..][..self.glass.len()];
-        let mut below = Vec::with_capacity(self.glass.len() * n);
-        for ((node, lobe), r) in self.glass.iter().zip(glass).zip(r.glass.chunks_exact(n)) {
+        let mut below = r.glass.to_vec();
+        for ((row, node), lobe) in below.chunks_exact_mut(n).zip(&self.glass).zip(glass) {
             let weight = (1.0 - s).powi(2) * node.weight * lobe;
-            below.extend(r.iter().map(|r| weight * r));
+            row.iter_mut().for_each(|value| *value *= weight);
         }
         let mut light = self.lower(order, &below, n);
         if s > 0.0 {
@@ -172,14 +188,64 @@ impl Grid {
         out
     }
 
+    /// Light of so many orders, to be met by other light: at once, or `passing` once more.
+    pub(super) fn end(&self, air: Vec<f64>, orders: usize, passing: bool) -> End {
+        let width = air.len() / (orders * self.air.len()).max(1);
+        if !passing {
+            return End { width, air, glass: Vec::new(), across: Vec::new() };
+        }
+        let each = |one: &dyn Fn(usize, &[f64]) -> Vec<f64>| {
+            let lights = air.chunks_exact(self.air.len() * width).enumerate();
+            lights.map(|(m, light)| one(m, light)).collect::<Vec<Vec<f64>>>().concat()
+        };
+        let glass = each(&|m, light| self.lift(m, light, width));
+        if self.straight == 0.0 {
+            return End { width, air: Vec::new(), glass, across: Vec::new() };
+        }
+        let across = each(&|m, light| self.across(m, light, width));
+        End { width, air, glass, across }
+    }
+
+    /// What comes of two lights that meet, summed over orders with these factors: shape `[one][other]`;
+    /// of lights that pass once more a form in the reflectance there too, `[column][one][other]`.
+    pub(super) fn form(&self, one: &End, other: &End, factors: &[f64], r: Option<Columns<'_>>) -> Vec<f64> {
+        let pairs = one.width * other.width;
+        let Some(r) = r else {
+            let (air, mut form) = (factors.len() * self.air.len(), vec![0.0; pairs]);
+            let mut weighted = other.air[..air * other.width].to_vec();
+            let weights = factors.iter().flat_map(|f| self.air.iter().map(move |node| f * node.weight));
+            for (row, weight) in weighted.chunks_exact_mut(other.width).zip(weights) {
+                row.iter_mut().for_each(|value| *value *= weight);
+            }
+            add_transposed_product(&one.air[..air * one.width], &weighted, air, &mut form);
+            return form;
+        };
+        let (s, mut form) = (self.straight, vec![0.0; r.count * pairs]);
+        let widths = [one.width, other.width];
+        let scatter = |of: [&[f64]; 2], nodes: &[Node], share: f64, sum: &mut [f64]| {
+            Pairs { of, widths, nodes, share, factors, sum }.add();
+        };
+        let mut sum = vec![0.0; self.glass.len() * pairs];
+        scatter([&one.glass, &other.glass], &self.glass, (1.0 - s).powi(2), &mut sum);
+        add_transposed_product(r.glass, &sum, self.glass.len(), &mut form);
+        if s > 0.0 {
+            let mut sum = vec![0.0; self.air.len() * pairs];
+            scatter([&one.air, &other.air], &self.air, s * s, &mut sum);
+            scatter([&one.across, &other.air], &self.air, s * (1.0 - s), &mut sum);
+            scatter([&one.air, &other.across], &self.air, s * (1.0 - s), &mut sum);
+            add_transposed_product(r.air, &sum, self.air.len(), &mut form);
+        }
+        form
+    }
+
     /// Diffuse light (`[air][column]`) after one meeting with the base: of what arrives, the share that
     /// `of_scattered` (at the glass's nodes) and `of_straight` (at the air's) tell.
     pub(super) fn diffuse(&self, r: Columns<'_>, of_scattered: &[f64], of_straight: &[f64]) -> Vec<f64> {
         let (n, s) = (r.count, self.straight);
-        let mut below = Vec::with_capacity(self.glass.len() * n);
-        for ((node, share), r) in self.glass.iter().zip(of_scattered).zip(r.glass.chunks_exact(n)) {
+        let mut below = r.glass.to_vec();
+        for ((row, node), share) in below.chunks_exact_mut(n).zip(&self.glass).zip(of_scattered) {
             let weight = (1.0 - s) * node.weight * share;
-            below.extend(r.iter().map(|r| weight * r));
+            row.iter_mut().for_each(|value| *value *= weight);
         }
         let mut light = self.lower(0, &below, n);
         if s > 0.0 {
@@ -190,17 +256,12 @@ impl Grid {
         light
     }
 
-    /// The integral over the air's disc of `light` (`[air][width]`) times `other` (`[air][n]`): `[width][n]`.
-    pub(super) fn product(&self, light: &[f64], other: &[f64], scale: f64, sum: &mut [f64]) {
-        add_transposed_product(&self.weighted(light, scale), other, self.air.len(), sum);
-    }
-
     /// Light at the air's nodes times their weights.
-    fn weighted(&self, light: &[f64], scale: f64) -> Vec<f64> {
+    fn weighted(&self, light: &[f64]) -> Vec<f64> {
         let mut light = light.to_vec();
         let width = light.len() / self.air.len();
         for (node, row) in self.air.iter().zip(light.chunks_exact_mut(width)) {
-            row.iter_mut().for_each(|value| *value *= scale * node.weight);
+            row.iter_mut().for_each(|value| *value *= node.weight);
         }
         light
     }
@@ -208,12 +269,7 @@ impl Grid {
     /// From the air's nodes to the glass's.
     fn lift(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.glass.len() * width];
-        add_transposed_product(
-            self.lobes_between(order),
-            &self.weighted(light, 1.0),
-            self.air.len(),
-            &mut out,
-        );
+        add_transposed_product(self.lobes_between(order), &self.weighted(light), self.air.len(), &mut out);
         out
     }
 
@@ -228,18 +284,55 @@ impl Grid {
     fn across(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
         let air = self.air.len();
         let mut out = vec![0.0; air * width];
-        add_product(
-            &self.within[order * air * air..][..air * air],
-            &self.weighted(light, 1.0),
-            air,
-            &mut out,
-        );
+        add_product(&self.within[order * air * air..][..air * air], &self.weighted(light), air, &mut out);
         out
     }
 
     fn lobes_between(&self, order: usize) -> &[f64] {
         let size = self.air.len() * self.glass.len();
         &self.between[order * size..][..size]
+    }
+}
+
+/// Products of two lights at each node, summed over azimuthal orders.
+struct Pairs<'a> {
+    /// `[order][node][width]`.
+    of: [&'a [f64]; 2],
+    widths: [usize; 2],
+    nodes: &'a [Node],
+    share: f64,
+    /// For each order.
+    factors: &'a [f64],
+    /// `[node][one][other]`.
+    sum: &'a mut [f64],
+}
+
+impl Pairs<'_> {
+    fn add(self) {
+        Arch::new().dispatch(self);
+    }
+}
+
+impl WithSimd for Pairs<'_> {
+    type Output = ();
+
+    // Plain loops, which the compiler spreads over the registers that there are.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { of: [one, other], widths: [left, right], nodes, share, factors, sum } = self;
+        for (number, (sum, node)) in sum.chunks_exact_mut(left * right).zip(nodes).enumerate() {
+            for (m, factor) in factors.iter().enumerate() {
+                let at = m * nodes.len() + number;
+                let (one, other) = (&one[at * left..][..left], &other[at * right..][..right]);
+                let weight = share * node.weight * factor;
+                for (sum, one) in sum.chunks_exact_mut(right).zip(one) {
+                    let one = weight * one;
+                    for (sum, other) in sum.iter_mut().zip(other) {
+                        *sum += one * other;
+                    }
+                }
+            }
+        }
     }
 }
 

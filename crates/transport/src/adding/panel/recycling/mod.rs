@@ -22,6 +22,7 @@
 mod forms;
 mod grid;
 mod spectra;
+mod values;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -33,7 +34,7 @@ use super::first_pass::{Pass, Weights};
 use crate::Nodes;
 use crate::angular::Stencil;
 use forms::Places;
-use grid::{Columns, Grid, Meridian, NARROW};
+use grid::{Columns, End, Grid, Meridian, NARROW};
 pub(super) use spectra::Reflectances;
 
 /// How far recycled light is followed.
@@ -189,9 +190,11 @@ struct Profile {
     /// `[glass][term]` and `[air][term]`.
     glass: Vec<f64>,
     air: Vec<f64>,
-    /// Diffuse light after one pass, and reflected by the base: `[air][term]`.
-    leaving: Vec<f64>,
-    reflected: Vec<f64>,
+    /// What a view's light is multiplied by: diffuse light after one pass, and reflected by the base,
+    /// for each term; and the share that arrives there.
+    leaving: End,
+    reflected: End,
+    arriving: End,
     /// Of forms of this order, and of one degree less.
     places: [Places; 2],
 }
@@ -202,10 +205,8 @@ pub(super) struct Group {
     azimuth: f64,
     /// Shared by groups that are this one at another azimuth.
     meridian: Arc<Meridian>,
-    /// For each order of the series and azimuth: scattered light at the air's nodes.
-    scattered: Arc<Vec<Vec<Vec<f64>>>>,
-    /// A view's, in all orders but the last pass.
-    chains: Arc<Vec<Vec<Vec<f64>>>>,
+    /// For each order of the series: a source's scattered light, and a view's after all passes but one.
+    light: Arc<Vec<End>>,
 }
 
 /// A group's direction itself, in columns `[state][wavelength]`; both empty where no light goes straight.
@@ -269,38 +270,34 @@ impl Recycling {
         let radius = axis.beta.length();
         let meridian = self.grid.meridian(points, azimuth);
         let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
-        let (mut all, mut chains) = (Vec::new(), Vec::new());
-        for (k, profile) in self.profiles.iter().enumerate() {
-            let own = profile.at(cosine);
-            let first = |m| self.grid.scattered(&meridian, m, profile.columns(), &own);
-            let scattered: Vec<Vec<f64>> = (0..self.plan.orders_of(k)).map(first).collect();
-            if is_view {
-                let mut chain = scattered.clone();
-                for (m, light) in chain.iter_mut().enumerate() {
-                    for _ in 0..k {
-                        *light = self.grid.pass(m, light, profile.columns(), false);
-                    }
-                }
-                chains.push(chain);
-            }
-            all.push(scattered);
-        }
-        Group { azimuth, meridian: meridian.into(), scattered: all.into(), chains: chains.into() }
+        let light = self.profiles.iter().enumerate().map(|(k, profile)| {
+            let (own, columns) = (profile.at(cosine), profile.columns());
+            let passes = if is_view { k.saturating_sub(1) } else { 0 };
+            let scattered = |m| {
+                let light = self.grid.scattered(&meridian, m, columns, &own);
+                (0..passes).fold(light, |light, _| self.grid.pass(m, &light, columns, false))
+            };
+            let orders = self.plan.orders_of(k);
+            let light: Vec<Vec<f64>> = (0..orders).map(scattered).collect();
+            self.grid.end(light.concat(), orders, k > 0)
+        });
+        Group { azimuth, light: Arc::new(light.collect()), meridian: meridian.into() }
     }
 
     /// `pi` times the recycled kernel between two groups.
     pub(super) fn between(&self, view: &Group, source: &Group) -> Forms {
         let turn = source.azimuth - view.azimuth;
         let form = |(k, profile): (usize, &Profile)| {
-            let n = profile.cosines.len();
-            let mut form = vec![0.0; n.pow(k as u32 + 2)];
-            for m in 0..self.plan.orders_of(k) {
-                let scale = PI * azimuth_factor(m, turn);
-                self.grid.product(&view.chains[k][m], &source.scattered[k][m], scale, &mut form);
-            }
-            profile.places[0].folded(&form)
+            let factors: Vec<f64> =
+                (0..self.plan.orders_of(k)).map(|m| PI * azimuth_factor(m, turn)).collect();
+            profile.places[0].folded(&self.form((k, profile), view, &source.light[k], &factors))
         };
         Forms(self.profiles.iter().enumerate().map(form).collect())
+    }
+
+    /// What of a view's light meets other light in order `k + 2` of the series.
+    fn form(&self, (k, profile): (usize, &Profile), view: &Group, other: &End, factors: &[f64]) -> Vec<f64> {
+        self.grid.form(&view.light[k], other, factors, (k > 0).then(|| profile.columns()))
     }
 
     /// What the second order lacks between two sets of points because the grid's lobe is wider than the
@@ -323,17 +320,15 @@ impl Recycling {
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {
-        let form = |k: usize, less: usize, other: &[f64]| {
+        let form = |k: usize, less: usize, end: fn(&Profile) -> &End| {
             let profile = &self.profiles[k];
-            let mut form = vec![0.0; profile.cosines.len().pow((k + 2 - less) as u32)];
-            self.grid.product(&view.chains[k][0], other, 1.0, &mut form);
-            profile.places[less].folded(&form)
+            profile.places[less].folded(&self.form((k, profile), view, end(profile), &[1.0]))
         };
         let all = |one: &dyn Fn(usize) -> Vec<f64>| Forms((0..self.profiles.len()).map(one).collect());
         OwnForms {
-            leaving: all(&|k| form(k, 0, &self.profiles[k].leaving)),
-            reflected: all(&|k| form(k, 0, &self.profiles[k].reflected)),
-            arriving: all(&|k| form(k, 1, &self.grid.arriving)),
+            leaving: all(&|k| form(k, 0, |profile| &profile.leaving)),
+            reflected: all(&|k| form(k, 0, |profile| &profile.reflected)),
+            arriving: all(&|k| form(k, 1, |profile| &profile.arriving)),
         }
     }
 }
@@ -360,8 +355,9 @@ impl Profile {
             terms: vec![],
             glass: vec![],
             air: vec![],
-            leaving: vec![],
-            reflected: vec![],
+            leaving: End::default(),
+            reflected: End::default(),
+            arriving: grid.end(grid.arriving.clone(), 1, degree > 2),
             places: [degree, degree - 1].map(|degree| Places::new(count, degree)),
         };
         profile.terms = if fitted { profile.fit(pass, from, &points) } else { profile.look_ups(pass) };
@@ -372,7 +368,9 @@ impl Profile {
         let columns = Columns { count, glass: &glass, air: &air };
         let leaving = grid.diffuse(columns, &grid.leaving, &grid.leaving_straight);
         let reflected = grid.diffuse(columns, &vec![1.0; grid.glass.len()], &vec![1.0; grid.air.len()]);
-        (profile.glass, profile.air, profile.leaving, profile.reflected) = (glass, air, leaving, reflected);
+        [profile.leaving, profile.reflected] =
+            [leaving, reflected].map(|light| grid.end(light, 1, degree > 2));
+        (profile.glass, profile.air) = (glass, air);
         profile
     }
 

@@ -1,0 +1,236 @@
+//! Products of two sums of lobes, over all azimuths of a circle.
+
+use std::f64::consts::PI;
+
+use papilio_optics::lobe::Lobe;
+
+use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
+use super::first_pass::SAME_RADIUS;
+use super::lobes::{LANES, side_by_side};
+
+/// Sums of more orders than these take longer than panels around the lobes.
+const MOST_ORDERS: usize = 300;
+
+/// The integral over azimuth of the product of two sums of lobes, at any radius.
+///
+/// By Parseval's theorem it is a sum over Fourier orders, which needs but half of those that either
+/// of its factors has.
+pub(super) struct RingOfProducts<'a> {
+    lobe: Lobe,
+    digits: f64,
+    points: [&'a [Point]; 2],
+    rings: [Rings; 2],
+}
+
+impl<'a> RingOfProducts<'a> {
+    pub(super) fn new(lobe: Lobe, one: &'a [Point], other: &'a [Point], digits: f64) -> Self {
+        let points = [one, other];
+        Self { lobe, digits, points, rings: points.map(Rings::new) }
+    }
+
+    /// At each of the nodes: `each` gets its number and the integral there.
+    pub(super) fn at(&mut self, nodes: &[Node], mut each: impl FnMut(usize, f64)) {
+        let Lobe::KCorrelation { width } = self.lobe else {
+            let [one, other] = self.points.map(|points| points.iter().map(|p| p.weight).sum::<f64>());
+            let ring = |node: &Node| if node.x <= 1.0 { 2.0 / PI * one * other } else { 0.0 };
+            return nodes.iter().enumerate().for_each(|(k, node)| each(k, ring(node)));
+        };
+        let mut sums = [Vec::new(), Vec::new()];
+        for (number, nodes) in nodes.chunks(LANES).enumerate() {
+            let radii: [f64; LANES] = std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x);
+            let found = match self.orders(width, &radii) {
+                Some(orders) => self.by_orders(width, &radii, orders, &mut sums),
+                None => radii.map(|radius| by_panels(width, radius, self.points, self.digits)),
+            };
+            (0..nodes.len()).for_each(|k| each(number * LANES + k, found[k]));
+        }
+    }
+
+    /// How many orders the product needs, and from which on each factor's are to be made; `None`
+    /// if they are too many.
+    fn orders(&self, width: f64, radii: &[f64; LANES]) -> Option<(usize, [usize; 2])> {
+        let least = self.rings.each_ref().map(|rings| rings.least_excess(width, radii));
+        // A lobe's poles in azimuth lie at its own azimuth, so far off the real line: its orders
+        // fall off as `exp(-off m)`.
+        let off = least.map(|excess| 2.0 * (0.5 * excess).sqrt().asinh());
+        // Of lobes that do not meet the product is so much smaller than its orders.
+        let cancelled = 1.5 * (2.0 / least[0].max(least[1])).ln_1p();
+        let digits = self.digits + MULTIPLE_POLES + cancelled;
+        let count = (digits / (off[0] + off[1])).ceil() + 2.0;
+        // What a recurrence begins with is forgotten at twice that pace.
+        let from = off.map(|off| (0.5 * digits / off).ceil().max(count + 8.0));
+        let fits = from[0].max(from[1]) <= MOST_ORDERS as f64;
+        fits.then(|| (count as usize, from.map(|from| from as usize)))
+    }
+
+    fn by_orders(
+        &mut self,
+        width: f64,
+        radii: &[f64; LANES],
+        (count, from): (usize, [usize; 2]),
+        sums: &mut [Vec<Turning>; 2],
+    ) -> [f64; LANES] {
+        for ((rings, sums), from) in self.rings.iter_mut().zip(&mut *sums).zip(from) {
+            rings.sum(width, radii, (count, from), sums);
+        }
+        let mut product = [0.0; LANES];
+        for (m, (one, other)) in sums[0].iter().zip(&sums[1]).enumerate() {
+            let both_signs = if m == 0 { 1.0 } else { 2.0 };
+            for (k, product) in product.iter_mut().enumerate() {
+                *product += both_signs * (one.cos[k] * other.cos[k] + one.sin[k] * other.sin[k]);
+            }
+        }
+        product.map(|product| 2.0 * PI * product)
+    }
+}
+
+/// One Fourier order at several radii.
+#[derive(Clone, Copy)]
+struct Turning {
+    cos: [f64; LANES],
+    sin: [f64; LANES],
+}
+
+/// Points by their distinct radii.
+struct Rings {
+    radii: Vec<f64>,
+    points: Vec<OnRing>,
+    /// For each order and radius the sum of weights times `exp(i m phi)`, as far as they are known.
+    turns: Vec<[f64; 2]>,
+}
+
+/// A point on a ring of this number: `exp(i phi)`, and weight times `exp(i m phi)` of the next order.
+struct OnRing {
+    ring: usize,
+    turn: [f64; 2],
+    next: [f64; 2],
+}
+
+impl Rings {
+    fn new(points: &[Point]) -> Self {
+        let mut radii: Vec<f64> = Vec::new();
+        let points = points.iter().map(|point| {
+            let radius = point.beta.length();
+            let ring = radii.iter().position(|r| (r - radius).abs() <= SAME_RADIUS).unwrap_or_else(|| {
+                radii.push(radius);
+                radii.len() - 1
+            });
+            let turn = if radius > 0.0 { [point.beta.x / radius, point.beta.y / radius] } else { [1.0, 0.0] };
+            OnRing { ring, turn, next: [point.weight, 0.0] }
+        });
+        let points = points.collect();
+        Self { radii, points, turns: Vec::new() }
+    }
+
+    /// How far the cosine of the nearest pole in azimuth is above 1.
+    fn least_excess(&self, width: f64, radii: &[f64; LANES]) -> f64 {
+        let mut least = f64::INFINITY;
+        for r in &self.radii {
+            for radius in radii {
+                let excess = ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300);
+                least = if excess < least { excess } else { least };
+            }
+        }
+        least
+    }
+
+    fn turns_to(&mut self, count: usize) {
+        for m in self.turns.len() / self.radii.len().max(1)..count {
+            let start = m * self.radii.len();
+            self.turns.resize(start + self.radii.len(), [0.0; 2]);
+            for OnRing { ring, turn, next } in &mut self.points {
+                let [cos, sin] = *turn;
+                let sum = &mut self.turns[start + *ring];
+                *sum = [sum[0] + next[0], sum[1] + next[1]];
+                *next = [next[0] * cos - next[1] * sin, next[0] * sin + next[1] * cos];
+            }
+        }
+    }
+
+    /// The first `count` orders of the sum of lobes.
+    fn sum(
+        &mut self,
+        width: f64,
+        radii: &[f64; LANES],
+        (count, from): (usize, usize),
+        sums: &mut Vec<Turning>,
+    ) {
+        self.turns_to(count);
+        sums.clear();
+        sums.resize(count, Turning { cos: [0.0; LANES], sin: [0.0; LANES] });
+        for (ring, r) in self.radii.iter().enumerate() {
+            side_by_side(width, *r, *radii, (count, Some(from)), |m, order| {
+                let [cos, sin] = self.turns[m * self.radii.len() + ring];
+                let sum = &mut sums[m];
+                for (k, order) in order.into_iter().enumerate() {
+                    sum.cos[k] += cos * order;
+                    sum.sin[k] += sin * order;
+                }
+            });
+        }
+    }
+}
+
+/// The integral at one radius by panels around the lobes.
+fn by_panels(width: f64, radius: f64, points: [&[Point]; 2], digits: f64) -> f64 {
+    let excess = |point: &Point| {
+        let r = point.beta.length();
+        ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300)
+    };
+    let off = |excess: f64| 2.0 * (0.5 * excess).sqrt().asinh();
+    let azimuth = |point: &Point| point.beta.y.atan2(point.beta.x);
+    let mut poles: Vec<Pole> = Vec::new();
+    for point in points.into_iter().flatten() {
+        for turn in [-2.0 * PI, 0.0, 2.0 * PI] {
+            let pole = Pole { at: azimuth(point) + turn, off: off(excess(point)) };
+            let sharper = |p: &Pole| p.off <= pole.off && (p.at - pole.at).abs() < 0.25 * p.off;
+            if !poles.iter().any(sharper) {
+                poles.push(pole);
+            }
+        }
+    }
+    let value = |node: &Node| {
+        let (sin, cos) = node.x.sin_cos();
+        let (x, y) = (radius * cos, radius * sin);
+        node.weight * lobes(width, x, y, points[0]) * lobes(width, x, y, points[1])
+    };
+    (width / (2.0 * PI)).powi(2) * graded(-PI, PI, &[], &poles, digits).iter().map(value).sum::<f64>()
+}
+
+/// The weighted sum of lobes at a point, but for the factor `b / (2 pi)`.
+#[inline]
+fn lobes(width: f64, x: f64, y: f64, points: &[Point]) -> f64 {
+    let mut sum = 0.0;
+    for point in points {
+        let s = width * width + (x - point.beta.x).powi(2) + (y - point.beta.y).powi(2);
+        sum += point.weight / (s * s.sqrt());
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_optics::Beta;
+
+    /// Both ways of summing over azimuth agree, for lobes down to a width of 1e-4.
+    #[test]
+    fn products_of_narrow_lobes() {
+        let point = |x, y| vec![Point { beta: Beta { x, y }, weight: 1.0 }];
+        let (one, other) = (point(0.3, 0.02), point(-0.1, 0.29));
+        for width in [1e-4, 3e-3, 0.05] {
+            let lobe = Lobe::KCorrelation { width };
+            let mut found = 0.0;
+            let node = Node { x: 0.3, weight: 1.0 };
+            RingOfProducts::new(lobe, &one, &other, 23.0).at(&[node], |_, ring| found = ring);
+            let steps = 400_000;
+            let term = |k: i32| {
+                let phi = 2.0 * PI * f64::from(k) / f64::from(steps);
+                let at = Beta { x: 0.3 * phi.cos(), y: 0.3 * phi.sin() };
+                lobe.density(one[0].beta, at) * lobe.density(other[0].beta, at)
+            };
+            let truth = (0..steps).map(term).sum::<f64>() * 2.0 * PI / f64::from(steps);
+            assert!((found / truth - 1.0).abs() < 1e-8, "{width}: {found} {truth}");
+        }
+    }
+}
