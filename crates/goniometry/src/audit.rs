@@ -75,7 +75,7 @@ impl Audit {
     /// Of one channel, by its number. A part on another geometry than a specular-centred grid is read on one
     /// first, and its cells are those of that grid; `None` for listed pairs.
     pub fn of(part: &Part, channel: usize) -> Option<Self> {
-        let (grid, values) = &on_specular_grid(part, channel)?;
+        let (grid, values) = &on_specular_grid(part, &[channel])?;
         let shape = Shape::of_grid(grid, values, Fill::None);
         let filled = Shape::of_grid(grid, values, Fill::Tail);
         let incidence = |k: usize| Incidence {

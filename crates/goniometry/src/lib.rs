@@ -61,5 +61,5 @@ pub use instrument::{
 pub use kernel::{Changes, Lamination, Preparation, kernel};
 pub use measurement::{Channel, Measurement, Part, Provenance, Way};
 pub use models::{Kind, Meaning, Model, Normalisation};
-pub use shape::{Fill, Shape};
+pub use shape::{Fill, Shape, on_specular_grid};
 pub use two_instruments::incidence_scale;

@@ -123,11 +123,13 @@ impl Part {
         &self.values[channel * cells..][..cells]
     }
 
-    /// The number of the luminous channel: Y, monochrome or green, or the wavelength closest to 555 nm.
+    /// The number of the luminous channel: monochrome, else Y, else green, else the wavelength closest to 555 nm.
     pub fn luminous(&self) -> usize {
         let off = |channel: &Channel| match channel {
-            Channel::Y | Channel::Monochrome | Channel::Green => 0.0,
-            Channel::Wavelength(nm) => (nm - 555.0).abs(),
+            Channel::Monochrome => 0.0,
+            Channel::Y => 1.0,
+            Channel::Green => 2.0,
+            Channel::Wavelength(nm) => 3.0 + (nm - 555.0).abs(),
             _ => f64::INFINITY,
         };
         let channels = 0..self.channels.len();

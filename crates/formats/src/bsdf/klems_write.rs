@@ -1,10 +1,12 @@
 //! Writes Klems matrices as XML: patches are copied, grids averaged over the patches of the full basis.
 
+use std::collections::HashMap;
 use std::io::Write;
 
-use papilio_goniometry::{Channel, Direction, Geometry, KLEMS_FULL, Measurement, Part, Ring, patch_count};
+use papilio_goniometry::{
+    Channel, Direction, Geometry, KLEMS_FULL, Measurement, Part, Ring, Symmetry, patch_count,
+};
 
-use super::resample::{choose_single, covers};
 use super::window::{BASES, CHANNELS, KLEMS, WAYS};
 use super::write::{Number, WriteError, lost_media, one_line};
 
@@ -55,7 +57,7 @@ impl<'a> Averaged<'a> {
             }
             return Ok(Self { part, channels, incoming, outgoing, values });
         }
-        if !covers(&part.geometry) {
+        if let Geometry::Pairs(_) = part.geometry {
             return Err(WriteError::CannotHold { format: KLEMS, what: "single pairs of directions" });
         }
         lost.push(format!("{} is averaged over the patches of the full Klems basis", part.way.name()));
@@ -85,8 +87,10 @@ fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<(Vec<Channel>,
         chosen.retain(|(channel, _)| *channel != Channel::Monochrome);
     }
     if chosen.is_empty() {
-        let only = choose_single(part);
-        let only = only.ok_or(WriteError::CannotHold { format: KLEMS, what: "a part without channels" })?;
+        if part.channels.is_empty() {
+            return Err(WriteError::CannotHold { format: KLEMS, what: "a part without channels" });
+        }
+        let only = part.luminous();
         lost.push(format!("the channel {} is written as the visible spectrum", part.channels[only]));
         chosen.push((Channel::Monochrome, only));
     }
@@ -105,18 +109,24 @@ const POINTS_OUT: [usize; 2] = [6, 6];
 
 /// Mean f of each pair of patches, weighted with both cosines.
 fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
-    let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| points(&KLEMS_FULL, counts));
+    let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| patches(&KLEMS_FULL, counts));
+    let mean = |light: &Patch, viewer: &Patch| {
+        let lights = light.points.iter().map(|light| light.specular());
+        let pairs = lights.flat_map(|i| viewer.points.iter().map(move |o| (i, *o)));
+        let (sum, count) = pairs
+            .filter_map(|(i, o)| part.evaluate(channel, i, o))
+            .fold((0.0, 0.0), |(sum, count), f| (sum + f, count + 1.0));
+        (count > 0.0).then(|| sum / count)
+    };
+    let mut known = HashMap::new();
     let mut empty = false;
     let mut values = Vec::with_capacity(from.len() * to.len());
-    for lights in &from {
-        let lights: Vec<Direction> = lights.iter().map(|light| light.specular()).collect();
-        for viewers in &to {
-            let pairs = lights.iter().flat_map(|i| viewers.iter().map(move |o| (*i, *o)));
-            let (sum, count) = pairs
-                .filter_map(|(i, o)| part.evaluate(channel, i, o))
-                .fold((0.0, 0.0), |(sum, count), f| (sum + f, count + 1.0));
-            empty |= count == 0.0;
-            values.push(if count > 0.0 { sum / count } else { 0.0 });
+    for light in &from {
+        for viewer in &to {
+            let alike = light.alike(viewer, &part.geometry);
+            let f: &mut Option<f64> = known.entry(alike).or_insert_with(|| mean(light, viewer));
+            empty |= f.is_none();
+            values.push(f.unwrap_or(0.0));
         }
     }
     if empty && !lost.iter().any(|line| line == UNMEASURED) {
@@ -125,20 +135,45 @@ fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
     values
 }
 
-/// Points of each patch that share its projected solid angle evenly.
-fn points(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Vec<Direction>> {
+/// A patch of a basis.
+struct Patch {
+    /// Its ring, its number there, and how many there are.
+    ring: usize,
+    number: usize,
+    count: usize,
+    /// Points that share its projected solid angle evenly.
+    points: Vec<Direction>,
+}
+
+impl Patch {
+    /// What tells pairs of patches apart: two pairs that are alike have one mean. Where the sample is isotropic they are if their rings and
+    /// the turn between them are the same, which is counted in parts of 360 deg that both rings have.
+    fn alike(&self, viewer: &Self, geometry: &Geometry) -> [usize; 4] {
+        if !geometry.is_isotropic() {
+            return [self.ring, self.number, viewer.ring, viewer.number];
+        }
+        let parts = self.count * viewer.count;
+        let turn = (viewer.number * self.count + parts - self.number * viewer.count) % parts;
+        let mirrored = matches!(geometry, Geometry::Specular(grid) if grid.symmetry == Symmetry::Plane);
+        [self.ring, viewer.ring, if mirrored { turn.min(parts - turn) } else { turn }, 0]
+    }
+}
+
+/// The patches of a basis, with so many points along theta and around.
+fn patches(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Patch> {
     let mut patches = Vec::with_capacity(patch_count(rings));
     for (k, ring) in rings.iter().enumerate() {
         let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
         let [low, high] = [ring.from_deg, to_deg].map(|theta| theta.to_radians().sin().powi(2));
-        for patch in 0..ring.patches {
+        for number in 0..ring.patches {
             let point = |at: usize| {
                 let share = (at / around) as f64 + 0.5;
                 let sin2 = low + (high - low) * share / along as f64;
-                let turn = patch as f64 - 0.5 + ((at % around) as f64 + 0.5) / around as f64;
+                let turn = number as f64 - 0.5 + ((at % around) as f64 + 0.5) / around as f64;
                 Direction::new(sin2.sqrt().asin().to_degrees(), 360.0 * turn / ring.patches as f64)
             };
-            patches.push((0..along * around).map(point).collect());
+            let points = (0..along * around).map(point).collect();
+            patches.push(Patch { ring: k, number, count: ring.patches, points });
         }
     }
     patches

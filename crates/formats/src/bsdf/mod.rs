@@ -15,7 +15,6 @@ mod papilio_write;
 mod problem;
 mod radiant_read;
 mod radiant_write;
-mod resample;
 mod rgl;
 mod table_read;
 mod table_write;

@@ -2,10 +2,11 @@
 
 use std::io::Write;
 
-use papilio_goniometry::{Channel, Geometry, Measurement, Part, SpecularGrid, Symmetry, Way};
+use papilio_goniometry::{
+    Channel, Fill, Geometry, Measurement, Part, Shape, SpecularGrid, Symmetry, Way, on_specular_grid,
+};
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
-use super::resample::{choose_single, covers, on_specular_grid};
 use super::write::{Number, WriteError, lost_media, one_line};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
@@ -42,18 +43,26 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     Ok(lost)
 }
 
-/// A part on the grid that the dissertation's instrument has.
+/// A part on a grid as imaging spheres have it, with its own totals.
 fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) -> Result<Part, WriteError> {
-    if !covers(&part.geometry) {
-        return Err(WriteError::CannotHold { format: NAME, what: "single pairs of directions" });
-    }
+    let (names, numbers): (Vec<Channel>, Vec<usize>) = channels.iter().copied().unzip();
+    let (grid, values) = on_specular_grid(part, &numbers)
+        .ok_or(WriteError::CannotHold { format: NAME, what: "single pairs of directions, or no light" })?;
     lost.push(
-        "the values are interpolated for light from azimuth 180 deg, at azimuths by 10 deg and radial distances by 2 deg (and \
-         incidences 0 to 75 by 5 deg, where the cells have none of their own); TIS is their integral"
-            .to_owned(),
+        match part.geometry {
+            Geometry::Pairs(_) => "TIS is the integral of the values",
+            _ => {
+                "the values are interpolated for light from one azimuth, at azimuths by 10 deg and radial distances by 0.5 to 2 deg                  (and incidences 0 to 85 by 5 deg, where the cells have none of their own); TIS is their integral"
+            }
+        }
+        .to_owned(),
     );
-    let numbers: Vec<usize> = channels.iter().map(|(_, number)| *number).collect();
-    Ok(on_specular_grid(part, &numbers))
+    let mut tis = Vec::new();
+    for channel in values.chunks_exact(grid.cells()) {
+        let shape = Shape::of_grid(&grid, channel, Fill::None);
+        tis.extend((0..grid.incidences_deg.len()).map(|k| shape.total(k)));
+    }
+    Ok(Part { way: part.way, channels: names, geometry: Geometry::Specular(grid), values, tis })
 }
 
 /// The one way that the file will hold.
@@ -74,8 +83,10 @@ fn choose_part<'a>(measurement: &'a Measurement, lost: &mut Vec<String>) -> Resu
 fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, usize)>, WriteError> {
     let at = |channel| part.channels.iter().position(|c| *c == channel).map(|k| (channel, k));
     let xyz: Option<Vec<_>> = [Channel::X, Channel::Y, Channel::Z].into_iter().map(at).collect();
-    let chosen = xyz.or_else(|| Some(vec![(Channel::Monochrome, choose_single(part)?)]));
-    let chosen = chosen.ok_or(WriteError::CannotHold { format: NAME, what: "a part without channels" })?;
+    if part.channels.is_empty() {
+        return Err(WriteError::CannotHold { format: NAME, what: "a part without channels" });
+    }
+    let chosen = xyz.unwrap_or_else(|| vec![(Channel::Monochrome, part.luminous())]);
     for (k, channel) in part.channels.iter().enumerate() {
         if !chosen.iter().any(|(_, number)| *number == k) {
             lost.push(format!("the channel {channel} is left out"));

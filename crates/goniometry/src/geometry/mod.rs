@@ -62,6 +62,18 @@ impl Geometry {
         }
     }
 
+    /// Whether all azimuths of the light are alike: turning light and viewer together changes nothing.
+    pub fn is_isotropic(&self) -> bool {
+        match self {
+            Self::Specular(grid) => grid.rotations_deg.len() == 1,
+            Self::Spherical(grid) => grid.phi_i_deg.len() == 1,
+            Self::HalfAngle(_) => true,
+            Self::Tree(tree) => tree.rank() == 3,
+            Self::Warped(grid) => grid.is_isotropic(),
+            Self::Pairs(_) | Self::Patches { .. } => false,
+        }
+    }
+
     /// Where the middle of a cell lies: the directions of light and viewer; `None` if it is outside the
     /// hemisphere, and for warped grids.
     pub fn directions(&self, cell: usize) -> Option<[Direction; 2]> {

@@ -54,9 +54,15 @@ impl SphericalGrid {
     /// The viewer's azimuth less the light's, on the axis of a grid whose light has azimuth `only`.
     fn relative(&self, dphi_deg: f64, only: f64) -> Option<Weights> {
         let axis: Vec<f64> = self.phi_o_deg.iter().map(|phi| phi - only).collect();
-        let (first, last) = (*axis.first()?, *axis.last()?);
-        let is_half = axis.len() > 1 && first >= 0.0 && last <= 180.0;
-        if is_half { mirrored(&axis, dphi_deg) } else { around(&axis, dphi_deg) }
+        if self.is_half() { mirrored(&axis, dphi_deg) } else { around(&axis, dphi_deg) }
+    }
+
+    /// Whether the viewer's azimuths are those of one side of the plane of incidence, and stand for both.
+    pub(crate) fn is_half(&self) -> bool {
+        match (&self.phi_i_deg[..], &self.phi_o_deg[..]) {
+            ([light], [first, .., last]) => first - light >= 0.0 && last - light <= 180.0,
+            _ => false,
+        }
     }
 
     fn mean(&self, values: &[f64], weights: [Weights; 4]) -> Option<f64> {

@@ -77,7 +77,7 @@ impl WarpedGrid {
         self.fields.phi_i.len() * self.fields.theta_i.len() * rows * columns
     }
 
-    fn is_isotropic(&self) -> bool {
+    pub(super) fn is_isotropic(&self) -> bool {
         self.fields.phi_i.len() <= 2
     }
 

@@ -19,6 +19,7 @@
 
 mod line;
 mod resample;
+mod spherical;
 
 use std::f64::consts::PI;
 
@@ -26,7 +27,7 @@ use papilio_optics::Beta;
 
 use crate::{Direction, Part, SpecularGrid, Symmetry};
 use line::Line;
-pub(crate) use resample::on_specular_grid;
+pub use resample::on_specular_grid;
 
 /// Widths w that are tried, in direction cosines.
 const WIDTHS: [f64; 2] = [1e-3, 10.0];
@@ -88,7 +89,7 @@ impl Shape {
     /// The shape of one channel, by its number. A part on another geometry than a specular-centred grid is read on one
     /// first; `None` for listed pairs, and where nothing was measured.
     pub fn of_part(part: &Part, channel: usize, fill: Fill) -> Option<Self> {
-        let (grid, values) = on_specular_grid(part, channel)?;
+        let (grid, values) = on_specular_grid(part, &[channel])?;
         Some(Self::of_grid(&grid, &values, fill))
     }
 

@@ -1,0 +1,57 @@
+//! A grid of inclinations read smoothly between the viewer's directions.
+
+use super::line::Line;
+use crate::{Direction, SphericalGrid};
+
+/// One channel's values on a grid of inclinations and azimuths: of their logarithm, cubically in the viewer's azimuth and then in
+/// the inclination, next to zeros linearly ([`Line`]). For light from the grid's own inclinations and its first azimuth.
+pub(super) struct Smooth<'a> {
+    grid: &'a SphericalGrid,
+    values: &'a [f64],
+    /// Azimuths from the light's, degrees, rising, and their places on the grid's axis: a little more than one turn.
+    azimuths: Vec<(f64, usize)>,
+    /// One half stands for both.
+    mirrored: bool,
+}
+
+impl<'a> Smooth<'a> {
+    pub(super) fn new(grid: &'a SphericalGrid, values: &'a [f64]) -> Self {
+        let light = grid.phi_i_deg.first().copied().unwrap_or(0.0);
+        let axis: Vec<(f64, usize)> =
+            grid.phi_o_deg.iter().enumerate().map(|(place, phi)| (phi - light, place)).collect();
+        let mirrored = grid.is_half();
+        let copy = |sign: f64, turn: f64| axis.iter().map(move |(phi, place)| (sign * phi + turn, *place));
+        let mut azimuths: Vec<(f64, usize)> = if mirrored {
+            copy(1.0, 0.0).chain(copy(-1.0, 0.0)).chain(copy(-1.0, 360.0)).collect()
+        } else {
+            copy(1.0, 0.0).chain(copy(1.0, -360.0)).chain(copy(1.0, 360.0)).collect()
+        };
+        azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
+        azimuths.dedup_by(|b, a| b.0 - a.0 < 1e-9);
+        Self { grid, values, azimuths, mirrored }
+    }
+
+    /// f of light from one of the grid's inclinations, by its number, towards `o`, which is between the grid's.
+    pub(super) fn value(&self, theta_i: usize, o: Direction) -> f64 {
+        let light = self.grid.phi_i_deg.first().copied().unwrap_or(0.0);
+        let turned = (o.phi_deg - light).rem_euclid(360.0);
+        let phi = if self.mirrored { turned.min(360.0 - turned) } else { turned };
+        let azimuths = &self.azimuths[around(&self.azimuths, |(known, _)| *known <= phi)];
+        let angles: Vec<f64> = azimuths.iter().map(|(angle, _)| *angle).collect();
+        let thetas = around(&self.grid.theta_o_deg, |known| *known <= o.theta_deg);
+        let first = theta_i * self.grid.phi_i_deg.len() * self.grid.theta_o_deg.len();
+        let ring = |theta_o: usize| {
+            let cell = (first + theta_o) * self.grid.phi_o_deg.len();
+            let values: Vec<f64> = azimuths.iter().map(|(_, place)| self.values[cell + place]).collect();
+            Line::new(angles.clone(), &values).value(phi)
+        };
+        let rings: Vec<f64> = thetas.clone().map(ring).collect();
+        Line::new(self.grid.theta_o_deg[thetas].to_vec(), &rings).value(o.theta_deg)
+    }
+}
+
+/// The two places before and the two after where an ascending axis is no longer below; fewer at its ends.
+fn around<T>(axis: &[T], below: impl FnMut(&T) -> bool) -> std::ops::Range<usize> {
+    let upper = axis.partition_point(below);
+    upper.saturating_sub(2)..(upper + 2).min(axis.len())
+}
