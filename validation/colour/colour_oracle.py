@@ -10,8 +10,6 @@ under a CIE illuminant, 380 to 780 nm at 1 nm, 1931 2 degree observer: X, Y, Z
 differences.csv: pairs of L*a*b* and their CIEDE2000 difference.
 """
 
-import argparse
-import csv
 import pathlib
 import sys
 import warnings
@@ -21,7 +19,11 @@ warnings.filterwarnings("ignore")
 import colour  # noqa: E402
 import numpy as np  # noqa: E402
 
-HERE = pathlib.Path(__file__).parent
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+
+import oracle  # noqa: E402
+
 NM = colour.SpectralShape(380, 780, 1)
 OBSERVER = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(NM).values
 LIGHTS = ["E", "D65", "D50", "A", "LED-B1", "LED-B5", "LED-BH1", "LED-V1"]
@@ -69,39 +71,10 @@ def differences():
         yield [*one.tolist(), *two.tolist(), repr(float(colour.delta_E(one, two, method="CIE 2000")))]
 
 
-def same(ours, committed):
-    if len(ours) != len(committed):
-        return False
-    for a, b in zip(ours, committed):
-        for x, y in zip(a, b):
-            try:
-                if abs(float(x) - float(y)) > 1e-9 * max(1.0, abs(float(y))):
-                    return False
-            except ValueError:
-                if str(x) != y:
-                    return False
-    return True
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    mode = parser.add_mutually_exclusive_group(required=True)
-    mode.add_argument("--write", action="store_true")
-    mode.add_argument("--check", action="store_true")
-    args = parser.parse_args()
-    fine = True
-    for name, rows in (("surfaces.csv", list(surfaces())), ("differences.csv", list(differences()))):
-        path = HERE / name
-        if args.write:
-            with path.open("w", newline="") as file:
-                csv.writer(file, lineterminator="\n").writerows(rows)
-            continue
-        with path.open(newline="") as file:
-            equal = same(rows, list(csv.reader(file)))
-        print(f"{name}: {'as committed' if equal else 'differs'}")
-        fine &= equal
-    sys.exit(0 if fine else 1)
+def tables():
+    yield "surfaces.csv", list(surfaces()), 1e-9
+    yield "differences.csv", list(differences()), 1e-9
 
 
 if __name__ == "__main__":
-    main()
+    oracle.main(__doc__, HERE, tables(), least=1.0)

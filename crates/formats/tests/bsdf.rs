@@ -25,7 +25,7 @@ mod window;
 use papilio_formats::{
     BsdfFormat, BsdfProblem, DataFile, FormatError, Problem, read_bsdf, write_measurement,
 };
-use papilio_goniometry::{Measurement, Part};
+use papilio_goniometry::Measurement;
 
 fn file(bytes: impl AsRef<[u8]>) -> DataFile {
     DataFile { name: "sample".to_owned(), bytes: bytes.as_ref().to_vec() }
@@ -53,8 +53,4 @@ fn written(format: BsdfFormat, measurement: &Measurement) -> (Vec<u8>, Vec<Strin
     let mut bytes = Vec::new();
     let lost = write_measurement(&mut bytes, format, measurement).unwrap();
     (bytes, lost)
-}
-
-fn value(part: &Part, channel: usize, cell: usize) -> f64 {
-    part.channel(channel)[cell]
 }

@@ -4,15 +4,11 @@ mod common;
 #[path = "common/layers.rs"]
 mod layers;
 
-use std::cell::RefCell;
-use std::collections::HashMap;
-
 use common::*;
 use layers::*;
 use papilio_optics::film::{Coating, SpectralLayer, Thickness};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
-use papilio_sampling::Sampler;
 use papilio_spectra::Spectrum;
 use papilio_transport::adding::{Kernel, MOST_NODES, nodes_needed};
 use papilio_transport::{
@@ -295,19 +291,7 @@ fn the_walk_agrees() {
         ),
         ("negative", stack([(Interface::Fresnel, slab(2.0, -0.6, 0.9, 1.4))], lambertian(0.9))),
     ];
-    let sources = [Source::Diffuse, beam(-25.0, 0.0), Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0))];
     for (name, stack) in stacks {
-        let eye = Cone::new(12.0, 0.0, 0.5, 1.0);
-        let truth = estimate(2, &stack, eye, &sources);
-        let runs = RefCell::new(HashMap::new());
-        for source in 0..sources.len() {
-            assert_unbiased(&format!("{name}, source {source}"), rho(&truth, source), 0.1, |seed| {
-                let mut runs = runs.borrow_mut();
-                let estimates = runs
-                    .entry(seed)
-                    .or_insert_with(|| replicates_of(&stack, eye, &sources, seed, 64, Sampler::Sobol));
-                mean_and_error(estimates.iter().map(|estimate| rho(estimate, source)))
-            });
-        }
+        assert_the_walk_agrees(name, &stack, 1, 64);
     }
 }

@@ -6,8 +6,6 @@ mod common;
 #[path = "common/layers.rs"]
 mod layers;
 
-use std::cell::RefCell;
-use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use common::*;
@@ -15,7 +13,6 @@ use layers::*;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::scatter::{Normalisation, Scatter, Table, Ward};
-use papilio_sampling::Sampler;
 use papilio_transport::{
     Base, Cone, Estimate, Interface, Reflector, ScatterFace, ScatterKernel, Source, Stack,
 };
@@ -178,30 +175,8 @@ fn levels_tighten() {
 /// Two solvers that share nothing but the kernels' values.
 #[test]
 fn the_walk_agrees() {
-    let sources = [Source::Diffuse, beam(-25.0, 0.0), Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0))];
     for (name, stack) in displays() {
-        let eye = Cone::new(12.0, 0.0, 0.5, 1.0);
-        let truth = estimate(2, &stack, eye, &sources);
-        let runs = RefCell::new(HashMap::new());
-        for source in 0..sources.len() {
-            assert_unbiased(&format!("{name}, source {source}"), rho(&truth, source), 0.1, |seed| {
-                let mut runs = runs.borrow_mut();
-                let estimates = runs
-                    .entry(seed)
-                    .or_insert_with(|| replicates_of(&stack, eye, &sources, seed, 128, Sampler::Sobol));
-                for e in estimates.iter() {
-                    let l = &e.ledger;
-                    let sum = l.returned[0]
-                        + l.front[0]
-                        + l.diffuser[0]
-                        + l.glass[0]
-                        + l.pixel[0]
-                        + l.unaccounted[0];
-                    assert!((sum - 1.0).abs() < 1e-12, "{name}: {sum}");
-                }
-                mean_and_error(estimates.iter().map(|estimate| rho(estimate, source)))
-            });
-        }
+        assert_the_walk_agrees(name, &stack, 1, 128);
     }
 }
 
@@ -238,18 +213,5 @@ fn pixel(states: &[(&Scatter, f64)]) -> Base {
 fn the_walk_agrees_on_scattering_pixels() {
     let base = pixel(&[(&lopsided(), 0.8), (&ward(0.4), 0.3)]);
     let stack = stack([(diffuser(0.3, 0.9, 0.2), clear(1.5))], base);
-    let sources = [Source::Diffuse, beam(-25.0, 0.0), Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0))];
-    let eye = Cone::new(12.0, 0.0, 0.5, 1.0);
-    let truth = estimate(2, &stack, eye, &sources);
-    let runs = RefCell::new(HashMap::new());
-    for (source, state) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
-        let seen = |e: &Estimate| e.rho[source].base[state];
-        assert_unbiased(&format!("source {source}, state {state}"), seen(&truth), 0.1, |seed| {
-            let mut runs = runs.borrow_mut();
-            let estimates = runs
-                .entry(seed)
-                .or_insert_with(|| replicates_of(&stack, eye, &sources, seed, 128, Sampler::Sobol));
-            mean_and_error(estimates.iter().map(seen))
-        });
-    }
+    assert_the_walk_agrees("pixels", &stack, 2, 128);
 }

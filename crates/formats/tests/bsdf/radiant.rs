@@ -3,9 +3,8 @@
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
 use papilio_goniometry::{Channel, Geometry, Symmetry, Way};
 
-use super::{file, read, refused, refused_bsdf, value, written};
-
-const SMALL: &str = include_str!("small.txt");
+use super::samples::RADIANT as SMALL;
+use super::{file, read, refused, refused_bsdf, written};
 
 #[test]
 fn a_file_is_read_in_its_order() {
@@ -30,7 +29,7 @@ fn a_cell_lies_where_the_format_says() {
     let measurement = read(SMALL);
     let part = &measurement.parts[0];
     let cell = 6 + 2 + 1;
-    assert_eq!(value(part, 0, cell), 0.25);
+    assert_eq!(part.channel(0)[cell], 0.25);
     let [light, viewer] = part.geometry.directions(cell).unwrap();
     assert_eq!((light.theta_deg, light.phi_deg), (30.0, 180.0));
     assert!((viewer.theta_deg - 35.531).abs() < 1e-3 && (viewer.phi_deg + 36.052).abs() < 1e-3);

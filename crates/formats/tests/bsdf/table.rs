@@ -3,16 +3,8 @@
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem};
 use papilio_goniometry::{Channel, Geometry, Way};
 
+use super::samples::{RADIANT, TABLE as GRID};
 use super::{read, refused, refused_bsdf, written};
-
-const GRID: &str = "\
-# sample: film
-theta_i,phi_i,theta_o,phi_o,wavelength,value
-0,0,0,0,500,1
-0,0,10,0,500,2
-0,0,0,0,450,3
-0,0,10,0,450,
-";
 
 #[test]
 fn rows_that_are_all_pairs_of_axes_are_a_grid() {
@@ -64,7 +56,7 @@ fn what_is_written_reads_back() {
 
 #[test]
 fn a_specular_grid_becomes_pairs() {
-    let measurement = read(include_str!("small.txt"));
+    let measurement = read(RADIANT);
     let (bytes, lost) = written(BsdfFormat::Csv, &measurement);
     assert_eq!(lost.len(), 2, "{lost:?}");
     let pairs = read(&bytes);
