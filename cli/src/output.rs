@@ -121,6 +121,16 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
     Ok(names)
 }
 
+/// Writes a figure as SVG and PNG, and returns the names.
+pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<[String; 2], Failure> {
+    let names = [format!("{name}.svg"), format!("{name}.png")];
+    let picture = papilio_figures::png(svg, PNG_SCALE)?;
+    for (name, bytes) in names.iter().zip([svg.as_bytes(), &picture]) {
+        write_file(&folder.join(name), |out| out.write_all(bytes))?;
+    }
+    Ok(names)
+}
+
 /// Names of files, without their ends, and SVG texts.
 fn figures(result: &RunResult, title: &str) -> Vec<(String, String)> {
     let mut figures = Vec::new();
@@ -169,6 +179,7 @@ pub(crate) fn announce(folder: &Path, names: &[String]) {
             let few = few.join(", ");
             shown = if shown.is_empty() { few } else { format!("{shown}, {few}") };
         }
+        many if shown.is_empty() => shown = format!("{} figures", many.len()),
         many => shown = format!("{shown} and {} figures", many.len()),
     }
     crate::say(&format!("wrote {}: {shown}", folder.display()));

@@ -97,7 +97,8 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     Ok(Scenario::load(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
-fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
+/// Computes the display that a scenario describes.
+pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
     let result = with_progress(threads, |control| papilio_display::run(&resolved.scene, control))?;
     result.ok_or(Failure::Interrupted("nothing was computed yet, nothing is written"))
 }

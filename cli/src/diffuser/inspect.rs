@@ -1,9 +1,10 @@
 //! `papilio diffuser inspect`.
 
 use std::io::Write;
+use std::path::Path;
 
-use papilio_figures::{ScatterCurve, ScatterMap, Scattering, scattering};
-use papilio_formats::{AuditFile, write_file, write_json};
+use papilio_figures::{ScatterCurve, ScatterMap, Scattering, Transmission, scattering, transmission};
+use papilio_formats::{AuditFile, DataFile, read_shares, write_json};
 use papilio_goniometry::{Audit, Fill, Measurement, Part, Shape};
 use papilio_optics::Beta;
 
@@ -16,17 +17,18 @@ const MAPS_DEG: [f64; 2] = [0.0, 45.0];
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     let measurement = read(&arguments.file)?;
-    let audits: Vec<(&Part, Vec<Audit>)> = measurement
-        .parts
-        .iter()
-        .map(|part| (part, (0..part.channels.len()).filter_map(|channel| Audit::of(part, channel)).collect()))
-        .collect();
+    let spectra: Vec<Transmission> =
+        arguments.transmission.iter().map(|path| spectrum(path)).collect::<Result<_, _>>()?;
     let mut stdout = anstream::stdout().lock();
     if arguments.json {
+        let every = |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+        let audits: Vec<(&Part, Vec<Audit>)> =
+            measurement.parts.iter().map(|part| (part, every(part))).collect();
         write_json(&mut stdout, &AuditFile::new(&measurement, &audits))?;
     } else {
         let name = arguments.file.display().to_string();
-        stdout.write_all(report::inspect(&name, &measurement, &audits).as_bytes())?;
+        stdout.write_all(report::inspect(&name, &measurement).as_bytes())?;
+        stdout.write_all(report::spectra(&spectra).as_bytes())?;
     }
     stdout.flush()?;
     let Some(folder) = &arguments.out else { return Ok(()) };
@@ -34,14 +36,25 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     output::make_folder(folder)?;
     let mut names = Vec::new();
     for (name, svg) in figures(&measurement) {
-        for (end, bytes) in [("svg", svg.clone().into_bytes()), ("png", papilio_figures::png(&svg, 2.0)?)] {
-            let name = format!("{name}.{end}");
-            write_file(&folder.join(&name), |out| out.write_all(&bytes))?;
-            names.push(name);
-        }
+        names.extend(output::write_figure(folder, &name, &svg)?);
+    }
+    if !spectra.is_empty() {
+        let svg = transmission(&spectra, "Transmission along the normal");
+        names.extend(output::write_figure(folder, "transmission", &svg)?);
     }
     output::announce(folder, &names);
     Ok(())
+}
+
+/// A transmission spectrum from a file.
+fn spectrum(path: &Path) -> Result<Transmission, Failure> {
+    let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
+    let spectrum = read_shares(&file).map_err(Failure::Data)?;
+    Ok(Transmission {
+        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        wavelength_nm: spectrum.wavelengths_nm().to_vec(),
+        share: spectrum.values().to_vec(),
+    })
 }
 
 /// A figure for each part: its luminous channel, or the first.

@@ -1,11 +1,13 @@
 //! `papilio diffuser`: files of measured scattering.
 
+mod blocks;
 mod calibrate;
 mod convert;
 mod fit;
 mod inspect;
 mod measure;
 mod report;
+mod steps;
 
 use std::path::Path;
 
@@ -22,6 +24,7 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
         Diffuser::Fit(arguments) => fit::fit(arguments),
         Diffuser::Calibrate(arguments) => calibrate::calibrate(arguments),
         Diffuser::Measure(arguments) => measure::measure(arguments),
+        Diffuser::Steps(arguments) => steps::steps(arguments),
     }
 }
 

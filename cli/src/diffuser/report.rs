@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use papilio_figures::Transmission;
 use papilio_goniometry::{Audit, Channel, Geometry, Measurement, Parameter, Part, Ranked, Symmetry, Way};
 
 use crate::report::table;
@@ -27,7 +28,7 @@ pub(super) fn kind(way: Way) -> &'static str {
 }
 
 /// What `papilio diffuser inspect` prints.
-pub(super) fn inspect(name: &str, measurement: &Measurement, audits: &[(&Part, Vec<Audit>)]) -> String {
+pub(super) fn inspect(name: &str, measurement: &Measurement) -> String {
     let provenance = &measurement.provenance;
     let mut text = format!("{name}: {}\n", provenance.format);
     for (what, said) in [("sample", &provenance.sample), ("source", &provenance.source)] {
@@ -39,7 +40,7 @@ pub(super) fn inspect(name: &str, measurement: &Measurement, audits: &[(&Part, V
         let [front, back] = measurement.media;
         let _ = writeln!(text, "media: index {front} in front, {back} behind");
     }
-    for (part, audits) in audits {
+    for part in &measurement.parts {
         let channels: Vec<String> = part.channels.iter().map(spoken).collect();
         let _ = write!(
             text,
@@ -50,8 +51,8 @@ pub(super) fn inspect(name: &str, measurement: &Measurement, audits: &[(&Part, V
         );
         let _ = writeln!(text, "\n  {}", geometry(&part.geometry));
         // One channel in full: the luminous one.
-        match audits.get(part.luminous()) {
-            Some(audit) => text.push_str(&findings(audit)),
+        match Audit::of(part, part.luminous()) {
+            Some(audit) => text.push_str(&findings(&audit)),
             None => text.push_str("  directions on no grid: nothing is known of what is between them\n"),
         }
         if matches!(part.geometry, Geometry::Patches { .. }) {
@@ -222,6 +223,23 @@ fn warnings(audit: &Audit) -> Vec<String> {
     warnings
 }
 
+/// A line for each transmission spectrum.
+pub(super) fn spectra(spectra: &[Transmission]) -> String {
+    let mut text = String::new();
+    for one in spectra {
+        let largest = one.share.iter().copied().fold(0.0, f64::max);
+        let edge = one.share.iter().zip(&one.wavelength_nm).find(|(share, _)| **share >= 0.5 * largest);
+        let (nm, edge) = (span(&one.wavelength_nm), edge.map_or(f64::NAN, |(_, nm)| *nm));
+        let _ = writeln!(
+            text,
+            "\nTransmission spectrum {}\n  wavelengths: {nm} nm; at most {}; half of that is reached at {edge} nm",
+            one.name,
+            percent(largest)
+        );
+    }
+    text
+}
+
 /// What `papilio diffuser fit` prints.
 pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
     let cells = fits.first().map_or(0, |ranked| ranked.fit.cells);
@@ -259,7 +277,7 @@ fn parameter(found: &Parameter) -> String {
 }
 
 /// Five digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let decimals = (4.0 - value.abs().max(1e-300).log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$}")
 }

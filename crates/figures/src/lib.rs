@@ -9,6 +9,8 @@
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
 //! | [`cone`] | polar maps over all viewing directions |
+//! | [`spectra_over`] | spectra of a display over those of variants of it |
+//! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
 //! | [`accuracy`] | errors of solvers against their cost |
 //!
@@ -34,6 +36,7 @@ mod contour;
 mod labels;
 mod locus;
 mod marks;
+mod overlay;
 mod overview;
 mod paint;
 mod panel;
@@ -51,6 +54,7 @@ pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
 pub use chromaticity::chromaticity;
 pub use cone::cone;
+pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;
 pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};

@@ -5,7 +5,8 @@
 use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_display::{ConeGrid, ConeResult, ConeState};
 use papilio_figures::{
-    AngleMetric, PixelScan, against_angle, chromaticity, cone, overview, patches, pixel_scan, png, spectra,
+    AngleMetric, PixelScan, Transmission, against_angle, chromaticity, cone, overview, patches, pixel_scan,
+    png, spectra, spectra_over, transmission,
 };
 
 mod made_up;
@@ -28,6 +29,7 @@ fn all(run: &RunResult) -> Vec<String> {
             overview(run, view, TITLE),
         ]);
     }
+    figures.push(spectra_over(&[("as it is", run), ("x < y & z", run)], TITLE));
     figures
 }
 
@@ -58,6 +60,18 @@ fn says(svg: &str, wanted: &[&str]) {
 }
 
 const STATES: [&str; 8] = ["white", "black", "red", "green", "blue", "cyan", "magenta", "yellow"];
+
+#[test]
+fn spectra_of_transmission_are_in_percent() {
+    let one = |share: f64| Transmission {
+        name: "film <".to_owned(),
+        wavelength_nm: vec![360.0, 420.0, 830.0],
+        share: vec![0.0, share, share],
+    };
+    let svg = transmission(&[one(0.9), one(f64::NAN)], TITLE);
+    says(&svg, &["Transmission (%)", "Wavelength (nm)", "100", "film <", TITLE]);
+    says(&transmission(&[], TITLE), &[TITLE]);
+}
 
 #[test]
 fn every_figure_names_its_states_and_axes() {

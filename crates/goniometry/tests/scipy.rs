@@ -41,5 +41,5 @@ fn fits_are_those_of_scipy() {
         }
         count += 1;
     }
-    assert_eq!(count, 12);
+    assert_eq!(count, 14);
 }

@@ -74,7 +74,7 @@ impl<'a> Problem<'a> {
         let thirds: &[f64] = match self.kind {
             Kind::KCorrelation => &[3.0, 8.0],
             Kind::PseudoVoigt => &[0.5],
-            Kind::Ward(_) | Kind::Ggx => &[],
+            Kind::Ward(_) | Kind::KCorrelation3 | Kind::Ggx => &[],
         };
         let width = self.data.width();
         let mut starts = Vec::new();

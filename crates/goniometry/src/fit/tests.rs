@@ -25,6 +25,7 @@ fn truth(kind: Kind) -> Vec<f64> {
         Kind::Ward(_) => vec![0.84, 0.13],
         Kind::Ggx => vec![0.91, 0.07],
         Kind::KCorrelation => vec![0.88, 0.105, 3.4],
+        Kind::KCorrelation3 => vec![0.88, 0.105],
         Kind::PseudoVoigt => vec![0.77, 0.12, 0.35],
     }
 }
@@ -123,17 +124,17 @@ fn the_right_formula_fits_best_and_the_callers_score_decides() {
     let data = exact(Kind::Ggx);
     let fits = Fit::all(&data, &FitOptions::default()).unwrap();
     assert_eq!(fits[0].model.kind(), Kind::Ggx);
-    assert!(fits.windows(2).all(|two| two[0].rms <= two[1].rms) && fits.len() == 6);
+    assert!(fits.windows(2).all(|two| two[0].rms <= two[1].rms) && fits.len() == 7);
     let by_total = ranked(fits.clone(), |fit| match fit.model.kind() {
         Kind::Ggx => None,
         Kind::PseudoVoigt => Some(0.5),
         Kind::KCorrelation => Some(f64::NAN),
-        Kind::Ward(_) => Some(1.0),
+        Kind::KCorrelation3 | Kind::Ward(_) => Some(1.0),
     });
     let kinds: Vec<Kind> = by_total.iter().map(|ranked| ranked.fit.model.kind()).collect();
     assert_eq!(kinds[0], Kind::PseudoVoigt);
-    assert_eq!(kinds[4], Kind::Ggx);
-    assert_eq!(by_total[5].score, None);
+    assert_eq!(kinds[5], Kind::Ggx);
+    assert_eq!(by_total[6].score, None);
     assert!(by_total[1].fit.rms <= by_total[2].fit.rms);
 }
 

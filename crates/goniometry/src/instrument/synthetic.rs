@@ -97,6 +97,7 @@ pub fn tristimulus_factors(transmission: &[f64], light: &[f64], weights: [&[f64]
         let [through, all] = both.fold([0.0; 2], |[through, all], (t, (light, weight))| {
             [through + t * light * weight, all + light * weight]
         });
-        through / all
+        // A channel without light sees nothing.
+        if all > 0.0 { through / all } else { 0.0 }
     })
 }
