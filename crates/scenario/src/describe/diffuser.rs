@@ -1,7 +1,7 @@
 //! `[display.diffuser]`: a lobe or a slab of particles.
 
 use super::display::{MaterialSpec, ShareSpectrum};
-use super::numbers::{Anisotropy, BlurWidth, Index, InnerShare, OpticalThickness, Share, Slope, Width};
+use super::numbers::{Anisotropy, Blur, Index, InnerShare, OpticalThickness, Share, Slope, Width};
 use crate::grammar::{choice, kinds, table};
 use crate::read::At;
 use crate::source::Origin;
@@ -179,9 +179,9 @@ table! {
         normalise: Normalise = Normalise::None,
         /// What the file's level is the mean of, beside `transmission`. Default "even".
         spectral_mean: SpectralMean = SpectralMean::Even,
-        /// Width b of the image that the instrument makes of a straight beam, direction cosines, .0001 to 1: is removed. Default:
-        /// the values stay as they are.
-        instrument_blur: Option<BlurWidth>,
+        /// Width b of the image that the instrument makes of a straight beam, direction cosines, .0001 to 1: is removed. Default
+        /// 0: the values stay as they are.
+        instrument_blur: Blur = Blur(0.0),
         /// Default "none".
         fill: DarkCells = DarkCells::None,
         /// Default "none".

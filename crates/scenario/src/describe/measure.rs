@@ -2,9 +2,9 @@
 
 use super::Title;
 use super::lighting::LightSpectrum;
-use super::numbers::{Azimuth, Count, Seed};
+use super::numbers::{Azimuth, Blur, Count, GridAngle, Horizon, Noise, NoiseFloor, Seed};
 use super::viewer::{AngleRange, AngleStep};
-use crate::grammar::{choice, forms, number, table};
+use crate::grammar::{choice, forms, table};
 use crate::read::At;
 
 table! {
@@ -56,32 +56,6 @@ choice! {
         Monochrome = "monochrome",
     }
 }
-
-number!(
-    /// An angle of a grid, degrees.
-    GridAngle, "a number from 0 to 180 (degrees)", |v| (0.0..=180.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 180 }
-);
-number!(
-    /// A width in direction cosines, or none.
-    Blur, "0, or a number from .0001 to 1 (direction cosines)", |v| v == 0.0 || (1e-4..=1.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1 }
-);
-number!(
-    /// Relative noise.
-    Noise, "a number from 0 to 1", |v| (0.0..=1.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1 }
-);
-number!(
-    /// Noise of a BSDF.
-    NoiseFloor, "a number from 0 to 1000 (1/sr)", |v| (0.0..=1e3).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1000 }
-);
-number!(
-    /// The last inclination that is seen, degrees.
-    Horizon, "a number above 0, at most 90 (degrees)", |v| v > 0.0 && v <= 90.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
-);
 
 /// From 0.
 fn evenly(to: f64, step: f64) -> GridAngles {

@@ -31,11 +31,6 @@ number!(
     { "type": "number", "minimum": 1e-6, "maximum": 100 }
 );
 number!(
-    /// The width of an instrument's image, in direction cosines.
-    BlurWidth, "a number from .0001 to 1 (direction cosines)", |v| (1e-4..=1.0).contains(&v),
-    { "type": "number", "minimum": 1e-4, "maximum": 1 }
-);
-number!(
     /// A length of films, nm.
     Nanometres, "a number from 0 to 1e6 (nm)", |v| (0.0..=1e6).contains(&v),
     { "type": "number", "minimum": 0, "maximum": 1e6 }
@@ -129,6 +124,31 @@ number!(
     /// A relative standard error.
     RelativeError, "a number from 1e-6 to 1", |v| (1e-6..=1.0).contains(&v),
     { "type": "number", "minimum": 1e-6, "maximum": 1 }
+);
+number!(
+    /// An angle of a grid, degrees.
+    GridAngle, "a number from 0 to 180 (degrees)", |v| (0.0..=180.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 180 }
+);
+number!(
+    /// The width of an instrument's image of a straight beam, in direction cosines, or none.
+    Blur, "0, or a number from .0001 to 1 (direction cosines)", |v| v == 0.0 || (1e-4..=1.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1 }
+);
+number!(
+    /// Relative noise.
+    Noise, "a number from 0 to 1", |v| (0.0..=1.0).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1 }
+);
+number!(
+    /// Noise of a BSDF.
+    NoiseFloor, "a number from 0 to 1000 (1/sr)", |v| (0.0..=1e3).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1000 }
+);
+number!(
+    /// The last inclination that is seen, degrees.
+    Horizon, "a number above 0, at most 90 (degrees)", |v| v > 0.0 && v <= 90.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
 );
 
 /// A count from `LEAST` to `MOST`.

@@ -6,6 +6,7 @@ use papilio_colour::Observer;
 use papilio_display::scene::Lobe;
 use papilio_goniometry::{
     Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
+    tristimulus_factors,
 };
 use papilio_optics::Beta;
 use papilio_optics::scatter::Scatter;
@@ -255,17 +256,10 @@ impl Resolver<'_> {
                 return None;
             }
         };
-        let weights = observer.weights();
-        let share = |k: usize| {
-            let weighted = light.iter().zip(weights[k]).map(|(light, weight)| light * weight);
-            let both = weighted.zip(spectrum.iter());
-            let (through, all) = both.fold((0.0, 0.0), |(through, all), (w, t)| (through + w * t, all + w));
-            // A channel without light sees nothing.
-            if all > 0.0 { through / all } else { 0.0 }
-        };
+        let factors = tristimulus_factors(spectrum, light, observer.weights());
         Some(match channels {
-            Channels::Xyz => (0..3).map(share).collect(),
-            Channels::Monochrome => vec![share(1)],
+            Channels::Xyz => factors.to_vec(),
+            Channels::Monochrome => vec![factors[1]],
         })
     }
 }

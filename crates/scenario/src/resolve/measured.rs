@@ -14,7 +14,7 @@ use super::layers::Part;
 use crate::describe::diffuser::{DarkCells, Extrapolate, Measured, Mounting, Normalise, SpectralMean};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::measure::Channels;
-use crate::describe::numbers::BlurWidth;
+use crate::describe::numbers::Blur;
 use crate::describe::pixel::MeasuredPixel;
 use crate::problem::Problem;
 use crate::read::At;
@@ -41,7 +41,7 @@ struct Source<'a> {
     fill: &'a At<DarkCells>,
     extrapolate: &'a At<Extrapolate>,
     spectral_mean: SpectralMean,
-    blur: Option<(BlurWidth, Origin)>,
+    blur: Option<&'a At<Blur>>,
 }
 
 /// What a film does with light.
@@ -174,7 +174,7 @@ impl Resolver<'_> {
             fill: &diffuser.fill,
             extrapolate: &diffuser.extrapolate,
             spectral_mean: diffuser.spectral_mean.value,
-            blur: diffuser.instrument_blur.value.map(|width| (width, diffuser.instrument_blur.origin)),
+            blur: Some(&diffuser.instrument_blur),
         };
         let measurement = self.measurement(&source)?;
         let (into, back, front) = if diffuser.flipped.value {
@@ -349,12 +349,13 @@ impl Resolver<'_> {
         source: &Source<'_>,
         part: &goniometry::Part,
     ) -> Option<Option<goniometry::Part>> {
-        let Some((BlurWidth(width), at)) = source.blur else { return Some(None) };
+        let Some(blur) = source.blur.filter(|blur| blur.value.0 > 0.0) else { return Some(None) };
+        let Blur(width) = blur.value;
         let channel = part.luminous();
         let sharp = match deblurred(part, channel, &Unblur::of_width(width)) {
             Ok(sharp) => sharp,
             Err(error) => {
-                self.errors.push(at, Problem::Measurement(error));
+                self.errors.push(blur.origin, Problem::Measurement(error));
                 return None;
             }
         };

@@ -71,10 +71,52 @@ fn survive(text: &[u8], folder: &Path) {
     }
 }
 
-/// The keys of measured diffusers, beside a file that is none.
+/// A measurement that is read, and made a kernel, in no time.
+const SMALL: &str = "\
+Symmetry PlaneSymmetrical
+SpectralContent Monochrome
+ScatterType BTDF
+AngleOfIncidence 2
+0 60
+ScatterAzimuth 3
+0 90 180
+ScatterRadial 3
+0 20 60
+Monochrome
+DataBegin
+TIS 0.9
+3 1 .01
+3 1 .01
+3 1 .01
+TIS 0.7
+4 1 .02
+4 2 .01
+4 1 0
+DataEnd
+";
+
+/// The data of the scenarios that ship, with small measurements in place of theirs.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    std::fs::create_dir(&data).unwrap();
+    for entry in std::fs::read_dir(shipped().join("data")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = data.join(path.file_name().unwrap());
+        if path.extension().is_some_and(|end| end == "bsdf") {
+            let reflects = std::fs::read_to_string(&path).unwrap().contains("BRDF");
+            std::fs::write(name, SMALL.replace("BTDF", if reflects { "BRDF" } else { "BTDF" })).unwrap();
+        } else {
+            std::fs::copy(path, name).unwrap();
+        }
+    }
+    folder
+}
+
+/// The keys of measured diffusers.
 const MEASURED: &str = r#"[display.diffuser]
 model = "measured"
-file = "data/H78-transmission.csv"
+file = "data/H78-raw.bsdf"
 flipped = true
 transmission = "data/H78-transmission.csv"
 normalise = "tis"
@@ -109,13 +151,16 @@ fn mutated_scenarios_do_not_panic() {
     for entry in std::fs::read_dir(shipped()).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|end| end == "toml") {
-            let text = std::fs::read_to_string(path).unwrap();
-            // To read a measurement hundreds of times takes long; its keys are mutated in one small text.
-            if !text.contains(".bsdf\"") {
-                texts.push(text);
-            }
+            texts.push(std::fs::read_to_string(path).unwrap());
         }
     }
+    let folder = folder();
+    // As they stand, all but the one that asks for the film's other side are resolved.
+    let resolves = |text: &String| {
+        let scenario = Scenario::from_text(text, "x.toml", folder.path(), &[]).unwrap();
+        scenario.resolve().is_ok() || scenario.measurement().is_ok()
+    };
+    assert_eq!(texts.iter().filter(|text| !resolves(text)).count(), 1);
     for text in &texts {
         for _ in 0..600 {
             let mut bytes = text.clone().into_bytes();
@@ -132,7 +177,7 @@ fn mutated_scenarios_do_not_panic() {
                     }
                 }
             }
-            survive(&bytes, &shipped());
+            survive(&bytes, folder.path());
         }
     }
 }
@@ -140,19 +185,20 @@ fn mutated_scenarios_do_not_panic() {
 /// Each value of the scenarios in turn is replaced by each hostile word.
 #[test]
 fn hostile_values_do_not_panic() {
+    let folder = folder();
     for text in [GOOD, LAYERED, MEASURED] {
-        hostile_values(text);
+        hostile_values(text, folder.path());
     }
 }
 
-fn hostile_values(text: &str) {
+fn hostile_values(text: &str, folder: &Path) {
     for line in text.lines().filter(|line| line.contains(" = ")) {
         for word in WORDS {
             for (at, _) in line.match_indices(" = ") {
                 let rest = &line[at + 3..];
                 let end = rest.find([',', '}']).unwrap_or(rest.len());
                 let changed = format!("{} = {word}{}", &line[..at], &rest[end..]);
-                survive(text.replacen(line, &changed, 1).as_bytes(), Path::new(""));
+                survive(text.replacen(line, &changed, 1).as_bytes(), folder);
             }
         }
     }
