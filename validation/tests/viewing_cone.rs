@@ -21,6 +21,29 @@ fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> Co
     cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
 }
 
+/// Beyond what was measured nothing is known: no number, whatever a front reflects; beside it all as ever.
+#[test]
+fn beyond_a_measurement_there_are_no_numbers() {
+    let sets = ["spectrum.step_nm=20", "display.diffuser.extrapolate=none", "display.front=[{ reflectance = 0.05 }]"];
+    let mut scene = scenario("measured-h65", &sets).unwrap().scene;
+    scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+    let found = seen(&scene, &[0.0, 60.0, 75.0, 76.0, 89.0], &[0.0, 180.0], 1);
+    for (k, view) in found.views.iter().enumerate() {
+        let known = k % 5 < 3;
+        assert_eq!((view.contrast_ratio.is_some(), view.gamut_percent_srgb.is_some()), (known, known), "{k}");
+        for state in &view.states {
+            assert_eq!(state.luminance_cd_m2.is_finite(), known, "{k}: {state:?}");
+            assert_eq!(state.reflectance_factor_y > 0.0, known);
+            assert_eq!((state.u_prime.is_some(), state.uv_shift.is_some()), (known, known));
+        }
+    }
+    assert!(found.warnings.iter().any(|line| line.contains("from beyond 75 deg")), "{:?}", found.warnings);
+    // A lobe that holds, a diffuser over it, and what has another form are known everywhere.
+    let held = scenario("measured-h65", &["spectrum.step_nm=20"]).unwrap().scene;
+    let everywhere = seen(&held, &[0.0, 89.0], &[0.0], 1);
+    assert!(everywhere.views.iter().all(|view| view.contrast_ratio.is_some()));
+}
+
 /// Two roads: a direction of the cone is what a run with that view says.
 #[test]
 fn a_direction_of_the_cone_is_a_run_with_that_view() {

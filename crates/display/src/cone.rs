@@ -74,9 +74,9 @@ pub struct ConeView {
 /// A state as seen from one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConeState {
-    /// Luminous reflectance factor (1: a perfect white in the same light).
+    /// Luminous reflectance factor (1: a perfect white in the same light); NaN where nothing was measured.
     pub reflectance_factor_y: f64,
-    /// Luminance, cd/m2.
+    /// Luminance, cd/m2; NaN where nothing was measured.
     pub luminance_cd_m2: f64,
     /// CIE 1976 u'.
     pub u_prime: Option<f64>,
@@ -95,6 +95,25 @@ pub struct ConeLight {
     pub phi_deg: f64,
     /// Angular radius, degrees; 0: collimated.
     pub radius_deg: f64,
+}
+
+impl ConeView {
+    /// Of so many states, none of which is known.
+    pub(crate) fn unknown(states: usize) -> Self {
+        let state = ConeState {
+            reflectance_factor_y: f64::NAN,
+            luminance_cd_m2: f64::NAN,
+            u_prime: None,
+            v_prime: None,
+            uv_shift: None,
+        };
+        Self {
+            contrast_ratio: None,
+            gamut_percent_srgb: None,
+            gamut_percent_ebu: None,
+            states: vec![state; states],
+        }
+    }
 }
 
 impl ConeResult {

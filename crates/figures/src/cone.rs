@@ -4,7 +4,7 @@ use papilio_display::{ConeResult, ConeState, ConeView};
 
 use crate::axis::Axis;
 use crate::panel::SMALL;
-use crate::polar::{Directions, Map, colour_bar, sun};
+use crate::polar::{BLANK, Directions, Map, colour_bar, sun};
 use crate::style::INK;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, shortened};
 
@@ -57,7 +57,8 @@ pub fn cone(result: &ConeResult, title: &str) -> Option<String> {
     let section = rows * ROW + 46.0;
     let top = PITCH.1 * large.len().div_ceil(columns) as f64 + 6.0;
     let width = PITCH.0 * if each.is_empty() { columns } else { 3 } as f64;
-    let mut svg = Svg::new(width, top + each.len() as f64 * section + 66.0).titled(title);
+    let bottom = top + each.len() as f64 * section;
+    let mut svg = Svg::new(width, bottom + if blank(result) { 84.0 } else { 66.0 }).titled(title);
     for (i, one) in large.iter().enumerate() {
         let corner = (PITCH.0 * (i % columns) as f64, PITCH.1 * (i / columns) as f64);
         draw_large(&mut svg, result, &directions, one, corner);
@@ -65,7 +66,7 @@ pub fn cone(result: &ConeResult, title: &str) -> Option<String> {
     for (i, one) in each.iter().enumerate() {
         draw_each(&mut svg, result, &directions, one, top + i as f64 * section);
     }
-    legend(&mut svg, result, top + each.len() as f64 * section + 12.0);
+    legend(&mut svg, result, bottom + 12.0);
     Some(svg.finish())
 }
 
@@ -126,6 +127,11 @@ fn any(values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite())
 }
 
+/// Whether there are directions without numbers.
+fn blank(result: &ConeResult) -> bool {
+    values_of(result, |state| state.luminance_cd_m2).iter().any(|value| value.is_nan())
+}
+
 /// Whether any colour shifts so far that one sees it.
 fn seen(shifts: &[f64]) -> bool {
     shifts.iter().any(|shift| *shift >= UNSEEN_SHIFT)
@@ -178,7 +184,7 @@ fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, ea
     colour_bar(svg, &each.scale, (width - 76.0, top + 46.0), 2.0 * LITTLE, false);
 }
 
-/// What the maps do not say themselves: up to three lines.
+/// What the maps do not say themselves: up to four lines.
 fn legend(svg: &mut Svg, result: &ConeResult, mut y: f64) {
     const LINE: f64 = 18.0;
     let style = Text::new(11.0, "#777777");
@@ -190,6 +196,11 @@ fn legend(svg: &mut Svg, result: &ConeResult, mut y: f64) {
         svg.text((41.0, y), "light comes from here", style);
         svg.circle((179.0, y - 4.0), 4.0, "none", &Stroke::solid(INK, 1.2));
         svg.text((189.0, y), "where its mirror image is seen", style);
+    }
+    if blank(result) {
+        y += LINE;
+        svg.rect((21.0, y - 10.0), (12.0, 12.0), 0.0, BLANK, "#bbbbbb");
+        svg.text((41.0, y), "nothing was measured there", style);
     }
     let shifts = values_of(result, |state| state.uv_shift.unwrap_or(f64::NAN));
     if any(&shifts) && !seen(&shifts) {

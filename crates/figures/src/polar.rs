@@ -24,6 +24,9 @@ const RING_NAMES_DEG: f64 = 270.0;
 /// Points of a contour closer than this to a straight line are left out, px.
 const REACH: f64 = 0.12;
 
+/// What has no number.
+pub(crate) const BLANK: &str = "#f2f2f2";
+
 /// The directions of a map.
 #[derive(Debug)]
 pub(crate) struct Directions<'a> {
@@ -99,7 +102,7 @@ impl<'a> Directions<'a> {
         lights: &[ConeLight],
         value: impl Fn(usize, usize) -> f64,
     ) {
-        svg.circle(map.centre, map.radius, "#f2f2f2", &Stroke::solid("#f2f2f2", 0.5));
+        svg.circle(map.centre, map.radius, BLANK, &Stroke::solid(BLANK, 0.5));
         let field = self.field(map, value);
         for (level, colour) in bands(map.scale, map.labelled) {
             let areas: Vec<_> = field.contour(level).areas.iter().map(|area| thinned(area, REACH)).collect();

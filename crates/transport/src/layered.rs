@@ -12,7 +12,7 @@ use papilio_optics::scatter::Scatter;
 use papilio_spectra::Spectrum;
 
 use crate::skeleton::Going;
-use crate::{Base, Medium, Panel};
+use crate::{Base, Medium, Panel, Reflector};
 
 /// A display of any layers.
 #[derive(Debug, Clone)]
@@ -178,6 +178,10 @@ impl ScatterKernel {
     }
 }
 
+fn least_edge<'a>(kernels: impl IntoIterator<Item = &'a ScatterKernel>) -> Option<f64> {
+    kernels.into_iter().filter_map(|kernel| kernel.scatter.edge()).reduce(f64::min)
+}
+
 /// A display in either form.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant, reason = "there is one stack, not many")]
@@ -189,6 +193,26 @@ pub enum Stack {
 }
 
 impl Stack {
+    /// The `|beta|` beyond which nothing is known of what is seen from above: where the table of the first thing that scatters
+    /// ends. `None` if it goes on to the horizon.
+    pub fn known_within(&self) -> Option<f64> {
+        let Self::Layered(layered) = self else { return None };
+        for Layer { interface, medium } in &layered.layers {
+            match interface {
+                Interface::Scatter(face) => {
+                    let from_above = [face.through(Going::Down), face.back(Going::Down)];
+                    return least_edge(from_above.into_iter().flatten());
+                }
+                Interface::Diffuser(_) | Interface::Rough(_) => return None,
+                _ if medium.scattering().is_some() => return None,
+                _ => {}
+            }
+        }
+        let Reflector::Scattering(states) = &layered.base.reflector else { return None };
+        let index = layered.layers.last().map_or(1.0, |layer| layer.medium.index().min());
+        least_edge(states).map(|edge| index * edge)
+    }
+
     /// The pixel.
     pub fn base(&self) -> &Base {
         match self {

@@ -17,7 +17,7 @@ use crate::DisplayError;
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::{Meter, relative};
 use crate::scene::{DirectedLight, Scene, Stop};
-use crate::setup::{Setup, ViewPoint};
+use crate::setup::{Setup, ViewPoint, angle_index};
 
 /// Where a scene counts paths instead of naming an error.
 pub(super) const DEFAULT_TARGET: f64 = 1e-3;
@@ -43,7 +43,8 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let run = Run { scene: &everywhere, control, setup: &setup, meter: &meter };
     let finest = finest(&setup.stack)?;
     let alike = alike(&grid.phi_deg, &scene.lighting.directed);
-    let survey = Survey { run, alike, grid, normal, finest };
+    let angle_index = angle_index(scene)?;
+    let survey = Survey { run, alike, grid, normal, finest, angle_index };
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
@@ -55,6 +56,8 @@ struct Survey<'a> {
     normal: ViewPoint,
     /// The finest level that the layers can be taken to.
     finest: usize,
+    /// Index of the medium of the angles.
+    angle_index: f64,
 }
 
 /// Colours of each direction and state.
@@ -78,8 +81,13 @@ impl Survey<'_> {
         let computed = self.computed();
         let place = |phi: usize| computed.iter().position(|one| *one == self.alike[phi]);
         let places: Vec<usize> = (0..self.grid.phi_deg.len()).filter_map(place).collect();
-        let views = places.iter().flat_map(|phi| rows.iter().map(|row| row[*phi].clone())).collect();
-        let mut warnings: Vec<String> = self.mirror_images().into_iter().collect();
+        let known = self.known();
+        let view = |theta: usize, phi: usize| match known.get(theta) {
+            Some(true) => rows[theta][phi].clone(),
+            _ => ConeView::unknown(self.run.setup.states.len()),
+        };
+        let views = places.iter().flat_map(|phi| (0..rows.len()).map(|theta| view(theta, *phi))).collect();
+        let mut warnings: Vec<String> = self.mirror_images().into_iter().chain(self.blank(&known)).collect();
         if sample.error > target {
             warnings.push(format!(
                 "relative error {:.2e} instead of {target:.2e}: adding's finest level is reached",
@@ -96,6 +104,24 @@ impl Survey<'_> {
             theta_deg: self.grid.theta_deg,
             phi_deg: self.grid.phi_deg,
         }))
+    }
+
+    /// For each inclination, whether the uppermost face that scatters was measured there. What else is seen from there, a
+    /// reflection of the front, is not what the display looks like.
+    fn known(&self) -> Vec<bool> {
+        let reach = self.run.setup.stack.known_within().unwrap_or(f64::INFINITY);
+        let inside = |theta: &f64| self.angle_index * theta.to_radians().sin() <= reach * (1.0 + 1e-9);
+        self.grid.theta_deg.iter().map(inside).collect()
+    }
+
+    fn blank(&self, known: &[bool]) -> Option<String> {
+        let last = self.grid.theta_deg.iter().zip(known).filter(|(_, known)| **known).map(|(theta, _)| theta);
+        let last = last.copied().fold(0.0, f64::max);
+        known.contains(&false).then(|| {
+            format!(
+                "nothing was measured from beyond {last} deg: the maps are blank there, and numbers are left out"
+            )
+        })
     }
 
     /// One line for all directions that look into the mirror image of a beam.
