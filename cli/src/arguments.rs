@@ -90,8 +90,10 @@ pub(crate) enum Diffuser {
     /// Correct a sample by a known white that was measured on the same grid
     Calibrate(Calibrate),
     /// Run a display with each step from its diffuser's measurement taken out in turn: level, spectrum, blur, tails
-    #[command(after_help = "Example: papilio diffuser steps scenarios/measured-diffused.toml --beside scenarios/measured-truth.toml\n\n\
-                      Figures, step-normalise.svg and so on, lay the spectra over each other.")]
+    #[command(
+        after_help = "Example: papilio diffuser steps scenarios/measured-diffused.toml --beside scenarios/measured-truth.toml\n\n\
+                      Figures, step-normalise.svg and so on, lay the spectra over each other."
+    )]
     Steps(Steps),
     /// Write what a virtual imaging sphere sees of a scenario's diffuser, its blur and noise included
     #[command(

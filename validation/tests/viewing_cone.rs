@@ -24,7 +24,11 @@ fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> Co
 /// Beyond what was measured nothing is known: no number, whatever a front reflects; beside it all as ever.
 #[test]
 fn beyond_a_measurement_there_are_no_numbers() {
-    let sets = ["spectrum.step_nm=20", "display.diffuser.extrapolate=none", "display.front=[{ reflectance = 0.05 }]"];
+    let sets = [
+        "spectrum.step_nm=20",
+        "display.diffuser.extrapolate=none",
+        "display.front=[{ reflectance = 0.05 }]",
+    ];
     let mut scene = scenario("measured-h65", &sets).unwrap().scene;
     scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
     let found = seen(&scene, &[0.0, 60.0, 75.0, 76.0, 89.0], &[0.0, 180.0], 1);

@@ -33,8 +33,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     output::check(&out)?;
     let base = Scenario::load(&scenario.file, &scenario.set)?.resolve()?;
     let compute = |resolved: &Resolved| run::compute(resolved, arguments.threads);
-    let mut variants =
-        vec![Variant { name: "as described".to_owned(), key: None, result: compute(&base)? }];
+    let mut variants = vec![Variant { name: "as described".to_owned(), key: None, result: compute(&base)? }];
     for (key, off, name) in taken(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();
         let result = compute(&Scenario::load(&scenario.file, &set)?.resolve()?)?;
@@ -96,7 +95,8 @@ fn told(title: &str, variants: &[Variant]) -> String {
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
     };
-    let mut rows = vec![["", "Y of white", "changes by", "contrast", "gamut (% sRGB)"].map(str::to_owned).to_vec()];
+    let mut rows =
+        vec![["", "Y of white", "changes by", "contrast", "gamut (% sRGB)"].map(str::to_owned).to_vec()];
     let first = variants[0].result.views.first().map_or(f64::NAN, state);
     for variant in variants {
         let Some(view) = variant.result.views.first() else { continue };

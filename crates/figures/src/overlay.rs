@@ -54,7 +54,11 @@ pub fn spectra_over(variants: &[(&str, &RunResult)], title: &str) -> String {
 
 fn names(view: &View) -> Vec<&str> {
     let known: Vec<&str> = STATES.into_iter().filter(|name| view.states.get(name).is_some()).collect();
-    if known.is_empty() { view.states.iter().map(|(name, _)| name).take(STATES.len()).collect() } else { known }
+    if known.is_empty() {
+        view.states.iter().map(|(name, _)| name).take(STATES.len()).collect()
+    } else {
+        known
+    }
 }
 
 /// What a diffuser transmits along the normal.

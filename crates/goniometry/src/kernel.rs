@@ -85,7 +85,8 @@ pub fn kernel(
 ) -> Result<(Scatter, Changes), GoniometryError> {
     // Patches of ten degrees hide what a display shows.
     let coarse = matches!(part.geometry, Geometry::Patches { .. });
-    let (grid, cells) = on_specular_grid(part, &[channel]).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
+    let (grid, cells) =
+        on_specular_grid(part, &[channel]).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
     let shape = Shape::of_grid(&grid, &cells, preparation.fill);
     let incidences: Vec<f64> = shape.incidences_deg().collect();
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.tis(channel, 0, k)).collect();

@@ -178,8 +178,10 @@ impl ScatterKernel {
     }
 }
 
+/// Where the first of some kernels ends within its disc.
 fn least_edge<'a>(kernels: impl IntoIterator<Item = &'a ScatterKernel>) -> Option<f64> {
-    kernels.into_iter().filter_map(|kernel| kernel.scatter.edge()).reduce(f64::min)
+    let edges = kernels.into_iter().flat_map(|kernel| kernel.scatter.edges());
+    edges.filter(|edge| *edge < 1.0).reduce(f64::min)
 }
 
 /// A display in either form.
