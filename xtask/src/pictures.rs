@@ -25,8 +25,24 @@ const DRAWINGS: [Drawing; 6] = [
         "",
     ),
     (&["pixel"], "indoor.toml", &["pixel.svg"], ""),
-    (&["diffuser", "inspect"], "data/H78.bsdf", &["front-transmission.svg"], "measured-"),
-    (&["run"], "measured-diffused.toml", &["spectra.svg"], "measured-"),
+    (
+        &[
+            "diffuser",
+            "inspect",
+            "--transmission=scenarios/data/H65-transmission.csv",
+            "--transmission=scenarios/data/H78-transmission.csv",
+            "--transmission=scenarios/data/H81-transmission.csv",
+        ],
+        "data/H78.bsdf",
+        &["front-transmission.svg", "transmission.svg"],
+        "measured-",
+    ),
+    (
+        &["diffuser", "steps", "--beside=scenarios/measured-truth.toml"],
+        "measured-diffused.toml",
+        &["step-normalise.svg"],
+        "measured-",
+    ),
     (&["run"], "measured-h65.toml", &["reflectance_against_angle.svg"], "measured-"),
 ];
 
@@ -35,7 +51,8 @@ pub(crate) fn pictures() -> Outcome {
     let pictures = shell::root().join("docs/pictures");
     std::fs::create_dir_all(&pictures).map_err(|error| format!("docs/pictures: {error}"))?;
     for (what, file, figures, prefix) in DRAWINGS {
-        let out = shell::target().join("pictures").join(what.join("-"));
+        let command = what.iter().filter(|word| !word.starts_with("--")).copied().collect::<Vec<_>>();
+        let out = shell::target().join("pictures").join(command.join("-"));
         let file = format!("scenarios/{file}");
         let mut papilio = cargo(["run", "--release", "--quiet", "--package", "papilio", "--"]);
         papilio.args(what).arg(file).arg("--out").arg(&out);
