@@ -169,7 +169,7 @@ mod tests {
             theta_i_deg: steps(60.0, 15.0),
             phi_i_deg: vec![0.0],
             theta_o_deg: steps(90.0, 2.0),
-            phi_o_deg: steps(355.0, 5.0),
+            phi_o_deg: steps(356.0, 4.0),
         };
         let b: f64 = 0.1;
         let mut values = Vec::new();
