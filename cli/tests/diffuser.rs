@@ -96,7 +96,14 @@ fn inspect_says_what_a_file_is_worth() {
     for word in ["Radiant/Zemax", "H78 (synthetic)", "synthetic: a virtual", "0.9000", "ASTM D1003"] {
         assert!(text.contains(word), "{word} is not in\n{text}");
     }
-    assert!(folder.path("figures/front-transmission.svg").is_file());
+    // What an instrument does not see is blank.
+    let blank = "no light was seen there";
+    let figure = |name: &str| fs::read_to_string(folder.path(name).join("front-transmission.svg")).unwrap();
+    assert!(!figure("figures").contains(blank));
+    let (scenario, dark) = (shipped("virtual-instrument.toml"), folder.name("dark.bsdf"));
+    done(&["measure", &scenario, &dark, "--set", "measure.dark_beyond_deg=70"]);
+    done(&["inspect", &dark, "--out", &folder.name("dark")]);
+    assert!(figure("dark").contains(blank));
     assert!(folder.path("figures/front-transmission.png").is_file());
     // Feng 2012, fig. 3.10.
     let (h78, figures) = (shipped("data/H78.bsdf"), folder.name("figures"));

@@ -19,15 +19,18 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     let measurement = read(&arguments.file)?;
     let spectra: Vec<Transmission> =
         arguments.transmission.iter().map(|path| spectrum(path)).collect::<Result<_, _>>()?;
+    // Of the luminous channels.
+    let audits: Vec<Option<Audit>> =
+        measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
     let mut stdout = anstream::stdout().lock();
     if arguments.json {
         let every = |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
-        let audits: Vec<(&Part, Vec<Audit>)> =
+        let all: Vec<(&Part, Vec<Audit>)> =
             measurement.parts.iter().map(|part| (part, every(part))).collect();
-        write_json(&mut stdout, &AuditFile::new(&measurement, &audits))?;
+        write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;
     } else {
         let name = arguments.file.display().to_string();
-        stdout.write_all(report::inspect(&name, &measurement).as_bytes())?;
+        stdout.write_all(report::inspect(&name, &measurement, &audits).as_bytes())?;
         stdout.write_all(report::spectra(&spectra).as_bytes())?;
     }
     stdout.flush()?;
@@ -35,7 +38,7 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     output::check(folder)?;
     output::make_folder(folder)?;
     let mut names = Vec::new();
-    for (name, svg) in figures(&measurement) {
+    for (name, svg) in figures(&measurement, &audits) {
         names.extend(output::write_figure(folder, &name, &svg)?);
     }
     if !spectra.is_empty() {
@@ -58,21 +61,39 @@ fn spectrum(path: &Path) -> Result<Transmission, Failure> {
 }
 
 /// A figure for each part: its luminous channel, or the first.
-fn figures(measurement: &Measurement) -> Vec<(String, String)> {
-    let one = |part: &Part| {
-        let shape = Shape::of_part(part, part.luminous(), Fill::None)?;
+fn figures(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String, String)> {
+    let one = |(part, audit): (&Part, &Option<Audit>)| {
+        let seen = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
+        let last_deg = audit.as_ref()?.dark_beyond_deg;
+        let shape = Seen { plain: seen(Fill::None)?, filled: seen(Fill::Tail)?, last_deg };
         let name = format!("{}-{}", report::side(part.way), report::kind(part.way));
         let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
         let figure = Scattering { quantity: quantity.to_owned(), curves: curves(&shape), maps: maps(&shape) };
         Some((name, scattering(&figure, &measurement.provenance.sample)))
     };
-    measurement.parts.iter().filter_map(one).collect()
+    measurement.parts.iter().zip(audits).filter_map(one).collect()
+}
+
+/// A lobe as far as light was seen. Its rim would be as jagged as the cells, or fall off between the last lit and the first dark one:
+/// lobes go on up to the last inclination with light.
+struct Seen {
+    plain: Shape,
+    filled: Shape,
+    last_deg: f64,
+}
+
+impl Seen {
+    /// Towards an inclination, at this difference of direction cosines; NaN where no light was seen.
+    fn value(&self, incidence: usize, theta_deg: f64, delta: Beta) -> f64 {
+        let dark = theta_deg.abs() > self.last_deg + 1e-6 || self.plain.value(incidence, delta) <= 0.0;
+        if dark { f64::NAN } else { self.filled.value(incidence, delta) }
+    }
 }
 
 /// Each incidence in the plane of incidence.
-fn curves(shape: &Shape) -> Vec<ScatterCurve> {
+fn curves(shape: &Seen) -> Vec<ScatterCurve> {
     let value = |k: usize, from: f64, to: f64| {
-        shape.value(k, Beta { x: to.to_radians().sin() - from.to_radians().sin(), y: 0.0 })
+        shape.value(k, to, Beta { x: to.to_radians().sin() - from.to_radians().sin(), y: 0.0 })
     };
     let curve = |(k, from): (usize, f64)| ScatterCurve {
         name: None,
@@ -80,12 +101,12 @@ fn curves(shape: &Shape) -> Vec<ScatterCurve> {
         points: false,
         values: (-356..=356).map(|q| 0.25 * f64::from(q)).map(|to| (to, value(k, from, to))).collect(),
     };
-    shape.incidences_deg().enumerate().map(curve).collect()
+    shape.plain.incidences_deg().enumerate().map(curve).collect()
 }
 
 /// The hemisphere at the incidences nearest to those wanted.
-fn maps(shape: &Shape) -> Vec<ScatterMap> {
-    let incidences: Vec<f64> = shape.incidences_deg().collect();
+fn maps(shape: &Seen) -> Vec<ScatterMap> {
+    let incidences: Vec<f64> = shape.plain.incidences_deg().collect();
     let nearest = |wanted: f64| {
         let off = |k: &usize| (incidences[*k] - wanted).abs();
         (0..incidences.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
@@ -98,7 +119,7 @@ fn maps(shape: &Shape) -> Vec<ScatterMap> {
         let from = Beta { x: incidences[k].to_radians().sin(), y: 0.0 };
         let value = |theta: f64, phi: f64| {
             let to = Beta::towards(theta, phi, 1.0) - from;
-            shape.value(k, Beta { x: to.x, y: to.y.abs() })
+            shape.value(k, theta, Beta { x: to.x, y: to.y.abs() })
         };
         let values = theta_deg.iter().flat_map(|theta| phi_deg.iter().map(|phi| value(*theta, *phi)));
         ScatterMap {

@@ -28,7 +28,7 @@ pub(super) fn kind(way: Way) -> &'static str {
 }
 
 /// What `papilio diffuser inspect` prints.
-pub(super) fn inspect(name: &str, measurement: &Measurement) -> String {
+pub(super) fn inspect(name: &str, measurement: &Measurement, audits: &[Option<Audit>]) -> String {
     let provenance = &measurement.provenance;
     let mut text = format!("{name}: {}\n", provenance.format);
     for (what, said) in [("sample", &provenance.sample), ("source", &provenance.source)] {
@@ -40,7 +40,7 @@ pub(super) fn inspect(name: &str, measurement: &Measurement) -> String {
         let [front, back] = measurement.media;
         let _ = writeln!(text, "media: index {front} in front, {back} behind");
     }
-    for part in &measurement.parts {
+    for (part, audit) in measurement.parts.iter().zip(audits) {
         let channels: Vec<String> = part.channels.iter().map(spoken).collect();
         let _ = write!(
             text,
@@ -51,8 +51,8 @@ pub(super) fn inspect(name: &str, measurement: &Measurement) -> String {
         );
         let _ = writeln!(text, "\n  {}", geometry(&part.geometry));
         // One channel in full: the luminous one.
-        match Audit::of(part, part.luminous()) {
-            Some(audit) => text.push_str(&findings(&audit)),
+        match audit {
+            Some(audit) => text.push_str(&findings(audit)),
             None => text.push_str("  directions on no grid: nothing is known of what is between them\n"),
         }
         if matches!(part.geometry, Geometry::Patches { .. }) {

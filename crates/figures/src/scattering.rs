@@ -3,7 +3,7 @@
 
 use crate::axis::Axis;
 use crate::panel::{Panel, SMALL};
-use crate::polar::{Directions, Map, colour_bar};
+use crate::polar::{BLANK, Directions, Map, colour_bar};
 use crate::style::{INK, degrees, ramp};
 use crate::svg::{Anchor, Stroke, Svg, Text};
 
@@ -96,6 +96,11 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
     if !figure.maps.is_empty() {
         let left = maps_left + pitch * figure.maps.len() as f64;
         colour_bar(&mut svg, &scale, (left - 10.0, 60.0), 2.0 * RADIUS, true);
+        if figure.maps.iter().flat_map(|map| &map.values).any(|value| value.is_nan()) {
+            let (x, y) = (maps_left + 30.0, 2.0 * RADIUS + 110.0);
+            svg.rect((x, y - 10.0), (12.0, 12.0), 0.0, BLANK, "#bbbbbb");
+            svg.text((x + 20.0, y), "no light was seen there", Text::new(SMALL, INK));
+        }
     }
     svg.finish()
 }
