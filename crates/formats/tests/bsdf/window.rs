@@ -79,6 +79,34 @@ fn a_grid_is_averaged_over_patches() {
     assert!((sum - 0.25 * std::f64::consts::PI).abs() < 1e-12, "{sum}");
 }
 
+/// Pairs of patches that are alike are averaged once: the same comes out where a second, equal rotation hides that they are.
+#[test]
+fn pairs_that_are_alike_have_one_mean() {
+    let mut measurement = read(super::samples::RADIANT);
+    let mut grid = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: vec![0.0, 45.0, 90.0],
+        azimuths_deg: vec![0.0, 50.0, 110.0, 180.0],
+        radials_deg: vec![0.0, 10.0, 60.0, 180.0],
+        symmetry: Symmetry::Plane,
+    };
+    // Lopsided: no two cells are equal.
+    let values: Vec<f64> = (0..grid.cells()).map(|cell| 1.0 + (cell as f64).sin()).collect();
+    let mut patches = |rotations: &[f64]| {
+        grid.rotations_deg = rotations.to_vec();
+        let part = &mut measurement.parts[0];
+        part.values = values.repeat(rotations.len());
+        part.geometry = Geometry::Specular(grid.clone());
+        part.tis.clear();
+        read(written(BsdfFormat::Klems, &measurement).0).parts.remove(0).values
+    };
+    let (once, each) = (patches(&[0.0]), patches(&[0.0, 180.0]));
+    assert_eq!((once.len(), each.len()), (145 * 145, 145 * 145));
+    for (once, each) in once.into_iter().zip(each) {
+        assert!((once - each).abs() < 1e-9, "{once} {each}");
+    }
+}
+
 /// f that rises with the viewer's inclination: its mean over a ring, weighted with the cosine, in closed form.
 #[test]
 fn an_average_is_weighted_with_the_cosine() {
