@@ -38,6 +38,7 @@
 //!         method: Method::Walk,
 //!         stop: Stop::RelativeError { target: 0.001, every_bin: false },
 //!         sampler: Sampler::Sobol,
+//!         scattering: Strategy::Kernel,
 //!         approximation: Approximation::None,
 //!         angle_medium: AngleMedium::Air,
 //!         seed: 0,

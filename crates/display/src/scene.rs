@@ -9,6 +9,7 @@ pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
+pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{ScatterFace, ScatterKernel, Scattering};
 
 /// One computation, complete.
@@ -324,6 +325,8 @@ pub struct Solver {
     pub stop: Stop,
     /// Where the walk's numbers come from.
     pub sampler: Sampler,
+    /// How the walk draws directions where a diffuser scatters.
+    pub scattering: Strategy,
     /// Exact, or as the dissertation.
     pub approximation: Approximation,
     /// The medium of the scene's angles.

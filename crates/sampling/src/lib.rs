@@ -1,14 +1,15 @@
 //! Uniform numbers for Monte Carlo, and the warps that turn them into directions.
 //!
 //! - [`Numbers`]: the source of one replicate: independent counter-based random
-//!   numbers, or Owen-scrambled Sobol points. A path asks for blocks of four numbers
+//!   numbers, or points of better sets ([`Sampler`]). A path asks for blocks of four numbers
 //!   by position, so its numbers depend on (seed, replicate, path, block) alone and
 //!   never on which thread ran it or what other paths did.
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
 //!
-//! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are low-discrepancy
-//! points; a path that lives longer goes on with independent random numbers.
-//! Out of scope: stratified and best-candidate point sets.
+//! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a path
+//! that lives longer goes on with independent random numbers. Blocks are padded: each is a good
+//! set by itself, beside the others in random order. Stratified and best-candidate sets are
+//! two-dimensional; a set of best candidates has at most 4096 points, then come others.
 //!
 //! ```
 //! use papilio_sampling::{Numbers, Sampler};
@@ -18,7 +19,10 @@
 //! assert!((mean - 0.5).abs() < 1e-4);
 //! ```
 
+mod candidates;
 mod numbers;
+mod sobol;
+mod strata;
 pub mod warp;
 
 pub use numbers::{Numbers, PLANNED_BLOCKS, Sampler};

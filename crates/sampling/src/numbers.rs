@@ -1,25 +1,33 @@
 //! Uniform numbers by (seed, stream, path, block).
 //!
 //! Random numbers are SplitMix64 outputs at a hashed counter (Steele, Lea & Flood,
-//! OOPSLA 2014). Sobol points come from `sobol_burley` (Burley, JCGT 9:4, 2020):
-//! each sequence ends at 2^16 points, so path `p` uses point `p mod 2^16` of an
-//! independent scramble numbered `p / 2^16`. Its 23-bit fractions are filled up with
+//! OOPSLA 2014). Sobol points come from [`sobol`](crate::sobol): path `p` is point `p mod 2^32` of an
+//! independent scramble numbered `p / 2^32`. Its 32 bits are filled up with
 //! random low bits, so that the numbers are uniform on the whole open interval.
+//! The other two kinds are pairs of coordinates: [`strata`](crate::strata).
+
+use crate::{sobol, strata};
 
 /// Where uniform numbers come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampler {
     /// Independent random numbers.
     Random,
+    /// Jittered points on pairs of coordinates.
+    Stratified,
     /// Owen-scrambled Sobol points, a fresh scramble for each replicate.
     Sobol,
+    /// Points that keep away from each other, on pairs of coordinates.
+    BestCandidate,
 }
 
-/// Blocks of four numbers at the head of a path that are low-discrepancy points.
-pub const PLANNED_BLOCKS: u32 = 4;
+impl Sampler {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Random, Self::Stratified, Self::Sobol, Self::BestCandidate];
+}
 
-/// The Sobol sequence of one scramble is this long.
-const SCRAMBLE_LENGTH: u64 = 1 << 16;
+/// Blocks of four numbers at the head of a path that are points of the sampler's sets.
+pub const PLANNED_BLOCKS: u32 = 4;
 
 /// The numbers of one replicate.
 #[derive(Debug, Clone, Copy)]
@@ -37,22 +45,46 @@ impl Numbers {
     /// Four numbers in (0, 1) for a path; blocks are independent of each other.
     #[inline]
     pub fn block(&self, path: u64, block: u32) -> [f64; 4] {
-        if self.sampler == Sampler::Sobol && block < PLANNED_BLOCKS {
-            return self.sobol_block(path, block);
+        match self.sampler {
+            Sampler::Random => self.random_block(path, block),
+            _ if block >= PLANNED_BLOCKS => self.random_block(path, block),
+            Sampler::Sobol => self.sobol_block(path, block),
+            Sampler::Stratified => {
+                let [a, b, c, d] = self.random_block(path, block);
+                let [x, y] = strata::stratified(path, self.of_pair(2 * block), [a, b]);
+                let [z, w] = strata::stratified(path, self.of_pair(2 * block + 1), [c, d]);
+                [x, y, z, w]
+            }
+            Sampler::BestCandidate => {
+                let [x, y] = strata::best_candidate(path, self.of_pair(2 * block));
+                let [z, w] = strata::best_candidate(path, self.of_pair(2 * block + 1));
+                [x, y, z, w]
+            }
         }
+    }
+
+    #[inline]
+    fn random_block(&self, path: u64, block: u32) -> [f64; 4] {
         let base = mix64(self.key ^ mix64((path << 8) ^ u64::from(block).wrapping_mul(GOLDEN)));
         let uniform = |i: u64| open_unit(mix64(base.wrapping_add(i.wrapping_mul(GOLDEN))));
         [uniform(1), uniform(2), uniform(3), uniform(4)]
     }
 
+    /// Random bits for each set of a pair of coordinates.
+    #[inline]
+    fn of_pair(&self, pair: u32) -> impl Fn(u64) -> u64 {
+        let key = mix64(self.key ^ u64::from(pair + 1).wrapping_mul(GOLDEN));
+        move |set| mix64(key ^ mix64(set))
+    }
+
     #[inline]
     fn sobol_block(&self, path: u64, block: u32) -> [f64; 4] {
-        let scramble = mix64(self.key ^ (path / SCRAMBLE_LENGTH));
-        let point = sobol_burley::sample_4d((path % SCRAMBLE_LENGTH) as u32, block, scramble as u32);
-        let low = mix64(scramble ^ (path << 8) ^ u64::from(block));
+        let scramble = mix64(self.key ^ mix64((path >> 32) ^ u64::from(block + 1).wrapping_mul(GOLDEN)));
+        let point = sobol::point(path as u32, scramble);
+        let low = mix64(scramble ^ path);
         let fill = |i: usize| {
             let bits = (low >> (16 * i)) & 0xffff;
-            f64::from(point[i]) + (bits as f64 + 0.5) * (-39.0_f64).exp2()
+            (f64::from(point[i]) + (bits as f64 + 0.5) * (-16.0_f64).exp2()) * (-32.0_f64).exp2()
         };
         [fill(0), fill(1), fill(2), fill(3)]
     }
@@ -62,7 +94,7 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// SplitMix64's output function at a counter: a bijection that passes BigCrush as a stream.
 #[inline]
-fn mix64(counter: u64) -> u64 {
+pub(crate) fn mix64(counter: u64) -> u64 {
     let mut z = counter.wrapping_add(GOLDEN);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -71,7 +103,7 @@ fn mix64(counter: u64) -> u64 {
 
 /// The top 52 bits as the middle of one of 2^52 cells of (0, 1).
 #[inline]
-fn open_unit(bits: u64) -> f64 {
+pub(crate) fn open_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * (-52.0_f64).exp2()
 }
 
@@ -88,7 +120,7 @@ mod tests {
 
     #[test]
     fn numbers_lie_in_the_open_interval() {
-        for sampler in [Sampler::Random, Sampler::Sobol] {
+        for sampler in Sampler::ALL {
             assert!(all(sampler).flatten().all(|u| u > 0.0 && u < 1.0));
         }
     }
@@ -97,7 +129,7 @@ mod tests {
     /// test at 1e-4 for each of 12 pairs (Sidak: 1.2e-3 in all).
     #[test]
     fn pairs_of_coordinates_fill_the_square_evenly() {
-        for sampler in [Sampler::Random, Sampler::Sobol] {
+        for sampler in Sampler::ALL {
             for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
                 let mut cells = [0.0_f64; 256];
                 for point in all(sampler) {
@@ -134,7 +166,7 @@ mod tests {
 
     #[test]
     fn seeds_streams_paths_and_blocks_all_differ() {
-        for sampler in [Sampler::Random, Sampler::Sobol] {
+        for sampler in Sampler::ALL {
             let base = Numbers::new(sampler, 0, 0).block(0, 0);
             assert_ne!(base, Numbers::new(sampler, 1, 0).block(0, 0));
             assert_ne!(base, Numbers::new(sampler, 0, 1).block(0, 0));

@@ -220,6 +220,31 @@ impl AngularTable {
             && self.nodes == other.nodes
     }
 
+    /// At each node the mean over states and wavelengths, each state against its own at the node nearest
+    /// to the normal.
+    pub(crate) fn relative_reflectance(&self) -> Vec<f64> {
+        let (bins, count, nodes) = (self.common.len(), self.basis_count(), self.nodes.count());
+        let mean = |row: &[f64]| row.iter().sum::<f64>() / bins as f64;
+        let of_basis: Vec<f64> = self.basis.chunks_exact(bins.max(1)).map(mean).collect();
+        let common = mean(&self.common);
+        let mut sum = vec![0.0; nodes];
+        for shares in self.mixture.chunks_exact(count) {
+            let at = |node: usize| {
+                let basis = &of_basis[node * count..][..count];
+                common + shares.iter().zip(basis).map(|(share, value)| share * value).sum::<f64>()
+            };
+            // Cosines ascend towards the normal, angles away from it.
+            let normal = match self.nodes {
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => at(nodes - 1),
+                _ => at(0),
+            };
+            for (node, sum) in sum.iter_mut().enumerate().filter(|_| normal > 0.0) {
+                *sum += at(node) / (normal * self.state_count() as f64);
+            }
+        }
+        sum
+    }
+
     /// An upper bound of every state's reflectance at any angle, from that of the basis.
     pub(crate) fn largest_reflectance(&self, of_basis: f64) -> f64 {
         (of_basis + largest(&self.common)).min(1.0)

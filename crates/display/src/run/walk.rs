@@ -14,7 +14,7 @@ use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::Stop;
-use crate::setup::ViewPoint;
+use crate::setup::{Setup, ViewPoint};
 
 /// Independent replicates of each view; standard errors have one degree of freedom less.
 const REPLICATES: u64 = 32;
@@ -86,7 +86,10 @@ impl<'a> Runner<'a> {
     }
 
     fn start(&self, number: usize, at: &'a ViewPoint) -> Work<'a> {
-        let walk = Walk::new(&self.run.setup.stack, at.field, &self.run.setup.sources);
+        let Setup { stack, sources, lights, .. } = self.run.setup;
+        let illuminance: Vec<f64> = lights.iter().map(|light| light.illuminance_lx).collect();
+        let walk =
+            Walk::with_strategy(stack, at.field, sources, self.run.scene.solver.scattering, &illuminance);
         let replicates = (0..REPLICATES).map(|_| walk.replicate()).collect();
         Work { walk, number, replicates, samples: Vec::new(), paths: 0, relative_error: f64::INFINITY }
     }

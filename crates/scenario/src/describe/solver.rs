@@ -16,9 +16,9 @@ table! {
         paths: Option<Paths>,
         /// Apply `relative_error` to every wavelength too, against the spectrum's maximum; nothing beside `paths`. Default false.
         every_bin: bool = false,
-        /// Where the walk's numbers come from; adding needs none. Default "sobol".
+        /// Where the walk's numbers come from (docs/sampling.md); adding needs none. Default "sobol".
         sampler: Sampler = Sampler::Sobol,
-        /// How the walk draws directions. Default "kernel".
+        /// How the walk draws directions where a diffuser scatters (docs/sampling.md). Default "kernel".
         scattering: Scattering = Scattering::Kernel,
         /// "none": all orders of reflection. "single-pass": Feng 2012, eq. 3-2, 3-3 and 3-5. Default "none".
         approximation: Approximation = Approximation::None,
@@ -55,15 +55,27 @@ choice! {
         Sobol = "sobol",
         /// Independent random numbers.
         Random = "random",
-    } later ["stratified", "best-candidate"]
+        /// Jittered points on pairs of coordinates.
+        Stratified = "stratified",
+        /// Points that keep away from each other on pairs of coordinates, in sets of at most 4096.
+        BestCandidate = "best-candidate",
+    }
 }
 
 choice! {
     /// How directions are drawn.
     Scattering {
-        /// From the lobe itself.
+        /// From the lobe itself, towards lamps from both ends.
         Kernel = "kernel",
-    } later ["uniform", "cosine", "ward", "guided"]
+        /// Evenly over the hemisphere.
+        Uniform = "uniform",
+        /// Proportionally to the cosine.
+        Cosine = "cosine",
+        /// From Ward's lobe, fitted to the diffuser's.
+        Ward = "ward",
+        /// From the product of lobe, light and pixel.
+        Guided = "guided",
+    }
 }
 
 choice! {

@@ -186,7 +186,6 @@ impl Resolver<'_> {
 
     fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
         let stop = self.stop(solver)?;
-        let solver::Scattering::Kernel = solver.scattering.value;
         Some(scene::Solver {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
@@ -196,6 +195,15 @@ impl Resolver<'_> {
             sampler: match solver.sampler.value {
                 solver::Sampler::Sobol => scene::Sampler::Sobol,
                 solver::Sampler::Random => scene::Sampler::Random,
+                solver::Sampler::Stratified => scene::Sampler::Stratified,
+                solver::Sampler::BestCandidate => scene::Sampler::BestCandidate,
+            },
+            scattering: match solver.scattering.value {
+                solver::Scattering::Kernel => scene::Strategy::Kernel,
+                solver::Scattering::Uniform => scene::Strategy::Uniform,
+                solver::Scattering::Cosine => scene::Strategy::Cosine,
+                solver::Scattering::Ward => scene::Strategy::Ward,
+                solver::Scattering::Guided => scene::Strategy::Guided,
             },
             approximation: match solver.approximation.value {
                 solver::Approximation::None => scene::Approximation::None,

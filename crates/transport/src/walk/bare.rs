@@ -139,7 +139,7 @@ impl<'a> Bare<'a> {
             let Some(target) = Target::sample(source, u) else { continue };
             towards.set(self.stack, target.beta.squared());
             fill(factor, towards.t.iter().zip(self.spread_factors(target.beta)).map(|(t, f)| t * f));
-            add_rows_times(&mut rho.base, carried, factor, target.weight(scatter, 0.0, 1.0));
+            add_rows_times(&mut rho.base, carried, factor, target.balanced(scatter, scatter, 0.0));
         }
     }
 
@@ -171,7 +171,7 @@ impl<'a> Bare<'a> {
                 Source::Diffuse => 1.0,
                 Source::Disc(cone) if !self.specular && cone.sends(beta) => {
                     let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
-                    Target::on_disc(cone, beta).weight(scatter, 0.0, 1.0)
+                    Target::on_disc(cone, beta).balanced(scatter, scatter, 0.0)
                 }
                 Source::Disc(_) | Source::Beam(_) => continue,
             };

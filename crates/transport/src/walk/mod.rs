@@ -37,8 +37,10 @@
 
 mod bare;
 mod diffused;
+mod guide;
 mod images;
 mod layered;
+mod strategy;
 mod tally;
 
 use papilio_optics::Beta;
@@ -49,6 +51,7 @@ use bare::Bare;
 use diffused::Diffused;
 use images::Images;
 use layered::Layered;
+pub use strategy::Strategy;
 
 /// Numbers of one path: blocks 0 to 3 serve the field of view and the first pass.
 struct PathNumbers<'a> {
@@ -119,12 +122,27 @@ enum Kind<'a> {
 impl<'a> Walk<'a> {
     /// `view` is the cone of directions (in air) that the viewer's field covers.
     pub fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
+        Self::with_strategy(stack, view, sources, Strategy::default(), &[])
+    }
+
+    /// As [`Self::new`], directions drawn by this strategy where a panel's diffuser scatters (all
+    /// other stacks know the kernel alone).
+    ///
+    /// `shares` are the sources' shares of the illuminance, for which the guided strategy cares; missing
+    /// ones are 1.
+    pub fn with_strategy(
+        stack: &'a Stack,
+        view: Cone,
+        sources: &'a [Source],
+        strategy: Strategy,
+        shares: &[f64],
+    ) -> Self {
         let images = Images::new(stack, view, sources);
         let kind = match stack {
             Stack::Layered(layered) => Kind::Layered(Layered::new(layered, view, sources), images),
             Stack::Panel(panel) => match &panel.top {
                 Top::Diffuser(diffuser) => {
-                    Kind::Diffused(Diffused::new(panel, diffuser, view, sources), images)
+                    Kind::Diffused(Diffused::new(panel, diffuser, view, sources, (strategy, shares)), images)
                 }
                 Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
             },
@@ -246,21 +264,13 @@ impl Target {
         }
     }
 
-    /// What one sample adds to `rho` where a direction reaches this point by any of
-    /// three techniques: `scatter` is the density with which the last scattering event
-    /// sends light here, `back` that of sampling the direction before it backwards from
-    /// here, relative to the density `forward` with which the path sampled it
-    /// (infinite: no choice).
+    /// What one sample adds to `rho` where a direction reaches this point by any of three
+    /// techniques: the last scattering event, whose kernel has this `value` and is drawn with density
+    /// `pdf`; this connection; and the direction before it drawn backwards from here, with a density
+    /// of this `ratio` to that with which the path drew it (0: it is not).
     ///
-    /// Balance heuristic: integrand `forward * scatter * L` over the sum of the three
-    /// products of densities. The same value serves whichever technique drew the sample.
-    #[inline]
-    fn weight(&self, scatter: f64, back: f64, forward: f64) -> f64 {
-        self.balanced(scatter, scatter, back / forward)
-    }
-
-    /// [`Self::weight`] where the last event's kernel has this `value` and its sampler this `pdf`;
-    /// `ratio` is that of `back` to `forward`.
+    /// Balance heuristic: the integrand over the sum of the three products of densities. The same
+    /// value serves whichever technique drew the sample.
     #[inline]
     fn balanced(&self, value: f64, pdf: f64, ratio: f64) -> f64 {
         if self.density.is_infinite() {

@@ -7,18 +7,21 @@
 //! below, R the base's. The factor `t^2 T^2` is applied at the end.
 
 mod books;
+mod first;
 mod sources;
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
+use super::strategy::Drawing;
 use super::tally::Reflected;
-use super::{PathNumbers, scale_rows};
+use super::{PathNumbers, Strategy, scale_rows};
 use crate::angular::Stencil;
 use crate::{Cone, Panel, Source};
 use crate::{Diffuser, Reflector};
 pub(super) use books::Tally;
 use books::{Room, Sums};
+use first::{First, Guided, SPLITS};
 
 /// A path never goes on with a higher probability than this.
 const MOST_SURVIVAL: f64 = 0.999;
@@ -42,18 +45,40 @@ pub(super) struct Diffused<'a> {
     /// There are beams or discs.
     directed: bool,
     discs: bool,
+    /// How the first direction of light that meets the lobe from the pixel's side is drawn.
+    first: First,
+    /// How all others are.
+    drawing: Drawing,
+    /// The pixel's directions are also drawn from the sources' side.
+    backwards: bool,
 }
 
-/// Light on its way up to the diffuser's underside.
+/// Light between the diffuser and the base.
 #[derive(Debug, Clone, Copy)]
-struct Upward {
+struct Below {
     beta: Beta,
-    /// Density with which the path chose `beta`; infinite if it had no choice.
-    density: f64,
+    weight: f64,
+    /// Density with which the path chose `beta`, where sources may choose it as well; else infinite.
+    rival: f64,
+    /// It came straight through the diffuser.
+    straight: bool,
+}
+
+/// Light that has met the base.
+#[derive(Debug, Clone, Copy)]
+struct Met {
+    up: Below,
+    look_up: Option<Stencil>,
 }
 
 impl<'a> Diffused<'a> {
-    pub(super) fn new(stack: &'a Panel, diffuser: &'a Diffuser, view: Cone, sources: &'a [Source]) -> Self {
+    pub(super) fn new(
+        stack: &'a Panel,
+        diffuser: &'a Diffuser,
+        view: Cone,
+        sources: &'a [Source],
+        (strategy, shares): (Strategy, &[f64]),
+    ) -> Self {
         let sent_back = diffuser.transmittance.zip_map(&stack.front.reflectance_below, |t, r| t * t * r);
         let goes_on = !stack.single_pass && stack.front.transmittance.max() > 0.0;
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };
@@ -64,7 +89,23 @@ impl<'a> Diffused<'a> {
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         let discs = sources.iter().any(|source| matches!(source, Source::Disc(_)));
-        Self { stack, diffuser, view, sources, survival, between_passes, specular, directed, discs }
+        let drawing = Drawing::new(strategy, diffuser.lobe, stack.medium.largest_index(), sources);
+        let first = First::new(strategy, (stack, diffuser), view, (sources, shares));
+        let backwards = strategy == Strategy::Kernel;
+        Self {
+            stack,
+            diffuser,
+            view,
+            sources,
+            survival,
+            between_passes,
+            specular,
+            directed,
+            discs,
+            first,
+            drawing,
+            backwards,
+        }
     }
 
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
@@ -75,12 +116,12 @@ impl<'a> Diffused<'a> {
         if carries {
             room.carried.fill(1.0);
         }
-        let mut scattered = false;
+        let (mut scattered, mut weight) = (false, 1.0);
         for pass in 0.. {
             let numbers = PassNumbers::new(numbers, pass, self);
-            let light = Downward { beta, carries, scattered };
+            let light = Downward { beta, weight, carries, scattered };
             let Some(out) = self.pass(light, &numbers, sums, room) else { return };
-            scattered = out.scattered;
+            (scattered, weight) = (out.scattered, out.weight);
             if carries {
                 room.carried.copy_from_slice(&room.reflected);
             } else {
@@ -94,53 +135,120 @@ impl<'a> Diffused<'a> {
 
     /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends.
     fn pass(&self, light: Downward, numbers: &PassNumbers, sums: &mut Sums, room: &mut Room) -> Option<Out> {
-        let Downward { beta, carries, scattered } = light;
-        sums.entering.add(carries.then_some(&room.carried), 1.0);
+        let Downward { beta, weight, carries, scattered } = light;
+        sums.entering.add(carries.then_some(&room.carried), weight);
         if self.specular {
-            self.connect_before_base(beta, carries, numbers, sums, room);
-            let chosen = |to: Beta| (1.0 - self.straight()) * self.diffuser.lobe.density(beta, to);
-            self.sample_backwards(chosen, carries, numbers, sums, room);
+            self.connect_before_base(light, numbers, sums, room);
+            if self.backwards && numbers.pass == 0 {
+                let chosen = |to: Beta| (1.0 - self.straight()) * self.diffuser.lobe.density(beta, to);
+                self.sample_backwards(chosen, light, numbers, sums, room);
+            }
         }
-        let (down, density) = self.through(beta, numbers.down)?;
-        if down.length() >= self.stack.medium.largest_index() {
+        let (down, met) = match &self.first {
+            First::Guided(guided) if numbers.pass == 0 && self.specular => {
+                self.guided(guided, light, numbers, sums, room)?
+            }
+            _ => {
+                let down = self.down(light, numbers)?;
+                (down, self.below(down, 1.0, (carries, numbers), sums, room)?)
+            }
+        };
+        let goes_on = numbers.survival < self.survival;
+        if !goes_on && !self.discs {
+            return None;
+        }
+        let Met { up, look_up } = met;
+        let (out, drawn, straight_up) = self.through(&self.drawing, up.beta, 1.0, numbers.up)?;
+        if out.squared() > 1.0 {
+            return None;
+        }
+        let light = reflected(look_up, &room.reflected);
+        let straight_down = self.specular && down.straight;
+        if !straight_up {
+            self.meet_discs(up, out, light, sums);
+        } else if straight_down && scattered {
+            self.meet_discs_by_specular_light(out, light, up.weight, sums);
+        }
+        let scattered = scattered || !(straight_down && straight_up);
+        goes_on.then_some(Out { beta: out, base: down.beta, weight: up.weight * drawn, scattered })
+    }
+
+    /// All that becomes of light below the diffuser before it is drawn through it again: the base, and
+    /// what is seen of the sources; counted as so much of a sample. `None` if it ends there.
+    fn below(
+        &self,
+        down: Below,
+        counts: f64,
+        (carries, numbers): (bool, &PassNumbers),
+        sums: &mut Sums,
+        room: &mut Room,
+    ) -> Option<Met> {
+        if down.beta.length() >= self.stack.medium.largest_index() {
             return None;
         }
         if carries {
-            self.keep_within_disc(down, Spread::No, &mut room.carried);
+            self.keep_within_disc(down.beta, Spread::No, &mut room.carried);
         }
-        sums.arriving.add(carries.then_some(&room.carried), 1.0);
-
-        let look_up = self.meet_base(down, carries, room);
-        sums.reflected.add(reflected(look_up, &room.reflected), 1.0);
-        let mut up = Upward { beta: down, density };
+        let weight = counts * down.weight;
+        sums.arriving.add(carries.then_some(&room.carried), weight);
+        let look_up = self.meet_base(down.beta, carries, room);
+        sums.reflected.add(reflected(look_up, &room.reflected), weight);
+        let mut up = down;
         if !self.specular {
-            self.connect_straight_from_base(look_up, numbers, sums, room);
-            self.sample_backwards_from_base(look_up, numbers, sums, room);
-            up = self.leave_base(numbers);
+            self.connect_straight_from_base((look_up, weight), numbers, sums, room);
+            if self.backwards {
+                self.sample_backwards_from_base((look_up, weight), numbers, sums, room);
+            }
+            up = self.leave_base(down.weight, numbers)?;
             if carries {
                 self.keep_within_disc(up.beta, Spread::Lambertian, &mut room.reflected);
             }
         }
         let light = reflected(look_up, &room.reflected);
-        self.connect(up, light, numbers, sums);
+        let seen = Below { weight: counts * up.weight, ..up };
+        self.connect(seen, light, numbers, sums);
         // All that leaves meets diffuse light: no direction need be drawn for that.
-        sums.leaving.add(light, self.share_leaving(up.beta));
-        let goes_on = numbers.survival < self.survival;
-        if !goes_on && !self.discs {
-            return None;
+        sums.leaving.add(light, seen.weight * self.share_leaving(up.beta));
+        Some(Met { up, look_up })
+    }
+
+    /// Several directions of a first pass at once; the light goes on with one of them.
+    fn guided(
+        &self,
+        guided: &Guided,
+        light: Downward,
+        numbers: &PassNumbers,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) -> Option<(Below, Met)> {
+        let goes_on = (numbers.choice * SPLITS as f64) as usize;
+        let mut last = None;
+        for k in 0..SPLITS {
+            // The one that goes on comes last.
+            let (beta, drawn, straight) = guided.draw(self.diffuser, light.beta, goes_on + 1 + k, numbers.down);
+            let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight };
+            if light.carries {
+                room.carried.fill(1.0);
+            }
+            let met = self.below(down, 1.0 / SPLITS as f64, (light.carries, numbers), sums, room);
+            last = met.map(|met| (down, met));
         }
-        let (out, chosen) = self.through(up.beta, numbers.up)?;
-        if out.squared() > 1.0 {
-            return None;
-        }
-        let (straight_down, straight_up) = (self.specular && density.is_infinite(), chosen.is_infinite());
-        if !straight_up {
-            self.meet_discs(up, out, light, sums);
-        } else if straight_down && scattered {
-            self.meet_discs_by_specular_light(out, light, sums);
-        }
-        let scattered = scattered || !(straight_down && straight_up);
-        goes_on.then_some(Out { beta: out, base: down, scattered })
+        last
+    }
+
+    /// Light on its way down through the diffuser.
+    #[inline]
+    fn down(&self, light: Downward, numbers: &PassNumbers) -> Option<Below> {
+        let Downward { beta, weight, .. } = light;
+        let n = self.stack.medium.largest_index();
+        let (drawing, balanced) = match &self.first {
+            First::Kernel(kernel) if numbers.pass == 0 && self.specular => (kernel, true),
+            _ => (&self.drawing, false),
+        };
+        let (to, drawn, straight) = self.through(drawing, beta, n, numbers.down)?;
+        let density = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, to);
+        let rival = if balanced && !straight { density } else { f64::INFINITY };
+        Some(Below { beta: to, weight: weight * drawn, rival, straight })
     }
 
     /// The share of light at the diffuser's underside that leaves into the air.
@@ -156,16 +264,23 @@ impl<'a> Diffused<'a> {
         self.diffuser.straight_through
     }
 
-    /// Straight through or by the lobe, and the density of the choice.
+    /// Straight through or by the lobe into a disc of this radius: where to, the weight, and which
+    /// of the two.
     #[inline]
-    fn through(&self, beta: Beta, u: [f64; 2]) -> Option<(Beta, f64)> {
+    fn through(&self, drawing: &Drawing, beta: Beta, radius: f64, u: [f64; 2]) -> Option<(Beta, f64, bool)> {
         let straight = self.straight();
         if u[0] < straight {
-            return Some((beta, f64::INFINITY));
+            return Some((beta, 1.0, true));
         }
         let rest = if straight > 0.0 { (u[0] - straight) / (1.0 - straight) } else { u[0] };
-        let to = self.diffuser.lobe.sample(beta, [rest, u[1]])?;
-        Some((to, (1.0 - straight) * self.diffuser.lobe.density(beta, to)))
+        let drawn = drawing.draw(beta, radius, [rest, u[1]])?;
+        Some((drawn.beta, drawn.weight, false))
+    }
+
+    /// The density with which [`Self::through`] would scatter light from below out to `to`.
+    #[inline]
+    fn density_out(&self, from: Beta, to: Beta) -> f64 {
+        (1.0 - self.straight()) * self.drawing.density(from, to, 1.0)
     }
 
     /// Reflection at the base: a look-up on a first pass, else `carried` becomes `reflected`.
@@ -191,10 +306,18 @@ impl<'a> Diffused<'a> {
     }
 
     /// A direction of the whole medium, as a Lambertian base sends it.
-    fn leave_base(&self, numbers: &PassNumbers) -> Upward {
+    #[inline]
+    fn leave_base(&self, weight: f64, numbers: &PassNumbers) -> Option<Below> {
         let n = self.stack.medium.largest_index();
+        let uniform = warp::uniform_disc_density(n);
+        if let First::Guided(guided) = &self.first {
+            let (beta, density) = guided.guide.draw(numbers.base);
+            let weight = weight * uniform / density;
+            return Some(Below { beta, weight, rival: f64::INFINITY, straight: false });
+        }
         let (x, y) = warp::uniform_disc(n, numbers.base);
-        Upward { beta: Beta { x, y }, density: warp::uniform_disc_density(n) }
+        let rival = if self.backwards { uniform } else { f64::INFINITY };
+        Some(Below { beta: Beta { x, y }, weight, rival, straight: false })
     }
 
     /// Takes away the wavelengths whose medium has no such direction.
@@ -212,12 +335,15 @@ impl<'a> Diffused<'a> {
 /// The uniform numbers of one pass, for each decision its own.
 #[derive(Debug, Clone, Copy)]
 struct PassNumbers {
+    pass: u32,
     down: [f64; 2],
     up: [f64; 2],
     /// Where a Lambertian base sends the light.
     base: [f64; 2],
     /// Whether the path goes on.
     survival: f64,
+    /// Which of several directions of a first pass goes on.
+    choice: f64,
     /// Which point of a source.
     on_source: [f64; 2],
     /// Which direction below the diffuser, from the source's side.
@@ -231,10 +357,12 @@ impl PassNumbers {
         let b = if walk.specular && pass == 0 { [0.5; 4] } else { numbers.event(pass, 1) };
         let c = if walk.directed { numbers.event(pass, 2) } else { [0.5; 4] };
         Self {
+            pass,
             down: [a[0], a[1]],
             up: [a[2], a[3]],
             base: [b[0], b[1]],
             survival: if pass == 0 { numbers.first_survival() } else { b[2] },
+            choice: numbers.start[3],
             on_source: [c[0], c[1]],
             backwards: [c[2], c[3]],
         }
@@ -245,6 +373,7 @@ impl PassNumbers {
 #[derive(Debug, Clone, Copy)]
 struct Downward {
     beta: Beta,
+    weight: f64,
     /// It carries spectra; else all of them are one.
     carries: bool,
     /// It has been scattered since it entered.
@@ -257,6 +386,7 @@ struct Out {
     beta: Beta,
     /// The direction in which it met the base.
     base: Beta,
+    weight: f64,
     scattered: bool,
 }
 

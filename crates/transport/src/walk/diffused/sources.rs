@@ -7,7 +7,7 @@ use papilio_optics::Beta;
 use papilio_sampling::warp;
 
 use super::books::{Room, Sums};
-use super::{Diffused, PassNumbers, Spread, Upward, multiply, reflected};
+use super::{Below, Diffused, Downward, PassNumbers, Spread, multiply, reflected};
 use crate::Source;
 use crate::angular::Stencil;
 use crate::walk::Target;
@@ -17,8 +17,7 @@ impl Diffused<'_> {
     /// Light that comes straight through the diffuser and off a specular base, met on the way down.
     pub(super) fn connect_before_base(
         &self,
-        beta: Beta,
-        carries: bool,
+        light: Downward,
         numbers: &PassNumbers,
         sums: &mut Sums,
         room: &mut Room,
@@ -26,10 +25,11 @@ impl Diffused<'_> {
         if self.straight() == 0.0 {
             return;
         }
+        let Downward { beta, carries, .. } = light;
         for (i, source) in self.sources.iter().enumerate() {
             let Some(target) = Target::sample(source, numbers.on_source) else { continue };
             let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, target.beta);
-            let weight = target.only_connection(scatter);
+            let weight = light.weight * target.only_connection(scatter);
             if let Source::Beam(_) = source {
                 // The way from there to the beam is the same for all paths: added at the end.
                 sums.from_straight_beam[i].add(carries.then_some(&room.carried), weight);
@@ -48,7 +48,7 @@ impl Diffused<'_> {
     /// Light that comes straight through the diffuser onto a Lambertian base.
     pub(super) fn connect_straight_from_base(
         &self,
-        look_up: Option<Stencil>,
+        (look_up, weight): (Option<Stencil>, f64),
         numbers: &PassNumbers,
         sums: &mut Sums,
         room: &mut Room,
@@ -59,41 +59,53 @@ impl Diffused<'_> {
         let scatter = self.straight() * warp::uniform_disc_density(self.stack.medium.largest_index());
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::sample(source, numbers.on_source) {
-                self.add_from_base(target.beta, look_up, target.only_connection(scatter), sum, room);
+                let weight = weight * target.only_connection(scatter);
+                self.add_from_base(target.beta, look_up, weight, sum, room);
             }
         }
     }
 
     /// Directed sources, from the diffuser's underside: the last scattering on the way to the light.
-    pub(super) fn connect(&self, up: Upward, light: Reflected<'_>, numbers: &PassNumbers, sums: &mut Sums) {
+    pub(super) fn connect(&self, up: Below, light: Reflected<'_>, numbers: &PassNumbers, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::sample(source, numbers.on_source) {
-                let lobe = self.diffuser.lobe.density(up.beta, target.beta);
-                sum.add(light, target.weight((1.0 - self.straight()) * lobe, lobe, up.density));
+                sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
             }
         }
     }
 
     /// Round sources that the path has run into by its last scattering.
-    pub(super) fn meet_discs(&self, up: Upward, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
+    pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Source::Disc(cone) = source
                 && cone.sends(out)
             {
-                let lobe = self.diffuser.lobe.density(up.beta, out);
-                let scatter = (1.0 - self.straight()) * lobe;
-                sum.add(light, Target::on_disc(cone, out).weight(scatter, lobe, up.density));
+                sum.add(light, up.weight * self.towards(Target::on_disc(cone, out), up.beta, up.rival));
             }
         }
     }
 
+    /// The balanced weight of light from `beta` below the diffuser to a source; `forward`: the density
+    /// with which the path chose `beta`, infinite if the source's side does not.
+    fn towards(&self, target: Target, beta: Beta, forward: f64) -> f64 {
+        let lobe = self.diffuser.lobe.density(beta, target.beta);
+        let pdf = self.density_out(beta, target.beta);
+        target.balanced((1.0 - self.straight()) * lobe, pdf, lobe / forward)
+    }
+
     /// The same a whole unscattered round trip after its last scattering.
-    pub(super) fn meet_discs_by_specular_light(&self, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
+    pub(super) fn meet_discs_by_specular_light(
+        &self,
+        out: Beta,
+        light: Reflected<'_>,
+        weight: f64,
+        sums: &mut Sums,
+    ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Source::Disc(cone) = source
                 && cone.sends(out)
             {
-                sum.add(light, Target::on_disc(cone, out).strength);
+                sum.add(light, weight * Target::on_disc(cone, out).strength);
             }
         }
     }
@@ -103,14 +115,14 @@ impl Diffused<'_> {
     pub(super) fn sample_backwards(
         &self,
         chosen: impl Fn(Beta) -> f64,
-        carries: bool,
+        light: Downward,
         numbers: &PassNumbers,
         sums: &mut Sums,
         room: &mut Room,
     ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
-            self.add_by_way_of(beta, carries, weight, sum, room);
+            self.add_by_way_of(beta, light.carries, light.weight * weight, sum, room);
         }
     }
 
@@ -145,15 +157,15 @@ impl Diffused<'_> {
     /// The same for light that a Lambertian base has scattered.
     pub(super) fn sample_backwards_from_base(
         &self,
-        look_up: Option<Stencil>,
+        (look_up, weight): (Option<Stencil>, f64),
         numbers: &PassNumbers,
         sums: &mut Sums,
         room: &mut Room,
     ) {
         let density = warp::uniform_disc_density(self.stack.medium.largest_index());
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            let Some((beta, weight)) = self.backwards(source, |_| density, numbers) else { continue };
-            self.add_from_base(beta, look_up, weight, sum, room);
+            let Some((beta, balanced)) = self.backwards(source, |_| density, numbers) else { continue };
+            self.add_from_base(beta, look_up, weight * balanced, sum, room);
         }
     }
 
@@ -170,7 +182,6 @@ impl Diffused<'_> {
         if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
             return None;
         }
-        let lobe = self.diffuser.lobe.density(beta, target.beta);
-        Some((beta, target.weight((1.0 - self.straight()) * lobe, lobe, forward)))
+        Some((beta, self.towards(target, beta, forward)))
     }
 }

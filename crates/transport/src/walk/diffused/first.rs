@@ -1,0 +1,233 @@
+//! The first direction of light that the diffuser sends on from the pixel: the one that matters most.
+//!
+//! On the first pass all that a direction below the diffuser is worth is known: the lobe's value
+//! from the viewer, the pixel's reflectance, and what comes back to it from each source by the
+//! lobe once more. Guided, the direction is drawn from a [`Guide`] to their product. Later passes
+//! carry a few parts in a hundred and are not part of it.
+
+use std::f64::consts::PI;
+
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+
+use crate::walk::Strategy;
+use crate::walk::guide::{Guide, Peak};
+use crate::walk::strategy::Drawing;
+use crate::{Cone, Diffuser, Panel, Reflector, Source};
+
+/// How the direction is drawn.
+#[derive(Debug)]
+pub(super) enum First {
+    /// Several of them from the guide.
+    Guided(Guided),
+    /// From the lobe itself.
+    Kernel(Drawing),
+    /// As all others.
+    Plain,
+}
+
+/// Directions of a guided path's first pass, evenly spread over the guide: drawing them costs far less
+/// than what they tell of a pixel whose reflectance varies with angle.
+pub(super) const SPLITS: usize = 8;
+
+/// A guide and the probability with which light goes straight instead.
+#[derive(Debug)]
+pub(super) struct Guided {
+    pub(super) guide: Guide,
+    straight: f64,
+}
+
+impl Guided {
+    /// Direction number `k` (modulo [`SPLITS`]): where to, the weight, and whether it is straight.
+    #[inline]
+    pub(super) fn draw(&self, diffuser: &Diffuser, from: Beta, k: usize, u: [f64; 2]) -> (Beta, f64, bool) {
+        /// The golden section: azimuths of all directions of a path are spread, too.
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        let k = (k % SPLITS) as f64;
+        let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN).fract());
+        if u < self.straight {
+            return (from, diffuser.straight_through / self.straight, true);
+        }
+        let (to, density) = self.guide.draw([(u - self.straight) / (1.0 - self.straight), v]);
+        let lobe = (1.0 - diffuser.straight_through) * diffuser.lobe.density(from, to);
+        (to, lobe / ((1.0 - self.straight) * density), false)
+    }
+}
+
+/// The part of the guide that goes to directions without regard to the light: it bounds the weights
+/// in the ledger.
+const WITHOUT_LIGHT: f64 = 0.03;
+
+/// The part that goes to each source alike, however little of the light it sends.
+const TO_EACH_SOURCE: f64 = 0.1;
+
+/// Fields of view wider than this part of the lobe see too different directions for one guide.
+const WIDEST_FIELD: f64 = 0.25;
+
+/// Radii of a disc in parts of the lobe from which on it is more than a point to the guide.
+const POINT: f64 = 0.3;
+
+impl First {
+    pub(super) fn new(
+        strategy: Strategy,
+        (stack, diffuser): (&Panel, &Diffuser),
+        view: Cone,
+        (sources, shares): (&[Source], &[f64]),
+    ) -> Self {
+        match (strategy, diffuser.lobe) {
+            (Strategy::Kernel, _) => Self::Kernel(Drawing::kernel(diffuser.lobe)),
+            (Strategy::Guided, Lobe::KCorrelation { width }) if view.half_angle() <= WIDEST_FIELD * width => {
+                let light = Light::new(diffuser, width, view.axis_towards(), sources, shares);
+                Worth::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)
+            }
+            _ => Self::Plain,
+        }
+    }
+}
+
+/// A source as points of even weight; none for diffuse light.
+#[derive(Debug)]
+struct Lamp {
+    points: Vec<Beta>,
+    /// How much a reflectance factor under it counts.
+    share: f64,
+}
+
+/// What light the sources send to a direction below the diffuser.
+#[derive(Debug)]
+struct Light {
+    lobe: Lobe,
+    straight: f64,
+    lamps: Vec<Lamp>,
+    /// The mean over the directions that the viewer sees.
+    mean: f64,
+    /// The share of the lobe that leaves into the air, at evenly spaced `|beta|`.
+    leaving: Vec<f64>,
+}
+
+/// Steps of the share that leaves per unit of `|beta|`.
+const STEPS: f64 = 64.0;
+
+impl Light {
+    /// `view`: the direction cosines of the light that is seen.
+    fn new(diffuser: &Diffuser, width: f64, view: Beta, sources: &[Source], shares: &[f64]) -> Self {
+        let lobe = diffuser.lobe;
+        let share = |i: usize| shares.get(i).copied().unwrap_or(1.0);
+        let lamps: Vec<Lamp> = sources
+            .iter()
+            .enumerate()
+            .map(|(i, source)| Lamp { points: points(source, width), share: share(i) })
+            .collect();
+        let leaving = (0..=(4.0 * STEPS) as usize).map(|k| lobe.share_in_disc(k as f64 / STEPS, 1.0)).collect();
+        let mut light = Self { lobe, straight: diffuser.straight_through, lamps, mean: 0.0, leaving };
+        // Two passes of the lobe are one of twice the width.
+        let twice = Lobe::KCorrelation { width: 2.0 * width };
+        let seen: Vec<f64> = light.lamps.iter().map(|lamp| lamp.seen(twice, view).max(1e-300)).collect();
+        let mean: f64 = light.lamps.iter().zip(&seen).map(|(lamp, seen)| lamp.share * seen).sum();
+        let each = TO_EACH_SOURCE * mean / sources.len() as f64;
+        light.lamps.iter_mut().zip(&seen).for_each(|(lamp, seen)| lamp.share += each / seen);
+        light.mean = mean;
+        light
+    }
+
+    /// The reflectance factor of a white pixel that meets light in direction `beta` alone.
+    fn at(&self, beta: Beta) -> f64 {
+        let of = |lamp: &Lamp| {
+            let scattered = if lamp.points.is_empty() { self.leaves(beta) } else { lamp.seen(self.lobe, beta) };
+            lamp.share * scattered
+        };
+        (1.0 - self.straight) * self.lamps.iter().map(of).sum::<f64>()
+            + self.straight * self.mean
+    }
+
+    fn leaves(&self, beta: Beta) -> f64 {
+        let at = beta.length() * STEPS;
+        let k = (at as usize).min(self.leaving.len() - 2);
+        self.leaving[k] + (at - k as f64) * (self.leaving[k + 1] - self.leaving[k])
+    }
+}
+
+impl Lamp {
+    /// The light that a lobe brings from it, as a reflectance factor.
+    fn seen(&self, lobe: Lobe, beta: Beta) -> f64 {
+        if self.points.is_empty() {
+            return lobe.share_in_disc(beta.length(), 1.0);
+        }
+        let sum: f64 = self.points.iter().map(|point| lobe.density(beta, *point)).sum();
+        PI * sum / self.points.len() as f64
+    }
+}
+
+/// Points that stand for a source.
+fn points(source: &Source, width: f64) -> Vec<Beta> {
+    match source {
+        Source::Diffuse => Vec::new(),
+        Source::Beam(beta) => vec![*beta],
+        Source::Disc(cone) if cone.half_angle() < POINT * width => vec![-cone.axis_towards()],
+        Source::Disc(cone) => {
+            // Rings of even area, as finely as the lobe sees.
+            let rings = (cone.half_angle() / width).clamp(1.0, 6.0).ceil() as usize;
+            let on_ring = |ring: usize| (0..3 + 4 * ring).map(move |k| (ring, k as f64 / (3 + 4 * ring) as f64));
+            let point = |(ring, turn): (usize, f64)| {
+                let radius = ((ring as f64 + 0.5) / rings as f64) * cone.half_angle();
+                -cone.around(radius, std::f64::consts::TAU * turn)
+            };
+            (0..rings).flat_map(on_ring).map(point).collect()
+        }
+    }
+}
+
+/// What a direction below the diffuser is worth to the viewer.
+struct Worth<'a> {
+    stack: &'a Panel,
+    diffuser: &'a Diffuser,
+    view: Beta,
+    light: Light,
+    /// The pixel's reflectance at the nodes of its table, mean over states, each against its own.
+    pixel: Option<Vec<f64>>,
+}
+
+impl<'a> Worth<'a> {
+    fn new(stack: &'a Panel, diffuser: &'a Diffuser, view: Cone, light: Light) -> Self {
+        let pixel = match &stack.base.reflector {
+            Reflector::Specular(table) => Some(table.relative_reflectance()),
+            _ => None,
+        };
+        Self { stack, diffuser, view: view.axis_towards(), light, pixel }
+    }
+
+    fn guide(&self) -> Option<First> {
+        let Lobe::KCorrelation { width } = self.diffuser.lobe else { return None };
+        let size = width;
+        let lamps = self.light.lamps.iter().flat_map(|lamp| lamp.points.first());
+        let mut peaks: Vec<Peak> = lamps.map(|at| Peak { at: *at, size }).collect();
+        if self.pixel.is_some() {
+            peaks.push(Peak { at: self.view, size });
+        }
+        let guide = Guide::new(self.stack.medium.largest_index(), &peaks, |beta| self.at(beta))?;
+        // What comes straight, and what is scattered, as far as closed forms know.
+        let straight = self.diffuser.straight_through;
+        let by_way = straight * self.light.at(self.view);
+        let scattered = (1.0 - straight) * self.light.mean;
+        let likely = if straight > 0.0 { (by_way / (by_way + scattered)).clamp(0.05, 0.95) } else { 0.0 };
+        Some(First::Guided(Guided { guide, straight: likely }))
+    }
+
+    fn at(&self, beta: Beta) -> f64 {
+        let light = self.light.at(beta) + WITHOUT_LIGHT * self.light.mean;
+        let Some(pixel) = &self.pixel else { return light };
+        self.diffuser.lobe.density(self.view, beta) * light * self.reflectance(pixel, beta)
+    }
+
+    /// The pixel's part, never below a fifth of what it is at the normal.
+    fn reflectance(&self, pixel: &[f64], beta: Beta) -> f64 {
+        let (Reflector::Specular(table), Some(index)) =
+            (&self.stack.base.reflector, self.stack.medium.constant_index())
+        else {
+            return 1.0;
+        };
+        let stencil = table.nodes.stencil(beta.squared(), index);
+        let nodes = pixel[stencil.first..].iter().zip(stencil.weights);
+        nodes.map(|(value, weight)| value * weight).sum::<f64>().max(0.2)
+    }
+}

@@ -1,0 +1,289 @@
+//! How directions are drawn where a diffuser scatters.
+//!
+//! Whatever they are drawn from, a path's weight holds the lobe's value over the density, so that
+//! every strategy has the same mean; they differ in noise.
+//!
+//! - [`Strategy::Uniform`]: evenly over the hemisphere (of the medium on the way down, of air up).
+//! - [`Strategy::Cosine`]: evenly over direction cosines.
+//! - [`Strategy::Ward`]: Ward's lobe with the width that fits the diffuser best (least squares, as
+//!   Feng 2012, eq. 4-17, 4-18), about the unscattered direction (eq. 4-19 to 4-21). Its Gaussian
+//!   tail ends where the diffuser's goes on: one direction in ten is drawn by the cosine, without
+//!   which the weights have no bound.
+//! - [`Strategy::Kernel`]: from the lobe itself; towards lamps from both ends.
+//! - [`Strategy::Guided`]: on the first pass from the product of lobe, light and pixel
+//!   ([`guide`](super::guide)).
+//!
+//! From the first way up on, the last two draw some directions from lobes about the lamps: a path
+//! that gets there by chance alone is rare and bright where lobes are narrow.
+
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_sampling::warp;
+
+use crate::Source;
+
+/// How the walk draws directions where a diffuser scatters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Strategy {
+    /// Evenly over the hemisphere of directions.
+    Uniform,
+    /// Proportionally to the cosine.
+    Cosine,
+    /// From Ward's lobe, fitted to the diffuser's.
+    Ward,
+    /// From the lobe itself.
+    #[default]
+    Kernel,
+    /// From the product of the lobe, the light and the pixel.
+    Guided,
+}
+
+impl Strategy {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Uniform, Self::Cosine, Self::Ward, Self::Kernel, Self::Guided];
+}
+
+/// The part of directions that are drawn by the cosine beside Ward's.
+const BESIDE_WARD: f64 = 0.1;
+
+/// The part that are drawn from lobes about lamps.
+const TO_LAMPS: f64 = 0.3;
+
+/// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: of
+/// `(integral of both)^2 / integral of its square` the maximum.
+const GAUSSIAN_OF_LOBE: f64 = 1.2175;
+
+/// A way to draw directions for one lobe.
+#[derive(Debug)]
+pub(super) struct Drawing {
+    lobe: Lobe,
+    kind: Kind,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Uniform,
+    Cosine,
+    Ward(Ward),
+    Kernel,
+    Lamps(Vec<(Beta, Lobe)>),
+}
+
+/// A direction, and the lobe's value over the density that it was drawn with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawn {
+    pub(super) beta: Beta,
+    pub(super) weight: f64,
+}
+
+impl Drawing {
+    /// That of a strategy; `index`: of the medium below the diffuser.
+    pub(super) fn new(strategy: Strategy, lobe: Lobe, index: f64, sources: &[Source]) -> Self {
+        let kind = match (strategy, lobe) {
+            (Strategy::Uniform, _) => Kind::Uniform,
+            (Strategy::Cosine, _) => Kind::Cosine,
+            (Strategy::Ward, Lobe::KCorrelation { width }) => Kind::Ward(Ward::fitted(width, index)),
+            (Strategy::Kernel | Strategy::Guided, Lobe::KCorrelation { width }) => {
+                let lamps: Vec<_> = sources.iter().filter_map(|source| lamp(source, width)).collect();
+                if lamps.is_empty() { Kind::Kernel } else { Kind::Lamps(lamps) }
+            }
+            (_, Lobe::Lambertian) => Kind::Kernel,
+        };
+        Self { lobe, kind }
+    }
+
+    /// From the lobe itself.
+    pub(super) fn kernel(lobe: Lobe) -> Self {
+        Self { lobe, kind: Kind::Kernel }
+    }
+
+    /// A direction in a medium whose directions fill a disc of this radius; `None` if there is none.
+    #[inline]
+    pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<Drawn> {
+        let beta = match &self.kind {
+            Kind::Kernel => return Some(Drawn { beta: self.lobe.sample(from, u)?, weight: 1.0 }),
+            Kind::Uniform => {
+                let (x, y) = warp::polar(radius * (u[0] * (2.0 - u[0])).sqrt(), u[1]);
+                Beta { x, y }
+            }
+            Kind::Cosine => cosine(radius, u),
+            Kind::Ward(_) if u[0] < BESIDE_WARD => cosine(radius, [u[0] / BESIDE_WARD, u[1]]),
+            Kind::Ward(ward) => {
+                ward.draw(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?
+            }
+            Kind::Lamps(lamps) => {
+                let rest = u[0] / TO_LAMPS;
+                if rest < 1.0 {
+                    let lamp = (rest * lamps.len() as f64) as usize;
+                    let (at, lobe) = lamps.get(lamp)?;
+                    lobe.sample(*at, [(rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE), u[1]])?
+                } else {
+                    self.lobe.sample(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
+                }
+            }
+        };
+        let density = self.density(from, beta, radius);
+        (density > 0.0).then(|| Drawn { beta, weight: self.lobe.density(from, beta) / density })
+    }
+
+    /// The density with which [`Self::draw`] gives `to`, over direction cosines.
+    #[inline]
+    pub(super) fn density(&self, from: Beta, to: Beta, radius: f64) -> f64 {
+        match &self.kind {
+            Kind::Kernel => self.lobe.density(from, to),
+            Kind::Lamps(lamps) => {
+                let of_lamps: f64 = lamps.iter().map(|(at, lobe)| lobe.density(*at, to)).sum();
+                (1.0 - TO_LAMPS) * self.lobe.density(from, to) + TO_LAMPS * of_lamps / lamps.len() as f64
+            }
+            _ if to.length() >= radius => 0.0,
+            Kind::Uniform => {
+                let cos = (1.0 - to.squared() / (radius * radius)).sqrt();
+                0.5 * warp::uniform_disc_density(radius) / cos
+            }
+            Kind::Cosine => warp::uniform_disc_density(radius),
+            Kind::Ward(ward) => {
+                let cosine = BESIDE_WARD * warp::uniform_disc_density(radius);
+                (1.0 - BESIDE_WARD) * ward.density(from, to) + cosine
+            }
+        }
+    }
+}
+
+#[inline]
+fn cosine(radius: f64, u: [f64; 2]) -> Beta {
+    let (x, y) = warp::uniform_disc(radius, u);
+    Beta { x, y }
+}
+
+/// Where a lamp's light comes from, and a lobe of its size or the diffuser's, whichever is larger.
+fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
+    match source {
+        Source::Diffuse => None,
+        Source::Beam(beta) => Some((*beta, Lobe::KCorrelation { width })),
+        Source::Disc(cone) => {
+            let width = width.hypot(cone.half_angle().sin());
+            Some((-cone.axis_towards(), Lobe::KCorrelation { width }))
+        }
+    }
+}
+
+/// Ward's lobe of half vectors in a medium of this index, in transmission: the mirror of the
+/// unscattered direction takes the place of the incident one.
+#[derive(Debug, Clone, Copy)]
+struct Ward {
+    alpha: f64,
+    index: f64,
+}
+
+impl Ward {
+    /// Near the normal `tan h` is half the deviation over the index.
+    fn fitted(width: f64, index: f64) -> Self {
+        Self { alpha: GAUSSIAN_OF_LOBE * width / (2.0 * index), index }
+    }
+
+    /// Where the mirrored light would come from, a unit vector; `None` beyond the horizon.
+    fn incident(&self, from: Beta) -> Option<[f64; 3]> {
+        let (x, y) = (-from.x / self.index, -from.y / self.index);
+        let cos_squared = 1.0 - x * x - y * y;
+        (cos_squared > 0.0).then(|| [x, y, cos_squared.sqrt()])
+    }
+
+    fn draw(&self, from: Beta, u: [f64; 2]) -> Option<Beta> {
+        let i = self.incident(from)?;
+        let tan = self.alpha * (-u[0].ln()).sqrt();
+        let cos = 1.0 / tan.hypot(1.0);
+        let (x, y) = warp::polar(tan * cos, u[1]);
+        let i_h = i[0] * x + i[1] * y + i[2] * cos;
+        let z = 2.0 * i_h * cos - i[2];
+        (i_h > 0.0 && z > 0.0)
+            .then(|| Beta { x: self.index * (2.0 * i_h * x - i[0]), y: self.index * (2.0 * i_h * y - i[1]) })
+    }
+
+    /// Over direction cosines.
+    fn density(&self, from: Beta, to: Beta) -> f64 {
+        let (Some(i), Some([x, y, z])) = (self.incident(from), self.incident(-to)) else { return 0.0 };
+        let h = [i[0] + x, i[1] + y, i[2] + z];
+        let length = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]).sqrt();
+        let cos = h[2] / length;
+        let i_h = (i[0] * h[0] + i[1] * h[1] + i[2] * h[2]) / length;
+        let tan_squared = 1.0 / (cos * cos) - 1.0;
+        let alpha_squared = self.alpha * self.alpha;
+        let per_steradian = (-tan_squared / alpha_squared).exp()
+            / (4.0 * std::f64::consts::PI * alpha_squared * i_h * cos.powi(3));
+        per_steradian / (self.index * self.index * z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_sampling::{Numbers, Sampler};
+
+    /// Chi-square of draws on the cells of a square grid against the density times `distorted`, in
+    /// standard deviations.
+    fn statistic(drawing: &Drawing, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
+        const SIDE: usize = 12;
+        const DRAWS: u64 = 60_000;
+        let numbers = Numbers::new(Sampler::Random, 5, 0);
+        let from = Beta { x: 0.1, y: -0.05 };
+        let cell = |to: Beta| {
+            let at = |v: f64| ((v / radius + 1.0) * 0.5 * SIDE as f64).clamp(0.0, SIDE as f64 - 1.0) as usize;
+            at(to.y) * SIDE + at(to.x)
+        };
+        let mut met = vec![0.0_f64; SIDE * SIDE];
+        for path in 0..DRAWS {
+            let u = numbers.block(path, 0);
+            let drawn = drawing.draw(from, radius, [u[0], u[1]]).filter(|drawn| drawn.beta.length() < radius);
+            drawn.into_iter().for_each(|drawn| met[cell(drawn.beta)] += 1.0);
+        }
+        let mut expected = vec![0.0; SIDE * SIDE];
+        let fine = 60 * SIDE;
+        let step = 2.0 * radius / fine as f64;
+        for k in 0..fine * fine {
+            let at = |k: usize| -radius + (k as f64 + 0.5) * step;
+            let to = Beta { x: at(k % fine), y: at(k / fine) };
+            if to.length() < radius {
+                let density = drawing.density(from, to, radius) * distorted(to);
+                expected[cell(to)] += density * step * step * DRAWS as f64;
+            }
+        }
+        let cells = met.iter().zip(&expected).filter(|(_, expected)| **expected > 20.0);
+        let (mut chi_square, mut count) = (0.0, 0.0);
+        cells.for_each(|(n, e)| (chi_square, count) = (chi_square + (n - e).powi(2) / e, count + 1.0));
+        (chi_square - count) / (2.0_f64 * count).sqrt()
+    }
+
+    /// Below the glass and above it; the lamps' lobes make the kernel's a mixture.
+    #[test]
+    fn draws_follow_their_density() {
+        let lobe = Lobe::KCorrelation { width: 0.2 };
+        let lamps = [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
+        for strategy in Strategy::ALL {
+            let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
+            for radius in [1.5, 1.0] {
+                let right = statistic(&drawing, radius, |_| 1.0);
+                assert!(right.abs() < 4.5, "{strategy:?} {radius}: {right}");
+                let wrong = statistic(&drawing, radius, |to| 1.0 + 0.3 * to.x);
+                assert!(wrong > 4.5, "{strategy:?} {radius}: a wrong density must be caught, {wrong}");
+            }
+        }
+    }
+
+    /// A draw's weight is the lobe's value over the density.
+    #[test]
+    fn weights_are_of_the_density() {
+        let lobe = Lobe::KCorrelation { width: 0.1 };
+        let lamps = [Source::Beam(Beta { x: -0.4, y: 0.3 })];
+        let numbers = Numbers::new(Sampler::Random, 6, 0);
+        let from = Beta { x: 0.2, y: 0.1 };
+        for strategy in Strategy::ALL {
+            let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
+            for path in 0..100 {
+                let u = numbers.block(path, 0);
+                let Some(drawn) = drawing.draw(from, 1.5, [u[0], u[1]]) else { continue };
+                let over = lobe.density(from, drawn.beta) / drawing.density(from, drawn.beta, 1.5);
+                assert!((drawn.weight - over).abs() < 1e-12 * over, "{strategy:?}");
+            }
+        }
+    }
+}
