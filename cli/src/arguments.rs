@@ -29,6 +29,9 @@ pub(crate) enum Command {
     /// Files of measured scattering: look into them, convert them
     #[command(subcommand)]
     Diffuser(Diffuser),
+    /// Studies of the methods on a scenario of your own
+    #[command(subcommand)]
+    Study(Study),
     /// Print the JSON Schema of a scenario
     Schema {
         /// That of result.json instead
@@ -61,6 +64,23 @@ pub(crate) struct Run {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Study {
+    /// The walk's standard error against paths and CPU time, for every sampler and strategy (Feng 2012, ch. 4)
+    #[command(after_help = "Example: papilio study sampling scenarios/sampling.toml --out out/study")]
+    Sampling(StudySampling),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StudySampling {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// The most paths, rounded down to 512 times a power of four
+    #[arg(long, value_name = "N", default_value_t = 131_072, allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(512..=1 << 30))]
+    pub(crate) paths: u64,
 }
 
 #[derive(Debug, Args)]

@@ -11,13 +11,14 @@ mod output;
 mod pixel;
 mod report;
 mod run;
+mod study;
 
 use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Command, Study};
 
 /// Why a command did not end well.
 #[derive(Debug, thiserror::Error)]
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
+        Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),
         Command::Schema { result } => output::schema(result),
     };
     match done {

@@ -77,7 +77,7 @@ fn is_figure_or_cone(name: &str) -> bool {
 const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
 
 /// Pixels of a PNG for each px of its SVG.
-const PNG_SCALE: f32 = 2.0;
+pub(crate) const PNG_SCALE: f32 = 2.0;
 
 /// What `papilio run` writes.
 pub(crate) struct Files<'a> {

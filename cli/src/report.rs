@@ -18,7 +18,7 @@ pub(crate) fn file_title(file: &Path) -> String {
 }
 
 /// A title as one line of plain text, whatever the user put into it.
-fn plain(title: &str) -> String {
+pub(crate) fn plain(title: &str) -> String {
     title.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 

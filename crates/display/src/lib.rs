@@ -76,4 +76,4 @@ pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use error::DisplayError;
 pub use prepared::Prepared;
-pub use run::{Control, Progress, brdf, cone, run};
+pub use run::{Control, Progress, StudyCurve, StudyPoint, brdf, cone, run, study};

@@ -13,6 +13,7 @@
 //! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
 //! | [`accuracy`] | errors of solvers against their cost |
+//! | [`point_sets`] | where points lie in the unit square |
 //!
 //! Each takes the scenario's title (empty: none), which stands above the figure, and
 //! figures of a view say from where it is seen. Errors are one standard error, drawn where they are wider than a line.
@@ -44,6 +45,7 @@ mod patches;
 mod pixel_scan;
 mod place;
 mod png;
+mod point_sets;
 mod polar;
 mod scattering;
 mod spectra;
@@ -59,5 +61,6 @@ pub use overview::overview;
 pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};
 pub use png::{PngError, png};
+pub use point_sets::point_sets;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;

@@ -50,6 +50,7 @@ mod refractiveindex;
 mod result;
 mod rows;
 mod spectrum;
+mod study;
 
 pub use audit::{AuditFile, FitFile};
 pub use bsdf::{
@@ -65,3 +66,4 @@ pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use place::{Place, Remark, Spot};
 pub use result::{ResultFile, result_schema, write_spectra, write_states};
 pub use spectrum::{read_light, read_shares, read_spectrum};
+pub use study::write_study;

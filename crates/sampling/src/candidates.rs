@@ -99,7 +99,8 @@ mod tests {
         for count in [64, 4096] {
             let lattice = (2.0 / 3.0_f64.sqrt() / count as f64).sqrt();
             let pairs = (1..count).flat_map(|i| (0..i).map(move |j| (i, j)));
-            let closest = pairs.map(|(i, j)| distance_squared(points[i], points[j])).fold(1.0, f64::min).sqrt();
+            let closest =
+                pairs.map(|(i, j)| distance_squared(points[i], points[j])).fold(1.0, f64::min).sqrt();
             assert!(closest > 0.5 * lattice && closest < lattice, "{count}: {closest} of {lattice}");
         }
     }

@@ -4,6 +4,7 @@
 //!   numbers, or points of better sets ([`Sampler`]). A path asks for blocks of four numbers
 //!   by position, so its numbers depend on (seed, replicate, path, block) alone and
 //!   never on which thread ran it or what other paths did.
+//! - [`table_4_1`]: what importance and strata are worth, on an integral that all know.
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
 //!
 //! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a path
@@ -23,6 +24,7 @@ mod candidates;
 mod numbers;
 mod sobol;
 mod strata;
+pub mod table_4_1;
 pub mod warp;
 
 pub use numbers::{Numbers, PLANNED_BLOCKS, Sampler};

@@ -24,6 +24,16 @@ pub enum Sampler {
 impl Sampler {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Random, Self::Stratified, Self::Sobol, Self::BestCandidate];
+
+    /// As scenarios call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Stratified => "stratified",
+            Self::Sobol => "sobol",
+            Self::BestCandidate => "best-candidate",
+        }
+    }
 }
 
 /// Blocks of four numbers at the head of a path that are points of the sampler's sets.

@@ -5,6 +5,7 @@ mod adding;
 mod brdf;
 mod cone;
 mod refine;
+mod study;
 mod walk;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,6 +19,7 @@ pub(crate) use adding::Kernels;
 pub use brdf::brdf;
 pub use cone::cone;
 pub(crate) use refine::largest;
+pub use study::{StudyCurve, StudyPoint, study};
 
 use crate::meter::Meter;
 use crate::result::{RunResult, SolverReport, View};

@@ -14,10 +14,10 @@ use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::Stop;
-use crate::setup::{Setup, ViewPoint};
+use crate::setup::ViewPoint;
 
 /// Independent replicates of each view; standard errors have one degree of freedom less.
-const REPLICATES: u64 = 32;
+pub(super) const REPLICATES: u64 = 32;
 
 /// Paths of each replicate in the first round; rounds double the total from there.
 const FIRST_ROUND: u64 = 256;
@@ -86,10 +86,7 @@ impl<'a> Runner<'a> {
     }
 
     fn start(&self, number: usize, at: &'a ViewPoint) -> Work<'a> {
-        let Setup { stack, sources, lights, .. } = self.run.setup;
-        let illuminance: Vec<f64> = lights.iter().map(|light| light.illuminance_lx).collect();
-        let walk =
-            Walk::with_strategy(stack, at.field, sources, self.run.scene.solver.scattering, &illuminance);
+        let walk = self.run.setup.walk(at, self.run.scene.solver.scattering);
         let replicates = (0..REPLICATES).map(|_| walk.replicate()).collect();
         Work { walk, number, replicates, samples: Vec::new(), paths: 0, relative_error: f64::INFINITY }
     }

@@ -21,7 +21,7 @@ pub(crate) use measure::measurement;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use papilio_display::scene::{self, Scene};
+use papilio_display::scene::{self, Scene, Strategy};
 use papilio_spectra::Grid;
 
 use crate::describe::File;
@@ -134,7 +134,22 @@ impl Resolver<'_> {
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);
         self.check_size(file, &scene);
+        self.note_scattering(&scene);
         Some(scene)
+    }
+
+    /// Says so where a choice of directions has nothing to choose between.
+    fn note_scattering(&mut self, scene: &Scene) {
+        let chosen =
+            scene.solver.method == scene::Method::Walk && scene.solver.scattering != Strategy::Kernel;
+        let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
+        if chosen && !lobe {
+            self.notes.push(
+                "solver.scattering is about the diffuser of a panel, given by its lobe; what scatters in this display, \
+                 if anything, draws directions from its own kernel"
+                    .to_owned(),
+            );
+        }
     }
 
     /// Fails if there are more of something than any display has.
@@ -199,11 +214,11 @@ impl Resolver<'_> {
                 solver::Sampler::BestCandidate => scene::Sampler::BestCandidate,
             },
             scattering: match solver.scattering.value {
-                solver::Scattering::Kernel => scene::Strategy::Kernel,
-                solver::Scattering::Uniform => scene::Strategy::Uniform,
-                solver::Scattering::Cosine => scene::Strategy::Cosine,
-                solver::Scattering::Ward => scene::Strategy::Ward,
-                solver::Scattering::Guided => scene::Strategy::Guided,
+                solver::Scattering::Kernel => Strategy::Kernel,
+                solver::Scattering::Uniform => Strategy::Uniform,
+                solver::Scattering::Cosine => Strategy::Cosine,
+                solver::Scattering::Ward => Strategy::Ward,
+                solver::Scattering::Guided => Strategy::Guided,
             },
             approximation: match solver.approximation.value {
                 solver::Approximation::None => scene::Approximation::None,

@@ -80,7 +80,8 @@ impl Guide {
         let t = linear(ring(inner), ring(outer), part);
         let length = self.lengths[i] + t * (self.lengths[i + 1] - self.lengths[i]);
 
-        let mixed = |values: &[f64], j: usize| values[inner + j] + t * (values[outer + j] - values[inner + j]);
+        let mixed =
+            |values: &[f64], j: usize| values[inner + j] + t * (values[outer + j] - values[inner + j]);
         let wanted = v * mixed(&self.within, spokes - 1);
         let (mut j, mut end) = (0, spokes - 1);
         while end - j > 1 {

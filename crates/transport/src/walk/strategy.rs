@@ -41,6 +41,17 @@ pub enum Strategy {
 impl Strategy {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Uniform, Self::Cosine, Self::Ward, Self::Kernel, Self::Guided];
+
+    /// As scenarios call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Cosine => "cosine",
+            Self::Ward => "ward",
+            Self::Kernel => "kernel",
+            Self::Guided => "guided",
+        }
+    }
 }
 
 /// The part of directions that are drawn by the cosine beside Ward's.
@@ -108,15 +119,16 @@ impl Drawing {
             }
             Kind::Cosine => cosine(radius, u),
             Kind::Ward(_) if u[0] < BESIDE_WARD => cosine(radius, [u[0] / BESIDE_WARD, u[1]]),
-            Kind::Ward(ward) => {
-                ward.draw(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?
-            }
+            Kind::Ward(ward) => ward.draw(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
             Kind::Lamps(lamps) => {
                 let rest = u[0] / TO_LAMPS;
                 if rest < 1.0 {
                     let lamp = (rest * lamps.len() as f64) as usize;
                     let (at, lobe) = lamps.get(lamp)?;
-                    lobe.sample(*at, [(rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE), u[1]])?
+                    lobe.sample(
+                        *at,
+                        [(rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE), u[1]],
+                    )?
                 } else {
                     self.lobe.sample(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
                 }
@@ -257,7 +269,8 @@ mod tests {
     #[test]
     fn draws_follow_their_density() {
         let lobe = Lobe::KCorrelation { width: 0.2 };
-        let lamps = [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
+        let lamps =
+            [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
         for strategy in Strategy::ALL {
             let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
             for radius in [1.5, 1.0] {

@@ -118,7 +118,8 @@ impl Light {
             .enumerate()
             .map(|(i, source)| Lamp { points: points(source, width), share: share(i) })
             .collect();
-        let leaving = (0..=(4.0 * STEPS) as usize).map(|k| lobe.share_in_disc(k as f64 / STEPS, 1.0)).collect();
+        let leaving =
+            (0..=(4.0 * STEPS) as usize).map(|k| lobe.share_in_disc(k as f64 / STEPS, 1.0)).collect();
         let mut light = Self { lobe, straight: diffuser.straight_through, lamps, mean: 0.0, leaving };
         // Two passes of the lobe are one of twice the width.
         let twice = Lobe::KCorrelation { width: 2.0 * width };
@@ -133,11 +134,11 @@ impl Light {
     /// The reflectance factor of a white pixel that meets light in direction `beta` alone.
     fn at(&self, beta: Beta) -> f64 {
         let of = |lamp: &Lamp| {
-            let scattered = if lamp.points.is_empty() { self.leaves(beta) } else { lamp.seen(self.lobe, beta) };
+            let scattered =
+                if lamp.points.is_empty() { self.leaves(beta) } else { lamp.seen(self.lobe, beta) };
             lamp.share * scattered
         };
-        (1.0 - self.straight) * self.lamps.iter().map(of).sum::<f64>()
-            + self.straight * self.mean
+        (1.0 - self.straight) * self.lamps.iter().map(of).sum::<f64>() + self.straight * self.mean
     }
 
     fn leaves(&self, beta: Beta) -> f64 {
@@ -167,7 +168,8 @@ fn points(source: &Source, width: f64) -> Vec<Beta> {
         Source::Disc(cone) => {
             // Rings of even area, as finely as the lobe sees.
             let rings = (cone.half_angle() / width).clamp(1.0, 6.0).ceil() as usize;
-            let on_ring = |ring: usize| (0..3 + 4 * ring).map(move |k| (ring, k as f64 / (3 + 4 * ring) as f64));
+            let on_ring =
+                |ring: usize| (0..3 + 4 * ring).map(move |k| (ring, k as f64 / (3 + 4 * ring) as f64));
             let point = |(ring, turn): (usize, f64)| {
                 let radius = ((ring as f64 + 0.5) / rings as f64) * cone.half_angle();
                 -cone.around(radius, std::f64::consts::TAU * turn)

@@ -225,7 +225,8 @@ impl<'a> Diffused<'a> {
         let mut last = None;
         for k in 0..SPLITS {
             // The one that goes on comes last.
-            let (beta, drawn, straight) = guided.draw(self.diffuser, light.beta, goes_on + 1 + k, numbers.down);
+            let (beta, drawn, straight) =
+                guided.draw(self.diffuser, light.beta, goes_on + 1 + k, numbers.down);
             let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight };
             if light.carries {
                 room.carried.fill(1.0);

@@ -242,7 +242,8 @@ pub(super) fn meet_discs(
             && cone.sends(sent.beta)
         {
             let back = if sent.rival.is_finite() { sent.back } else { 0.0 };
-            let weight = Target::on_disc(cone, sent.beta).balanced(sent.density, sent.density, back / sent.rival);
+            let weight =
+                Target::on_disc(cone, sent.beta).balanced(sent.density, sent.density, back / sent.rival);
             sum.add_share(light, share, rising, weight);
         }
     }

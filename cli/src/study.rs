@@ -1,0 +1,152 @@
+//! `papilio study sampling`.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::time::Instant;
+
+use papilio_display::scene::{Sampler, Strategy};
+use papilio_display::{StudyCurve, StudyPoint, study};
+use papilio_figures::{ErrorCurve, ErrorPanel, accuracy, png, point_sets};
+use papilio_formats::{write_file, write_study};
+use papilio_sampling::Numbers;
+use papilio_sampling::table_4_1::Way;
+use papilio_scenario::Scenario;
+
+use crate::arguments::StudySampling;
+use crate::{Failure, interrupt, output, report, run};
+
+/// The first number of paths: 16 for each replicate.
+const FIRST: u64 = 512;
+
+/// Points of a set in the figure.
+const POINTS: u64 = 256;
+
+pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
+    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
+    output::check(&folder)?;
+    let paths: Vec<u64> =
+        std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();
+    let started = Instant::now();
+    let clock = || cpu_seconds().unwrap_or_else(|| started.elapsed().as_secs_f64());
+    let curves = run::with_progress(None, |control| study(&resolved.scene, &paths, &clock, control))?
+        .ok_or(Failure::Interrupted("the study is not complete, nothing is written"))?;
+    let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = anstream::stdout().lock();
+    stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;
+    stdout.flush()?;
+    let names = interrupt::whole(|| write(&folder, &curves, &title))?;
+    output::announce(&folder, &names);
+    Ok(())
+}
+
+/// CPU time of this thread, where the system tells.
+fn cpu_seconds() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
+/// Feng 2012, Table 4.1.
+fn table_4_1() -> String {
+    let (samples, experiments) = (16, 4000);
+    let mut text = format!(
+        "The integral of x from 0 to 4 (Feng 2012, Table 4.1); experiment: {experiments} estimates from {samples} \
+         samples\n  {:<18} {:>12}  {:>12}  {:>24}  {:>16}\n",
+        "density", "variance", "N = 16", "by experiment", "N for SE .08"
+    );
+    for way in Way::ALL {
+        let (factor, power) = way.variance();
+        let formula = if power == 1 { format!("{factor:.4}/N") } else { format!("{factor:.4}/N^{power}") };
+        let exact = factor / (samples as f64).powi(power);
+        let (found, error) = way.experiment(samples, experiments, 0);
+        let found = format!("{found:.5} +- {error:.5}");
+        let _ = writeln!(
+            text,
+            "  {:<18} {formula:>12}  {exact:>12.5}  {found:>24}  {:>16}",
+            way.density_in_words(),
+            way.samples_for(0.08)
+        );
+    }
+    text
+}
+
+/// A line for each sampler and strategy.
+fn table(title: &str, curves: &[StudyCurve]) -> String {
+    let mut text = format!(
+        "\n{}: largest relative standard error of Y over the states, first view\n  {:<16}{:<10}",
+        report::plain(title),
+        "sampler",
+        "scattering"
+    );
+    let counts: Vec<u64> = curves.first().iter().flat_map(|c| c.points.iter().map(|p| p.paths)).collect();
+    for paths in &counts {
+        let _ = write!(text, "{:>10}", format!("{paths}"));
+    }
+    let _ =
+        writeln!(text, "{:>16}{:>10}{:>11}{:>14}", "error ~ paths^", "us/path", "ms before", "ms to .1 %");
+    for curve in curves {
+        let _ = write!(text, "  {:<16}{:<10}", curve.sampler.name(), curve.strategy.name());
+        for point in &curve.points {
+            let _ = write!(text, "{:>10}", format!("{:.4} %", 100.0 * point.relative_error));
+        }
+        let slope = curve.slope().map_or("-".to_owned(), |(p, error)| format!("-{p:.2} +- {error:.2}"));
+        let each = curve.points.last().map_or(0.0, |p| 1e6 * p.transport_s / p.paths as f64);
+        let to = curve.seconds_to(1e-3).map_or("-".to_owned(), |s| format!("{:.2}", 1e3 * s));
+        let _ = writeln!(text, "{slope:>16}{each:>10.2}{:>11.2}{to:>14}", 1e3 * curve.setup_s);
+    }
+    text
+}
+
+fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result<Vec<String>, Failure> {
+    output::make_folder(folder)?;
+    let mut names = vec!["study.csv".to_owned()];
+    write_file(&folder.join("study.csv"), |out| write_study(out, curves))?;
+    let mut figures: Vec<(String, String)> = Sampler::ALL
+        .into_iter()
+        .map(|sampler| {
+            let of: Vec<&StudyCurve> = curves.iter().filter(|curve| curve.sampler == sampler).collect();
+            let title = format!("{title}: {} numbers", sampler.name());
+            (format!("study_{}", sampler.name()), accuracy(&panels(&of, |c| c.strategy.name()), &title))
+        })
+        .collect();
+    let guided: Vec<&StudyCurve> = curves.iter().filter(|c| c.strategy == Strategy::Kernel).collect();
+    let of_samplers =
+        accuracy(&panels(&guided, |c| c.sampler.name()), &format!("{title}: drawn from the kernel"));
+    figures.push(("study_samplers".to_owned(), of_samplers));
+    figures.push(("point_sets".to_owned(), point_sets(&sets(), &format!("{POINTS} points"))));
+    for (name, svg) in figures {
+        write_file(&folder.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
+        let picture = png(&svg, output::PNG_SCALE)?;
+        write_file(&folder.join(format!("{name}.png")), |out| out.write_all(&picture))?;
+        names.extend([format!("{name}.svg"), format!("{name}.png")]);
+    }
+    Ok(names)
+}
+
+/// Against paths, and against CPU time.
+fn panels(curves: &[&StudyCurve], name: impl Fn(&StudyCurve) -> &'static str) -> Vec<ErrorPanel> {
+    let panel = |x: &str, of: &dyn Fn(&StudyPoint) -> f64| {
+        let curve = |(group, curve): (usize, &&StudyCurve)| ErrorCurve {
+            name: name(curve).to_owned(),
+            group,
+            dashed: false,
+            points: curve.points.iter().map(|point| (of(point), point.relative_error)).collect(),
+        };
+        ErrorPanel { x: x.to_owned(), powers: true, curves: curves.iter().enumerate().map(curve).collect() }
+    };
+    vec![panel("Paths", &|p| p.paths as f64), panel("CPU time of transport, s", &|p| p.transport_s)]
+}
+
+/// The first pair of coordinates of every sampler: a set as it comes at once (its second octave).
+fn sets() -> Vec<(&'static str, Vec<[f64; 2]>)> {
+    let of = |sampler: Sampler| {
+        let numbers = Numbers::new(sampler, 0, 0);
+        let point = |path| {
+            let [u, v, ..] = numbers.block(path, 0);
+            [u, v]
+        };
+        (sampler.name(), (POINTS..2 * POINTS).map(point).collect())
+    };
+    Sampler::ALL.into_iter().map(of).collect()
+}
