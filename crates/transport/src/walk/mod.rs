@@ -99,6 +99,12 @@ impl PathNumbers<'_> {
         self.numbers.block(self.path, PLANNED_BLOCKS + 3 * pass)[3]
     }
 
+    /// Independent numbers for the way on after this pass, `kind` 0 or 1.
+    #[inline]
+    fn going_on(&self, pass: u32, kind: u32) -> [f64; 4] {
+        self.numbers.block(self.path, u32::MAX / 2 + 2 * pass + kind)
+    }
+
     /// Four numbers for event `kind` (0 to 2) of this pass.
     #[inline]
     fn event(&self, pass: u32, kind: u32) -> [f64; 4] {

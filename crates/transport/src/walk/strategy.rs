@@ -58,7 +58,7 @@ impl Strategy {
 const BESIDE_WARD: f64 = 0.1;
 
 /// The part that are drawn from lobes about lamps.
-const TO_LAMPS: f64 = 0.3;
+const TO_LAMPS: f64 = 0.5;
 
 /// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: of
 /// `(integral of both)^2 / integral of its square` the maximum.

@@ -64,7 +64,7 @@ struct Below {
     straight: bool,
 }
 
-/// Light that has met the base.
+/// Light that has met the base, and what it carries now.
 #[derive(Debug, Clone, Copy)]
 struct Met {
     up: Below,
@@ -84,7 +84,9 @@ impl<'a> Diffused<'a> {
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let least = if directed && left > 0.0 { LEAST_SURVIVAL } else { left.min(MOST_SURVIVAL) };
-        let survival = left.clamp(least, MOST_SURVIVAL);
+        // A guided path's first pass costs so much, and leaves so little noise, that later ones may cost more.
+        let wanted = if strategy == Strategy::Guided && left > 0.0 { left.sqrt().max(0.5) } else { left };
+        let survival = wanted.clamp(least, MOST_SURVIVAL);
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
@@ -121,20 +123,18 @@ impl<'a> Diffused<'a> {
             let numbers = PassNumbers::new(numbers, pass, self);
             let light = Downward { beta, weight, carries, scattered };
             let Some(out) = self.pass(light, &numbers, sums, room) else { return };
-            (scattered, weight) = (out.scattered, out.weight);
-            if carries {
-                room.carried.copy_from_slice(&room.reflected);
-            } else {
-                self.stack.base.reflectance(out.base.squared(), &self.stack.medium, &mut room.carried);
-                carries = true;
-            }
-            scale_rows(&mut room.carried, &self.between_passes);
-            beta = out.beta;
+            (beta, weight, scattered, carries) = (out.beta, out.weight, out.scattered, true);
         }
     }
 
     /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends.
-    fn pass(&self, light: Downward, numbers: &PassNumbers, sums: &mut Sums, room: &mut Room) -> Option<Out> {
+    fn pass(
+        &self,
+        light: Downward,
+        numbers: &PassNumbers<'_>,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) -> Option<Out> {
         let Downward { beta, weight, carries, scattered } = light;
         sums.entering.add(carries.then_some(&room.carried), weight);
         if self.specular {
@@ -144,42 +144,102 @@ impl<'a> Diffused<'a> {
                 self.sample_backwards(chosen, light, numbers, sums, room);
             }
         }
-        let (down, met) = match &self.first {
-            First::Guided(guided) if numbers.pass == 0 && self.specular => {
-                self.guided(guided, light, numbers, sums, room)?
+        let first = numbers.pass == 0;
+        let mut down = None;
+        match &self.first {
+            First::Guided(guided) if first && self.specular => {
+                self.guided(guided, light, numbers, sums, room)
             }
             _ => {
-                let down = self.down(light, numbers)?;
-                (down, self.below(down, 1.0, (carries, numbers), sums, room)?)
+                down = self.down(light, numbers);
+                let met = down.and_then(|down| self.below(down, 1.0, (carries, numbers), sums, room));
+                if let (Some(down), Some(met), true) = (down, met, self.discs) {
+                    self.run_into_discs(scattered, (down, met), numbers.up, sums, room);
+                }
             }
-        };
-        let goes_on = numbers.survival < self.survival;
-        if !goes_on && !self.discs {
+        }
+        if numbers.survival >= self.survival {
             return None;
         }
-        let Met { up, look_up } = met;
-        let (out, drawn, straight_up) = self.through(&self.drawing, up.beta, 1.0, numbers.up)?;
-        if out.squared() > 1.0 {
-            return None;
-        }
-        let light = reflected(look_up, &room.reflected);
-        let straight_down = self.specular && down.straight;
-        if !straight_up {
-            self.meet_discs(up, out, light, sums);
-        } else if straight_down && scattered {
-            self.meet_discs_by_specular_light(out, light, up.weight, sums);
-        }
-        let scattered = scattered || !(straight_down && straight_up);
-        goes_on.then_some(Out { beta: out, base: down.beta, weight: up.weight * drawn, scattered })
+        // On a first pass the direction that tells what is seen is drawn for that; the light goes on
+        // in another.
+        let down = if first { self.through_anew(light, numbers)? } else { down? };
+        self.go_on(light, down, numbers, room)
     }
 
-    /// All that becomes of light below the diffuser before it is drawn through it again: the base, and
-    /// what is seen of the sources; counted as so much of a sample. `None` if it ends there.
+    /// Discs that the last scattering leads to by chance.
+    fn run_into_discs(
+        &self,
+        scattered: bool,
+        (down, met): (Below, Met),
+        u: [f64; 2],
+        sums: &mut Sums,
+        room: &Room,
+    ) {
+        let Met { up, look_up } = met;
+        let Some((out, _, straight)) = self.through(&self.drawing, up.beta, 1.0, u) else { return };
+        let light = reflected(look_up, &room.reflected);
+        if !straight {
+            self.meet_discs(up, out, light, sums);
+        } else if scattered && down.straight && self.specular {
+            self.meet_discs_by_specular_light(out, light, up.weight, sums);
+        }
+    }
+
+    /// For the way on: down and up through the diffuser. Over a mirror the first pass has planned ones to spare.
+    fn going_on(&self, numbers: &PassNumbers<'_>) -> [f64; 4] {
+        if self.specular && numbers.pass == 0 {
+            numbers.path.event(0, 1)
+        } else {
+            numbers.path.going_on(numbers.pass, 0)
+        }
+    }
+
+    /// A further direction below the diffuser.
+    fn through_anew(&self, light: Downward, numbers: &PassNumbers<'_>) -> Option<Below> {
+        let [u, v, ..] = self.going_on(numbers);
+        let n = self.stack.medium.largest_index();
+        let (beta, drawn, straight) = self.through(&self.drawing, light.beta, n, [u, v])?;
+        Some(Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight })
+    }
+
+    /// Off the base and out of the diffuser, into a further pass. A Lambertian base sends the light on
+    /// in a direction of its own: that of what is seen may be guided.
+    fn go_on(&self, light: Downward, down: Below, numbers: &PassNumbers<'_>, room: &mut Room) -> Option<Out> {
+        let n = self.stack.medium.largest_index();
+        let [.., u, v] = self.going_on(numbers);
+        let up = if self.specular {
+            down.beta
+        } else {
+            let [base @ .., _, _] = numbers.path.going_on(numbers.pass, 1);
+            let (x, y) = warp::uniform_disc(n, base);
+            Beta { x, y }
+        };
+        let (beta, drawn, straight) = self.through(&self.drawing, up, 1.0, [u, v])?;
+        if beta.squared() > 1.0 || down.beta.length() >= n {
+            return None;
+        }
+        if numbers.pass == 0 {
+            room.carried.fill(1.0);
+        }
+        self.keep_within_disc(down.beta, Spread::No, &mut room.carried);
+        multiply(&mut room.reflected, &room.carried, |out| self.reflectance(down.beta, out));
+        if !self.specular {
+            self.keep_within_disc(up, Spread::Lambertian, &mut room.reflected);
+        }
+        room.carried.copy_from_slice(&room.reflected);
+        scale_rows(&mut room.carried, &self.between_passes);
+        let scattered = light.scattered || !(self.specular && down.straight && straight);
+        Some(Out { beta, weight: down.weight * drawn, scattered })
+    }
+
+    /// Light below the diffuser meets the base, and what it then sees of the sources; counted as so much
+    /// of a sample. `None` if the medium has no such direction.
     fn below(
         &self,
         down: Below,
         counts: f64,
-        (carries, numbers): (bool, &PassNumbers),
+        (carries, numbers): (bool, &PassNumbers<'_>),
         sums: &mut Sums,
         room: &mut Room,
     ) -> Option<Met> {
@@ -189,57 +249,55 @@ impl<'a> Diffused<'a> {
         if carries {
             self.keep_within_disc(down.beta, Spread::No, &mut room.carried);
         }
-        let weight = counts * down.weight;
+        let mut up = Below { weight: counts * down.weight, ..down };
+        let weight = up.weight;
         sums.arriving.add(carries.then_some(&room.carried), weight);
         let look_up = self.meet_base(down.beta, carries, room);
         sums.reflected.add(reflected(look_up, &room.reflected), weight);
-        let mut up = down;
         if !self.specular {
             self.connect_straight_from_base((look_up, weight), numbers, sums, room);
             if self.backwards {
                 self.sample_backwards_from_base((look_up, weight), numbers, sums, room);
             }
-            up = self.leave_base(down.weight, numbers)?;
+            up = self.leave_base(weight, numbers);
             if carries {
                 self.keep_within_disc(up.beta, Spread::Lambertian, &mut room.reflected);
             }
         }
         let light = reflected(look_up, &room.reflected);
-        let seen = Below { weight: counts * up.weight, ..up };
-        self.connect(seen, light, numbers, sums);
+        self.connect(up, light, numbers, sums);
         // All that leaves meets diffuse light: no direction need be drawn for that.
-        sums.leaving.add(light, seen.weight * self.share_leaving(up.beta));
+        sums.leaving.add(light, up.weight * self.share_leaving(up.beta));
         Some(Met { up, look_up })
     }
 
-    /// Several directions of a first pass at once; the light goes on with one of them.
+    /// Several directions of a first pass at once.
     fn guided(
         &self,
         guided: &Guided,
         light: Downward,
-        numbers: &PassNumbers,
+        numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         room: &mut Room,
-    ) -> Option<(Below, Met)> {
-        let goes_on = (numbers.choice * SPLITS as f64) as usize;
-        let mut last = None;
+    ) {
         for k in 0..SPLITS {
-            // The one that goes on comes last.
-            let (beta, drawn, straight) =
-                guided.draw(self.diffuser, light.beta, goes_on + 1 + k, numbers.down);
+            let (beta, drawn, straight) = guided.draw(self.diffuser, light.beta, k, numbers.down);
             let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight };
             if light.carries {
                 room.carried.fill(1.0);
             }
-            let met = self.below(down, 1.0 / SPLITS as f64, (light.carries, numbers), sums, room);
-            last = met.map(|met| (down, met));
+            let share = 1.0 / SPLITS as f64;
+            let Some(met) = self.below(down, share, (light.carries, numbers), sums, room) else { continue };
+            if self.discs {
+                let up = [(numbers.up[0] + k as f64 * share).fract(), numbers.up[1]];
+                self.run_into_discs(false, (down, met), up, sums, room);
+            }
         }
-        last
     }
 
     /// Light on its way down through the diffuser.
     #[inline]
-    fn down(&self, light: Downward, numbers: &PassNumbers) -> Option<Below> {
+    fn down(&self, light: Downward, numbers: &PassNumbers<'_>) -> Option<Below> {
         let Downward { beta, weight, .. } = light;
         let n = self.stack.medium.largest_index();
         let (drawing, balanced) = match &self.first {
@@ -308,17 +366,17 @@ impl<'a> Diffused<'a> {
 
     /// A direction of the whole medium, as a Lambertian base sends it.
     #[inline]
-    fn leave_base(&self, weight: f64, numbers: &PassNumbers) -> Option<Below> {
+    fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> Below {
         let n = self.stack.medium.largest_index();
         let uniform = warp::uniform_disc_density(n);
         if let First::Guided(guided) = &self.first {
             let (beta, density) = guided.guide.draw(numbers.base);
             let weight = weight * uniform / density;
-            return Some(Below { beta, weight, rival: f64::INFINITY, straight: false });
+            return Below { beta, weight, rival: f64::INFINITY, straight: false };
         }
         let (x, y) = warp::uniform_disc(n, numbers.base);
         let rival = if self.backwards { uniform } else { f64::INFINITY };
-        Some(Below { beta: Beta { x, y }, weight, rival, straight: false })
+        Below { beta: Beta { x, y }, weight, rival, straight: false }
     }
 
     /// Takes away the wavelengths whose medium has no such direction.
@@ -334,8 +392,9 @@ impl<'a> Diffused<'a> {
 }
 
 /// The uniform numbers of one pass, for each decision its own.
-#[derive(Debug, Clone, Copy)]
-struct PassNumbers {
+#[derive(Clone, Copy)]
+struct PassNumbers<'a> {
+    path: &'a PathNumbers<'a>,
     pass: u32,
     down: [f64; 2],
     up: [f64; 2],
@@ -343,27 +402,25 @@ struct PassNumbers {
     base: [f64; 2],
     /// Whether the path goes on.
     survival: f64,
-    /// Which of several directions of a first pass goes on.
-    choice: f64,
     /// Which point of a source.
     on_source: [f64; 2],
     /// Which direction below the diffuser, from the source's side.
     backwards: [f64; 2],
 }
 
-impl PassNumbers {
+impl<'a> PassNumbers<'a> {
     #[inline]
-    fn new(numbers: &PathNumbers<'_>, pass: u32, walk: &Diffused<'_>) -> Self {
+    fn new(numbers: &'a PathNumbers<'a>, pass: u32, walk: &Diffused<'_>) -> Self {
         let a = numbers.event(pass, 0);
         let b = if walk.specular && pass == 0 { [0.5; 4] } else { numbers.event(pass, 1) };
         let c = if walk.directed { numbers.event(pass, 2) } else { [0.5; 4] };
         Self {
+            path: numbers,
             pass,
             down: [a[0], a[1]],
             up: [a[2], a[3]],
             base: [b[0], b[1]],
             survival: if pass == 0 { numbers.first_survival() } else { b[2] },
-            choice: numbers.start[3],
             on_source: [c[0], c[1]],
             backwards: [c[2], c[3]],
         }
@@ -385,8 +442,6 @@ struct Downward {
 #[derive(Debug, Clone, Copy)]
 struct Out {
     beta: Beta,
-    /// The direction in which it met the base.
-    base: Beta,
     weight: f64,
     scattered: bool,
 }

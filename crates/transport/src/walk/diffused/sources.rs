@@ -18,7 +18,7 @@ impl Diffused<'_> {
     pub(super) fn connect_before_base(
         &self,
         light: Downward,
-        numbers: &PassNumbers,
+        numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         room: &mut Room,
     ) {
@@ -49,7 +49,7 @@ impl Diffused<'_> {
     pub(super) fn connect_straight_from_base(
         &self,
         (look_up, weight): (Option<Stencil>, f64),
-        numbers: &PassNumbers,
+        numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         room: &mut Room,
     ) {
@@ -66,7 +66,13 @@ impl Diffused<'_> {
     }
 
     /// Directed sources, from the diffuser's underside: the last scattering on the way to the light.
-    pub(super) fn connect(&self, up: Below, light: Reflected<'_>, numbers: &PassNumbers, sums: &mut Sums) {
+    pub(super) fn connect(
+        &self,
+        up: Below,
+        light: Reflected<'_>,
+        numbers: &PassNumbers<'_>,
+        sums: &mut Sums,
+    ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::sample(source, numbers.on_source) {
                 sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
@@ -116,7 +122,7 @@ impl Diffused<'_> {
         &self,
         chosen: impl Fn(Beta) -> f64,
         light: Downward,
-        numbers: &PassNumbers,
+        numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         room: &mut Room,
     ) {
@@ -158,7 +164,7 @@ impl Diffused<'_> {
     pub(super) fn sample_backwards_from_base(
         &self,
         (look_up, weight): (Option<Stencil>, f64),
-        numbers: &PassNumbers,
+        numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         room: &mut Room,
     ) {
@@ -174,7 +180,7 @@ impl Diffused<'_> {
         &self,
         source: &Source,
         chosen: impl Fn(Beta) -> f64,
-        numbers: &PassNumbers,
+        numbers: &PassNumbers<'_>,
     ) -> Option<(Beta, f64)> {
         let target = Target::sample(source, numbers.on_source)?;
         let beta = self.diffuser.lobe.sample(target.beta, numbers.backwards)?;
