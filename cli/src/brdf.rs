@@ -37,7 +37,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     output::announce(&folder, &[FILE.to_owned()]);
     let target = match resolved.scene.solver.stop {
         Stop::RelativeError { target, .. } => Some(target),
-        Stop::Paths(_) => None,
+        Stop::Paths(_) | Stop::Target(_) => None,
     };
     warn(&table, arguments.step, target);
     Ok(())

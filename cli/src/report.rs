@@ -37,6 +37,17 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
         (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
     };
     let _ = write!(text, "\n{}: {how}, {seconds:.2} s", solver.method);
+    if let (Some(paths), Some(target)) = (solver.paths, &solver.target) {
+        let [likely, most] = target.paths_for_a_tenth.map(|more| more / paths as f64);
+        let over = target
+            .error_over_tolerance
+            .map_or("undefined".to_owned(), |over| format!("{over:.2} of its tolerance"));
+        let _ = write!(
+            text,
+            ".\nThe target's standard error is {over}; a tenth of it would take about {likely:.0} times as many paths, {most:.0} \
+             times at most"
+        );
+    }
     if solver.paths.is_some() {
         text.push_str(". 0.123(4) means 0.123 with a standard error of 0.004.");
     }

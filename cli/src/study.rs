@@ -41,15 +41,20 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
 }
 
 /// CPU time of this thread, where the system tells.
+#[cfg(unix)]
 fn cpu_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(1e-9 * nanoseconds)
+    let time = nix::time::clock_gettime(nix::time::ClockId::CLOCK_THREAD_CPUTIME_ID).ok()?;
+    Some(time.tv_sec() as f64 + 1e-9 * time.tv_nsec() as f64)
+}
+
+#[cfg(not(unix))]
+fn cpu_seconds() -> Option<f64> {
+    None
 }
 
 /// Feng 2012, Table 4.1.
 fn table_4_1() -> String {
-    let (samples, experiments) = (16, 4000);
+    let (samples, experiments) = (16, 20_000);
     let mut text = format!(
         "The integral of x from 0 to 4 (Feng 2012, Table 4.1); experiment: {experiments} estimates from {samples} \
          samples\n  {:<18} {:>12}  {:>12}  {:>24}  {:>16}\n",

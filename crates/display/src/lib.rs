@@ -71,6 +71,7 @@ pub mod result;
 mod run;
 pub mod scene;
 mod setup;
+mod target;
 
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};

@@ -38,8 +38,21 @@ pub struct SolverReport {
     /// The largest relative error of Y over states and views (and wavelengths, with `every_bin`):
     /// the standard error of the walk, the discretisation error of adding.
     pub relative_error_reached: f64,
+    /// How the target of one metric was met, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<TargetReport>,
     /// True if the run was stopped before it reached its target.
     pub interrupted: bool,
+}
+
+/// How a target of one metric was met.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct TargetReport {
+    /// The largest standard error over its tolerance, of all views; null if the display has no such metric.
+    pub error_over_tolerance: Option<f64>,
+    /// Paths that a tenth of the error would take, all views together: as the error fell in this run,
+    /// and at the worst, as one over the root of the paths.
+    pub paths_for_a_tenth: [f64; 2],
 }
 
 /// A perfect white under the scene's ambient light.

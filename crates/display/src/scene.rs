@@ -12,6 +12,8 @@ use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{ScatterFace, ScatterKernel, Scattering};
 
+pub use crate::target::{Metric, Target, Tolerance};
+
 /// One computation, complete.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -345,7 +347,7 @@ pub enum Method {
 }
 
 /// When the solver stops.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Stop {
     /// At this relative error of Y, largest over states and views: the walk's standard error,
     /// adding's discretisation error.
@@ -357,6 +359,8 @@ pub enum Stop {
     },
     /// After this many paths for each view (the walk alone).
     Paths(u64),
+    /// When a metric is known to within a tolerance (the walk alone).
+    Target(Target),
 }
 
 /// How completely light is followed.

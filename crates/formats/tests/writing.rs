@@ -70,6 +70,7 @@ fn result() -> RunResult {
             paths: Some(1024),
             nodes: None,
             degrees_of_freedom: 15,
+            target: None,
             relative_error_reached: 1e-3,
             interrupted: false,
         },

@@ -180,6 +180,7 @@ impl Runner<'_> {
             paths: None,
             nodes: Some(seen().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,
+            target: None,
             relative_error_reached: seen().map(|group| group.samples.error).fold(0.0, largest),
             interrupted: groups
                 .iter()

@@ -62,7 +62,7 @@ impl Survey<'_> {
     fn run(&self, pool: Option<&ThreadPool>) -> Option<BrdfTable> {
         let target = match self.setup.scene.solver.stop {
             Stop::RelativeError { target, .. } => target,
-            Stop::Paths(_) => DEFAULT_TARGET,
+            Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;

@@ -68,7 +68,7 @@ impl Survey<'_> {
     fn run(self, pool: Option<&ThreadPool>) -> Option<Result<ConeResult, DisplayError>> {
         let target = match self.run.scene.solver.stop {
             Stop::RelativeError { target, .. } => target,
-            Stop::Paths(_) => DEFAULT_TARGET,
+            Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;

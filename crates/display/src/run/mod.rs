@@ -179,6 +179,14 @@ impl Run<'_> {
             && reached > target
         {
             warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: {unreached}"));
+        } else if let Some(target) = &solver.target {
+            match target.error_over_tolerance {
+                None => warnings.push("the target's metric is not defined in this display".to_owned()),
+                Some(over) if over > 1.0 => {
+                    warnings.push(format!("the target is missed by a factor of {over:.2e}: {unreached}"));
+                }
+                Some(_) => {}
+            }
         }
         RunResult {
             solver,

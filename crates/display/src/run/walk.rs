@@ -12,15 +12,17 @@ use rayon::prelude::*;
 use super::{Progress, Run};
 use crate::DisplayError;
 use crate::meter::Sample;
-use crate::result::{RunResult, SolverReport, View};
-use crate::scene::Stop;
+use crate::result::{RunResult, SolverReport, TargetReport, View};
+use crate::scene::{Stop, Strategy};
 use crate::setup::ViewPoint;
 
 /// Independent replicates of each view; standard errors have one degree of freedom less.
 pub(super) const REPLICATES: u64 = 32;
 
-/// Paths of each replicate in the first round; rounds double the total from there.
-const FIRST_ROUND: u64 = 256;
+/// Paths of each replicate in the first round; rounds double the total from there. A guided path knows
+/// as much as several.
+const FIRST_ROUND: u64 = 64;
+const FIRST_GUIDED_ROUND: u64 = 16;
 
 /// The most paths that a round adds to a replicate: how finely progress shows.
 const LARGEST_ROUND: u64 = 1 << 14;
@@ -47,6 +49,30 @@ struct Work<'a> {
     samples: Vec<Sample>,
     paths: u64,
     relative_error: f64,
+    /// Of a target, after each round: paths, and the error over the tolerance; infinite if there is no
+    /// such metric.
+    missed: Vec<(u64, f64)>,
+}
+
+impl Work<'_> {
+    /// The error over the tolerance of a target.
+    fn missed_by(&self) -> f64 {
+        self.missed.last().map_or(f64::INFINITY, |last| last.1)
+    }
+
+    /// Paths that a tenth of a target's error would take: as it fell with paths, by least squares over the
+    /// logarithms, and at the worst.
+    fn paths_for_a_tenth(&self) -> [f64; 2] {
+        let logs = self.missed.iter().filter(|(_, missed)| *missed > 0.0 && missed.is_finite());
+        let logs: Vec<(f64, f64)> = logs.map(|(paths, missed)| ((*paths as f64).ln(), missed.ln())).collect();
+        let n = logs.len().max(1) as f64;
+        let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+        let xx: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
+        let xy: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+        // Few rounds know little: slopes that no method has are not believed.
+        let power = if xx > 0.0 { (-xy / xx).clamp(0.5, 1.5) } else { 0.5 };
+        [10.0_f64.powf(1.0 / power), 100.0].map(|times| times * self.paths as f64)
+    }
 }
 
 /// What has been seen so far.
@@ -55,6 +81,8 @@ struct Done {
     views: Vec<View>,
     paths: u64,
     relative_error: f64,
+    missed: f64,
+    paths_for_a_tenth: [f64; 2],
 }
 
 impl<'a> Runner<'a> {
@@ -65,7 +93,7 @@ impl<'a> Runner<'a> {
         // One view after the other: only one view's sums are in memory.
         for (number, at) in self.run.setup.views.iter().enumerate() {
             let mut work = self.start(number, at);
-            interrupted = !self.look(&mut work, &done);
+            interrupted = !self.look(&mut work, at, &specular, &done);
             if !work.samples.is_empty() {
                 if !work.samples.iter().all(Sample::is_finite) {
                     return Err(DisplayError::NotFinite);
@@ -73,6 +101,9 @@ impl<'a> Runner<'a> {
                 done.views.push(self.run.meter.view_of_replicates(at, &work.samples, &specular));
                 done.paths += work.paths;
                 done.relative_error = done.relative_error.max(work.relative_error);
+                done.missed = done.missed.max(work.missed_by());
+                let more = work.paths_for_a_tenth();
+                done.paths_for_a_tenth.iter_mut().zip(more).for_each(|(sum, paths)| *sum += paths);
             }
             if interrupted {
                 break;
@@ -88,14 +119,26 @@ impl<'a> Runner<'a> {
     fn start(&self, number: usize, at: &'a ViewPoint) -> Work<'a> {
         let walk = self.run.setup.walk(at, self.run.scene.solver.scattering);
         let replicates = (0..REPLICATES).map(|_| walk.replicate()).collect();
-        Work { walk, number, replicates, samples: Vec::new(), paths: 0, relative_error: f64::INFINITY }
+        Work {
+            walk,
+            number,
+            replicates,
+            samples: Vec::new(),
+            paths: 0,
+            relative_error: f64::INFINITY,
+            missed: Vec::new(),
+        }
     }
 
     /// Adds rounds to a view until it is good enough; false if it was stopped before.
-    fn look(&self, work: &mut Work<'_>, done: &Done) -> bool {
+    fn look(&self, work: &mut Work<'_>, at: &ViewPoint, specular: &[Vec<f64>], done: &Done) -> bool {
         while !self.is_enough(work) {
             if !self.round(work) {
                 return false;
+            }
+            if let Stop::Target(target) = &self.run.scene.solver.stop {
+                let view = self.run.meter.view_of_replicates(at, &work.samples, specular);
+                work.missed.push((work.paths, target.missed_by(&view).unwrap_or(f64::INFINITY)));
             }
             (self.run.control.progress)(self.progress(work, done));
         }
@@ -146,10 +189,11 @@ impl<'a> Runner<'a> {
 
     /// Paths that the next round adds to each replicate that has `so_far`.
     fn round_size(&self, so_far: u64) -> u64 {
-        let double = so_far.clamp(FIRST_ROUND, LARGEST_ROUND);
+        let guided = self.run.scene.solver.scattering == Strategy::Guided;
+        let double = so_far.clamp(if guided { FIRST_GUIDED_ROUND } else { FIRST_ROUND }, LARGEST_ROUND);
         match self.run.scene.solver.stop {
             Stop::Paths(paths) => double.min(paths.div_ceil(REPLICATES) - so_far),
-            Stop::RelativeError { .. } => double,
+            Stop::RelativeError { .. } | Stop::Target(_) => double,
         }
     }
 
@@ -157,6 +201,9 @@ impl<'a> Runner<'a> {
         match self.run.scene.solver.stop {
             Stop::Paths(paths) => work.paths >= paths,
             Stop::RelativeError { target, .. } => work.relative_error <= target || work.paths >= MOST_PATHS,
+            // More paths do not make a metric that is not there.
+            Stop::Target(_) if work.missed_by().is_infinite() => work.paths > 0,
+            Stop::Target(_) => work.missed_by() <= 1.0 || work.paths >= MOST_PATHS,
         }
     }
 
@@ -164,6 +211,8 @@ impl<'a> Runner<'a> {
         let (share_of_paths, target) = match self.run.scene.solver.stop {
             Stop::Paths(paths) => (Some((work.paths as f64 / paths as f64).min(1.0)), None),
             Stop::RelativeError { target, .. } => (None, Some(target)),
+            // The share of paths that the error over the tolerance tells.
+            Stop::Target(_) => (Some((1.0 / work.missed_by()).min(1.0)), None),
         };
         let views = done.views.len() + usize::from(self.is_enough(work));
         Progress {
@@ -182,6 +231,10 @@ impl<'a> Runner<'a> {
             nodes: None,
             degrees_of_freedom: REPLICATES - 1,
             relative_error_reached: done.relative_error,
+            target: matches!(self.run.scene.solver.stop, Stop::Target(_)).then_some(TargetReport {
+                error_over_tolerance: Some(done.missed).filter(|missed| missed.is_finite()),
+                paths_for_a_tenth: done.paths_for_a_tenth,
+            }),
             interrupted,
         };
         let unreached = format!("that would take more than {MOST_PATHS} paths");

@@ -36,6 +36,11 @@ number!(
     { "type": "number", "minimum": 0, "maximum": 1e6 }
 );
 number!(
+    /// A standard error, in the unit of what it is of.
+    Tolerance, "a number above 0, at most 1e6", |v| v > 0.0 && v <= 1e6,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+);
+number!(
     /// A wavelength or a difference of wavelengths, nm.
     Wavelength, "a number above 0, at most 1e6 (nm)", |v| v > 0.0 && v <= 1e6,
     { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }

@@ -1,6 +1,6 @@
 //! `[solver]`: how to compute, and how well.
 
-use super::numbers::{Count, Paths, RelativeError, Seed};
+use super::numbers::{Count, Paths, RelativeError, Seed, Tolerance};
 use crate::grammar::{choice, table};
 use crate::read::At;
 
@@ -14,6 +14,8 @@ table! {
         relative_error: Option<RelativeError>,
         /// The walk alone: stop after this many paths for each view instead, 1 to 2^40, rounded up to a multiple of 32.
         paths: Option<Paths>,
+        /// The walk alone: stop when a metric is known to within a tolerance instead. Default: none.
+        target: Option<Target>,
         /// Apply `relative_error` to every wavelength too, against the spectrum's maximum; nothing beside `paths`. Default false.
         every_bin: bool = false,
         /// Where the walk's numbers come from (docs/sampling.md); adding needs none. Default "sobol".
@@ -29,10 +31,66 @@ table! {
     }
 }
 
+table! {
+    /// A metric, and how well it is to be known: one standard error at every view.
+    Target {
+        /// Its name in result.json. Required.
+        metric: Metric,
+        /// Of this state; metrics of the states together have none. Default: all that have it.
+        state: Option<String>,
+        /// In the metric's own unit; this or `relative_error`.
+        error: Option<Tolerance>,
+        /// As a part of its value, 1e-6 to 1.
+        relative_error: Option<RelativeError>,
+    }
+}
+
+choice! {
+    /// Metrics, by their names in result.json.
+    Metric {
+        /// White's Y over black's.
+        ContrastRatio = "contrast_ratio",
+        /// Area of the gamut in u'v', of sRGB's.
+        GamutPercentSrgb = "gamut_percent_srgb",
+        /// Of EBU's.
+        GamutPercentEbu = "gamut_percent_ebu",
+        /// Relative to a perfect white's Y.
+        BigX = "X",
+        /// The luminance factor.
+        BigY = "Y",
+        /// Relative to a perfect white's Y.
+        BigZ = "Z",
+        /// CIE 1931.
+        X = "x",
+        /// CIE 1931.
+        Y = "y",
+        /// CIE 1976.
+        UPrime = "u_prime",
+        /// CIE 1976.
+        VPrime = "v_prime",
+        /// CIELAB.
+        LStar = "L_star",
+        /// CIELAB.
+        AStar = "a_star",
+        /// CIELAB.
+        BStar = "b_star",
+        /// Luminance.
+        LuminanceCdM2 = "luminance_cd_m2",
+        /// A state's Y over black's.
+        Contrast = "contrast",
+        /// Of the reflectance factor.
+        PeakNm = "peak_nm",
+        /// In u'v'.
+        DistanceFromWhiteUv = "distance_from_white_uv",
+        /// In u'v'.
+        DistanceFromD65Uv = "distance_from_d65_uv",
+    }
+}
+
 impl Solver {
-    /// The default accuracy, where neither it nor a number of paths is given.
+    /// The default accuracy, where neither it nor a number of paths nor a target is given.
     pub(super) fn complete(&mut self) {
-        if self.paths.is_none() {
+        if self.paths.is_none() && self.target.is_none() {
             self.relative_error.value.get_or_insert(RelativeError(0.001));
         }
     }

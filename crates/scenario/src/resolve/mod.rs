@@ -21,6 +21,7 @@ pub(crate) use measure::measurement;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_spectra::Grid;
 
@@ -135,7 +136,17 @@ impl Resolver<'_> {
         self.check_medium(file, &scene);
         self.check_size(file, &scene);
         self.note_scattering(&scene);
+        self.check_target(file, &scene);
         Some(scene)
+    }
+
+    /// A target's state must be one of the display's.
+    fn check_target(&mut self, file: &File, scene: &Scene) {
+        let Some(state) = file.solver.target.value.as_ref().map(|target| &target.state) else { return };
+        let known = state_names(&scene.display.pixel);
+        if let Some(name) = state.value.as_ref().filter(|name| !known.contains(name)) {
+            self.err(state, Problem::NoSuchState { name: name.clone(), known });
+        }
     }
 
     /// Says so where a choice of directions has nothing to choose between.
@@ -233,7 +244,47 @@ impl Resolver<'_> {
         })
     }
 
+    fn target(&mut self, solver: &Solver, target: &solver::Target) -> Option<scene::Stop> {
+        let at = solver.target.origin;
+        if solver.method.value == solver::Method::Adding {
+            self.errors.push(
+                at.or_set([solver.method.origin]),
+                Problem::NotWith { key: "target", beside: "method = \"adding\"" },
+            );
+            return None;
+        }
+        for (key, given) in [
+            ("relative_error", solver.relative_error.value.is_some()),
+            ("paths", solver.paths.value.is_some()),
+        ] {
+            if given {
+                self.notes.push(format!(
+                    "solver.target says when the walk stops: solver.{key} does nothing beside it"
+                ));
+            }
+        }
+        let tolerance = match (target.error.value, target.relative_error.value) {
+            (Some(error), None) => scene::Tolerance::Absolute(error.0),
+            (None, Some(error)) => scene::Tolerance::Relative(error.0),
+            (error, _) => {
+                let given = if error.is_some() { 2 } else { 0 };
+                self.errors.push(at, Problem::ExactlyOne { keys: "`error` and `relative_error`", given });
+                return None;
+            }
+        };
+        let metric = metric(target.metric.value);
+        if metric.is_of_view() && target.state.value.is_some() {
+            let problem = Problem::NotWith { key: "state", beside: "a metric of all states together" };
+            self.errors.push(target.state.origin, problem);
+            return None;
+        }
+        Some(scene::Stop::Target(scene::Target { metric, state: target.state.value.clone(), tolerance }))
+    }
+
     fn stop(&mut self, solver: &Solver) -> Option<scene::Stop> {
+        if let Some(target) = &solver.target.value {
+            return self.target(solver, target);
+        }
         match (solver.relative_error.value, solver.paths.value) {
             (Some(_), Some(_)) => {
                 let at = solver.paths.origin.or_set([solver.relative_error.origin]);
@@ -266,5 +317,28 @@ impl Resolver<'_> {
                 every_bin: solver.every_bin.value,
             }),
         }
+    }
+}
+
+fn metric(metric: solver::Metric) -> scene::Metric {
+    match metric {
+        solver::Metric::ContrastRatio => scene::Metric::contrast_ratio,
+        solver::Metric::GamutPercentSrgb => scene::Metric::gamut_percent_srgb,
+        solver::Metric::GamutPercentEbu => scene::Metric::gamut_percent_ebu,
+        solver::Metric::BigX => scene::Metric::X,
+        solver::Metric::BigY => scene::Metric::Y,
+        solver::Metric::BigZ => scene::Metric::Z,
+        solver::Metric::X => scene::Metric::x,
+        solver::Metric::Y => scene::Metric::y,
+        solver::Metric::UPrime => scene::Metric::u_prime,
+        solver::Metric::VPrime => scene::Metric::v_prime,
+        solver::Metric::LStar => scene::Metric::L_star,
+        solver::Metric::AStar => scene::Metric::a_star,
+        solver::Metric::BStar => scene::Metric::b_star,
+        solver::Metric::LuminanceCdM2 => scene::Metric::luminance_cd_m2,
+        solver::Metric::Contrast => scene::Metric::contrast,
+        solver::Metric::PeakNm => scene::Metric::peak_nm,
+        solver::Metric::DistanceFromWhiteUv => scene::Metric::distance_from_white_uv,
+        solver::Metric::DistanceFromD65Uv => scene::Metric::distance_from_d65_uv,
     }
 }

@@ -85,7 +85,7 @@ impl<'a> Diffused<'a> {
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let least = if directed && left > 0.0 { LEAST_SURVIVAL } else { left.min(MOST_SURVIVAL) };
         // A guided path's first pass costs so much, and leaves so little noise, that later ones may cost more.
-        let wanted = if strategy == Strategy::Guided && left > 0.0 { left.sqrt().max(0.5) } else { left };
+        let wanted = if strategy == Strategy::Guided && left > 0.0 { left.sqrt().max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
