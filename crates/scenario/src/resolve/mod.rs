@@ -246,13 +246,6 @@ impl Resolver<'_> {
 
     fn target(&mut self, solver: &Solver, target: &solver::Target) -> Option<scene::Stop> {
         let at = solver.target.origin;
-        if solver.method.value == solver::Method::Adding {
-            self.errors.push(
-                at.or_set([solver.method.origin]),
-                Problem::NotWith { key: "target", beside: "method = \"adding\"" },
-            );
-            return None;
-        }
         for (key, given) in [
             ("relative_error", solver.relative_error.value.is_some()),
             ("paths", solver.paths.value.is_some()),
@@ -283,7 +276,10 @@ impl Resolver<'_> {
 
     fn stop(&mut self, solver: &Solver) -> Option<scene::Stop> {
         if let Some(target) = &solver.target.value {
-            return self.target(solver, target);
+            if solver.method.value == solver::Method::Walk {
+                return self.target(solver, target);
+            }
+            self.notes.push("solver.target is of the walk: adding has no standard errors".to_owned());
         }
         match (solver.relative_error.value, solver.paths.value) {
             (Some(_), Some(_)) => {

@@ -67,10 +67,10 @@ impl PathNumbers<'_> {
         [self.start[0], self.start[1]]
     }
 
-    /// Whether the path goes on after its first pass.
+    /// For what hangs together with the point in the field.
     #[inline]
-    fn first_survival(&self) -> f64 {
-        self.start[2]
+    fn beside_field(&self) -> [f64; 2] {
+        [self.start[2], self.start[3]]
     }
 
     /// For the point of a mirror image.

@@ -85,7 +85,8 @@ impl<'a> Diffused<'a> {
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let least = if directed && left > 0.0 { LEAST_SURVIVAL } else { left.min(MOST_SURVIVAL) };
         // A guided path's first pass costs so much, and leaves so little noise, that later ones may cost more.
-        let wanted = if strategy == Strategy::Guided && left > 0.0 { left.sqrt().max(0.25) } else { left };
+        let wanted =
+            if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
@@ -414,13 +415,15 @@ impl<'a> PassNumbers<'a> {
         let a = numbers.event(pass, 0);
         let b = if walk.specular && pass == 0 { [0.5; 4] } else { numbers.event(pass, 1) };
         let c = if walk.directed { numbers.event(pass, 2) } else { [0.5; 4] };
+        // The point of the field and the first direction are four coordinates of one point.
+        let (down, survival) = if pass == 0 { (numbers.beside_field(), a[0]) } else { ([a[0], a[1]], b[2]) };
         Self {
             path: numbers,
             pass,
-            down: [a[0], a[1]],
+            down,
             up: [a[2], a[3]],
             base: [b[0], b[1]],
-            survival: if pass == 0 { numbers.first_survival() } else { b[2] },
+            survival,
             on_source: [c[0], c[1]],
             backwards: [c[2], c[3]],
         }
