@@ -8,9 +8,9 @@
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
 //!
 //! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a path
-//! that lives longer goes on with independent random numbers. Blocks are padded: each is a good
-//! set by itself, beside the others in random order. Stratified and best-candidate sets are
-//! two-dimensional; a set of best candidates has at most 4096 points, then come others.
+//! that lives longer goes on with independent random numbers. Sobol's are one set of sixteen
+//! dimensions. Stratified and best-candidate sets are two-dimensional, and stand beside each other in random
+//! order; a set of best candidates has at most 4096 points, then come others.
 //!
 //! ```
 //! use papilio_sampling::{Numbers, Sampler};

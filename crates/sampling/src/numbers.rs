@@ -1,10 +1,10 @@
 //! Uniform numbers by (seed, stream, path, block).
 //!
 //! Random numbers are SplitMix64 outputs at a hashed counter (Steele, Lea & Flood,
-//! OOPSLA 2014). Sobol points come from [`sobol`](crate::sobol): path `p` is point `p mod 2^32` of an
+//! OOPSLA 2014). Sobol points come from `sobol`: path `p` is point `p mod 2^32` of an
 //! independent scramble numbered `p / 2^32`. Its 32 bits are filled up with
 //! random low bits, so that the numbers are uniform on the whole open interval.
-//! The other two kinds are pairs of coordinates: [`strata`](crate::strata).
+//! The other two kinds are pairs of coordinates: `strata`.
 
 use crate::{sobol, strata};
 
@@ -37,7 +37,7 @@ impl Sampler {
 }
 
 /// Blocks of four numbers at the head of a path that are points of the sampler's sets.
-pub const PLANNED_BLOCKS: u32 = 4;
+pub const PLANNED_BLOCKS: u32 = sobol::BLOCKS as u32;
 
 /// The numbers of one replicate.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +90,7 @@ impl Numbers {
     #[inline]
     fn sobol_block(&self, path: u64, block: u32) -> [f64; 4] {
         let scramble = mix64(self.key ^ mix64((path >> 32) ^ u64::from(block + 1).wrapping_mul(GOLDEN)));
-        let point = sobol::point(path as u32, scramble);
+        let point = sobol::point(path as u32, block as usize, scramble as u32);
         let low = mix64(scramble ^ path);
         let fill = |i: usize| {
             let bits = (low >> (16 * i)) & 0xffff;

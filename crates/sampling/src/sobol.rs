@@ -1,16 +1,33 @@
-//! Owen-scrambled Sobol points in four dimensions.
+//! Owen-scrambled Sobol points in sixteen dimensions, four blocks of four.
 //!
-//! The first four dimensions of the Sobol sequence (direction numbers of Joe & Kuo, SIAM
-//! J. Sci. Comput. 30, 2635 (2008)), scrambled and shuffled by hashing (B. Burley, *Practical
-//! Hash-based Owen Scrambling*, JCGT 9:4, 2020; the hash is N. Vegdahl's). A shuffle puts the
-//! points of each aligned block of 2^k indices in another order and place of the sequence, so
-//! that differently shuffled blocks may stand beside each other in one path.
+//! Direction numbers of S. Joe and F. Kuo (SIAM J. Sci. Comput. 30, 2635 (2008)), scrambled by hashing (B.
+//! Burley, *Practical Hash-based Owen Scrambling*, JCGT 9:4, 2020; the hash is N. Vegdahl's).
 //!
 //! Range: 2^32 points with 32 bits each.
 
-/// Direction numbers of the dimensions after the first, most significant bit first, each
-/// bit-reversed: the scramble works from the low end.
-const DIRECTIONS: [[u32; 32]; 3] = [directions(&[1], 0), directions(&[1, 3], 1), directions(&[1, 3, 1], 1)];
+/// Blocks of four dimensions.
+pub(crate) const BLOCKS: usize = 4;
+
+const DIMENSIONS: usize = 4 * BLOCKS;
+
+/// The inner coefficients of the primitive polynomials and the initial numbers, from the second dimension on.
+const INITIAL: [(u32, &[u32]); DIMENSIONS - 1] = [
+    (0, &[1]),
+    (1, &[1, 3]),
+    (1, &[1, 3, 1]),
+    (2, &[1, 1, 1]),
+    (1, &[1, 1, 3, 3]),
+    (4, &[1, 3, 5, 13]),
+    (2, &[1, 1, 5, 5, 17]),
+    (4, &[1, 1, 5, 5, 5]),
+    (7, &[1, 1, 7, 11, 19]),
+    (11, &[1, 1, 5, 1, 1]),
+    (13, &[1, 1, 1, 3, 11]),
+    (14, &[1, 3, 5, 5, 31]),
+    (1, &[1, 3, 3, 9, 7, 49]),
+    (13, &[1, 1, 1, 15, 21, 21]),
+    (16, &[1, 3, 1, 13, 27, 49]),
+];
 
 /// Reversed direction numbers from the initial ones and the inner coefficients of the
 /// primitive polynomial.
@@ -41,40 +58,54 @@ const fn directions(initial: &[u32], coefficients: u32) -> [u32; 32] {
     v
 }
 
-/// The exclusive or of the directions that a byte of the index chooses.
-static BY_BYTE: [[[u32; 3]; 256]; 4] = by_byte();
+/// The exclusive or of the directions that a byte of the index chooses, for each block of dimensions.
+static BY_BYTE: [[[[u32; 4]; 256]; 4]; BLOCKS] = by_byte();
 
-const fn by_byte() -> [[[u32; 3]; 256]; 4] {
-    let mut table = [[[0_u32; 3]; 256]; 4];
-    let mut at = 0;
-    while at < 4 * 256 * 3 {
-        let (byte, value, dimension) = (at / 768, at / 3 % 256, at % 3);
-        let mut bit = 0;
-        while bit < 8 {
-            if (value >> bit) & 1 == 1 {
-                table[byte][value][dimension] ^= DIRECTIONS[dimension][8 * byte + bit];
+const fn by_byte() -> [[[[u32; 4]; 256]; 4]; BLOCKS] {
+    let mut table = [[[[0_u32; 4]; 256]; 4]; BLOCKS];
+    let mut dimension = 0;
+    while dimension < DIMENSIONS {
+        let (block, place) = (dimension / 4, dimension % 4);
+        let directions = if dimension == 0 {
+            // The first dimension is the reversed index: reversed, the index itself.
+            let mut identity = [0_u32; 32];
+            let mut bit = 0;
+            while bit < 32 {
+                identity[bit] = 1 << bit;
+                bit += 1;
             }
-            bit += 1;
+            identity
+        } else {
+            let (coefficients, initial) = INITIAL[dimension - 1];
+            directions(initial, coefficients)
+        };
+        let mut byte = 0;
+        while byte < 4 {
+            let mut value = 1_usize;
+            while value < 256 {
+                let bit = 8 * byte + value.trailing_zeros() as usize;
+                table[block][byte][value][place] =
+                    table[block][byte][value & (value - 1)][place] ^ directions[bit];
+                value += 1;
+            }
+            byte += 1;
         }
-        at += 1;
+        dimension += 1;
     }
     table
 }
 
-/// Point `index` of the sequence that `scramble` shuffles and scrambles.
+/// Four dimensions of point `index`, scrambled.
 #[inline]
-pub(crate) fn point(index: u32, scramble: u64) -> [u32; 4] {
-    let (shuffle, seed) = ((scramble >> 32) as u32, scramble as u32);
-    let index = permute(index.reverse_bits(), shuffle).reverse_bits();
-    // The first dimension is the reversed index: reversed, the index itself.
-    let mut reversed = [index, 0, 0, 0];
-    for (byte, table) in index.to_le_bytes().into_iter().zip(&BY_BYTE) {
-        for (value, direction) in reversed[1..].iter_mut().zip(table[usize::from(byte)]) {
+pub(crate) fn point(index: u32, block: usize, scramble: u32) -> [u32; 4] {
+    let mut reversed = [0_u32; 4];
+    for (byte, table) in index.to_le_bytes().into_iter().zip(&BY_BYTE[block]) {
+        for (value, direction) in reversed.iter_mut().zip(table[usize::from(byte)]) {
             *value ^= direction;
         }
     }
     std::array::from_fn(|k| {
-        permute(reversed[k], mix(seed ^ (k as u32).wrapping_mul(0x9e37_79b9))).reverse_bits()
+        permute(reversed[k], mix(scramble ^ (k as u32).wrapping_mul(0x9e37_79b9))).reverse_bits()
     })
 }
 

@@ -161,22 +161,36 @@ const WRITTEN_OTHERWISE: &[Case] = &[
     ("[viewer]", "[solver]\npaths = 1099511627777\n[viewer]", (38, 9), &["from 1 to 1099511627776"]),
 ];
 
-const NOT_IN_THIS_VERSION: &[Case] = &[
+const TARGETS: &[Case] = &[
     (
         "[viewer]",
-        "[solver]\nsampler = \"stratified\"\n[viewer]",
-        (38, 11),
-        &["`stratified` is not in this version"],
+        "[solver]\nmethod = \"walk\"\ntarget = { metric = \"Y\", state = \"wite\", error = 0.1 }\n[viewer]",
+        (39, 34),
+        &["there is no state `wite`"],
     ),
-    ("[viewer]", "[solver]\nscattering = \"ward\"\n[viewer]", (38, 14), &["`ward` is not in this version"]),
-    ("[viewer]", "[sweep]\n[viewer]", (37, 2), &["`sweep` is not in this version"]),
+    (
+        "[viewer]",
+        "[solver]\nmethod = \"walk\"\ntarget = { metric = \"Y\" }\n[viewer]",
+        (39, 10),
+        &["expected exactly one of `error` and `relative_error`"],
+    ),
+    (
+        "[viewer]",
+        "[solver]\nmethod = \"walk\"\ntarget = { metric = \"gamut_percent_ebu\", state = \"red\", error = 1 }\n[viewer]",
+        (39, 50),
+        &["a metric of all states together"],
+    ),
 ];
+
+const NOT_IN_THIS_VERSION: &[Case] =
+    &[("[viewer]", "[sweep]\n[viewer]", (37, 2), &["`sweep` is not in this version"])];
 
 #[test]
 fn every_mistake_is_shown_where_it_is() {
     let mut wrong = Vec::new();
     for (from, to, place, says) in
-        [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, ADVICE, WRITTEN_OTHERWISE, NOT_IN_THIS_VERSION].concat()
+        [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, ADVICE, WRITTEN_OTHERWISE, NOT_IN_THIS_VERSION, TARGETS]
+            .concat()
     {
         let errors = errors(&changed(&[(from, to)]), &[]);
         let (at, shown) = (errors[0].place.line_column(), errors[0].to_string());
