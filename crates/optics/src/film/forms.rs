@@ -31,9 +31,16 @@ impl<S: Simd> Form<S> {
         Self { x: (self.y * q_g).minus_i(), y: (self.x * g_q).minus_i() }
     }
 
+    /// The same in a gap in which waves travel.
     #[inline(always)]
-    pub(super) fn through(self, m: Transfer<S>) -> Self {
-        Self { x: self.x.mul_add(m.c, self.y * m.v), y: self.x.mul_add(m.u, self.y * m.c) }
+    pub(super) fn crossed_real(self, [g_q, q_g]: [Lanes<S>; 2]) -> Self {
+        Self { x: self.y.scale(q_g).minus_i(), y: self.x.scale(g_q).minus_i() }
+    }
+
+    #[inline(always)]
+    fn through(self, m: impl Transfer<S>) -> Self {
+        let [x, y] = m.transposed().on([self.x, self.y]);
+        Self { x, y }
     }
 
     #[inline(always)]
@@ -60,15 +67,16 @@ impl<S: Simd> Pair<Form<S>> {
     }
 
     #[inline(always)]
-    pub(super) fn through(self, m: Transfer<S>) -> Self {
-        let (reflected, incident) = (self.reflected.through(m), self.incident.through(m));
-        let factor = (incident.x.size() + incident.y.size()).recip();
-        Self { reflected: reflected.scale(factor), incident: incident.scale(factor) }
+    pub(super) fn crossed(self, admittances: [Complex<S>; 2]) -> Self {
+        Self { reflected: self.reflected.crossed(admittances), incident: self.incident.crossed(admittances) }
     }
 
     #[inline(always)]
-    pub(super) fn crossed(self, admittances: [Complex<S>; 2]) -> Self {
-        Self { reflected: self.reflected.crossed(admittances), incident: self.incident.crossed(admittances) }
+    pub(super) fn crossed_real(self, admittances: [Lanes<S>; 2]) -> Self {
+        Self {
+            reflected: self.reflected.crossed_real(admittances),
+            incident: self.incident.crossed_real(admittances),
+        }
     }
 
     #[inline(always)]
@@ -109,22 +117,90 @@ pub(super) struct Field<S: Simd> {
     pub(super) v: Complex<S>,
 }
 
-impl<S: Simd> Field<S> {
+/// What is carried through layers, up to a factor.
+pub(super) trait Carried<S: Simd>: Copy {
+    /// Beyond a layer.
+    fn through(self, m: impl Transfer<S>) -> Self;
+
+    /// Times what makes its size about 1.
+    fn scaled(self) -> Self;
+}
+
+impl<S: Simd> Carried<S> for Pair<Form<S>> {
     #[inline(always)]
-    pub(super) fn through(self, m: Transfer<S>) -> Self {
-        let u = m.c.mul_add(self.u, m.u * self.v);
-        let v = m.c.mul_add(self.v, m.v * self.u);
-        let factor = (u.size() + v.size()).recip();
-        Self { u: u.scale(factor), v: v.scale(factor) }
+    fn through(self, m: impl Transfer<S>) -> Self {
+        Self { reflected: self.reflected.through(m), incident: self.incident.through(m) }
+    }
+
+    #[inline(always)]
+    fn scaled(self) -> Self {
+        let factor = (self.incident.x.size() + self.incident.y.size()).recip();
+        Self { reflected: self.reflected.scale(factor), incident: self.incident.scale(factor) }
     }
 }
 
-/// A layer's matrix, up to a real factor: U' = c U + u V, V' = c V + v U.
+impl<S: Simd> Carried<S> for Field<S> {
+    #[inline(always)]
+    fn through(self, m: impl Transfer<S>) -> Self {
+        let [u, v] = m.on([self.u, self.v]);
+        Self { u, v }
+    }
+
+    #[inline(always)]
+    fn scaled(self) -> Self {
+        let factor = (self.u.size() + self.v.size()).recip();
+        Self { u: self.u.scale(factor), v: self.v.scale(factor) }
+    }
+}
+
+/// A layer's matrix, up to a factor: U' = c U + u V, V' = c V + v U.
+pub(super) trait Transfer<S: Simd>: Copy {
+    /// It times a column.
+    fn on(self, column: [Complex<S>; 2]) -> [Complex<S>; 2];
+
+    fn transposed(self) -> Self;
+}
+
+/// That of any layer.
 #[derive(Clone, Copy)]
-pub(super) struct Transfer<S: Simd> {
+pub(super) struct Absorbing<S: Simd> {
     pub(super) c: Complex<S>,
     /// -i (g/q) sin(delta).
     pub(super) u: Complex<S>,
     /// -i (q/g) sin(delta).
     pub(super) v: Complex<S>,
+}
+
+impl<S: Simd> Transfer<S> for Absorbing<S> {
+    #[inline(always)]
+    fn on(self, [a, b]: [Complex<S>; 2]) -> [Complex<S>; 2] {
+        [self.c.mul_add(a, self.u * b), self.c.mul_add(b, self.v * a)]
+    }
+
+    #[inline(always)]
+    fn transposed(self) -> Self {
+        Self { u: self.v, v: self.u, ..self }
+    }
+}
+
+/// That of a layer with c, (g/q) sin(delta) and (q/g) sin(delta) real.
+#[derive(Clone, Copy)]
+pub(super) struct Clear<S: Simd> {
+    pub(super) c: Lanes<S>,
+    /// (g/q) sin(delta).
+    pub(super) u: Lanes<S>,
+    /// (q/g) sin(delta).
+    pub(super) v: Lanes<S>,
+}
+
+impl<S: Simd> Transfer<S> for Clear<S> {
+    #[inline(always)]
+    fn on(self, [a, b]: [Complex<S>; 2]) -> [Complex<S>; 2] {
+        [b.minus_i().scale_add(self.u, a.scale(self.c)), a.minus_i().scale_add(self.v, b.scale(self.c))]
+    }
+
+    #[inline(always)]
+    fn transposed(self) -> Self {
+        Self { u: self.v, v: self.u, ..self }
+    }
 }

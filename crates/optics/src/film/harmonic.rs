@@ -9,33 +9,57 @@
 //! m = 11 the error is 2e-17 at |x| = pi/2. With all signs positive the same
 //! polynomials give the hyperbolic functions.
 //!
+//! Of a thin layer, of |x| up to [`THIN`], A and B need no reduction of x, and as they hold x^2
+//! alone they take a complex one, or a negative one, as well: no root is drawn at all. The common
+//! factor is then complex. At m = 13 the error is 2e-17 at |x| = 2.4.
+//!
 //! Source: W. B. Jones, W. J. Thron, "Continued Fractions" (1980), section 6.1;
 //! reduction by pi in three parts after W. J. Cody and W. Waite, "Software Manual for the
 //! Elementary Functions" (1980).
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
+use super::lanes::{Complex, Lanes};
 
-/// m, the level of the approximant.
-const LEVEL: usize = 11;
-/// Coefficients of A and of B, which has a factor x besides, in powers of x^2.
-const EVEN: [f64; LEVEL / 2 + 1] = coefficients(0);
-const ODD: [f64; LEVEL / 2 + 1] = coefficients(1);
+/// Coefficients of A and of B, which has a factor x besides, in powers of x^2, at m = 11.
+const EVEN: [f64; 6] = coefficients(0);
+const ODD: [f64; 6] = coefficients(1);
 
-const fn coefficients(parity: usize) -> [f64; LEVEL / 2 + 1] {
-    let mut table = [0.0; LEVEL / 2 + 1];
+/// Up to this |x| there is no need to reduce it.
+pub(super) const THIN: f64 = 2.4;
+/// The coefficients that serve there, at m = 13.
+const THIN_EVEN: [f64; 7] = coefficients(0);
+const THIN_ODD: [f64; 7] = coefficients(1);
+
+/// Every second coefficient of the approximant of level m = 2 N - 1.
+const fn coefficients<const N: usize>(parity: usize) -> [f64; N] {
+    let level = 2 * N - 1;
+    let mut table = [0.0; N];
     let mut c = 1.0;
     let mut j = 0;
-    while j <= LEVEL {
+    while j <= level {
         if j % 2 == parity {
             table[j / 2] = c;
         }
         // c_{j+1} 2^{j+1} from c_j 2^j.
-        c *= 2.0 * (LEVEL - j) as f64 / ((2 * LEVEL - j) as f64 * (j + 1) as f64);
+        c *= 2.0 * (level - j) as f64 / ((2 * level - j) as f64 * (j + 1) as f64);
         j += 1;
     }
     table
+}
+
+/// (cos x, sin x/x) of a real x^2 of either sign, both times a common factor.
+#[inline(always)]
+pub(super) fn thin_real<S: Simd>(x2: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    let minus_x2 = -x2;
+    (minus_x2.polynomial(&THIN_EVEN), minus_x2.polynomial(&THIN_ODD))
+}
+
+/// (cos x, sin x/x) of a complex x^2, both times a common complex factor.
+#[inline(always)]
+pub(super) fn thin<S: Simd>(x2: Complex<S>) -> (Complex<S>, Complex<S>) {
+    let minus_x2 = Complex::new(-x2.re, -x2.im);
+    (minus_x2.polynomial(&THIN_EVEN), minus_x2.polynomial(&THIN_ODD))
 }
 
 /// (cos x, sin x), both times a common factor of size 1 to 1.07, of either sign.

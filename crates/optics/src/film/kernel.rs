@@ -13,10 +13,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::forms::{Field, Form, Pair, Transfer, mean};
-use super::harmonic::{circular, hyperbolic};
+use super::forms::{Absorbing, Carried, Clear, Field, Form, Pair, Transfer, mean};
+use super::harmonic::{circular, hyperbolic, thin, thin_real};
 use super::lanes::{Complex, Lanes};
-use super::media::{Media, Medium, load};
+use super::media::{Layer, Media, Medium, load};
 
 /// q^2 is kept away from 0, where sin(delta)/q would be 0/0; 1e-60 changes nothing.
 const TINY: f64 = 1e-60;
@@ -63,19 +63,35 @@ impl<S: Simd> Direction<'_, S> {
         self.beta < medium.travels_below
     }
 
+    /// n^2 - beta^2 of the real n. As a product, it keeps its digits where beta is close to n.
+    #[inline(always)]
+    fn real_q_squared(&self, n: Lanes<S>) -> Lanes<S> {
+        let beta = self.k0.splat(self.beta);
+        (n - beta) * (n + beta)
+    }
+
+    /// q in a medium where waves travel.
+    #[inline(always)]
+    fn real_q(&self, medium: &Medium) -> Lanes<S> {
+        let n = medium.index.load_real(self.simd, self.at);
+        self.real_q_squared(n).max(self.k0.splat(TINY)).sqrt()
+    }
+
+    /// g/q and q/g there, for s and for p.
+    #[inline(always)]
+    fn real_admittances(&self, medium: &Medium, q: Lanes<S>) -> [[Lanes<S>; 2]; 2] {
+        let eps = medium.eps.load_real(self.simd, self.at);
+        let inverse_eps = medium.inverse_eps.load_real(self.simd, self.at);
+        let inverse_q = q.recip();
+        [[inverse_q, q], [inverse_q * eps, q * inverse_eps]]
+    }
+
     /// q and 1/q in a medium.
     #[inline(always)]
     fn q(&self, medium: &Medium) -> (Complex<S>, Complex<S>) {
         let n = medium.index.load(self.simd, self.at);
-        let beta = self.k0.splat(self.beta);
         let tiny = self.k0.splat(TINY);
-        // As a product, n^2 - beta^2 keeps its digits where beta is close to n.
-        let re = (n.re - beta) * (n.re + beta);
-        if self.travels(medium) {
-            let q = re.max(tiny).sqrt();
-            return (Complex::real(q), Complex::real(q.recip()));
-        }
-        let re = n.im.neg_mul_add(n.im, re);
+        let re = n.im.neg_mul_add(n.im, self.real_q_squared(n.re));
         let im = (n.re + n.re) * n.im;
         let re = (re.abs() + im - tiny).if_positive(re, tiny);
         let q = Complex::new(re, im).sqrt();
@@ -92,24 +108,78 @@ impl<S: Simd> Direction<'_, S> {
 
     /// cos(delta) and sin(delta) of a layer, times a common real factor.
     #[inline(always)]
-    fn phase(&self, travels: bool, q: Complex<S>, thickness_nm: f64) -> (Complex<S>, Complex<S>) {
+    fn phase(&self, q: Complex<S>, thickness_nm: f64) -> (Complex<S>, Complex<S>) {
         let delta = q.scale(self.k0 * self.k0.splat(thickness_nm));
         let (c, s) = circular(delta.re);
-        if travels {
-            return (Complex::real(c), Complex::real(s));
-        }
         let (cosh, sinh) = hyperbolic(delta.im);
         (Complex::new(c * cosh, -(s * sinh)), Complex::new(s * cosh, c * sinh))
     }
 
+    /// `[s, p]` beyond these layers.
+    #[inline(always)]
+    fn carried<'l, T: Carried<S>>(
+        &self,
+        mut both: [T; 2],
+        layers: impl Iterator<Item = &'l Layer>,
+    ) -> [T; 2] {
+        for (number, layer) in layers.enumerate() {
+            both = match (layer.medium.is_clear(), layer.thin) {
+                (true, true) => through(both, self.thin_and_clear(layer)),
+                (false, true) => through(both, self.thin(layer)),
+                (true, false) if self.travels(&layer.medium) => through(both, self.travelling(layer)),
+                _ => through(both, self.any(layer)),
+            };
+            // Two layers alone do not overflow.
+            if number % 2 == 1 {
+                both = scaled(both);
+            }
+        }
+        scaled(both)
+    }
+
     /// The matrices of a layer, for s and for p.
     #[inline(always)]
-    fn transfers(&self, (medium, thickness_nm): &(Medium, f64)) -> [Transfer<S>; 2] {
-        let q = self.q(medium);
-        let (c, sin) = self.phase(self.travels(medium), q.0, *thickness_nm);
+    fn any(&self, layer: &Layer) -> [Absorbing<S>; 2] {
+        let q = self.q(&layer.medium);
+        let (c, sin) = self.phase(q.0, layer.nm);
         let sin = sin.minus_i();
-        let [s, p] = self.admittances(medium, q);
-        [Transfer { c, u: sin * s[0], v: sin * s[1] }, Transfer { c, u: sin * p[0], v: sin * p[1] }]
+        let [s, p] = self.admittances(&layer.medium, q);
+        [Absorbing { c, u: sin * s[0], v: sin * s[1] }, Absorbing { c, u: sin * p[0], v: sin * p[1] }]
+    }
+
+    /// The same where waves travel.
+    #[inline(always)]
+    fn travelling(&self, layer: &Layer) -> [Clear<S>; 2] {
+        let q = self.real_q(&layer.medium);
+        let (c, sin) = circular(q * (self.k0 * self.k0.splat(layer.nm)));
+        let [s, p] = self.real_admittances(&layer.medium, q);
+        [Clear { c, u: sin * s[0], v: sin * s[1] }, Clear { c, u: sin * p[0], v: sin * p[1] }]
+    }
+
+    /// The same of a thin layer.
+    #[inline(always)]
+    fn thin(&self, layer: &Layer) -> [Absorbing<S>; 2] {
+        let eps = layer.medium.eps.load(self.simd, self.at);
+        let inverse_eps = layer.medium.inverse_eps.load(self.simd, self.at);
+        let (beta, length) = (self.k0.splat(self.beta), self.k0 * self.k0.splat(layer.nm));
+        let q2 = Complex::new(beta.neg_mul_add(beta, eps.re), eps.im);
+        let (c, sin) = thin(q2.scale(length * length));
+        let sin_q = sin.scale(length).minus_i();
+        let q_sin = q2 * sin_q;
+        [Absorbing { c, u: sin_q, v: q_sin }, Absorbing { c, u: sin_q * eps, v: q_sin * inverse_eps }]
+    }
+
+    /// The same of a thin layer that does not absorb; waves need not travel in it.
+    #[inline(always)]
+    fn thin_and_clear(&self, layer: &Layer) -> [Clear<S>; 2] {
+        let eps = layer.medium.eps.load_real(self.simd, self.at);
+        let inverse_eps = layer.medium.inverse_eps.load_real(self.simd, self.at);
+        let (beta, length) = (self.k0.splat(self.beta), self.k0 * self.k0.splat(layer.nm));
+        let q2 = beta.neg_mul_add(beta, eps);
+        let (c, sin) = thin_real(q2 * (length * length));
+        let sin_q = sin * length;
+        let q_sin = q2 * sin_q;
+        [Clear { c, u: sin_q, v: q_sin }, Clear { c, u: sin_q * eps, v: q_sin * inverse_eps }]
     }
 
     /// The incidence medium's amplitudes, seen from the top of the gap, for s and for p.
@@ -117,34 +187,22 @@ impl<S: Simd> Direction<'_, S> {
     fn above(&self) -> [Pair<Form<S>>; 2] {
         let n0 = load(self.simd, &self.media.incidence, self.at);
         let q0 = self.q0_squared().max(self.k0.splat(TINY)).sqrt();
-        let (mut s, mut p) = (Pair::new(q0), Pair::new(q0.div(n0 * n0)));
-        for layer in &self.media.above {
-            let transfers = self.transfers(layer);
-            (s, p) = (s.through(transfers[0]), p.through(transfers[1]));
-        }
-        [s, p]
+        self.carried([Pair::new(q0), Pair::new(q0.div(n0 * n0))], self.media.above.iter())
     }
 
     /// (U, V) of light that comes to rest in the substrate, at the bottom of the gap, for s and for p.
     #[inline(always)]
     fn below(&self) -> [Field<S>; 2] {
         let substrate = &self.media.substrate;
-        let one = Complex::real(self.k0.splat(1.0));
-        let eta = self.admittances(substrate, self.q(substrate));
-        let (mut s, mut p) = (Field { u: one, v: eta[0][1] }, Field { u: one, v: eta[1][1] });
-        for layer in self.media.below.iter().rev() {
-            let transfers = self.transfers(layer);
-            (s, p) = (s.through(transfers[0]), p.through(transfers[1]));
-        }
-        [s, p]
+        let u = Complex::real(self.k0.splat(1.0));
+        let [s, p] = self.admittances(substrate, self.q(substrate));
+        self.carried([Field { u, v: s[1] }, Field { u, v: p[1] }], self.media.below.iter().rev())
     }
 
     /// n0^2 - beta^2; the light exists where it is positive.
     #[inline(always)]
     fn q0_squared(&self) -> Lanes<S> {
-        let n0 = load(self.simd, &self.media.incidence, self.at);
-        let beta = self.k0.splat(self.beta);
-        (n0 - beta) * (n0 + beta)
+        self.real_q_squared(load(self.simd, &self.media.incidence, self.at))
     }
 
     /// The mean reflectance of s and p for each gap.
@@ -159,18 +217,21 @@ impl<S: Simd> Direction<'_, S> {
             }
             return;
         };
-        let q = self.q(gap);
-        let [s, p] = self.admittances(gap, q);
-        let sin = [above_s.crossed(s).on(below_s), above_p.crossed(p).on(below_p)];
         if self.travels(gap) {
+            let q = self.real_q(gap);
+            let [s, p] = self.real_admittances(gap, q);
+            let sin = [above_s.crossed_real(s).on(below_s), above_p.crossed_real(p).on(below_p)];
             for (nm, out) in gaps {
-                let (c, s) = circular(q.0.re * (self.k0 * self.k0.splat(nm)));
+                let (c, s) = circular(q * (self.k0 * self.k0.splat(nm)));
                 let forms = [cos[0].scale_add(c, sin[0], s), cos[1].scale_add(c, sin[1], s)];
                 self.store(mean(forms[0].norms(), forms[1].norms()), out);
             }
         } else {
+            let q = self.q(gap);
+            let [s, p] = self.admittances(gap, q);
+            let sin = [above_s.crossed(s).on(below_s), above_p.crossed(p).on(below_p)];
             for (nm, out) in gaps {
-                let (c, s) = self.phase(false, q.0, nm);
+                let (c, s) = self.phase(q.0, nm);
                 let forms = [cos[0].mul_add(c, sin[0], s), cos[1].mul_add(c, sin[1], s)];
                 self.store(mean(forms[0].norms(), forms[1].norms()), out);
             }
@@ -181,4 +242,15 @@ impl<S: Simd> Direction<'_, S> {
     fn store(&self, reflectance: Lanes<S>, out: &mut [f64]) {
         self.q0_squared().if_positive(reflectance, self.k0.splat(0.0)).store(out);
     }
+}
+
+/// `[s, p]` beyond a layer of these matrices.
+#[inline(always)]
+fn through<S: Simd, T: Carried<S>>([s, p]: [T; 2], [m_s, m_p]: [impl Transfer<S>; 2]) -> [T; 2] {
+    [s.through(m_s), p.through(m_p)]
+}
+
+#[inline(always)]
+fn scaled<S: Simd, T: Carried<S>>([s, p]: [T; 2]) -> [T; 2] {
+    [s.scaled(), p.scaled()]
 }

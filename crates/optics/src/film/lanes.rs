@@ -249,6 +249,19 @@ impl<S: Simd> Complex<S> {
         Self { re: self.re * r, im: -(self.im * r) }
     }
 
+    /// A polynomial of real coefficients, lowest power first: Horner's rule with the quadratic factor
+    /// of z and its conjugate (D. E. Knuth, "The Art of Computer Programming", section 4.6.4).
+    #[inline(always)]
+    pub(super) fn polynomial<const N: usize>(self, coefficients: &[f64; N]) -> Self {
+        let (twice, norm) = (self.re + self.re, self.norm_sqr());
+        let mut sums = [norm.splat(coefficients[N - 1]), norm.splat(0.0)];
+        for &c in coefficients[1..N - 1].iter().rev() {
+            sums = [sums[0].mul_add(twice, sums[1].neg_mul_add(norm, norm.splat(c))), sums[0]];
+        }
+        let rest = sums[1].neg_mul_add(norm, norm.splat(coefficients[0]));
+        Self { re: sums[0].mul_add(self.re, rest), im: sums[0] * self.im }
+    }
+
     /// The root with both parts >= 0 of a number with Im >= 0, accurate in both parts.
     #[inline(always)]
     pub(super) fn sqrt(self) -> Self {

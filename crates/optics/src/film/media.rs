@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use pulp::Simd;
 
+use super::harmonic::THIN;
 use super::lanes::{Complex, Lanes};
 use super::{SpectralLayer, Thickness};
 
@@ -14,10 +15,19 @@ pub(super) struct Media {
     /// 2 pi/lambda, 1/nm.
     pub(super) k0: Vec<f64>,
     pub(super) incidence: Vec<f64>,
-    pub(super) above: Vec<(Medium, f64)>,
+    pub(super) above: Vec<Layer>,
     pub(super) gap: Option<Medium>,
-    pub(super) below: Vec<(Medium, f64)>,
+    pub(super) below: Vec<Layer>,
     pub(super) substrate: Medium,
+}
+
+/// A layer of fixed thickness.
+#[derive(Debug, Clone)]
+pub(super) struct Layer {
+    pub(super) medium: Medium,
+    pub(super) nm: f64,
+    /// Its phase is at most [`THIN`] in every direction and at every wavelength.
+    pub(super) thin: bool,
 }
 
 /// A medium over wavelength.
@@ -58,11 +68,21 @@ impl Media {
             let medium = Medium::new(&layer.index);
             match layer.thickness {
                 Thickness::Gap => media.gap = Some(medium),
-                Thickness::Fixed(nm) if media.gap.is_none() => media.above.push((medium, nm)),
-                Thickness::Fixed(nm) => media.below.push((medium, nm)),
+                Thickness::Fixed(nm) => {
+                    let layer = media.layer(medium, nm);
+                    if media.gap.is_none() { &mut media.above } else { &mut media.below }.push(layer);
+                }
             }
         }
         media
+    }
+
+    fn layer(&self, medium: Medium, nm: f64) -> Layer {
+        let beta = self.incidence.iter().fold(0.0, |most: f64, n| most.max(*n));
+        // |n^2 - beta^2| at most; the two are of one sign where both are real.
+        let most = |eps: f64| if medium.is_clear() { eps.max(beta * beta) } else { eps + beta * beta };
+        let thin = (0..self.k0.len()).all(|at| most(medium.eps.size(at)).sqrt() * self.k0[at] * nm <= THIN);
+        Layer { medium, nm, thin }
     }
 
     pub(super) fn wavelengths(&self) -> usize {
@@ -81,6 +101,11 @@ impl Medium {
             eps: Parts::new(eps.into_iter()),
         }
     }
+
+    /// Whether nothing is absorbed at any wavelength.
+    pub(super) fn is_clear(&self) -> bool {
+        self.travels_below > 0.0
+    }
 }
 
 impl Parts {
@@ -92,6 +117,15 @@ impl Parts {
     #[inline(always)]
     pub(super) fn load<S: Simd>(&self, simd: S, at: usize) -> Complex<S> {
         Complex::new(load(simd, &self.re, at), load(simd, &self.im, at))
+    }
+
+    #[inline(always)]
+    pub(super) fn load_real<S: Simd>(&self, simd: S, at: usize) -> Lanes<S> {
+        load(simd, &self.re, at)
+    }
+
+    fn size(&self, at: usize) -> f64 {
+        self.re[at].hypot(self.im[at])
     }
 }
 
