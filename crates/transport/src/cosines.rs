@@ -59,6 +59,11 @@ impl CosinePanels {
         }
     }
 
+    /// Whether one of the panels is that of this start and width.
+    pub fn holds(&self, start: f64, width: f64) -> bool {
+        self.panels.contains(&Panel { start, width })
+    }
+
     /// The number of nodes.
     pub fn count(&self) -> usize {
         self.panels.len() * Self::NODES

@@ -22,9 +22,13 @@ pub(super) fn base(
 ) -> Result<Base, DisplayError> {
     let mixture = Mixture::new(film)?;
     let key = kept.take().filter(|key| key.serves(film, grid, index, &mixture.gaps_nm));
-    let (nodes, reflectance) = match (key.is_some(), before.map(|base| &base.reflector)) {
-        (true, Some(Reflector::Specular(table))) => (table.nodes.clone(), Arc::clone(&table.basis)),
-        _ => tabulated(film, grid, index, &mixture.gaps_nm)?,
+    let table = match before.map(|base| &base.reflector) {
+        Some(Reflector::Specular(table)) => Some(table),
+        _ => None,
+    };
+    let (nodes, reflectance) = match table {
+        Some(table) if key.is_some() => (table.nodes.clone(), Arc::clone(&table.basis)),
+        _ => tabulated(film, grid, index, &mixture.gaps_nm, table.map(|table| &table.nodes))?,
     };
     *kept = Some(key.unwrap_or_else(|| FilmKey::new(film, grid, index, &mixture.gaps_nm)));
     let inactive = film.inactive_reflectance.map(|r| (1.0 - film.fill_factor) * (1.0 - r));
@@ -67,18 +71,24 @@ impl FilmKey {
 /// wide register).
 const BINS_OF_SAMPLE: usize = 8;
 
-/// The reflectances at the gaps, shape `[node][gap][wavelength]`.
+/// The reflectances at the gaps, shape `[node][gap][wavelength]`. The nodes of the last film's table,
+/// if it was much like this one, save time.
 fn tabulated(
     film: &FilmPixel,
     grid: &Grid,
     index: &Spectrum,
     gaps_nm: &[f64],
+    last: Option<&Nodes>,
 ) -> Result<(Nodes, Arc<[f64]>), DisplayError> {
+    let known = match last {
+        Some(Nodes::CosinePanels(panels)) => Some(panels),
+        _ => None,
+    };
     let whole = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
     let few: Vec<usize> = (0..grid.len()).step_by(grid.len().div_ceil(BINS_OF_SAMPLE).max(1)).collect();
     let sample = Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?;
     let (panels, values) =
-        table::panels(|cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
+        table::panels(known, |cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
     Ok((Nodes::CosinePanels(panels), values))
 }
 

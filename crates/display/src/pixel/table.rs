@@ -19,8 +19,10 @@ const HALVINGS: (u32, u32) = (1, 6);
 
 /// Panels fine enough for functions of the cosine, and the functions' values at the nodes,
 /// `[node][function]`. `whole` computes them at these cosines, `sample` some of them: where those are
-/// lacking, the others need not be known.
+/// lacking, the others need not be known. Panels that are known to serve a function much like these
+/// are not looked at by the sample; this changes the time that it takes, nothing else.
 pub(super) fn panels<E>(
+    known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<(CosinePanels, Arc<[f64]>), E> {
@@ -31,7 +33,8 @@ pub(super) fn panels<E>(
     let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
     while let Some(mut panel) = open.pop() {
         let nodes: Vec<f64> = panel.nodes().collect();
-        if suffice(&panel, &sample(&nodes)?) {
+        let is_known = known.is_some_and(|known| known.holds(panel.start(), panel.width()));
+        if is_known || suffice(&panel, &sample(&nodes)?) {
             panel.values = whole(&nodes)?;
             if suffice(&panel, &panel.values) {
                 done.push(panel);
@@ -65,47 +68,68 @@ impl Panel {
     }
 
     fn start(&self) -> f64 {
-        f64::from(self.number) * 0.5_f64.powi(self.halvings as i32)
+        f64::from(self.number) * self.width()
+    }
+
+    fn width(&self) -> f64 {
+        0.5_f64.powi(self.halvings as i32)
     }
 
     fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
-        CosinePanels::nodes_between(self.start(), self.start() + 0.5_f64.powi(self.halvings as i32))
+        CosinePanels::nodes_between(self.start(), self.start() + self.width())
     }
 }
 
 /// Of how many coefficients at the end the pace is taken.
 const LAST: usize = 4;
 
-/// What makes the last coefficients of the values at a panel's nodes.
-fn last_polynomials() -> [[f64; CosinePanels::NODES]; LAST] {
-    let count = CosinePanels::NODES;
-    std::array::from_fn(|k| {
-        let degree = (count - LAST + k) as f64;
-        std::array::from_fn(|node| {
-            2.0 / count as f64 * (degree * PI * (node as f64 + 0.5) / count as f64).cos()
+/// What makes the last coefficients of the values at a panel's nodes, in its lower half; in the upper
+/// half it is the same for even degrees, and the opposite for odd ones.
+fn last_polynomials() -> [[f64; LAST]; HALF] {
+    let count = CosinePanels::NODES as f64;
+    std::array::from_fn(|node| {
+        std::array::from_fn(|k| {
+            let degree = count - (LAST - k) as f64;
+            2.0 / count * (degree * PI * (node as f64 + 0.5) / count).cos()
         })
     })
 }
 
+const HALF: usize = CosinePanels::NODES / 2;
+
+/// Functions that are looked at together.
+const TOGETHER: usize = 32;
+
 /// An estimate of the largest error of the polynomials through these values, `[node][function]`.
-fn lacking(values: &[f64], last: &[[f64; CosinePanels::NODES]; LAST]) -> f64 {
+fn lacking(values: &[f64], last: &[[f64; LAST]; HALF]) -> f64 {
     let functions = values.len() / CosinePanels::NODES;
-    let coefficients = last.map(|polynomial| {
-        let mut sum = vec![0.0; functions];
-        for (row, weight) in values.chunks_exact(functions.max(1)).zip(polynomial) {
-            sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+    let mut worst = 0.0_f64;
+    for first in (0..functions).step_by(TOGETHER) {
+        let count = TOGETHER.min(functions - first);
+        let row = |node: usize| &values[node * functions + first..][..count];
+        let mut sums = [[0.0; LAST]; TOGETHER];
+        for (node, [p, q, r, s]) in last.iter().enumerate() {
+            let rows = row(node).iter().zip(row(CosinePanels::NODES - 1 - node));
+            for ([a, b, c, d], (lower, upper)) in sums.iter_mut().zip(rows) {
+                let (even, odd) = (lower + upper, lower - upper);
+                *a += p * even;
+                *b += q * odd;
+                *c += r * even;
+                *d += s * odd;
+            }
         }
-        sum
-    });
-    let [a, b, c, d] = &coefficients;
-    let one = |k: usize| {
-        let (before, last) = (a[k].abs() + b[k].abs(), c[k].abs() + d[k].abs());
-        // The rest of a geometric series, in pairs of terms; what is left out of it reappears, at the
-        // nodes, as much again.
-        let rest = if 2.0 * last < before { last / (before - last) } else { 1.0 };
-        2.0 * last * rest
-    };
-    (0..functions).map(one).fold(0.0, f64::max)
+        worst = sums[..count].iter().map(lacking_of).fold(worst, f64::max);
+    }
+    worst
+}
+
+/// The estimate for a function of these last coefficients.
+fn lacking_of([a, b, c, d]: &[f64; LAST]) -> f64 {
+    let (before, last) = (a.abs() + b.abs(), c.abs() + d.abs());
+    // The rest of a geometric series, in pairs of terms; what is left out of it reappears, at the
+    // nodes, as much again.
+    let rest = if 2.0 * last < before { last / (before - last) } else { 1.0 };
+    2.0 * last * rest
 }
 
 #[cfg(test)]
@@ -145,20 +169,26 @@ mod tests {
         ];
         for (number, (function, most)) in functions.into_iter().enumerate() {
             let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
-            let (panels, values) = panels(at, at).unwrap();
+            let (panels, values) = panels(None, at, at).unwrap();
             let error = largest_error(&panels, &values, function);
             assert!(error < TABLE_ERROR, "{number}: {error}");
             assert!(panels.count() <= most * CosinePanels::NODES, "{number}: {}", panels.count());
         }
     }
-    /// Where a sample sees nothing, the whole is looked at.
+
+    /// Where a sample sees nothing, the whole is looked at, and so is it where panels are known.
     #[test]
-    fn a_sample_changes_nothing() {
+    fn neither_a_sample_nor_known_panels_change_anything() {
         let smooth = |c: f64| 0.3 + 0.1 * c;
         let sharp = |c: f64| 0.1 / (1.0 + ((c - 0.8) / 0.02).powi(2));
         let whole =
             |cosines: &[f64]| Ok::<_, ()>(cosines.iter().flat_map(|c| [smooth(*c), sharp(*c)]).collect());
         let blind = |cosines: &[f64]| Ok(cosines.iter().map(|c| smooth(*c)).collect());
-        assert_eq!(panels(blind, whole).unwrap(), panels(whole, whole).unwrap());
+        let plain = panels(None, whole, whole).unwrap();
+        assert_eq!(panels(None, blind, whole).unwrap(), plain);
+        for known in [&[1_u32, 1][..], &[2, 2, 3, 3, 2], &[5; 32]] {
+            assert_eq!(panels(Some(&CosinePanels::new(known)), whole, whole).unwrap(), plain);
+        }
+        assert_eq!(panels(Some(&plain.0), whole, whole).unwrap(), plain);
     }
 }

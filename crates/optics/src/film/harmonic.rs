@@ -97,6 +97,7 @@ pub(super) fn hyperbolic<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
+    use num_complex::Complex64;
     use pulp::WithSimd;
 
     use super::super::lanes::SimdLevel;
@@ -152,6 +153,50 @@ mod tests {
                 let factor = if c * x.cos() + s * x.sin() < 0.0 { -size } else { size };
                 let error = (c / factor - x.cos()).abs().max((s / factor - x.sin()).abs());
                 assert!(error < 1e-15, "{level:?} at {x}: {error:e}");
+            }
+        }
+    }
+
+    /// The tangent over x of thin layers, real part and imaginary part, of these complex x.
+    struct Thin<'a>(&'a [Complex64]);
+
+    impl WithSimd for Thin<'_> {
+        type Output = Vec<[Complex64; 2]>;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let first = |lanes: Lanes<S>| {
+                let mut out = [0.0];
+                lanes.store(&mut out);
+                out[0]
+            };
+            let one = |x: &Complex64| {
+                let x2 = x * x;
+                let (re, im) = (Lanes::new(simd, x2.re), Lanes::new(simd, x2.im));
+                let (c, s) = thin(super::super::lanes::Complex::new(re, im));
+                let (c, s) =
+                    (Complex64::new(first(c.re), first(c.im)), Complex64::new(first(s.re), first(s.im)));
+                let real = thin_real(re);
+                [s / c, Complex64::from(first(real.1) / first(real.0))]
+            };
+            self.0.iter().map(one).collect()
+        }
+    }
+
+    #[test]
+    fn thin_layers_have_the_tangent_of_a_complex_angle() {
+        let polar =
+            |k: i32| Complex64::from_polar(THIN * f64::from(k % 50 + 1) / 50.0, 0.0123 * f64::from(k));
+        let on_axes = [1.2, 2.4].map(|x| [Complex64::from(x), Complex64::new(0.0, x)]);
+        let x: Vec<Complex64> = (0..500).map(polar).chain(on_axes.into_iter().flatten()).collect();
+        for level in SimdLevel::available() {
+            for (x, [complex, real]) in x.iter().zip(level.dispatch(Thin(&x))) {
+                // Near its pole, at pi/2, a tangent is as uncertain as its square.
+                let truth = x.tan() / x;
+                let bound = 3e-15 * (1.0 + truth.norm_sqr());
+                assert!((complex - truth).norm() < bound, "{level:?} at {x}: {complex} for {truth}");
+                if (x * x).im == 0.0 {
+                    assert!((real - truth).norm() < bound, "{level:?} at {x}: {real} for {truth}");
+                }
             }
         }
     }

@@ -5,8 +5,8 @@
 //! layers passed so far; from below, the substrate's fields are carried up. Where
 //! the two meet around the gap, of phase delta, each form is
 //! `P cos(delta) + Q sin(delta)`: the reflectance is |P C + Q S|^2 over the same
-//! of the incident form, and only C and S depend on the gap. A transparent gap
-//! below its critical angle has real C and S.
+//! of the incident form, and only C and S depend on the gap. In a transparent gap
+//! C and S are real, whether waves travel there or decay.
 //!
 //! Any common factor of C and S drops out, and so does any factor common to both
 //! forms or to the fields below: see [`harmonic`](super::harmonic).
@@ -77,7 +77,14 @@ impl<S: Simd> Direction<'_, S> {
         self.real_q_squared(n).max(self.k0.splat(TINY)).sqrt()
     }
 
-    /// g/q and q/g there, for s and for p.
+    /// q/i in a medium where waves decay without being absorbed.
+    #[inline(always)]
+    fn kappa(&self, medium: &Medium) -> Lanes<S> {
+        let n = medium.index.load_real(self.simd, self.at);
+        (-self.real_q_squared(n)).max(self.k0.splat(TINY)).sqrt()
+    }
+
+    /// g/q and q/g for a real q, for s and for p.
     #[inline(always)]
     fn real_admittances(&self, medium: &Medium, q: Lanes<S>) -> [[Lanes<S>; 2]; 2] {
         let eps = medium.eps.load_real(self.simd, self.at);
@@ -120,21 +127,23 @@ impl<S: Simd> Direction<'_, S> {
     fn carried<'l, T: Carried<S>>(
         &self,
         mut both: [T; 2],
-        layers: impl Iterator<Item = &'l Layer>,
+        layers: impl ExactSizeIterator<Item = &'l Layer>,
     ) -> [T; 2] {
-        for (number, layer) in layers.enumerate() {
+        let mut left = layers.len();
+        for layer in layers {
             both = match (layer.medium.is_clear(), layer.thin) {
                 (true, true) => through(both, self.thin_and_clear(layer)),
                 (false, true) => through(both, self.thin(layer)),
                 (true, false) if self.travels(&layer.medium) => through(both, self.travelling(layer)),
                 _ => through(both, self.any(layer)),
             };
+            left -= 1;
             // Two layers alone do not overflow.
-            if number % 2 == 1 {
+            if left.is_multiple_of(2) {
                 both = scaled(both);
             }
         }
-        scaled(both)
+        both
     }
 
     /// The matrices of a layer, for s and for p.
@@ -217,12 +226,18 @@ impl<S: Simd> Direction<'_, S> {
             }
             return;
         };
-        if self.travels(gap) {
-            let q = self.real_q(gap);
+        let decays = gap.is_clear() && self.beta > gap.decays_above;
+        if decays || self.travels(gap) {
+            // Where the wave decays, q = i kappa: sin(delta)/q and q sin(delta) are
+            // sinh(kappa k0 d)/kappa and -kappa sinh(kappa k0 d).
+            let q = if decays { self.kappa(gap) } else { self.real_q(gap) };
             let [s, p] = self.real_admittances(gap, q);
+            let sign = q.splat(if decays { -1.0 } else { 1.0 });
+            let (s, p) = ([s[0], s[1] * sign], [p[0], p[1] * sign]);
             let sin = [above_s.crossed_real(s).on(below_s), above_p.crossed_real(p).on(below_p)];
             for (nm, out) in gaps {
-                let (c, s) = circular(q * (self.k0 * self.k0.splat(nm)));
+                let delta = q * (self.k0 * self.k0.splat(nm));
+                let (c, s) = if decays { hyperbolic(delta) } else { circular(delta) };
                 let forms = [cos[0].scale_add(c, sin[0], s), cos[1].scale_add(c, sin[1], s)];
                 self.store(mean(forms[0].norms(), forms[1].norms()), out);
             }

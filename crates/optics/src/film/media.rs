@@ -41,6 +41,8 @@ pub(super) struct Medium {
     pub(super) inverse_eps: Parts,
     /// Up to this beta waves travel at every wavelength; 0 if any is absorbed.
     pub(super) travels_below: f64,
+    /// Above this beta waves decay at every wavelength.
+    pub(super) decays_above: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -98,6 +100,7 @@ impl Medium {
             index: Parts::new(index.iter().copied()),
             inverse_eps: Parts::new(eps.iter().map(Complex64::inv)),
             travels_below: index.iter().fold(f64::INFINITY, slowest),
+            decays_above: index.iter().fold(0.0, |limit: f64, n| limit.max(n.re)),
             eps: Parts::new(eps.into_iter()),
         }
     }
