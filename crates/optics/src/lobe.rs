@@ -102,26 +102,24 @@ impl Lobe {
     /// height `width` above a point at that offset, in complete elliptic integrals
     /// (Paxton, Rev. Sci. Instrum. 30, 254 (1959)); error below 1e-12.
     pub fn share_in_disc(&self, offset: f64, radius: f64) -> f64 {
-        match *self {
-            Self::KCorrelation { width } => {
-                let farthest = width.hypot(offset + radius);
-                let k_prime = width.hypot(offset - radius) / farthest;
-                let slope = (radius - offset) / (radius + offset);
-                // K + slope Pi(1 - slope^2), with its limit on the rim itself.
-                let within = match slope {
-                    _ if slope > 0.0 => 1.0,
-                    _ if slope < 0.0 => 0.0,
-                    _ => 0.5,
-                };
-                let mut integrals = complete_elliptic(k_prime, 1.0);
-                if slope != 0.0 {
-                    integrals += slope * complete_elliptic(k_prime, slope * slope);
-                }
-                within - width / (PI * farthest) * integrals
+        self.shares_in_disc([offset], radius)[0]
+    }
+
+    /// The same of several offsets at once: divisions overlap.
+    pub fn shares_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
+        let width = match *self {
+            Self::KCorrelation { width } => width,
+            Self::Lambertian => {
+                return offsets.map(|offset| if offset > 1.0 { 0.0 } else { (radius * radius).min(1.0) });
             }
-            Self::Lambertian if offset > 1.0 => 0.0,
-            Self::Lambertian => (radius * radius).min(1.0),
-        }
+        };
+        let farthest = offsets.map(|offset| width.hypot(offset + radius));
+        let k_prime = std::array::from_fn(|k| width.hypot(offsets[k] - radius) / farthest[k]);
+        let slopes = offsets.map(|offset| (radius - offset) / (radius + offset));
+        // K + slope Pi(1 - slope^2), and K alone on the rim itself.
+        let integrals = complete_elliptic(k_prime, slopes.map(numerator_and_pole));
+        let within = |slope: f64| if slope == 0.0 { 0.5 } else { f64::from(u8::from(slope > 0.0)) };
+        std::array::from_fn(|k| within(slopes[k]) - width / (PI * farthest[k]) * integrals[k])
     }
 
     /// Haze: share beyond 2.5 deg of all light transmitted into the air hemisphere
@@ -134,25 +132,35 @@ impl Lobe {
     }
 }
 
-/// `integral from 0 to pi/2 of d phi / ((cos^2 + p sin^2) sqrt(cos^2 + k'^2 sin^2))`, k' and p
-/// above 0: K for p = 1, Pi(1 - p) else (Bulirsch's cel, Numer. Math. 13, 305 (1969)).
-fn complete_elliptic(k_prime: f64, p: f64) -> f64 {
-    let (mut p, mut a, mut b) = (p.sqrt(), 1.0, 1.0 / p.sqrt());
-    let (mut e, mut m, mut kc) = (k_prime, 1.0, k_prime);
+/// a, b and p of the [integral](complete_elliptic) that is K + slope Pi(1 - slope^2).
+fn numerator_and_pole(slope: f64) -> [f64; 3] {
+    if slope == 0.0 { [1.0; 3] } else { [1.0 + slope, slope * (1.0 + slope), slope * slope] }
+}
+
+/// `integral from 0 to pi/2 of (a cos^2 + b sin^2)/((cos^2 + p sin^2) sqrt(cos^2 + k'^2 sin^2)) d phi`,
+/// k' and p above 0 (Bulirsch's cel, Numer. Math. 13, 305 (1969)).
+fn complete_elliptic<const N: usize>(k_prime: [f64; N], integrals: [[f64; 3]; N]) -> [f64; N] {
+    let mut p = integrals.map(|[_, _, p]| p.sqrt());
+    let mut a = integrals.map(|[a, _, _]| a);
+    let mut b: [f64; N] = std::array::from_fn(|k| integrals[k][1] / p[k]);
+    let (mut e, mut m, mut kc) = (k_prime, [1.0; N], k_prime);
     loop {
-        let f = a;
-        a += b / p;
-        let g = e / p;
-        b = 2.0 * (b + f * g);
-        p += g;
-        let g = m;
-        m += kc;
-        // Convergence is quadratic: the next step's error is the square of this one.
-        if (g - kc).abs() <= 1e-8 * g {
-            return FRAC_PI_2 * (b + a * m) / (m * (m + p));
+        let mut converged = true;
+        for k in 0..N {
+            let f = a[k];
+            a[k] += b[k] / p[k];
+            let g = e[k] / p[k];
+            b[k] = 2.0 * (b[k] + f * g);
+            p[k] += g;
+            // Convergence is quadratic: the next step's error is the square of this one.
+            converged &= (m[k] - kc[k]).abs() <= 1e-8 * m[k];
+            m[k] += kc[k];
+            kc[k] = 2.0 * e[k].sqrt();
+            e[k] = kc[k] * m[k];
         }
-        kc = 2.0 * e.sqrt();
-        e = kc * m;
+        if converged {
+            return std::array::from_fn(|k| FRAC_PI_2 * (b[k] + a[k] * m[k]) / (m[k] * (m[k] + p[k])));
+        }
     }
 }
 

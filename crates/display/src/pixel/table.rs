@@ -107,24 +107,24 @@ fn lacking(values: &[f64], last: &[[f64; LAST]; HALF]) -> f64 {
     for first in (0..functions).step_by(TOGETHER) {
         let count = TOGETHER.min(functions - first);
         let row = |node: usize| &values[node * functions + first..][..count];
-        let mut sums = [[0.0; LAST]; TOGETHER];
+        let [mut a, mut b, mut c, mut d] = [[0.0; TOGETHER]; LAST];
         for (node, [p, q, r, s]) in last.iter().enumerate() {
-            let rows = row(node).iter().zip(row(CosinePanels::NODES - 1 - node));
-            for ([a, b, c, d], (lower, upper)) in sums.iter_mut().zip(rows) {
-                let (even, odd) = (lower + upper, lower - upper);
-                *a += p * even;
-                *b += q * odd;
-                *c += r * even;
-                *d += s * odd;
+            let (lower, upper) = (row(node), row(CosinePanels::NODES - 1 - node));
+            for k in 0..count {
+                let (even, odd) = (lower[k] + upper[k], lower[k] - upper[k]);
+                a[k] += p * even;
+                b[k] += q * odd;
+                c[k] += r * even;
+                d[k] += s * odd;
             }
         }
-        worst = sums[..count].iter().map(lacking_of).fold(worst, f64::max);
+        worst = (0..count).map(|k| lacking_of([a[k], b[k], c[k], d[k]])).fold(worst, f64::max);
     }
     worst
 }
 
 /// The estimate for a function of these last coefficients.
-fn lacking_of([a, b, c, d]: &[f64; LAST]) -> f64 {
+fn lacking_of([a, b, c, d]: [f64; LAST]) -> f64 {
     let (before, last) = (a.abs() + b.abs(), c.abs() + d.abs());
     // The rest of a geometric series, in pairs of terms; what is left out of it reappears, at the
     // nodes, as much again.

@@ -11,7 +11,7 @@
 use papilio_optics::lobe::Lobe;
 
 use super::super::quadrature::{Node, Point, Pole, radial};
-use super::lobes;
+use super::lobes::{self, LANES, radii_of};
 use super::rings::RingOfProducts;
 use crate::angular::Stencil;
 use crate::{Diffuser, Nodes};
@@ -61,9 +61,16 @@ impl Pass<'_> {
     }
 
     /// The share of light at the diffuser's underside that leaves into the air.
-    pub(super) fn share_leaving(&self, radius: f64) -> f64 {
-        let straight = if radius <= 1.0 { self.straight() } else { 0.0 };
-        straight + (1.0 - self.straight()) * self.diffuser.lobe.share_in_disc(radius, 1.0)
+    fn share_leaving<const N: usize>(&self, radii: [f64; N]) -> [f64; N] {
+        let scattered = self.diffuser.lobe.shares_in_disc(radii, 1.0);
+        let straight = radii.map(|radius| if radius <= 1.0 { self.straight() } else { 0.0 });
+        std::array::from_fn(|k| straight[k] + (1.0 - self.straight()) * scattered[k])
+    }
+
+    /// The same at these nodes.
+    pub(super) fn shares_leaving(&self, nodes: &[Node]) -> Vec<f64> {
+        let of = |nodes: &[Node]| self.share_leaving(radii_of(nodes)).into_iter().take(nodes.len());
+        nodes.chunks(LANES).flat_map(of).collect()
     }
 
     /// A rule over the glass's disc for lobes around these points.
@@ -96,16 +103,17 @@ impl Pass<'_> {
             if radius < self.index && self.straight() > 0.0 {
                 let stencil = self.look_up(radius);
                 reflected.add(&stencil, point.weight * self.straight());
-                leaving.add(&stencil, point.weight * self.straight() * self.share_leaving(radius));
+                leaving.add(&stencil, point.weight * self.straight() * self.share_leaving([radius])[0]);
             }
         }
         let radii = merged_radii(view);
         let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
-        for (node, mean) in rule.iter().zip(lobes::means(self.diffuser.lobe, &radii, &rule)) {
+        let means = lobes::means(self.diffuser.lobe, &radii, &rule);
+        for ((node, mean), share) in rule.iter().zip(means).zip(self.shares_leaving(&rule)) {
             let weight = (1.0 - self.straight()) * node.weight * mean;
             let stencil = self.look_up(node.x);
             reflected.add(&stencil, weight);
-            leaving.add(&stencil, weight * self.share_leaving(node.x));
+            leaving.add(&stencil, weight * share);
         }
         Alone {
             reflected: reflected.finish(self.table),

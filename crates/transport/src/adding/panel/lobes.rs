@@ -15,6 +15,11 @@ use super::super::quadrature::{Node, Pole};
 /// Radii that are worked on side by side.
 pub(super) const LANES: usize = 8;
 
+/// The radii of these nodes, the last of them again and again at the end.
+pub(super) fn radii_of(nodes: &[Node]) -> [f64; LANES] {
+    std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x)
+}
+
 /// The first `count` Fourier orders 0, 1, ... of the lobe between radius `a` and each of the nodes: its
 /// density there is `sum over all m of orders[|m|] exp(i m phi)`. `each` gets an order, the first
 /// node's number and the orders of that and the following nodes.
@@ -25,12 +30,13 @@ pub(super) fn orders_of_nodes(
     count: usize,
     mut each: impl FnMut(usize, usize, &[f64]),
 ) {
+    let mut ratios = Vec::new();
     for (number, nodes) in nodes.chunks(LANES).enumerate() {
         let first = number * LANES;
-        let radii: [f64; LANES] = std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x);
+        let radii = radii_of(nodes);
         match lobe {
             Lobe::KCorrelation { width } => {
-                side_by_side(width, a, radii, (count, None), |m, orders| {
+                side_by_side(width, a, radii, (count, None), &mut ratios, |m, orders| {
                     each(m, first, &orders[..nodes.len()])
                 });
             }
@@ -43,12 +49,13 @@ pub(super) fn orders_of_nodes(
 }
 
 /// So many orders 0, 1, ... of several radii at once: divisions overlap. The recurrence begins at
-/// the order that is given, or as late as the first orders need.
+/// the order that is given, or as late as the first orders need. `ratios` is a place to work in.
 pub(super) fn side_by_side(
     width: f64,
     a: f64,
     c: [f64; LANES],
     (count, from): (usize, Option<usize>),
+    ratios: &mut Vec<[f64; LANES]>,
     mut each: impl FnMut(usize, [f64; LANES]),
 ) {
     let near = c.map(|c| width * width + (a - c).powi(2));
@@ -68,7 +75,7 @@ pub(super) fn side_by_side(
     // The first guess of the ratio is forgotten within some multiples of this many orders.
     let most = from.unwrap_or_else(|| count + 8 + (-3.0 / slowest.ln()).min(100.0) as usize);
     let mut ratio = decay.map(|decay| decay * (1.0 + 0.5 / most as f64));
-    let mut ratios = vec![[0.0; LANES]; count];
+    ratios.resize(count.max(ratios.len()), [0.0; LANES]);
     for m in (1..most).rev() {
         let m_ = m as f64;
         for k in 0..LANES {
@@ -78,7 +85,7 @@ pub(super) fn side_by_side(
             ratios[m] = ratio;
         }
     }
-    for (m, ratio) in ratios.iter().enumerate().skip(1) {
+    for (m, ratio) in ratios.iter().enumerate().take(count).skip(1) {
         order.iter_mut().zip(ratio).for_each(|(order, ratio)| *order *= ratio);
         each(m, order);
     }

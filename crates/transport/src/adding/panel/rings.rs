@@ -6,7 +6,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
-use super::lobes::{LANES, side_by_side};
+use super::lobes::{LANES, radii_of, side_by_side};
 
 /// Sums of more orders than these take longer than panels around the lobes.
 const MOST_ORDERS: usize = 300;
@@ -20,12 +20,14 @@ pub(super) struct RingOfProducts<'a> {
     digits: f64,
     points: [&'a [Point]; 2],
     rings: [Rings; 2],
+    /// A place to work in.
+    ratios: Vec<[f64; LANES]>,
 }
 
 impl<'a> RingOfProducts<'a> {
     pub(super) fn new(lobe: Lobe, one: &'a [Point], other: &'a [Point], digits: f64) -> Self {
         let points = [one, other];
-        Self { lobe, digits, points, rings: points.map(Rings::new) }
+        Self { lobe, digits, points, rings: points.map(Rings::new), ratios: Vec::new() }
     }
 
     /// At each of the nodes: `each` gets its number and the integral there.
@@ -37,7 +39,7 @@ impl<'a> RingOfProducts<'a> {
         };
         let mut sums = [Vec::new(), Vec::new()];
         for (number, nodes) in nodes.chunks(LANES).enumerate() {
-            let radii: [f64; LANES] = std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x);
+            let radii = radii_of(nodes);
             let found = match self.orders(width, &radii) {
                 Some(orders) => self.by_orders(width, &radii, orders, &mut sums),
                 None => radii.map(|radius| by_panels(width, radius, self.points, self.digits)),
@@ -71,7 +73,7 @@ impl<'a> RingOfProducts<'a> {
         sums: &mut [Vec<Turning>; 2],
     ) -> [f64; LANES] {
         for ((rings, sums), from) in self.rings.iter_mut().zip(&mut *sums).zip(from) {
-            rings.sum(width, radii, (count, from), sums);
+            rings.sum(width, radii, (count, from), &mut self.ratios, sums);
         }
         let mut product = [0.0; LANES];
         for (m, (one, other)) in sums[0].iter().zip(&sums[1]).enumerate() {
@@ -153,13 +155,14 @@ impl Rings {
         width: f64,
         radii: &[f64; LANES],
         (count, from): (usize, usize),
+        ratios: &mut Vec<[f64; LANES]>,
         sums: &mut Vec<Turning>,
     ) {
         self.turns_to(count);
         sums.clear();
         sums.resize(count, Turning { cos: [0.0; LANES], sin: [0.0; LANES] });
         for (ring, r) in self.radii.iter().enumerate() {
-            side_by_side(width, *r, *radii, (count, Some(from)), |m, order| {
+            side_by_side(width, *r, *radii, (count, Some(from)), ratios, |m, order| {
                 let [cos, sin] = self.turns[m * self.radii.len() + ring];
                 let sum = &mut sums[m];
                 for (k, order) in order.into_iter().enumerate() {
