@@ -1,9 +1,8 @@
 //! A family of random displays for comparing the two solvers: every kind of layer, order,
 //! light and view, thin and thick. A number names a member for ever.
 //!
-//! **Left out**, after a first family had them: lobes narrower than .03 (.07 between general
-//! layers, or beside straight-through light) and rough faces below alpha .2. There adding takes
-//! minutes, or the walk's errors of faint light from lamps are too small (docs/walk.md).
+//! **Left out**, after a first family had them: lobes narrower than .004 (.07 between general
+//! layers, or beside straight-through light) and rough faces below alpha .2. There adding takes minutes.
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
@@ -153,8 +152,7 @@ fn panel(dice: &mut Dice) -> (String, Stack) {
         0 => ("coated".to_owned(), Top::Coated),
         1 => ("Fresnel".to_owned(), Top::Fresnel(glass.clone())),
         _ => {
-            // Below, the walk's errors of faint light from lamps are too small (docs/walk.md).
-            let (name, diffuser) = diffuser(dice, 0.03);
+            let (name, diffuser) = diffuser(dice, 0.004);
             (name, Top::Diffuser(diffuser))
         }
     };

@@ -104,8 +104,10 @@ impl Kernel {
             let along = straight.along(group.axis);
             if let Some((recycling, r)) = &seen {
                 let recycled = &at.recycled[g_number];
-                self.recycle(recycling, (recycled, &along), index, (r, &g), &of_sources, &mut sums);
-                self.add_peaks(&straight, group.axis, recycled, &of_sources, &mut sums);
+                let mut orders = Sums::zeros(len, sources);
+                self.recycle(recycling, (recycled, &along), index, (r, &g), &of_sources, &mut orders);
+                self.narrow(&straight, group.axis, recycled, &mut orders);
+                sums.zip(&orders, |sums, orders| add_scaled(sums, orders, 1.0));
             }
             all.zip(&sums, |all, sums| add_times(all, sums, &along.round_trips));
         }
@@ -134,26 +136,24 @@ impl Kernel {
         self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
     }
 
-    /// Adds what narrow lobes' peaks lack on a grid for wider ones.
-    fn add_peaks(
-        &self,
-        straight: &Straight<'_>,
-        view: Point,
-        recycled: &Recycled,
-        of_sources: &[Vec<Direction>],
-        sums: &mut Sums,
-    ) {
-        for (i, (peaks, of_source)) in recycled.between.iter().zip(of_sources).enumerate() {
-            for (j, ((_, peak), along)) in peaks.iter().zip(of_source).enumerate() {
-                if *peak == 0.0 {
-                    continue;
-                }
-                let [mut value, other] =
-                    [view, self.sources[i].groups[j].axis].map(|point| straight.reflectance_at(point));
-                for (k, (value, other)) in value.iter_mut().zip(other).enumerate() {
-                    *value *= peak * straight.sent_back[k % straight.sent_back.len()] * other;
-                }
-                add_times(&mut sums.directed[i], &value, &along.round_trips);
+    /// Makes recycled light that of the lobe itself where the grid has a wider one. Of the reflectances on
+    /// the way half are taken at the view's direction and half at the source's, as if light turned amid its way.
+    fn narrow(&self, straight: &Straight<'_>, view: Point, recycled: &Recycled, orders: &mut Sums) {
+        for (i, between) in recycled.between.iter().enumerate() {
+            let closed = between.iter().filter_map(|(_, closed)| *closed).reduce(|mut all, closed| {
+                all.iter_mut().flatten().zip(closed.iter().flatten()).for_each(|(all, one)| *all += one);
+                all
+            });
+            let (Some([lobe, wider]), Some(group)) = (closed, self.sources[i].groups.first()) else {
+                continue;
+            };
+            let [of_view, of_source] = [view, group.axis].map(|point| straight.reflectance_at(point));
+            for (k, value) in orders.directed[i].iter_mut().enumerate() {
+                let g = straight.sent_back[k % straight.sent_back.len()];
+                let sent_back = g * (of_view[k] * of_source[k]).sqrt();
+                let series =
+                    |orders: &[f64]| orders.iter().rev().fold(0.0, |sum, order| sum * sent_back + order);
+                *value *= series(&lobe) / series(&wider);
             }
         }
     }

@@ -11,7 +11,7 @@ use super::super::quadrature::{Point, cone_points, disc_points};
 use super::first_pass::{Alone, Pass, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances};
+use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 
@@ -82,8 +82,8 @@ struct AtIndex {
 struct Recycled {
     group: Group,
     alone: OwnForms,
-    /// By source and the source's group, with what a narrow lobe's peak lacks.
-    between: Vec<Vec<(Forms, f64)>>,
+    /// By source and the source's group, with what narrow lobes make of it.
+    between: Vec<Vec<(Forms, Option<Closed>)>>,
 }
 
 impl Kernel {
@@ -329,8 +329,8 @@ impl Kernel {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
                 _ => {
                     let both = |(other, b): (&Group, &Bundle)| {
-                        let peak = recycling.peak(self.diffuser.lobe, &bundle.points, &b.points);
-                        (recycling.between(&group, other), peak)
+                        let closed = recycling.closed(self.diffuser.lobe, &bundle.points, &b.points);
+                        (recycling.between(&group, other), closed)
                     };
                     light.recycled[index].iter().zip(&light.groups).map(both).collect()
                 }

@@ -15,9 +15,10 @@
 //! wavelength.
 //!
 //! Lobes narrower than about .01 would need too large a grid: theirs is made for a wider one,
-//! the narrower the finer the level, and only the peak of the second order is put right
-//! ([`Recycling::peak`]). What the rims and the pixel's angles do to recycled light then errs in
-//! proportion to the width, times g; the difference between levels shows it.
+//! the narrower the finer the level. What is recycled between two directions is then multiplied by what the true
+//! lobe has there over what the wider one has, of all orders together in closed form ([`Recycling::closed`]). What
+//! the rims and the pixel's angles do to recycled light then errs in proportion to the wider lobe's
+//! width, times g; the difference between levels shows it.
 
 mod forms;
 mod grid;
@@ -27,6 +28,7 @@ mod values;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::super::quadrature::{Node, Point, gauss, graded};
@@ -300,23 +302,34 @@ impl Recycling {
         self.grid.form(&view.light[k], other, factors, (k > 0).then(|| profile.columns()))
     }
 
-    /// What the second order lacks between two sets of points because the grid's lobe is wider than the
-    /// true one, as a factor on g and the base's reflectance of both directions: near a narrow
-    /// lobe's peak the reflectance is even, and lobes that follow each other add their widths.
-    pub(super) fn peak(&self, lobe: Lobe, view: &[Point], source: &[Point]) -> f64 {
-        let Lobe::KCorrelation { width } = lobe else { return 0.0 };
-        if width >= self.plan.width {
-            return 0.0;
-        }
-        let s = self.grid.straight;
-        let t = 1.0 - s;
-        let shares = [(2.0, 4.0 * s * s * t * t), (3.0, 4.0 * s * t.powi(3)), (4.0, t.powi(4))];
-        let between = |v: &Point, l: &Point| {
-            let density = |width| Lobe::KCorrelation { width }.density(v.beta, l.beta);
-            let lacks = |(n, share): &(f64, f64)| share * (density(n * width) - density(n * self.plan.width));
-            v.weight * l.weight * shares.iter().map(lacks).sum::<f64>()
+    /// Orders 2, 3, ... between two sets of points in closed form, by the true lobe and by the grid's if that is
+    /// wider, without the powers of g and of the base's reflectance: lobes that follow each other add
+    /// their widths, rims apart. `None` where the grid has the lobe itself.
+    pub(super) fn closed(&self, lobe: Lobe, view: &[Point], source: &[Point]) -> Option<Closed> {
+        let width = match lobe {
+            Lobe::KCorrelation { width } if width < self.plan.width => width,
+            _ => return None,
         };
-        PI * view.iter().flat_map(|v| source.iter().map(move |l| between(v, l))).sum::<f64>()
+        // By the number of lobes on the way: of S, and of a pass P in the middle (see above).
+        let (s, t) = (self.grid.straight, 1.0 - self.grid.straight);
+        let scattered = [0.0, 2.0 * s * t, t * t];
+        let pass = [s * s, 2.0 * s * t, t * t];
+        let mut shares = product(&scattered, &scattered);
+        let mut closed = Closed::default();
+        for order in 0..closed[0].len() {
+            for (orders, width) in closed.iter_mut().zip([width, self.plan.width]) {
+                let seen = |distance: Beta| -> f64 {
+                    let lobes = shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
+                    let density =
+                        |n: f64| Lobe::KCorrelation { width: n * width }.density(Beta::default(), distance);
+                    lobes.map(|(n, share)| share * density(n as f64)).sum()
+                };
+                let of = |v: &Point, l: &Point| v.weight * l.weight * seen(l.beta - v.beta);
+                orders[order] = view.iter().flat_map(|v| source.iter().map(move |l| of(v, l))).sum();
+            }
+            shares = product(&shares, &pass);
+        }
+        Some(closed)
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {
@@ -331,6 +344,20 @@ impl Recycling {
             arriving: all(&|k| form(k, 1, |profile| &profile.arriving)),
         }
     }
+}
+
+/// Orders 2, 3, ... of the series by a narrow lobe, and by the wider one that a grid has in its place.
+pub(super) type Closed = [[f64; 5]; 2];
+
+/// The product of two polynomials.
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; a.len() + b.len() - 1];
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            out[i + j] += a * b;
+        }
+    }
+    out
 }
 
 /// The factor of azimuthal order `m` in the sum over both signs of it.
