@@ -6,7 +6,9 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
 mod oracle;
+mod peers;
 mod pictures;
+mod python;
 mod shell;
 mod test;
 
@@ -17,7 +19,7 @@ use shell::{Needs, Outcome, cargo};
 /// A name, what the chore does, and the chore.
 type Chore = (&'static str, &'static str, fn() -> Outcome);
 
-const CHORES: [Chore; 7] = [
+const CHORES: [Chore; 8] = [
     ("test", "format, lints, all tests, documentation, every example scenario", test::test),
     (
         "full",
@@ -25,6 +27,7 @@ const CHORES: [Chore; 7] = [
         full,
     ),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
+    ("peers", "time Papilio beside other programs, for docs/peers.md", peers::peers),
     ("deny", "licences, advisories and sources of all dependencies", deny),
     ("bench", "all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures anew", pictures::pictures),

@@ -1,0 +1,158 @@
+"""Papilio beside its peers: the same work, timed in turn, as a table in docs/peers.md.
+
+    cargo xtask peers
+
+makes an environment with the packages named there, builds Papilio's side (validation/examples/peers.rs) and runs
+this file with the path of that program.
+
+For each task Papilio and the peer run in turn, ROUNDS times, one thread each; the table has the median of the CPU seconds
+and their spread, the ratio, and by how much the results differ. Let nothing else run meanwhile.
+"""
+
+import importlib.metadata
+import json
+import os
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import time
+from functools import partial
+
+# Before anything that counts the cores is imported.
+os.environ |= {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+
+import numpy as np
+
+import colours
+import films
+import matrices
+import scenes
+
+ROUNDS = 5
+PAGE = pathlib.Path(__file__).parents[2] / "docs" / "peers.md"
+MARKS = ("<!-- measured -->\n", "<!-- end -->\n")
+
+
+class Papilio:
+    """A task of Papilio's program."""
+
+    def __init__(self, program, *words, seconds=2.0):
+        self.command = [program, *words, str(seconds)]
+
+    def __call__(self):
+        """CPU seconds of one repetition, and the result."""
+        told = subprocess.run(self.command, check=True, capture_output=True, text=True)
+        seconds, numbers = told.stdout.splitlines()
+        return float(seconds), np.array(numbers.split(), dtype=float)
+
+
+def timed(work, problem):
+    """The same of a peer: the least time that its clock can hold."""
+
+    def once():
+        start, count = time.process_time(), 0
+        while True:
+            result = work(problem)
+            count += 1
+            seconds = time.process_time() - start
+            if seconds > 0.5:
+                return seconds / count, np.asarray(result).ravel()
+
+    return once
+
+
+def in_turn(*sides, rounds=ROUNDS):
+    """Of each side median and spread of the seconds, and the result."""
+    for side in sides[1:]:
+        # Imports, and whatever else is done once.
+        side()
+    runs = [[side() for side in sides] for _ in range(rounds)]
+
+    def summary(number):
+        seconds = [run[number][0] for run in runs]
+        return statistics.median(seconds), min(seconds), max(seconds)
+
+    return [(summary(number), runs[0][number][1]) for number in range(len(sides))]
+
+
+def shown(seconds):
+    for scale, unit in ((1.0, "s"), (1e3, "ms"), (1e6, "us")):
+        if seconds * scale >= 1 or unit == "us":
+            return f"{seconds * scale:.3g} {unit}"
+
+
+def row(task, peer, ours, theirs, difference):
+    spread = [f"{shown(median)} ({shown(low)} to {shown(high)})" for median, low, high in (ours, theirs)]
+    ratio = theirs[0] / ours[0]
+    times = f"{ratio:,.0f}" if ratio >= 10 else f"{ratio:.2g}"
+    return f"| {task} | {peer} | {spread[1]} | {spread[0]} | {times} | {difference} |"
+
+
+def apart(a, b):
+    return f"{np.max(np.abs(a - b)):.1e}"
+
+
+def rows(program, given):
+    """The table's rows, one after the other: they take minutes."""
+    problem = films.problem(given)
+    for peer, work in films.PEERS.items():
+        (ours, a), (theirs, b) = in_turn(Papilio(program, "films"), timed(work, problem))
+        yield row("films", peer, ours, theirs, apart(a, b))
+
+    work = colours.PEERS["colour-science"]
+    (ours, a), (theirs, b) = in_turn(Papilio(program, "colours"), timed(work, colours.problem(given)))
+    yield row("colours", "colour-science", ours, theirs, apart(a, b))
+
+    # Half a minute each.
+    work = matrices.PEERS["pywincalc"]
+    (ours, a), (theirs, b) = in_turn(Papilio(program, "matrices"), timed(work, given), rounds=3)
+    yield row("matrices", "pywincalc", ours, theirs, apart(a[-1], b))
+
+    for luminous, kind, task in ((True, "luminous", "scene, Y"), (False, "bands", "scene, every band")):
+        for light in ("sky", "lamp"):
+            yield from scene_rows(program, given, (luminous, kind, light), f"{task}, {light}")
+
+
+def scene_rows(program, given, case, task):
+    luminous, kind, light = case
+    solvers, variants = ("adding", "walk"), ("scalar_spectral", "llvm_ad_spectral")
+    ours = [Papilio(program, "scenes", kind, light, solver) for solver in solvers]
+    theirs = [partial(scenes.measured, variant, given, luminous, light) for variant in variants]
+    measured = in_turn(*ours, *theirs, rounds=3)
+    for solver, (papilio, a) in zip(solvers, measured):
+        a = a[-1] if luminous else a[:-1]
+        for variant, (peer, b) in zip(variants, measured[len(solvers) :]):
+            far = 100 * (np.mean(b) / np.mean(a) - 1)
+            yield row(f"{task}, {solver}", f"Mitsuba 3 {variant}", papilio, peer, f"{far:+.1f} %")
+
+
+def versions():
+    names = ["tmm", "tmm_fast", "PyMoosh", "pyElli", "colour-science", "pywincalc", "mitsuba", "numpy"]
+    told = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in names)
+    return f"{told}; Python {platform.python_version()}"
+
+
+def processor():
+    lines = pathlib.Path("/proc/cpuinfo")
+    names = [l for l in lines.read_text().splitlines() if l.startswith("model name")] if lines.exists() else []
+    return names[0].split(":")[1].strip() if names else platform.processor()
+
+
+def main():
+    program = sys.argv[1]
+    given = json.loads(subprocess.run([program, "inputs"], check=True, capture_output=True, text=True).stdout)
+    head = "| task | peer | peer, CPU | Papilio, CPU | times as fast | results differ by |"
+    lines = [head, "|---|---|---|---|---|---|"]
+    for line in rows(program, given):
+        print(line, flush=True)
+        lines.append(line)
+    before, rest = PAGE.read_text().split(MARKS[0])
+    after = rest.split(MARKS[1])[1]
+    made = "\n".join([*lines, "", f"{processor()}, one core; {versions()}.", ""])
+    PAGE.write_text(before + MARKS[0] + "\n" + made + "\n" + MARKS[1] + after)
+
+
+if __name__ == "__main__":
+    main()

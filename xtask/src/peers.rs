@@ -1,0 +1,26 @@
+//! `cargo xtask peers`: Papilio beside other programs, into docs/peers.md.
+
+use crate::python::Environment;
+use crate::shell::{self, Outcome, cargo, command};
+
+/// What it is held against, pinned. Newer versions of mitsuba want a newer LLVM than some systems have.
+const PACKAGES: [&str; 8] = [
+    "tmm==0.2.0",
+    "tmm_fast==0.3.0",
+    "PyMoosh==4.0.1",
+    "pyElli==0.23.1",
+    "colour-science==0.4.7",
+    "pywincalc==3.3.1",
+    "mitsuba==3.7.1",
+    "numpy==2.4.6",
+];
+
+/// The chore: minutes, in which nothing else should run.
+pub(crate) fn peers() -> Outcome {
+    let environment = Environment::new("peers", &PACKAGES)?;
+    shell::run(cargo(["build", "--release", "--package", "papilio-validation", "--example", "peers"]))?;
+    let program =
+        shell::target().join("release/examples/peers").with_extension(std::env::consts::EXE_EXTENSION);
+    let script = "validation/peers/peers.py";
+    shell::run(command(environment.python(), [script, &program.to_string_lossy()]))
+}

@@ -1,0 +1,31 @@
+//! Python environments of chores, apart from each other and from the system's.
+
+use std::path::PathBuf;
+
+use crate::shell::{self, Needs, command};
+
+/// An environment with its packages.
+pub(crate) struct Environment {
+    folder: PathBuf,
+}
+
+impl Environment {
+    /// Made, or made complete, in the target folder.
+    pub(crate) fn new(name: &str, packages: &[&str]) -> Result<Self, String> {
+        shell::need(Needs {
+            tool: &["python3"],
+            install: "install Python 3.11 or newer with its venv module",
+        })?;
+        let folder = shell::target().join(name);
+        shell::run(command("python3", ["-m", "venv", &folder.to_string_lossy()]))?;
+        let environment = Self { folder };
+        let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
+        shell::run(command(environment.python(), install))?;
+        Ok(environment)
+    }
+
+    /// Its interpreter.
+    pub(crate) fn python(&self) -> PathBuf {
+        self.folder.join(if cfg!(windows) { "Scripts" } else { "bin" }).join("python")
+    }
+}
