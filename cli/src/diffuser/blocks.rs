@@ -14,11 +14,13 @@ pub(super) fn blocks(file: &str, part: &Part, fits: &[Ranked]) -> String {
     }
     let mut text = "\nfor a scenario\n".to_owned();
     let mut unknown = Vec::new();
-    for Ranked { fit, .. } in fits {
+    for Ranked { fit, score } in fits {
         let name = fit.model.kind().name();
         match keys(fit) {
             Some(Ok(keys)) => {
-                let _ = write!(text, "\n# {name}\n[display.diffuser]\n{keys}");
+                let off =
+                    score.map_or(String::new(), |off| format!("  # a display is {:.2} % off", 100.0 * off));
+                let _ = write!(text, "\n# {name}\n[display.diffuser]{off}\n{keys}");
             }
             Some(Err(why)) => {
                 let _ = write!(text, "\n# {name}: {why}\n");

@@ -8,7 +8,7 @@
 use papilio_optics::Beta;
 
 use crate::shape::on_specular_grid;
-use crate::{Fill, Part, Shape, SpecularGrid};
+use crate::{Fill, Geometry, Part, Shape, SpecularGrid};
 
 /// Haze is light beyond this, degrees (ASTM D1003).
 const HAZE_DEG: f64 = 2.5;
@@ -94,10 +94,12 @@ impl Audit {
         let transmission = part.way.is_transmission();
         let haze = beyond(HAZE_DEG).filter(|_| transmission);
         // A coarser grid does not tell the disc from the ring.
-        let fine = grid
-            .radials_deg
-            .windows(2)
-            .all(|pair| pair[0] >= HAZE_DEG || pair[1] - pair[0] <= 0.5 * CLEAR_DEG);
+        let patches = matches!(part.geometry, Geometry::Patches { .. });
+        let fine = !patches
+            && grid
+                .radials_deg
+                .windows(2)
+                .all(|pair| pair[0] >= HAZE_DEG || pair[1] - pair[0] <= 0.5 * CLEAR_DEG);
         let clarity = beyond(CLEAR_DEG).zip(haze).filter(|_| fine).map(|(beyond_disc, haze)| {
             let (disc, ring) = (1.0 - beyond_disc, beyond_disc - haze);
             (disc - ring) / (disc + ring)

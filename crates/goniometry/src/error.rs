@@ -43,6 +43,14 @@ pub enum GoniometryError {
     /// Totals are to be the instrument's, and the file gives none.
     #[error("the file gives no total integrated scatter (TIS)")]
     NoTis,
+    /// No lobe that the instrument blurs looks like the file's.
+    #[error("no lobe blurred by {width} gives the file's values: {:.0} % remain", 100.0 * misfit)]
+    Blur {
+        /// Width of the blur, direction cosines.
+        width: f64,
+        /// Root mean square difference, relative.
+        misfit: f64,
+    },
     /// The lobe cannot be tabulated.
     #[error(transparent)]
     Optics(#[from] papilio_optics::OpticsError),

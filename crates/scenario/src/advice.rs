@@ -103,6 +103,10 @@ impl Problem {
                 "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `fill` and `mounting` change them"
                     .to_owned()
             }
+            Self::Measurement(papilio_goniometry::GoniometryError::Blur { .. }) => {
+                "the width is that of the image of a straight beam, measured without a sample".to_owned()
+            }
+            Self::DarkShare => "its shape is what counts: somewhere it must be above 0".to_owned(),
             Self::Measurement(papilio_goniometry::GoniometryError::NoTis) => "use normalise = \"none\"".to_owned(),
             Self::NoBtdf => "use model = \"k-correlation\", \"lambertian\", \"ward\" or \"measured\"; `papilio brdf` tables a whole \
                              display with a slab"

@@ -387,6 +387,9 @@ pub enum Problem {
     /// A diffuser that an instrument cannot be put before.
     #[error("a slab has no BTDF of its own that an instrument could see")]
     NoBtdf,
+    /// A spectrum that colours a measurement and holds nothing.
+    #[error("a transmission or reflectance of 0 throughout colours nothing")]
+    DarkShare,
     /// A measurement that cannot be used.
     #[error("{0}")]
     Measurement(#[from] papilio_goniometry::GoniometryError),

@@ -266,7 +266,7 @@ fn reader_and_lamp_may_change_places() {
         let one_way = |reader: f64, lamp: f64, seed| {
             let beam = Source::Beam(Beta::from_source(lamp, 40.0, 1.0));
             let reader = Cone::new(reader, 0.0, 0.0, 1.0);
-            let estimates = replicates(&stack, reader, &[beam], seed, 1024, Sampler::Sobol);
+            let estimates = replicates(&stack, reader, &[beam], seed, 2048, Sampler::Sobol);
             mean_and_error(estimates.iter().map(|e| rho(e, 0)))
         };
         // The same pair of directions, with the azimuth between them mirrored.

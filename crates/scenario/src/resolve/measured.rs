@@ -30,6 +30,8 @@ const FAR_ABOVE_ONE: f64 = 0.2;
 const COARSE: f64 = 0.005;
 /// A lobe that, blurred again, differs more than this from the file's is not what the instrument saw.
 const MISFIT: f64 = 0.03;
+/// And beyond this it is nothing like it.
+const FAR_MISFIT: f64 = 0.3;
 
 /// A file of measured scattering in a scenario, and what is to be done to it.
 struct Source<'a> {
@@ -185,7 +187,7 @@ impl Resolver<'_> {
         let through = self.way(&source, &measurement, into)?;
         let part = |way: Way| measurement.parts.iter().find(|part| part.way == way);
         let spectrum = match &diffuser.transmission.value {
-            Some(share) => Some(self.share(share, diffuser.transmission.origin)?),
+            Some(share) => Some(self.colour(share, diffuser.transmission.origin)?),
             None => None,
         };
         if spectrum.as_ref().is_some_and(Spectrum::is_constant) {
@@ -245,10 +247,20 @@ impl Resolver<'_> {
         let measurement = self.measurement(source)?;
         let reflection = self.way(source, &measurement, Way::FrontReflection)?;
         let spectrum = match spectrum {
-            Some(share) => Some(self.share(share, share.origin)?),
+            Some(share) => Some(self.colour(share, share.origin)?),
             None => None,
         };
         self.scattered(source, reflection, spectrum, Behind::Air)
+    }
+
+    /// A spectrum whose shape colours a measurement.
+    fn colour(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
+        let spectrum = self.share(share, origin)?;
+        if spectrum.max() <= 0.0 {
+            self.errors.push(origin, Problem::DarkShare);
+            return None;
+        }
+        Some(spectrum)
     }
 
     fn way<'a>(
@@ -361,6 +373,10 @@ impl Resolver<'_> {
         };
         let (path, way, [spread, _]) = (source.path, part.way.name(), sharp.noise_amplification);
         let misfit = sharp.incidences.iter().map(|lobe| lobe.misfit).fold(0.0, f64::max);
+        if misfit > FAR_MISFIT {
+            self.errors.push(blur.origin, Problem::Measurement(GoniometryError::Blur { width, misfit }));
+            return None;
+        }
         if let Some(Unblurred { theta_deg, peak: [before, after], .. }) = sharp.incidences.first() {
             self.notes.push(format!(
                 "{path}: {way}: without the instrument's blur of {width} the peak at {theta_deg} deg is {after:.1} instead of \

@@ -30,6 +30,11 @@ fn what_cannot_be_used_is_refused_where_it_is_said() {
         (measured(h78, "spectral_mean = \"odd\""), &["`odd` is not a choice", "\"even\" or \"luminous\""]),
         (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from .0001 to 1"]),
         (measured(h78, "transmission = 90"), &["not percent"]),
+        (measured(h78, "transmission = 0"), &["test.toml:15:16", "colours nothing"]),
+        (
+            measured(h78, "instrument_blur = 0.2"),
+            &["test.toml:15:19", "no lobe blurred by 0.2", "a straight beam"],
+        ),
         (
             measured(h78, "mounting = \"air\"").replace("hold", "glass"),
             &["test.toml:14:15", "`extrapolate = \"glass\"` means nothing with this mounting", "\"hold\""],

@@ -76,10 +76,12 @@ impl ScatterOrders {
         let back = there.transposed();
         let ways = [(scatter.clone(), there), (scatter.reversed(), back)];
         let found = ways.map(|(scatter, operator)| (scatter, operator.pull_back(&ones, &grid.scale)));
+        // Light that either way ends before does not go straight on there.
+        let end = scatter.edges().fold(1.0, f64::min);
         let missing = |i: usize| {
             let beta = grid.beta[i] / disc;
             let of = |(scatter, found): &(Scatter, Vec<f64>)| scatter.total(beta) - found[i];
-            if beta < 1.0 { 0.5 * found.iter().map(of).sum::<f64>() } else { 0.0 }
+            if beta < end { 0.5 * found.iter().map(of).sum::<f64>() } else { 0.0 }
         };
         (0..grid.len()).map(missing).collect()
     }
