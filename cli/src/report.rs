@@ -42,10 +42,10 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
         let over = target
             .error_over_tolerance
             .map_or("undefined".to_owned(), |over| format!("{over:.2} of its tolerance"));
+        let most = if most > 1.1 * likely { format!(", {most:.0} times at most") } else { String::new() };
         let _ = write!(
             text,
-            ".\nThe target's standard error is {over}; a tenth of it would take about {likely:.0} times as many paths, {most:.0} \
-             times at most"
+            ".\nThe target's standard error is {over}; a tenth of it would take about {likely:.0} times as many paths{most}"
         );
     }
     if solver.paths.is_some() {
