@@ -19,7 +19,15 @@ mod lobes;
 mod recycling;
 mod rings;
 
-use crate::{Cone, Estimate, Panel, Source, Top};
+use papilio_optics::lobe::Lobe;
+
+use crate::{Cone, Diffuser, Estimate, Panel, Source, Top};
+
+/// True if recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
+pub(super) fn narrows(panel: &Panel) -> bool {
+    let Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) = &panel.top else { return false };
+    *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
+}
 
 /// Prepared for a stack, its views and its sources.
 #[derive(Debug, Clone)]

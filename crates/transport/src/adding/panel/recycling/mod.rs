@@ -39,6 +39,9 @@ use forms::Places;
 use grid::{Columns, End, Grid, Meridian, NARROW};
 pub(super) use spectra::Reflectances;
 
+/// Lobes of this width and wider are on the grid themselves, at every level.
+pub(super) const NARROWEST: f64 = 0.012;
+
 /// How far recycled light is followed.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Plan {
