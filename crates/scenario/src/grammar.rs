@@ -135,12 +135,11 @@ macro_rules! kinds {
 }
 pub(crate) use kinds;
 
-/// Declares a closed set of words, and those that a later version will have.
+/// Declares a closed set of words.
 macro_rules! choice {
     (
         $(#[doc = $doc:literal])*
         $name:ident { $( $(#[doc = $word_doc:literal])* $variant:ident = $word:literal ),* $(,)? }
-        $(later [$($later:literal),* $(,)?])?
     ) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -157,10 +156,7 @@ macro_rules! choice {
                 };
                 match word.as_str() {
                     $($word => Some(Self::$variant),)*
-                    _ => {
-                        let later: &[&str] = &[$($($later),*)?];
-                        $crate::read::unknown_word(node, word, &[$($word),*], later, errors)
-                    }
+                    _ => $crate::read::unknown_word(node, word, &[$($word),*], &[], errors),
                 }
             }
         }

@@ -14,7 +14,7 @@
 //! terms. Where g is too large for that, the series is summed on the grid for each state and
 //! wavelength.
 //!
-//! Lobes narrower than about .01 would need too large a grid: theirs is made for a wider one,
+//! Lobes narrower than .01 to .03, by what else is asked of it, would need too large a grid: theirs is made for a wider one,
 //! the narrower the finer the level. What is recycled between two directions is then multiplied by what the true
 //! lobe has there over what the wider one has, of all orders together in closed form ([`Recycling::closed`]). What
 //! the rims and the pixel's angles do to recycled light then errs in proportion to the wider lobe's
@@ -40,7 +40,7 @@ use grid::{Columns, End, Grid, Meridian, NARROW};
 pub(super) use spectra::Reflectances;
 
 /// Lobes of this width and wider are on the grid themselves, at every level.
-pub(super) const NARROWEST: f64 = 0.012;
+pub(super) const NARROWEST: f64 = 0.035;
 
 /// How far recycled light is followed.
 #[derive(Debug, Clone, PartialEq)]
@@ -461,4 +461,28 @@ fn is_fitted(pass: &Pass<'_>) -> bool {
 fn chebyshev(count: usize) -> Vec<Node> {
     let x = |p: usize| 0.5 + 0.5 * (PI * (p as f64 + 0.5) / count as f64).cos();
     (0..count).map(|p| Node { x: x(p), weight: 1.0 }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Diffuser;
+
+    /// From [`NARROWEST`] on the grid has the lobe itself, at every level and for all directions; well below it has not.
+    #[test]
+    fn only_narrow_lobes_are_widened() {
+        for (level, index, straight_through) in
+            [(0.0, 1.5, 0.0), (0.0, 2.0, 0.3), (1.0, 1.5, 0.3), (3.0, 1.7, 0.0)]
+        {
+            let planned = |width: f64| {
+                let lobe = Lobe::KCorrelation { width };
+                let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), straight_through };
+                let table = &Nodes::Constant;
+                let pass = Pass { diffuser: &diffuser, table, index, digits: 11.5 + 3.5 * level };
+                Plan::new(&pass, 0.9, Some(1.0)).map(|plan| plan.width)
+            };
+            assert_eq!(planned(NARROWEST), Some(NARROWEST), "{level} {index} {straight_through}");
+            assert!(planned(0.004) > Some(0.01), "{level} {index} {straight_through}");
+        }
+    }
 }
