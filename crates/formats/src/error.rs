@@ -201,7 +201,7 @@ impl Problem {
             Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {
                 "decimal commas are not read: write decimals with a point, and part all columns alike"
             }
-            Self::Micrometres => "give wavelengths in nm: multiply the first column by 1000",
+            Self::Micrometres => "give wavelengths in nm: multiply them by 1000",
             Self::OutOfOrder { .. } => "sort the rows by wavelength and leave one row for each",
             Self::NotFinite { .. } => "leave the row out, or give its value",
             Self::OutOfRange { what: "reflectance" | "the share", value, .. } if *value > 1.0 => {

@@ -136,8 +136,7 @@ fn channel(name: &str) -> Option<Channel> {
         "z" => Channel::Z,
         "bsdf" | "brdf" | "btdf" | "value" => Channel::Monochrome,
         _ => {
-            let nm: f64 = name.strip_suffix("nm")?.parse().ok()?;
-            return (nm.is_finite() && nm > 0.0).then_some(Channel::Wavelength(nm));
+            return super::wavelength(name.strip_suffix("nm")?.parse().ok()?);
         }
     })
 }

@@ -55,7 +55,7 @@ fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError>
         theta_o_deg: axis("theta_o_deg", 0.0, 90.0)?,
         phi_o_deg: axis("dphi_deg", 0.0, 180.0)?,
     };
-    let wavelengths = axis("wavelength_nm", 1e-3, 1e6)?;
+    let wavelengths = axis("wavelength_nm", super::SHORTEST_NM, 1e6)?;
     let Array { shape, values } = arrays.numbers("brdf")?;
     let lengths = [&grid.theta_i_deg, &grid.theta_o_deg, &grid.phi_o_deg, &wavelengths].map(Vec::len);
     if shape.get(1..) != Some(&lengths[..]) || shape[0] != states || states == 0 {

@@ -28,11 +28,19 @@ pub use display::{BsdfSource, write_bsdf};
 pub use problem::BsdfProblem;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
-use papilio_goniometry::Measurement;
+use papilio_goniometry::{Channel, Measurement};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
 use crate::place::Place;
+
+/// No channel of light has a shorter wavelength, nm; tables in um end far below.
+const SHORTEST_NM: f64 = 30.0;
+
+/// The channel of a wavelength in nm, if it is one.
+fn wavelength(nm: f64) -> Option<Channel> {
+    (nm.is_finite() && nm >= SHORTEST_NM).then_some(Channel::Wavelength(nm))
+}
 
 /// No file of measured scattering may be larger, in bytes: what to give [`DataFile::open_within`].
 pub const LARGEST_BSDF_FILE: u64 = 256 << 20;

@@ -170,7 +170,7 @@ impl<'a> Tensors<'a> {
                 let [before, value] = [pair[0], pair[1]];
                 return Err(self.error(BsdfProblem::Order { what: "wavelength", value, before }));
             }
-            if let Some(&value) = wavelengths.first().filter(|first| **first <= 0.0) {
+            if let Some(&value) = wavelengths.first().filter(|first| **first < super::SHORTEST_NM) {
                 let expected = "expected a wavelength in nm";
                 return Err(self.error(Problem::OutOfRange { what: "a wavelength", value, expected }));
             }

@@ -120,13 +120,6 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     if rows.count == 0 {
         return Err(text.ends("its first row"));
     }
-    let channels = rows.channels.iter().filter_map(|channel| match channel {
-        Channel::Wavelength(nm) => Some(*nm),
-        _ => None,
-    });
-    if channels.clone().count() > 0 && channels.clone().all(|nm| nm < 30.0) {
-        return Err(text.whole(Problem::Micrometres));
-    }
     let parts = rows.parts(text)?;
     let provenance = provenance(lines.comments);
     Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts }, warnings: Vec::new() })
@@ -171,12 +164,17 @@ const WAYS: [Way; 4] =
 
 impl Rows {
     fn take(&mut self, text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<(), FormatError> {
+        let count = layout.columns.len();
+        let found = cells(text, line.clone(), layout.separator).take(count + 1).count();
+        if found != count {
+            let expected =
+                "expected theta_i,phi_i,theta_o,phi_o[,wavelength],value, or the columns of the header";
+            return Err(text.error(line, Problem::Columns { count, expected, found }));
+        }
         let mut angles = [0.0; 4];
         let (mut way, mut channel, mut value) = (None, Channel::Monochrome, f64::NAN);
-        let mut found = 0;
         let most = if layout.columns.contains(&Column::Way) { 90.0 } else { 180.0 };
         for (cell, column) in cells(text, line.clone(), layout.separator).zip(&layout.columns) {
-            found += 1;
             match *column {
                 Column::Angle(k) => angles[k] = angle(text, cell, k, most)?,
                 Column::Way => way = Some(way_of(text, cell)?),
@@ -185,13 +183,6 @@ impl Rows {
                 Column::Value if cell.is_empty() => {}
                 Column::Value => value = text.value(cell)?,
             }
-        }
-        let count = layout.columns.len();
-        let all = cells(text, line.clone(), layout.separator).take(count + 1).count();
-        if all != count || found != count {
-            let expected =
-                "expected theta_i,phi_i,theta_o,phi_o[,wavelength],value, or the columns of the header";
-            return Err(text.error(line, Problem::Columns { count, expected, found: all }));
         }
         let way = way.unwrap_or_else(|| unfold(&mut angles));
         self.add(text, line, way, angles, (channel, value))
@@ -283,10 +274,7 @@ pub(super) fn way_named(name: &str) -> Option<Way> {
 /// The channel that is called so: a name, or a wavelength's number.
 pub(super) fn channel_named(name: &str) -> Option<Channel> {
     let named = NAMED.iter().find(|named| named.to_string().eq_ignore_ascii_case(name));
-    named.copied().or_else(|| {
-        let nm: f64 = name.parse().ok()?;
-        (nm.is_finite() && nm > 0.0).then_some(Channel::Wavelength(nm))
-    })
+    named.copied().or_else(|| super::wavelength(name.parse().ok()?))
 }
 
 fn way_of(text: Text<'_>, cell: Range<usize>) -> Result<usize, FormatError> {
@@ -304,13 +292,12 @@ fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError
     if let Some(named) = NAMED.iter().find(|named| named.to_string().eq_ignore_ascii_case(&word)) {
         return Ok(*named);
     }
-    match text.number(cell.clone())? {
-        nm if nm > 0.0 => Ok(Channel::Wavelength(nm)),
-        value => {
-            let expected = "expected a wavelength in nm";
-            Err(text.error(cell, Problem::OutOfRange { what: "a wavelength", value, expected }))
-        }
-    }
+    let value = text.number(cell.clone())?;
+    super::wavelength(value).ok_or_else(|| {
+        let expected = "expected a wavelength in nm";
+        let out_of_range = Problem::OutOfRange { what: "a wavelength", value, expected };
+        text.error(cell, if value > 0.0 { Problem::Micrometres } else { out_of_range })
+    })
 }
 
 /// The way of angles that are from the front's normal, made angles from their own sides' normals.

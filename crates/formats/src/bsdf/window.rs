@@ -321,6 +321,6 @@ fn channel_of(name: &str) -> Option<Channel> {
         return Some(*channel);
     }
     // One wavelength: in nm, or in um.
-    let number: f64 = name.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0)?;
-    Some(Channel::Wavelength(if number < 30.0 { 1000.0 * number } else { number }))
+    let number: f64 = name.parse().ok()?;
+    super::wavelength(number).or_else(|| super::wavelength(1000.0 * number))
 }
