@@ -1,6 +1,6 @@
 //! The commands and their options.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -29,6 +29,11 @@ pub(crate) enum Command {
     /// Files of measured scattering: look into them, convert them
     #[command(subcommand)]
     Diffuser(Diffuser),
+    /// Compute a scenario at every point of its [sweep], resumably: sweep.csv and figures
+    #[command(after_help = "Example: papilio sweep scenarios/sweep.toml\n\n\
+                      What is done is kept: the same command goes on after a kill, and computes only what is new in a\n\
+                      sweep that was changed.")]
+    Sweep(Sweep),
     /// Studies of the methods on a scenario of your own
     #[command(subcommand)]
     Study(Study),
@@ -64,6 +69,66 @@ pub(crate) struct Run {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(crate) struct Sweep {
+    #[command(subcommand)]
+    pub(crate) command: Option<SweepCommand>,
+    #[command(flatten)]
+    pub(crate) run: Option<SweepRun>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SweepCommand {
+    /// Join the parts of a sweep that were computed with --shard
+    Merge(SweepMerge),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepRun {
+    // Those of `ScenarioArguments`: flattened twice, clap would not find them beside a subcommand.
+    /// The scenario (TOML), with a [sweep]
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Folder for the results [default: out/ and the name of FILE]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Set a key of the scenario, as for `papilio run`; what is swept comes after it
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Compute part K of N alone, for many machines: every N-th point
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub(crate) shard: Option<(usize, usize)>,
+    /// Write each figure as PNG, too
+    #[arg(long)]
+    pub(crate) png: bool,
+    /// Worker threads [default: one for each processor]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepMerge {
+    /// Folders with the journals of all parts
+    #[arg(value_name = "DIR", required = true)]
+    pub(crate) folders: Vec<PathBuf>,
+    /// Folder for the table and figures [default: the first DIR]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write each figure as PNG, too
+    #[arg(long)]
+    pub(crate) png: bool,
+}
+
+/// `K/N` with 1 <= K <= N.
+fn shard(text: &str) -> Result<(usize, usize), String> {
+    let wrong = || "expected K/N with 1 <= K <= N, as 2/8".to_owned();
+    let (k, n) = text.split_once('/').ok_or_else(wrong)?;
+    let (k, n): (usize, usize) = (k.parse().map_err(|_| wrong())?, n.parse().map_err(|_| wrong())?);
+    if (1..=n).contains(&k) && n <= 100_000 { Ok((k, n)) } else { Err(wrong()) }
 }
 
 #[derive(Debug, Subcommand)]
@@ -329,8 +394,13 @@ pub(crate) struct ScenarioArguments {
 impl ScenarioArguments {
     /// Where results go when the user does not say.
     pub(crate) fn default_out(&self) -> PathBuf {
-        PathBuf::from("out").join(self.file.file_stem().unwrap_or_default())
+        default_out(&self.file)
     }
+}
+
+/// `out/` and the name of a scenario.
+pub(crate) fn default_out(file: &Path) -> PathBuf {
+    PathBuf::from("out").join(file.file_stem().unwrap_or_default())
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

@@ -12,6 +12,7 @@ mod pixel;
 mod report;
 mod run;
 mod study;
+mod sweep;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -65,6 +66,7 @@ fn main() -> ExitCode {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
+        Command::Sweep(command) => sweep::sweep(&command),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),
         Command::Schema { result } => output::schema(result),
     };

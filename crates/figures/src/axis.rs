@@ -62,6 +62,15 @@ impl Axis {
         Some(Self { min: low, max: high, ticks, title: title.to_owned(), logarithmic: true })
     }
 
+    /// A place for each name: 0, 1, ...; at most about `count` of them are written.
+    pub(crate) fn of_names(names: &[String], count: usize, title: &str) -> Self {
+        let every = names.len().div_ceil(count.max(1)).max(1);
+        let ticks =
+            names.iter().enumerate().step_by(every).map(|(i, name)| (i as f64, name.clone())).collect();
+        let max = names.len() as f64 - 0.5;
+        Self { min: -0.5, max: max.max(0.5), ticks, title: title.to_owned(), logarithmic: false }
+    }
+
     /// From the first to the last of ascending `values`.
     pub(crate) fn between(values: &[f64], count: usize, title: &str) -> Self {
         match values {

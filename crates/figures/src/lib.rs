@@ -13,6 +13,7 @@
 //! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
 //! | [`accuracy`] | errors of solvers against their cost |
+//! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
 //! | [`point_sets`] | where points lie in the unit square |
 //!
 //! Each takes the scenario's title (empty: none), which stands above the figure, and
@@ -51,6 +52,7 @@ mod scattering;
 mod spectra;
 mod style;
 mod svg;
+mod sweep;
 
 pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
@@ -64,3 +66,4 @@ pub use png::{PngError, png};
 pub use point_sets::point_sets;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;
+pub use sweep::{SweepAxis, SweepFigure, sweep_curves, sweep_map};

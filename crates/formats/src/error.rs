@@ -94,6 +94,12 @@ pub enum Problem {
         /// The range in words.
         expected: &'static str,
     },
+    /// A line of a sweep's journal that no sweep wrote.
+    #[error("this is not a line of a sweep's journal: {reason}")]
+    NotAJournal {
+        /// What the parser says.
+        reason: String,
+    },
     /// Wavelengths that look like micrometres.
     #[error("these wavelengths look like micrometres")]
     Micrometres,
@@ -201,6 +207,7 @@ impl Problem {
             Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {
                 "decimal commas are not read: write decimals with a point, and part all columns alike"
             }
+            Self::NotAJournal { .. } => "take the line out of the file: its point is computed again",
             Self::Micrometres => "give wavelengths in nm: multiply them by 1000",
             Self::OutOfOrder { .. } => "sort the rows by wavelength and leave one row for each",
             Self::NotFinite { .. } => "leave the row out, or give its value",

@@ -51,6 +51,7 @@ mod result;
 mod rows;
 mod spectrum;
 mod study;
+mod sweep;
 
 pub use audit::{AuditFile, FitFile};
 pub use bsdf::{
@@ -67,3 +68,7 @@ pub use place::{Place, Remark, Spot};
 pub use result::{ResultFile, result_schema, write_spectra, write_states};
 pub use spectrum::{read_light, read_shares, read_spectrum};
 pub use study::write_study;
+pub use sweep::{
+    LARGEST_JOURNAL, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, read_sweep, sweep_value,
+    write_sweep_csv, write_sweep_line,
+};

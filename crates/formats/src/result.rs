@@ -37,18 +37,23 @@ pub struct ResultFile<'a> {
 /// Those of `out`.
 pub fn write_states(out: impl Write, result: &RunResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    let mut header_is_there = false;
+    let (titles, rows) = state_table(result);
+    csv.write_record(&titles)?;
+    rows.iter().try_for_each(|row| csv.write_record(row))?;
+    csv.flush()
+}
+
+/// The columns of `states.csv`, and its rows.
+pub(crate) fn state_table(result: &RunResult) -> (Vec<String>, Vec<Vec<String>>) {
+    let (mut titles, mut rows) = (Vec::new(), Vec::new());
     for view in &result.views {
         for (name, state) in view.states.iter() {
-            let columns = scalars(view, name, state);
-            if !header_is_there {
-                csv.write_record(columns.iter().map(|(title, _)| title.as_str()))?;
-                header_is_there = true;
-            }
-            csv.write_record(columns.iter().map(|(_, cell)| cell.as_str()))?;
+            let cells;
+            (titles, cells) = scalars(view, name, state).into_iter().unzip();
+            rows.push(cells);
         }
     }
-    csv.flush()
+    (titles, rows)
 }
 
 /// Writes `spectra.csv`: a row for each view, state and wavelength.

@@ -19,6 +19,7 @@ impl Problem {
             Self::NumberWithUnit(_) | Self::DecimalComma => "expected a number alone".to_owned(),
             Self::ControlCharacters => "expected one line of plain text".to_owned(),
             Self::NoSubPixels => "expected a share for each, such as { red = 0.5, green = 0.5 }".to_owned(),
+            Self::SweepLengths { needed, .. } => format!("expected {needed} values"),
             Self::EmptyList => "expected at least one item".to_owned(),
             Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
             Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
@@ -90,6 +91,13 @@ impl Problem {
             Self::UnknownName { name, names, .. } => suggestion(name, names.iter().copied(), "names"),
             Self::NoSubPixel { name, known, .. } => {
                 suggestion(name, known.iter().map(String::as_str), "sub-pixels")
+            }
+            Self::StepLeadsAway { .. } => "give `count` instead, or turn the sign of the step".to_owned(),
+            Self::SweepLengths { .. } => {
+                "keys of one [[sweep.axes]] move together; for all combinations give each its own".to_owned()
+            }
+            Self::NoSuchMetric { name, known } => {
+                suggestion(name, known.iter().map(String::as_str), "metrics")
             }
             Self::NoSuchState { name, known } => suggestion(name, known.iter().map(String::as_str), "states"),
             Self::NotInThisVersion { choices, .. } if !choices.is_empty() => {

@@ -12,13 +12,14 @@
 //!   expected, a hint; all independent mistakes are reported together.
 //! - Later changes (`--set`) and presets act on the tree of the text before it is
 //!   read, so that they obey the same grammar and point to their own text.
+//! - A [`Sweep`] is a scenario at many points: values of its `[sweep]` are put into the same tree.
 //! - The [hash](Resolved::hash) names the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
 //! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, ten million
 //! numbers for each quantity of the result, eight million states x wavelengths x
 //! (directed sources + 8), and 100 000 film gaps x wavelengths; nothing a file says makes the
-//! program panic or take memory without bound. **Out of scope**: sweeps, and
+//! program panic or take memory without bound. **Out of scope**:
 //! any computation with light.
 //!
 //! ```
@@ -58,6 +59,7 @@ mod scenario;
 mod schema;
 mod set;
 mod source;
+mod sweep;
 mod tree;
 
 pub use error::{ScenarioError, ScenarioErrors};
@@ -66,3 +68,4 @@ pub use problem::Problem;
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
+pub use sweep::{Sweep, SweepAxis};

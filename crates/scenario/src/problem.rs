@@ -256,6 +256,45 @@ pub enum Problem {
         /// Step.
         step: f64,
     },
+    /// A range that its step does not follow.
+    #[error("steps of {step} do not lead from {from} to {to}")]
+    StepLeadsAway {
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+        /// Step.
+        step: f64,
+    },
+    /// Keys of one axis of a sweep that cannot move together.
+    #[error("`{path}` has {count} values, `{first}` has {needed}")]
+    SweepLengths {
+        /// The key.
+        path: String,
+        /// How many values it has.
+        count: usize,
+        /// The axis's first key.
+        first: String,
+        /// How many values that has.
+        needed: usize,
+    },
+    /// A key in more than one place of a sweep.
+    #[error("`{path}` is swept twice")]
+    SweptTwice {
+        /// The key.
+        path: String,
+    },
+    /// A sweep's own key under its axes.
+    #[error("a sweep does not sweep itself")]
+    SweepOfItself,
+    /// A metric that no result has.
+    #[error("there is no metric `{name}`")]
+    NoSuchMetric {
+        /// What was asked for.
+        name: String,
+        /// The metrics that there are.
+        known: Vec<String>,
+    },
     /// No k-correlation lobe has this haze.
     #[error("no lobe has a haze of {haze} with a straight-through share of {straight_through}")]
     NoWidth {

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::describe::File;
+use crate::describe::sweep::Swept;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
@@ -67,25 +68,18 @@ impl Scenario {
         folder: &Path,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        if text.len() > LONGEST_TEXT {
-            let problem =
-                papilio_formats::Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
-            return Err(ScenarioError::about_file(name, problem.into()).into());
-        }
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let sources = Sources::new(name, text, overrides);
+        let (root, sources) = parse(text, name, overrides)?;
+        let root = assemble(root, &sources, &[])?;
+        Self::read(root, folder.to_owned(), sources)
+    }
+
+    /// A scenario from its tree, to which nothing is to be added.
+    pub(crate) fn read(root: Node, folder: PathBuf, sources: Sources) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
-        let mut root = Node::parse_document(text, &mut errors);
-        errors.check(&sources)?;
-        // The preset comes first, so that other keys can change what it gives.
-        set::apply(&mut root, &sources, true, &mut errors);
-        preset::expand(&mut root, &mut errors);
-        set::apply(&mut root, &sources, false, &mut errors);
-        errors.check(&sources)?;
         let file = File::read(&root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        Ok(Self { file, folder: folder.to_owned(), sources })
+        Ok(Self { file, folder, sources })
     }
 
     /// Looks up what [`papilio diffuser measure`](VirtualMeasurement) needs: the display's diffuser and `[measure]`.
@@ -106,6 +100,8 @@ impl Scenario {
             resolve::resolve(&self.file, &self.folder, &self.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
+            // What else might be computed has no part in what is.
+            keys.remove("sweep");
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
@@ -119,6 +115,36 @@ impl Scenario {
             hash,
         })
     }
+}
+
+/// The tree of a text, and the texts that will have a say in it.
+pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<(Node, Sources), ScenarioErrors> {
+    if text.len() > LONGEST_TEXT {
+        let problem =
+            papilio_formats::Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
+        return Err(ScenarioError::about_file(name, problem.into()).into());
+    }
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let sources = Sources::new(name, text, overrides);
+    let mut errors = Errors::default();
+    let root = Node::parse_document(text, &mut errors);
+    errors.check(&sources)?;
+    Ok((root, sources))
+}
+
+/// The tree with its preset, each `--set`, and a sweep's values at one point.
+pub(crate) fn assemble(
+    mut root: Node,
+    sources: &Sources,
+    swept: &[(&Swept, &Node)],
+) -> Result<Node, ScenarioErrors> {
+    let mut errors = Errors::default();
+    // The preset comes first, so that other keys can change what it gives.
+    set::apply(&mut root, sources, swept, true, &mut errors);
+    preset::expand(&mut root, &mut errors);
+    set::apply(&mut root, sources, swept, false, &mut errors);
+    errors.check(sources)?;
+    Ok(root)
 }
 
 /// The same value with the keys of its objects sorted, whatever the map keeps.

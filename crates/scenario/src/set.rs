@@ -1,10 +1,11 @@
-//! `--set PATH=VALUE`: changes to a scenario from the command line.
+//! `--set PATH=VALUE`: changes to a scenario from the command line, and those of a sweep.
 //!
 //! The path is dotted; arrays are indexed from 0, and the index one beyond the
 //! last appends. Of two keys that exclude each other (`haze` and `width`) a set one
 //! replaces the file's; two set ones are an error. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
+use crate::describe::sweep::Swept;
 use crate::error::Errors;
 use crate::problem::Problem;
 use crate::source::{Origin, Sources};
@@ -16,8 +17,14 @@ const MOST_SEGMENTS: usize = 16;
 /// Where presets are named; they are set before any other key.
 pub(crate) const PRESET_PATH: &str = "lighting.preset";
 
-/// Applies each `--set` in turn: those of the preset alone, or all others.
-pub(crate) fn apply(root: &mut Node, sources: &Sources, presets: bool, errors: &mut Errors) {
+/// Applies each `--set` in turn, then what is swept: those of the preset alone, or all others.
+pub(crate) fn apply(
+    root: &mut Node,
+    sources: &Sources,
+    swept: &[(&Swept, &Node)],
+    presets: bool,
+    errors: &mut Errors,
+) {
     for source in 1..=sources.overrides() {
         let text = sources.text(source);
         let Some((path, value)) = text.split_once('=') else {
@@ -32,6 +39,12 @@ pub(crate) fn apply(root: &mut Node, sources: &Sources, presets: bool, errors: &
             if let Err((origin, problem)) = put(root, &segments(path, source), value) {
                 errors.push(origin, problem);
             }
+        }
+    }
+    for (swept, value) in swept.iter().filter(|(swept, _)| (swept.path == PRESET_PATH) == presets) {
+        let path: Vec<_> = swept.path.split('.').map(|key| (key.trim(), swept.origin)).collect();
+        if let Err((origin, problem)) = put(root, &path, (*value).clone()) {
+            errors.push(origin, problem);
         }
     }
 }

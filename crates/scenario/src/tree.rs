@@ -113,6 +113,13 @@ impl Node {
         }
     }
 
+    /// Takes a key out of a table, if this is one that has it.
+    pub(crate) fn remove(&mut self, key: &str) {
+        if let Value::Table(entries) = &mut self.value {
+            entries.retain(|entry| entry.key != key);
+        }
+    }
+
     /// Takes every key of `other` that is missing here, all the way down; arrays count as one value.
     pub(crate) fn fill_from(&mut self, other: Self) {
         let (Value::Table(mine), Value::Table(theirs)) = (&mut self.value, other.value) else { return };

@@ -11,6 +11,7 @@ pub(crate) mod measure;
 pub(crate) mod numbers;
 pub(crate) mod pixel;
 pub(crate) mod solver;
+pub(crate) mod sweep;
 pub(crate) mod viewer;
 
 use crate::error::Errors;
@@ -22,7 +23,7 @@ use numbers::Wavelength;
 
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
-    File later ["sweep", "optimize", "tolerance", "study"] {
+    File later ["optimize", "tolerance", "study"] {
         /// A title for tables and figures, one line. Default: none.
         title: Option<Title>,
         /// The wavelengths of the computation.
@@ -37,6 +38,8 @@ table! {
         solver: solver::Solver,
         /// A virtual imaging sphere that looks at the diffuser; for `papilio diffuser measure` alone. Default: none.
         measure: Option<measure::Measure>,
+        /// Keys that are varied; for `papilio sweep` alone. Default: none.
+        sweep: Option<sweep::Sweep>,
     }
 }
 

@@ -183,7 +183,7 @@ const TARGETS: &[Case] = &[
 ];
 
 const NOT_IN_THIS_VERSION: &[Case] =
-    &[("[viewer]", "[sweep]\n[viewer]", (37, 2), &["`sweep` is not in this version"])];
+    &[("[viewer]", "[optimize]\n[viewer]", (37, 2), &["`optimize` is not in this version"])];
 
 #[test]
 fn every_mistake_is_shown_where_it_is() {

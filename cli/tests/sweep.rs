@@ -1,0 +1,267 @@
+//! Sweeps as their users meet them: killed and gone on with, in parts, changed, wrong.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+/// A bare film pixel: quick, and not so quick that a sweep of it cannot be killed.
+const SCENARIO: &str = r#"
+title = "Bare"
+[display.pixel]
+model = "film"
+substrate = "Al"
+area = { red = 0.4, green = 0.4, blue = 0.2 }
+gap_nm = { red = 275.9, green = 192.3, blue = 137.8, dark = 20.0 }
+film = [
+  { material = "Si3N4", thickness_nm = 55.9 },
+  { material = "Cr:Johnson", thickness_nm = 12.15 },
+  { material = "air", thickness_nm = "gap" },
+]
+[display.diffuser]
+model = "k-correlation"
+haze = 0.78
+transmittance = 0.9
+[solver]
+relative_error = 0.01
+[sweep]
+figures = ["contrast_ratio", "white.L_star"]
+[[sweep.axes]]
+"display.pixel.film.1.thickness_nm" = { from = 6, to = 14, count = 5 }
+[[sweep.axes]]
+viewer.theta_deg = [0, 10, 20]
+lighting.directed = [[], [], []]
+"#;
+
+fn papilio(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Every file of a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
+}
+
+/// The same names, and the same bytes under each.
+fn same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
+    assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
+    let other: Vec<_> = found.keys().filter(|name| found[*name] != expected[*name]).collect();
+    assert!(other.is_empty(), "{other:?} are not what they should be");
+}
+
+/// The scenario in a folder of its own, and where results go.
+fn place(text: &str) -> (tempfile::TempDir, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    fs::write(&file, text).unwrap();
+    let out = folder.path().join("out");
+    let names = [file, out].map(|path| path.to_str().unwrap().to_owned());
+    let [file, out] = names;
+    (folder, file, out)
+}
+
+/// What a sweep that nothing disturbs leaves.
+fn undisturbed() -> BTreeMap<String, Vec<u8>> {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    files(Path::new(&out))
+}
+
+#[test]
+fn a_sweep_writes_its_table_and_figures() {
+    let files = undisturbed();
+    let names: Vec<&str> = files.keys().map(String::as_str).collect();
+    let expected = [
+        "sweep.csv",
+        "sweep.jsonl",
+        "sweep_contrast_ratio.svg",
+        "sweep_contrast_ratio_map.svg",
+        "sweep_white.L_star.svg",
+        "sweep_white.L_star_map.svg",
+    ];
+    assert_eq!(names, expected);
+    let table = String::from_utf8(files["sweep.csv"].clone()).unwrap();
+    let mut lines = table.lines();
+    let keys = "point,display.pixel.film.1.thickness_nm,viewer.theta_deg,lighting.directed,theta_deg";
+    assert!(lines.next().unwrap().starts_with(keys), "{table}");
+    // 15 points, each with eight states.
+    let states = lines.clone().filter(|line| line.starts_with("14,14,20,[],20,0,")).count();
+    assert_eq!((states, lines.count()), (8, 15 * 8));
+}
+
+/// A point has the numbers that `papilio run` gives for it, to the last digit.
+#[test]
+fn a_point_is_a_run() {
+    let (folder, file, out) = place(SCENARIO);
+    assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
+    let table = fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap();
+    let alone = folder.path().join("run");
+    let set = ["display.pixel.film.1.thickness_nm=10", "viewer.theta_deg=20"];
+    let output = papilio(&["run", &file, "--out", alone.to_str().unwrap(), "--set", set[0], "--set", set[1]]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let states = fs::read_to_string(alone.join("states.csv")).unwrap();
+    let swept: Vec<&str> = table.lines().filter_map(|line| line.strip_prefix("8,10,20,[],")).collect();
+    assert_eq!(swept, states.lines().skip(1).collect::<Vec<_>>());
+}
+
+/// Killed at many moments and gone on with, it ends in the same bytes; and no point is computed twice.
+#[test]
+fn a_killed_sweep_goes_on() {
+    let expected = undisturbed();
+    let (_folder, file, out) = place(SCENARIO);
+    let journal = Path::new(&out).join("sweep.jsonl");
+    let whole = |bytes: &[u8]| bytes.iter().filter(|byte| **byte == b'\n').count().saturating_sub(1);
+    let (mut kills, mut amid, mut before) = (0, 0, 0);
+    let mut number = 12_345_u64;
+    loop {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_papilio"))
+            .args(["sweep", &file, "--out", &out, "--threads", "1"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let mut patience = (number >> 56) / 2;
+        // Not a clock: how far the sweep is decides, and a little chance.
+        loop {
+            let done = fs::read(&journal).map_or(0, |bytes| whole(&bytes));
+            assert!(done <= 15, "{done} lines for 15 points");
+            if child.try_wait().unwrap().is_some() || (done > before && patience == 0) {
+                before = done;
+                break;
+            }
+            patience = patience.saturating_sub(1);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let over = child.try_wait().unwrap().is_some();
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        if over {
+            assert!(output.status.success(), "{}", stderr(&output));
+            break;
+        }
+        kills += 1;
+        amid += usize::from((1..15).contains(&before));
+        assert!(kills < 100);
+    }
+    assert!(amid >= 3, "it was killed {kills} times, {amid} of them with something done");
+    same(&files(Path::new(&out)), &expected);
+    // With all of it there, nothing is computed.
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(stderr(&output).contains("15 points, 0 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+}
+
+/// A line that was cut off in its middle is computed again.
+#[test]
+fn a_torn_line_is_no_loss() {
+    let expected = undisturbed();
+    let (_folder, file, out) = place(SCENARIO);
+    fs::create_dir(&out).unwrap();
+    let journal = &expected["sweep.jsonl"];
+    fs::write(Path::new(&out).join("sweep.jsonl"), &journal[..journal.len() - 100]).unwrap();
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(stderr(&output).contains("15 points, 1 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+}
+
+/// Parts on many machines, joined, are the whole.
+#[test]
+fn parts_make_the_whole() {
+    let expected = undisturbed();
+    let (folder, file, _) = place(SCENARIO);
+    let parts: Vec<String> = (1..=3)
+        .map(|k| {
+            let out = folder.path().join(format!("part{k}")).to_str().unwrap().to_owned();
+            let output = papilio(&["sweep", &file, "--out", &out, "--shard", &format!("{k}/3")]);
+            assert!(output.status.success() && stderr(&output).contains("5 points"), "{}", stderr(&output));
+            out
+        })
+        .collect();
+    let whole = folder.path().join("whole");
+    let whole_name = whole.to_str().unwrap();
+    let missing = papilio(&["sweep", "merge", &parts[0], &parts[2], "--out", whole_name]);
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(
+        stderr(&missing).contains("5 of 15 points are not done: 1, 4, 7, 10, 13"),
+        "{}",
+        stderr(&missing)
+    );
+    assert!(!whole.exists());
+    let output = papilio(&["sweep", "merge", &parts[0], &parts[1], &parts[2], "--out", whole_name]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut expected = expected;
+    expected.remove("sweep.jsonl");
+    same(&files(&whole), &expected);
+    // A part counts as done for the whole sweep in its folder.
+    let output = papilio(&["sweep", &file, "--out", &parts[0]]);
+    assert!(stderr(&output).contains("15 points, 10 computed"), "{}", stderr(&output));
+}
+
+/// What was computed for a sweep serves it when it is changed.
+#[test]
+fn a_longer_sweep_computes_what_is_new() {
+    let (_folder, file, out) = place(SCENARIO);
+    assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
+    fs::write(&file, SCENARIO.replace("from = 6, to = 14, count = 5", "from = 4, to = 14, count = 6"))
+        .unwrap();
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(stderr(&output).contains("18 points, 3 computed"), "{}", stderr(&output));
+}
+
+#[test]
+fn wrong_sweeps_say_where_and_compute_nothing() {
+    for (from, to, spot, words) in [
+        (
+            "\"display.pixel.film.1.thickness_nm\"",
+            "\"display.pixel.film.1.thicknes_nm\"",
+            "s.toml:22:1",
+            "thickness_nm",
+        ),
+        ("[0, 10, 20]", "[0, 10, 95]", "s.toml:24:28", "out of range"),
+        ("[0, 10, 20]", "[0, 10]", "s.toml:25:10", "has 3 values"),
+        ("[0, 10, 20]", "[]", "s.toml:24:20", "at least one value"),
+        ("[0, 10, 20]", "5", "s.toml:24:20", "a list of values"),
+        ("count = 5", "step = -1", "s.toml:22:67", "do not lead from 6 to 14"),
+        ("count = 5", "count = 5, step = 2", "s.toml:22:39", "more than one"),
+        ("count = 5", "step = 1e-9", "s.toml:22:39", "expected at most 100000"),
+        ("viewer.theta_deg", "sweep.theta_deg", "s.toml:24:7", "does not sweep itself"),
+        ("white.L_star", "white.Lstar", "s.toml:20:30", "L_star"),
+        ("[[sweep.axes]]", "[[sweep.axis]]", "s.toml:21:9", "axes"),
+    ] {
+        let (_folder, file, out) = place(&SCENARIO.replace(from, to));
+        let output = papilio(&["sweep", &file, "--out", &out]);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{to}: {text}");
+        assert!(text.contains(spot) && text.contains(words), "{to}: {text}");
+        assert!(output.stdout.is_empty() && !Path::new(&out).join("sweep.csv").exists());
+    }
+    let (_folder, file, out) = place(SCENARIO.split("[sweep]").next().unwrap());
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("the key `sweep` is missing"), "{}", stderr(&output));
+    let output = papilio(&["sweep", &file, "--shard", "3/2"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+/// A scenario with a sweep is a scenario: `run` computes it as it stands, and it is the same one.
+#[test]
+fn a_run_does_not_sweep() {
+    let hash = |text: &str| {
+        let (_folder, file, _) = place(text);
+        let output = papilio(&["run", &file, "--json"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        result["hash"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(hash(SCENARIO), hash(SCENARIO.split("[sweep]").next().unwrap()));
+}

@@ -1,0 +1,307 @@
+//! What a sweep keeps and writes: its journal, `sweep.jsonl`, and its table, `sweep.csv`.
+//!
+//! The journal is JSON, a line each: first what the sweep is ([`SweepHead`]), then every point as it is done
+//! ([`SweepPoint`]). A point is known by the hash of its scenario and of its files, so that a journal serves a
+//! sweep that was changed, too. A line without its end was cut off when the program was killed, and counts for nothing.
+
+use std::io::{self, Write};
+
+use papilio_display::result::RunResult;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::place::Place;
+use crate::result::state_table;
+
+/// No journal may be larger, in bytes.
+pub const LARGEST_JOURNAL: u64 = 4 << 30;
+
+/// What a sweep is: the first line of its journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SweepHead {
+    /// Version of the program.
+    pub papilio: String,
+    /// The scenario's title.
+    pub title: Option<String>,
+    /// The axes, the slowest first.
+    pub axes: Vec<SweepHeadAxis>,
+    /// Metrics to draw.
+    pub figures: Vec<String>,
+}
+
+/// An axis: keys that move together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SweepHeadAxis {
+    /// Dotted paths.
+    pub keys: Vec<String>,
+    /// For each point the value of each key.
+    pub values: Vec<Vec<Value>>,
+}
+
+/// A point that is done.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SweepPoint {
+    /// Its number in the sweep that the journal begins with; none in a journal of an earlier form of the sweep.
+    pub point: Option<usize>,
+    /// SHA-256 of its scenario and files.
+    pub hash: String,
+    /// Version of the program that computed it.
+    pub papilio: String,
+    /// What may be wrong with it.
+    pub warnings: Vec<String>,
+    /// The columns of `states.csv`.
+    pub columns: Vec<String>,
+    /// Its rows: for each view and state the cells as they are written.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl SweepHead {
+    /// How many points there are.
+    pub fn points(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// Where a point lies on each axis.
+    pub fn place(&self, point: usize) -> Vec<usize> {
+        let mut rest = point;
+        let on = |axis: &SweepHeadAxis| {
+            let at = rest % axis.values.len().max(1);
+            rest /= axis.values.len().max(1);
+            at
+        };
+        let mut place: Vec<usize> = self.axes.iter().rev().map(on).collect();
+        place.reverse();
+        place
+    }
+
+    /// Every key with its value at a point.
+    pub fn swept(&self, point: usize) -> impl Iterator<Item = (&str, &Value)> {
+        let at = self.axes.iter().zip(self.place(point));
+        at.flat_map(|(axis, at)| {
+            axis.keys.iter().map(String::as_str).zip(axis.values.get(at).into_iter().flatten())
+        })
+    }
+}
+
+impl SweepPoint {
+    /// A point's result.
+    pub fn new(point: usize, hash: String, papilio: &str, result: &RunResult) -> Self {
+        let table = state_table(result);
+        let warnings = result.warnings.clone();
+        Self {
+            point: Some(point),
+            hash,
+            papilio: papilio.to_owned(),
+            warnings,
+            columns: table.0,
+            rows: table.1,
+        }
+    }
+
+    /// The metrics that it has: columns that hold numbers, and those of a state as `white.Y`.
+    pub fn metrics(&self) -> Vec<String> {
+        const PLACES: [&str; 3] = ["theta_deg", "phi_deg", "state"];
+        let columns = || self.columns.iter().filter(|name| !PLACES.contains(&name.as_str()));
+        let mut states: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            if let Some(state) = self.cell(row, "state").filter(|state| !states.contains(state)) {
+                states.push(state);
+            }
+        }
+        let of_states = states.iter().flat_map(|state| columns().map(move |name| format!("{state}.{name}")));
+        columns().cloned().chain(of_states).collect()
+    }
+
+    /// A metric of the first view, if it is defined: one of [`metrics`](Self::metrics).
+    pub fn metric(&self, name: &str) -> Option<f64> {
+        let of_state = name.split_once('.');
+        let (state, column) = of_state.map_or((None, name), |(state, column)| (Some(state), column));
+        let row =
+            self.rows.iter().find(|row| state.is_none_or(|state| self.cell(row, "state") == Some(state)))?;
+        self.cell(row, column)?.parse().ok()
+    }
+
+    fn cell<'a>(&self, row: &'a [String], column: &str) -> Option<&'a str> {
+        let at = self.columns.iter().position(|name| name == column)?;
+        row.get(at).map(String::as_str)
+    }
+}
+
+/// A journal as it was found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SweepJournal {
+    /// What the sweep is; `None` if even that was cut off.
+    pub head: Option<SweepHead>,
+    /// The points that are done.
+    pub points: Vec<SweepPoint>,
+    /// Bytes up to the end of the last whole line.
+    pub whole: usize,
+}
+
+/// Reads a journal; a last line without its end is left out.
+///
+/// # Errors
+/// A whole line that is not what it should be, with its number.
+pub fn read_sweep(file: &DataFile) -> Result<SweepJournal, FormatError> {
+    let mut journal = SweepJournal::default();
+    for line in file.bytes.split_inclusive(|byte| *byte == b'\n').take_while(|line| line.ends_with(b"\n")) {
+        let at = journal.whole..journal.whole + line.len();
+        let wrong = |error: serde_json::Error| {
+            let text = String::from_utf8_lossy(&file.bytes[..at.end]);
+            let problem = Problem::NotAJournal { reason: error.to_string() };
+            FormatError { place: Place::in_text(&file.name, &text, at.start..at.end), problem }
+        };
+        match journal.head {
+            None => journal.head = Some(serde_json::from_slice(line).map_err(wrong)?),
+            Some(_) => journal.points.push(serde_json::from_slice(line).map_err(wrong)?),
+        }
+        journal.whole += line.len();
+    }
+    Ok(journal)
+}
+
+/// Writes a line of a journal, its end included.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_sweep_line(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
+    // In one piece: another program's reader sees all of a line or nothing.
+    let mut text = serde_json::to_vec(line)?;
+    text.push(b'\n');
+    out.write_all(&text)
+}
+
+/// Writes `sweep.csv`: for every point, view and state a row; the swept keys first, then the columns of `states.csv`.
+/// `points` are all of them, in order. A column that a point does not have is empty there.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_sweep_csv(out: impl Write, head: &SweepHead, points: &[&SweepPoint]) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    let mut columns: Vec<&str> = Vec::new();
+    for point in points {
+        // Points have the same columns, mostly.
+        if !point.columns.iter().map(String::as_str).eq(columns.iter().copied()) {
+            for name in &point.columns {
+                if !columns.contains(&name.as_str()) {
+                    columns.push(name);
+                }
+            }
+        }
+    }
+    let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(String::as_str);
+    csv.write_record(["point"].into_iter().chain(keys).chain(columns.iter().copied()))?;
+    for (number, point) in points.iter().enumerate() {
+        let places: Vec<Option<usize>> =
+            columns.iter().map(|name| point.columns.iter().position(|own| own == name)).collect();
+        let start: Vec<String> = std::iter::once(number.to_string())
+            .chain(head.swept(number).map(|(_, value)| sweep_value(value)))
+            .collect();
+        for row in &point.rows {
+            let cells = places.iter().map(|at| at.and_then(|at| row.get(at)).map_or("", String::as_str));
+            csv.write_record(start.iter().map(String::as_str).chain(cells))?;
+        }
+    }
+    csv.flush()
+}
+
+/// A swept value as it stands in a cell: a string as it is, everything else as JSON.
+pub fn sweep_value(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Number(number) => {
+            number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string())
+        }
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn head() -> SweepHead {
+        let axis = |key: &str, values: &[f64]| SweepHeadAxis {
+            keys: vec![key.to_owned()],
+            values: values.iter().map(|value| vec![json!(value)]).collect(),
+        };
+        SweepHead {
+            papilio: "1".to_owned(),
+            title: None,
+            axes: vec![axis("a", &[1.0, 2.0]), axis("b", &[0.1, 0.2, 0.3])],
+            figures: vec![],
+        }
+    }
+
+    fn point(number: usize) -> SweepPoint {
+        SweepPoint {
+            point: Some(number),
+            hash: number.to_string(),
+            papilio: "1".to_owned(),
+            warnings: vec![],
+            columns: ["state", "Y", "contrast_ratio"].map(str::to_owned).to_vec(),
+            rows: [["white", "0.5", "10"], ["black", "0.05", "10"]]
+                .map(|row| row.map(str::to_owned).to_vec())
+                .to_vec(),
+        }
+    }
+
+    /// However a journal is cut off, what is whole is read, and what is added behind it is read as well.
+    #[test]
+    fn a_journal_may_end_anywhere() {
+        let mut bytes = Vec::new();
+        write_sweep_line(&mut bytes, &head()).unwrap();
+        (0..3).for_each(|number| write_sweep_line(&mut bytes, &point(number)).unwrap());
+        let ends: Vec<usize> = (0..bytes.len()).filter(|at| bytes[*at] == b'\n').map(|at| at + 1).collect();
+        for length in 0..=bytes.len() {
+            let file = DataFile { name: "j".to_owned(), bytes: bytes[..length].to_vec() };
+            let journal = read_sweep(&file).unwrap();
+            let whole = ends.iter().filter(|end| **end <= length).count();
+            assert_eq!(usize::from(journal.head.is_some()) + journal.points.len(), whole);
+            assert_eq!(journal.whole, ends[..whole].last().copied().unwrap_or(0));
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_wrong_has_its_number() {
+        let mut bytes = Vec::new();
+        write_sweep_line(&mut bytes, &head()).unwrap();
+        bytes.extend(b"{\"point\": 1}\n");
+        let error = read_sweep(&DataFile { name: "j".to_owned(), bytes }).unwrap_err();
+        assert_eq!(error.place.line_column().map(|at| at.0), Some(2));
+    }
+
+    #[test]
+    fn the_last_axis_is_the_fastest() {
+        let swept: Vec<String> = head().swept(4).map(|(key, value)| format!("{key}={value}")).collect();
+        assert_eq!(swept, ["a=2.0", "b=0.2"]);
+        assert_eq!(head().points(), 6);
+    }
+
+    #[test]
+    fn metrics_of_a_point() {
+        let point = point(0);
+        assert_eq!(point.metric("contrast_ratio"), Some(10.0));
+        assert_eq!(point.metric("black.Y"), Some(0.05));
+        assert_eq!(point.metric("red.Y"), None);
+        assert!(point.metrics().contains(&"white.Y".to_owned()));
+    }
+
+    #[test]
+    fn columns_that_a_point_does_not_have_are_empty() {
+        let mut other = point(1);
+        other.columns[1] = "Z".to_owned();
+        let points: Vec<SweepPoint> = [point(0), other].into_iter().collect();
+        let mut text = Vec::new();
+        let refs: Vec<&SweepPoint> = points.iter().collect();
+        write_sweep_csv(&mut text, &head(), &refs).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "point,a,b,state,Y,contrast_ratio,Z");
+        assert_eq!(lines[1], "0,1,0.1,white,0.5,10,");
+        assert_eq!(lines[3], "1,1,0.2,white,,10,0.5");
+    }
+}

@@ -1,0 +1,219 @@
+//! A scenario at every point of its `[sweep]`.
+
+use std::path::{Path, PathBuf};
+
+use papilio_formats::DataFile;
+use serde_json::{Value, json};
+
+use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
+use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::scenario::{Scenario, assemble, parse};
+use crate::source::Sources;
+use crate::tree::Node;
+
+/// A scenario whose keys vary: the product of its axes, the last one fastest.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// The text as it stands, without `[sweep]`.
+    root: Node,
+    folder: PathBuf,
+    sources: Sources,
+    axes: Vec<Axis>,
+    figures: Vec<At<String>>,
+    title: Option<String>,
+}
+
+/// An axis of a sweep: its keys, and their values together at each of its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepAxis<'a> {
+    /// Dotted paths, as of `--set`.
+    pub keys: Vec<&'a str>,
+    /// For each point the value of each key.
+    pub values: Vec<Vec<Value>>,
+}
+
+impl<'a> SweepAxis<'a> {
+    fn of(axis: &'a Axis) -> Self {
+        let at = |at: usize| axis.0.iter().map(|swept| swept.values[at].to_json()).collect();
+        Self {
+            keys: axis.0.iter().map(|swept| swept.path.as_str()).collect(),
+            values: (0..axis.len()).map(at).collect(),
+        }
+    }
+}
+
+impl Sweep {
+    /// Reads a scenario file with a `[sweep]`; `overrides` are texts `PATH=VALUE`, as of `--set`.
+    ///
+    /// # Errors
+    /// What is wrong with its bytes, its TOML, and with `[sweep]`, each with its place. What is wrong with the
+    /// scenario itself shows at its points: see [`Sweep::scenario`].
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
+        let name = path.display().to_string();
+        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
+        let text = file.text().map_err(ScenarioError::from)?;
+        Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+    }
+
+    /// A sweep from a text; errors call it `name`, and its files lie relative to `folder`.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_text(
+        text: &str,
+        name: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, ScenarioErrors> {
+        let (mut root, sources) = parse(text, name, overrides)?;
+        let assembled = assemble(root.clone(), &sources, &[])?;
+        let mut errors = Errors::default();
+        let read = match assembled.get("sweep") {
+            Some(node) => Described::read(node, &mut errors),
+            None => {
+                let expected = Described::in_words();
+                errors.push(assembled.origin, Problem::MissingKey { key: "sweep".to_owned(), expected });
+                None
+            }
+        };
+        let title = assembled.get("title").and_then(|title| String::read(title, &mut Errors::default()));
+        let sound = read.filter(|read| is_sound(read, &mut errors));
+        let read = errors.finish(sound, &sources)?;
+        root.remove("sweep");
+        Ok(Self {
+            root,
+            folder: folder.to_owned(),
+            axes: read.axes.value.into_iter().map(|axis| axis.value).collect(),
+            figures: read.figures.value,
+            title,
+            sources,
+        })
+    }
+
+    /// How many points there are; at least 1.
+    #[allow(clippy::len_without_is_empty, reason = "it is never empty")]
+    pub fn len(&self) -> usize {
+        self.axes.iter().map(Axis::len).product()
+    }
+
+    /// The axes, the slowest first.
+    pub fn axes(&self) -> Vec<SweepAxis<'_>> {
+        self.axes.iter().map(SweepAxis::of).collect()
+    }
+
+    /// The scenario's title.
+    pub fn title(&self) -> Option<&str> {
+        self.title.as_deref()
+    }
+
+    /// The metrics that are to be drawn.
+    pub fn figures(&self) -> impl Iterator<Item = &str> {
+        self.figures.iter().map(|name| name.as_str())
+    }
+
+    /// Nothing, if results have all metrics that are to be drawn: `known`.
+    ///
+    /// # Errors
+    /// Each one that they do not have, with its place.
+    pub fn check_figures(&self, known: &[String]) -> Result<(), ScenarioErrors> {
+        let mut errors = Errors::default();
+        for name in self.figures.iter().filter(|name| !known.contains(name)) {
+            let problem = Problem::NoSuchMetric { name: name.value.clone(), known: known.to_vec() };
+            errors.push(name.origin, problem);
+        }
+        errors.check(&self.sources)
+    }
+
+    /// Where a point lies on each axis.
+    pub fn place(&self, point: usize) -> Vec<usize> {
+        let mut rest = point;
+        let mut place: Vec<usize> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let at = rest % axis.len();
+                rest /= axis.len();
+                at
+            })
+            .collect();
+        place.reverse();
+        place
+    }
+
+    /// What is swept at a point: every key with its value.
+    pub fn values(&self, point: usize) -> Vec<(&str, Value)> {
+        self.at(point).into_iter().map(|(swept, node)| (swept.path.as_str(), node.to_json())).collect()
+    }
+
+    /// The scenario at a point.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`]; a value's place is where `[sweep]` gives it.
+    pub fn scenario(&self, point: usize) -> Result<Scenario, ScenarioErrors> {
+        let root = assemble(self.root.clone(), &self.sources, &self.at(point))?;
+        Scenario::read(root, self.folder.clone(), self.sources.clone())
+    }
+
+    /// One point for every value of every axis, the others at their first: enough to find what is wrong with a
+    /// value alone before anything is computed.
+    pub fn samples(&self) -> Vec<usize> {
+        let mut samples = vec![0];
+        let mut stride = self.len();
+        for axis in &self.axes {
+            stride /= axis.len();
+            samples.extend((1..axis.len()).map(|at| at * stride));
+        }
+        samples
+    }
+
+    fn at(&self, point: usize) -> Vec<(&Swept, &Node)> {
+        let place = self.place(point);
+        let swept = self.axes.iter().zip(place);
+        swept.flat_map(|(axis, at)| axis.0.iter().map(move |swept| (swept, &swept.values[at]))).collect()
+    }
+}
+
+/// What an axis cannot know: that there is one, that no key is swept twice, and how many points there are.
+fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
+    if sweep.axes.is_empty() {
+        errors.push(sweep.axes.origin, Problem::EmptyList);
+        return false;
+    }
+    let all: Vec<&Swept> = sweep.axes.iter().flat_map(|axis| &axis.0).collect();
+    for (i, swept) in all.iter().enumerate() {
+        if all[..i].iter().any(|other| other.path == swept.path) {
+            errors.push(swept.origin, Problem::SweptTwice { path: swept.path.clone() });
+            return false;
+        }
+    }
+    let points = sweep.axes.iter().try_fold(1_usize, |points, axis| points.checked_mul(axis.len()));
+    match points.filter(|points| *points <= MOST_POINTS) {
+        Some(_) => true,
+        None => {
+            let count: f64 = sweep.axes.iter().map(|axis| axis.len() as f64).product();
+            errors.push(sweep.axes.origin, Problem::TooMany { what: "points", count, limit: MOST_POINTS });
+            false
+        }
+    }
+}
+
+impl Node {
+    /// The value as JSON.
+    pub(crate) fn to_json(&self) -> Value {
+        use crate::tree::Value as Toml;
+        match &self.value {
+            Toml::Bool(value) => json!(value),
+            Toml::Integer(value) => json!(value),
+            Toml::Float(value) => json!(value),
+            Toml::Text(text) => json!(text),
+            Toml::DateTime => Value::Null,
+            Toml::Array(items) => items.iter().map(Self::to_json).collect(),
+            Toml::Table(entries) => {
+                entries.iter().map(|entry| (entry.key.clone(), entry.node.to_json())).collect()
+            }
+        }
+    }
+}
