@@ -26,6 +26,13 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
                       The file, display-bsdf.npz, is described in docs/brdf.md; NumPy reads it.")]
     Brdf(Brdf),
+    /// Hold a measured panel to a simulated one: differences of spectra and colours, with figures
+    #[command(
+        after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
+                      MEASURED has the columns state, theta_deg (and phi_deg), and either wavelength_nm and\n\
+                      reflectance_factor or X, Y, Z; docs/compare.md describes them."
+    )]
+    Compare(Compare),
     /// Files of measured scattering: look into them, convert them
     #[command(subcommand)]
     Diffuser(Diffuser),
@@ -159,6 +166,22 @@ pub(crate) struct Brdf {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    /// A result.json, or the folder of a run
+    #[arg(value_name = "RESULT")]
+    pub(crate) result: PathBuf,
+    /// What was measured (CSV)
+    #[arg(value_name = "MEASURED")]
+    pub(crate) measured: PathBuf,
+    /// Folder for the tables and figures [default: out/compare]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the comparison as JSON on standard output, and write files only where --out says so
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Subcommand)]

@@ -5,6 +5,7 @@
 
 mod arguments;
 mod brdf;
+mod compare;
 mod diffuser;
 mod interrupt;
 mod output;
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),

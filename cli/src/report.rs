@@ -173,15 +173,39 @@ fn in_full(view: &View, in_glass: bool) -> String {
 fn together(view: &View) -> String {
     let error = &view.standard_error;
     let parts = [
-        ("contrast ratio ", view.contrast_ratio, error.contrast_ratio, ""),
-        ("gamut ", view.gamut_percent_srgb, error.gamut_percent_srgb, " % of sRGB"),
-        ("", view.gamut_percent_ebu, error.gamut_percent_ebu, " % of EBU"),
+        ("contrast ratio ", view.metrics.contrast_ratio, error.contrast_ratio, ""),
+        ("gamut ", view.metrics.gamut_percent_srgb, error.gamut_percent_srgb, " % of sRGB"),
+        ("", view.metrics.gamut_percent_ebu, error.gamut_percent_ebu, " % of EBU"),
+        ("covers ", view.metrics.coverage_percent_srgb, error.coverage_percent_srgb, " % of sRGB"),
     ];
     let known = parts.into_iter().filter(|(_, value, ..)| value.is_some());
     let shown: Vec<String> = known
         .map(|(before, value, error, after)| format!("{before}{}{after}", measured(value, error, 2)))
         .collect();
-    if shown.is_empty() { String::new() } else { format!("  {}\n", shown.join(", ")) }
+    if shown.is_empty() { String::new() } else { format!("  {}\n{}", shown.join(", "), text_on_white(view)) }
+}
+
+/// How black text on white reads.
+fn text_on_white(view: &View) -> String {
+    let (text, error) = (&view.metrics, &view.standard_error);
+    let (Some(luminance), Some(contrast)) = (text.text_luminance_cd_m2, text.text_contrast) else {
+        return String::new();
+    };
+    let ages = [text.reading_surrogate_age_20, text.reading_surrogate_age_50, text.reading_surrogate_age_75];
+    let read = match ages {
+        [Some(young), Some(middle), Some(old)] => {
+            let [young, middle, old] = [young, middle, old].map(|share| 100.0 * share);
+            format!(
+                "read to {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years (calibrated surrogate)"
+            )
+        }
+        _ => "reading performance: out of the surrogate's range".to_owned(),
+    };
+    format!(
+        "  text: {} cd/m2, contrast {}; {read}\n",
+        measured(Some(luminance), error.text_luminance_cd_m2, 1),
+        measured(Some(contrast), error.text_contrast, 3)
+    )
 }
 
 /// Where the light of the first state goes.
@@ -236,9 +260,9 @@ fn line_by_line(result: &RunResult) -> String {
         if ordinary {
             let error = &view.standard_error;
             row.extend(["white", "black"].map(|name| y(view, name)));
-            row.push(measured(view.contrast_ratio, error.contrast_ratio, 2));
-            row.push(measured(view.gamut_percent_srgb, error.gamut_percent_srgb, 2));
-            row.push(measured(view.gamut_percent_ebu, error.gamut_percent_ebu, 2));
+            row.push(measured(view.metrics.contrast_ratio, error.contrast_ratio, 2));
+            row.push(measured(view.metrics.gamut_percent_srgb, error.gamut_percent_srgb, 2));
+            row.push(measured(view.metrics.gamut_percent_ebu, error.gamut_percent_ebu, 2));
             let white = view.states.get("white");
             row.push(
                 white.map_or("-".to_owned(), |s| measured(s.value.u_prime, s.standard_error.u_prime, 4)),
@@ -287,7 +311,7 @@ fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
 }
 
 /// Without the sign of a zero.
-fn unsigned_zero(number: String) -> String {
+pub(crate) fn unsigned_zero(number: String) -> String {
     match number.strip_prefix('-') {
         Some(rest) if rest.chars().take_while(|c| *c != '(').all(|c| matches!(c, '0' | '.')) => {
             rest.to_owned()

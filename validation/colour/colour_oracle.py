@@ -1,13 +1,18 @@
 """Colours of some surfaces by colour-science, as an oracle for papilio-colour.
 
-    pip install colour-science==0.4.7
-    python colour_oracle.py --write     # makes surfaces.csv and differences.csv
+    pip install colour-science==0.4.7 scipy==1.17.1
+    python colour_oracle.py --write     # makes the tables
     python colour_oracle.py --check     # recomputes and compares with them
 
 surfaces.csv: a surface of reflectance `floor + height exp(-((nm - centre)/width)^2)`
 under a CIE illuminant, 380 to 780 nm at 1 nm, 1931 2 degree observer: X, Y, Z
-(perfect white Y = 1), u', v' and L*, a*, b* against that light.
+(perfect white Y = 1), u', v', L*, a*, b* and u*, v* against that light; X10, Y10, Z10 of the
+1964 10 degree observer.
 differences.csv: pairs of L*a*b* and their CIEDE2000 difference.
+appearance.csv: CIECAM16 (CIE 248:2022) J, C and CAM16-UCS J', a', b' of colours under viewing conditions.
+gamuts.csv: displays by the X, Y, Z of black, red, green, yellow, blue, magenta, cyan, white: area and coverage of
+references in u'v' (the common area by scipy, as an intersection of half-planes), the CIELAB volume of
+their 602 surface colours against D65 (the triangles' tetrahedra), and that of the colours' convex hull.
 """
 
 import pathlib
@@ -18,6 +23,8 @@ warnings.filterwarnings("ignore")
 
 import colour  # noqa: E402
 import numpy as np  # noqa: E402
+import scipy.optimize  # noqa: E402
+import scipy.spatial  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent))
@@ -26,6 +33,7 @@ import oracle  # noqa: E402
 
 NM = colour.SpectralShape(380, 780, 1)
 OBSERVER = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(NM).values
+OBSERVER_10 = colour.MSDS_CMFS["CIE 1964 10 Degree Standard Observer"].copy().align(NM).values
 LIGHTS = ["E", "D65", "D50", "A", "LED-B1", "LED-B5", "LED-BH1", "LED-V1"]
 SURFACES = [  # floor, height, centre nm, width nm
     (1.0, 0.0, 550.0, 50.0),
@@ -46,7 +54,8 @@ def light(name):
 
 
 def surfaces():
-    yield ["light", "floor", "height", "centre_nm", "width_nm", "X", "Y", "Z", "u_prime", "v_prime", "L", "a", "b"]
+    yield ["light", "floor", "height", "centre_nm", "width_nm", "X", "Y", "Z", "u_prime", "v_prime", "L", "a", "b",
+           "u_star", "v_star", "X10", "Y10", "Z10"]
     nm = NM.wavelengths
     for name in LIGHTS:
         spd = light(name)
@@ -57,7 +66,10 @@ def surfaces():
             relative_white = white / white[1]
             uv = colour.xy_to_Luv_uv(colour.XYZ_to_xy(xyz))
             lab = colour.XYZ_to_Lab(xyz, colour.XYZ_to_xy(relative_white))
-            yield [name, floor, height, centre, width, *(repr(float(v)) for v in (*xyz, *uv, *lab))]
+            luv = colour.XYZ_to_Luv(xyz, colour.XYZ_to_xy(relative_white))[1:]
+            xyz_10 = (spd * reflectance) @ OBSERVER_10 / (spd @ OBSERVER_10)[1]
+            numbers = (*xyz, *uv, *lab, *luv, *xyz_10)
+            yield [name, floor, height, centre, width, *(repr(float(v)) for v in numbers)]
 
 
 def differences():
@@ -71,9 +83,105 @@ def differences():
         yield [*one.tolist(), *two.tolist(), repr(float(colour.delta_E(one, two, method="CIE 2000")))]
 
 
+SURROUNDS = {"average": "Average", "dim": "Dim", "dark": "Dark"}
+
+
+def appearance():
+    yield ["X", "Y", "Z", "Xw", "Yw", "Zw", "adapting", "background", "surround", "J", "C", "J_prime", "a_prime", "b_prime"]
+    numbers = np.random.default_rng(20220101)
+    for i in range(60):
+        white = np.round([numbers.uniform(0.85, 1.1), 1.0, numbers.uniform(0.3, 1.2)], 4)
+        # From near black to near white; colours that mirror most of the light in some part.
+        xyz = np.round(white * numbers.uniform(0.3, 1.0, 3) * [0.003, 0.02, 0.1, 0.4, 1.0][i % 5], 6)
+        adapting = round(float(10 ** numbers.uniform(0, 3.5)), 3)
+        background = round(float(numbers.uniform(0.1, 0.5)), 3)
+        surround = list(SURROUNDS)[i % 3]
+        cam = colour.XYZ_to_CIECAM16(100 * xyz, 100 * white, adapting, 100 * background,
+                                     colour.VIEWING_CONDITIONS_CIECAM16[SURROUNDS[surround]])
+        ucs = colour.JMh_CIECAM02_to_CAM02UCS([cam.J, cam.M, cam.h])  # the same formulae for CAM16-UCS
+        yield [*xyz, *white, adapting, background, surround, *(repr(float(v)) for v in (cam.J, cam.C, *ucs))]
+
+
+REFERENCES = {
+    "srgb": [(0.64, 0.33), (0.30, 0.60), (0.15, 0.06)],
+    "ebu": [(0.64, 0.33), (0.29, 0.60), (0.15, 0.06)],
+    "ntsc": [(0.67, 0.33), (0.21, 0.71), (0.14, 0.08)],
+    "dci_p3": [(0.680, 0.320), (0.265, 0.690), (0.150, 0.060)],
+}
+WHITE = np.array([0.95047, 1.0, 1.08883])
+STEPS = 10
+
+
+def displays():
+    """X, Y, Z of the eight corners, by which of red (1), green (2) and blue (4) are on."""
+    for name, colourspace in [("srgb", "sRGB"), ("p3", "Display P3"), ("bt2020", "ITU-R BT.2020")]:
+        matrix = colour.RGB_COLOURSPACES[colourspace].matrix_RGB_to_XYZ
+        corners = np.array([matrix @ [on & 1, on >> 1 & 1, on >> 2 & 1] for on in range(8)])
+        yield name, np.round(corners / corners[7] * WHITE, 6)
+    numbers = np.random.default_rng(20120502)
+    primaries = np.array([[0.06, 0.035, 0.005], [0.05, 0.12, 0.02], [0.03, 0.02, 0.12]])
+    for i in range(6):
+        black = 0.01 * numbers.uniform(0.3, 2.0, 3)
+        lit = primaries * numbers.uniform(0.7, 1.3, (3, 3))
+        corners = [black + sum(lit[k] for k in range(3) if on >> k & 1) for on in range(8)]
+        yield f"mixed-{i}", np.round(corners * (1 if i % 2 else numbers.uniform(0.9, 1.1, (8, 1))), 6)
+
+
+def common_area(one, other):
+    """The area of two convex polygons' intersection, by half-planes."""
+    def half_planes(corners):
+        hull = scipy.spatial.ConvexHull(corners)
+        return hull.equations
+    planes = np.vstack([half_planes(one), half_planes(other)])
+    norm = np.ones((len(planes), 1))
+    found = scipy.optimize.linprog([0, 0, -1], A_ub=np.hstack([planes[:, :2], norm]), b_ub=-planes[:, 2],
+                                   bounds=[(None, None), (None, None), (0, None)])
+    if not found.success or found.x[2] < 1e-12:
+        return 0.0
+    corners = scipy.spatial.HalfspaceIntersection(planes, found.x[:2]).intersections
+    return scipy.spatial.ConvexHull(corners).volume  # of a plane figure: its area
+
+
+def solid(corners):
+    """Volume of the surface in CIELAB, and of its convex hull."""
+    steps = np.linspace(0.0, 1.0, STEPS + 1) ** 2.2
+    volume, points = 0.0, []
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            drive = np.zeros((STEPS + 1, STEPS + 1, 3))
+            drive[..., axis] = side
+            drive[..., (axis + 1) % 3] = steps[:, None]
+            drive[..., (axis + 2) % 3] = steps[None, :]
+            weight = np.ones((STEPS + 1, STEPS + 1, 8))
+            for on in range(8):
+                for k in range(3):
+                    weight[..., on] *= drive[..., k] if on >> k & 1 else 1 - drive[..., k]
+            lab = colour.XYZ_to_Lab(weight @ corners, colour.XYZ_to_xy(WHITE))[..., [1, 2, 0]]
+            points.append(lab.reshape(-1, 3))
+            a, b, c, d = lab[:-1, :-1], lab[1:, :-1], lab[1:, 1:], lab[:-1, 1:]
+            triple = lambda p, q, r: np.sum(p * np.cross(q, r))  # noqa: E731
+            volume += (1 if side else -1) * (triple(a, b, c) + triple(a, c, d))
+    return abs(volume) / 6, scipy.spatial.ConvexHull(np.vstack(points)).volume
+
+
+def gamuts():
+    yield ["display", *(f"{axis}{on}" for on in range(8) for axis in "XYZ"),
+           *(f"{what}_{name}" for name in REFERENCES for what in ("area", "coverage")), "volume", "hull"]
+    to_uv = lambda xy: np.array([colour.xy_to_Luv_uv(one) for one in xy])  # noqa: E731
+    area = lambda corners: scipy.spatial.ConvexHull(corners).volume  # noqa: E731
+    for name, corners in displays():
+        primaries = to_uv(colour.XYZ_to_xy(corners[[1, 2, 4]]))
+        percent = []
+        for reference in map(to_uv, REFERENCES.values()):
+            percent += [100 * area(primaries) / area(reference), 100 * common_area(primaries, reference) / area(reference)]
+        yield [name, *corners.ravel().tolist(), *(repr(float(v)) for v in (*percent, *solid(corners)))]
+
+
 def tables():
     yield "surfaces.csv", list(surfaces()), 1e-9
     yield "differences.csv", list(differences()), 1e-9
+    yield "appearance.csv", list(appearance()), 1e-9
+    yield "gamuts.csv", list(gamuts()), 1e-8
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
 pub mod random_stacks;
 pub mod table_5_1;
+pub mod table_5_3;
 
 /// An example scenario of the repository, with overrides `PATH=VALUE`.
 ///

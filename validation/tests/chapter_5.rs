@@ -20,11 +20,11 @@ fn bare(overrides: &[&str]) -> RunResult {
 }
 
 fn gamut(result: &RunResult) -> f64 {
-    result.views[0].gamut_percent_srgb.unwrap()
+    result.views[0].metrics.gamut_percent_srgb.unwrap()
 }
 
 fn contrast(result: &RunResult) -> f64 {
-    result.views[0].contrast_ratio.unwrap()
+    result.views[0].metrics.contrast_ratio.unwrap()
 }
 
 /// "Decreased reflectance, reduced color gamut, and shifted spectrum" (p. 65): near the

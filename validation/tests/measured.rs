@@ -74,7 +74,12 @@ fn differences(found: &RunResult, truth: &RunResult) -> (f64, f64) {
         }
         largest = largest.max(difference.abs());
     };
-    differ("white/black", "contrast", found.contrast_ratio.unwrap(), truth.contrast_ratio.unwrap());
+    differ(
+        "white/black",
+        "contrast",
+        found.metrics.contrast_ratio.unwrap(),
+        truth.metrics.contrast_ratio.unwrap(),
+    );
     for ((name, found), (_, truth)) in found.states.iter().zip(truth.states.iter()) {
         let numbers = |values: &StateValues| {
             [values.Y, values.L_star.unwrap(), values.u_prime.unwrap(), values.v_prime.unwrap()]
@@ -84,7 +89,7 @@ fn differences(found: &RunResult, truth: &RunResult) -> (f64, f64) {
             differ(name, what, found, truth);
         }
     }
-    let points = found.gamut_percent_srgb.unwrap() - truth.gamut_percent_srgb.unwrap();
+    let points = found.metrics.gamut_percent_srgb.unwrap() - truth.metrics.gamut_percent_srgb.unwrap();
     println!("largest {:.3} %, gamut {points:.3} points", 100.0 * largest);
     (largest, points.abs())
 }

@@ -24,8 +24,12 @@ fn colours_gamut_and_contrast_on_a_2_nm_grid() {
         }
     }
     let view = &result.views[0];
-    assert!((view.gamut_percent_srgb.unwrap() - 31.8).abs() < 0.3, "{:?}", view.gamut_percent_srgb);
-    assert!((view.contrast_ratio.unwrap() - 27.4).abs() < 0.3, "{:?}", view.contrast_ratio);
+    assert!(
+        (view.metrics.gamut_percent_srgb.unwrap() - 31.8).abs() < 0.3,
+        "{:?}",
+        view.metrics.gamut_percent_srgb
+    );
+    assert!((view.metrics.contrast_ratio.unwrap() - 27.4).abs() < 0.3, "{:?}", view.metrics.contrast_ratio);
     for (name, peak) in [("red", 686.8), ("green", 529.6), ("blue", 427.6)] {
         let found = state(&result, name).unwrap().value.peak_nm.unwrap();
         assert!((found - peak).abs() < 1.0, "{name}: {found}");
@@ -83,8 +87,10 @@ fn the_default_grid_is_good_enough() {
             assert!((a - b).abs() < 2e-4, "{name}: {a} {b}");
         }
     }
-    let gamut = |result: &papilio_display::result::RunResult| result.views[0].gamut_percent_srgb.unwrap();
+    let gamut =
+        |result: &papilio_display::result::RunResult| result.views[0].metrics.gamut_percent_srgb.unwrap();
     assert!((gamut(&coarse) - gamut(&fine)).abs() < 0.1, "{} {}", gamut(&coarse), gamut(&fine));
-    let contrast = |result: &papilio_display::result::RunResult| result.views[0].contrast_ratio.unwrap();
+    let contrast =
+        |result: &papilio_display::result::RunResult| result.views[0].metrics.contrast_ratio.unwrap();
     assert!((contrast(&coarse) - contrast(&fine)).abs() < 0.1, "{} {}", contrast(&coarse), contrast(&fine));
 }

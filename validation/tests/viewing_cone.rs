@@ -69,9 +69,9 @@ fn a_direction_of_the_cone_is_a_run_with_that_view() {
                 close(state.v_prime.unwrap(), exact.value.v_prime.unwrap());
             }
             let pairs = [
-                (in_cone.contrast_ratio, view.contrast_ratio),
-                (in_cone.gamut_percent_srgb, view.gamut_percent_srgb),
-                (in_cone.gamut_percent_ebu, view.gamut_percent_ebu),
+                (in_cone.contrast_ratio, view.metrics.contrast_ratio),
+                (in_cone.gamut_percent_srgb, view.metrics.gamut_percent_srgb),
+                (in_cone.gamut_percent_ebu, view.metrics.gamut_percent_ebu),
             ];
             for (here, there) in pairs {
                 assert_eq!(here.is_some(), there.is_some(), "{name}");

@@ -105,8 +105,8 @@ fn told(title: &str, variants: &[Variant]) -> String {
             variant.name.clone(),
             format!("{y:.4}"),
             format!("{:+.1} %", 100.0 * (y / first - 1.0)),
-            number(view.contrast_ratio, 2),
-            number(view.gamut_percent_srgb, 2),
+            number(view.metrics.contrast_ratio, 2),
+            number(view.metrics.gamut_percent_srgb, 2),
         ]);
     }
     format!("{title}\n\n{}", report::table(&rows))

@@ -1,8 +1,10 @@
 //! Gamut as an area of the u'v' diagram.
 //!
-//! **What.** The triangle of three primaries over that of a reference, in
-//! percent (Feng 2012, eq. 5-9). **Limits.** An area says nothing about
-//! lightness and may lie elsewhere than the reference: 100 % is not coverage.
+//! **What.** *Area*: the triangle of three primaries over that of a reference, in
+//! percent (Feng 2012, eq. 5-9). *Coverage*: the part of the reference's triangle that the
+//! primaries' covers, in percent (IDMS 1.1, section 5.18; there in x, y or u', v').
+//! **Limits.** Neither says anything about lightness. An area may lie elsewhere than the
+//! reference: 100 % of area is not coverage.
 
 use crate::{UvPrime, Xy};
 
@@ -15,6 +17,8 @@ pub enum GamutReference {
     Ebu,
     /// NTSC 1953 (ITU-R BT.470, system M).
     Ntsc,
+    /// DCI-P3 (SMPTE RP 431-2), whose primaries Display P3 shares.
+    DciP3,
 }
 
 impl GamutReference {
@@ -25,6 +29,7 @@ impl GamutReference {
             Self::Srgb => [xy(0.64, 0.33), xy(0.30, 0.60), xy(0.15, 0.06)],
             Self::Ebu => [xy(0.64, 0.33), xy(0.29, 0.60), xy(0.15, 0.06)],
             Self::Ntsc => [xy(0.67, 0.33), xy(0.21, 0.71), xy(0.14, 0.08)],
+            Self::DciP3 => [xy(0.680, 0.320), xy(0.265, 0.690), xy(0.150, 0.060)],
         }
     }
 
@@ -45,12 +50,60 @@ impl GamutReference {
 
 /// Area of a triangle in u'v', whichever way round.
 pub fn triangle_area([a, b, c]: [UvPrime; 3]) -> f64 {
-    0.5 * ((b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v)).abs()
+    0.5 * turn(a, b, c).abs()
+}
+
+/// Twice the area of a triangle, positive where its corners run anticlockwise.
+fn turn(a: UvPrime, b: UvPrime, c: UvPrime) -> f64 {
+    (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v)
 }
 
 /// Area of the primaries' triangle in u'v', % of the reference's.
 pub fn gamut_percent(primaries: [UvPrime; 3], reference: GamutReference) -> f64 {
     100.0 * triangle_area(primaries) / reference.area()
+}
+
+/// The part of the reference's triangle that the primaries' covers, %.
+pub fn coverage_percent(primaries: [UvPrime; 3], reference: GamutReference) -> f64 {
+    100.0 * common_area(primaries, reference.primaries_uv()) / reference.area()
+}
+
+/// Area that two triangles share, whichever way round they are.
+fn common_area(one: [UvPrime; 3], other: [UvPrime; 3]) -> f64 {
+    let [a, b, c] = other;
+    let other = if turn(a, b, c) < 0.0 { [a, c, b] } else { other };
+    // A triangle cut by three lines has at most six corners.
+    let mut shape = [one[0]; 6];
+    shape[..3].copy_from_slice(&one);
+    let mut corners = 3;
+    for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+        (shape, corners) = cut(&shape[..corners], other[from], other[to]);
+    }
+    let fan = (2..corners).map(|k| turn(shape[0], shape[k - 1], shape[k]));
+    0.5 * fan.sum::<f64>().abs()
+}
+
+/// What lies left of the line `from` - `to` (Sutherland, Hodgman 1974): corners, and how many.
+fn cut(shape: &[UvPrime], from: UvPrime, to: UvPrime) -> ([UvPrime; 6], usize) {
+    let (mut kept, mut count) = ([from; 6], 0);
+    let mut keep = |corner: UvPrime| {
+        if let Some(slot) = kept.get_mut(count) {
+            *slot = corner;
+            count += 1;
+        }
+    };
+    for (k, &end) in shape.iter().enumerate() {
+        let start = shape[(k + shape.len() - 1) % shape.len()];
+        let (before, after) = (turn(from, to, start), turn(from, to, end));
+        if before * after < 0.0 {
+            let t = before / (before - after);
+            keep(UvPrime { u: start.u + t * (end.u - start.u), v: start.v + t * (end.v - start.v) });
+        }
+        if after >= 0.0 {
+            keep(end);
+        }
+    }
+    (kept, count)
 }
 
 #[cfg(test)]
@@ -64,9 +117,11 @@ mod tests {
             (GamutReference::Srgb, 0.064892),
             (GamutReference::Ebu, 0.065537),
             (GamutReference::Ntsc, 0.074426),
+            (GamutReference::DciP3, 0.081480),
         ] {
             assert!((reference.area() - area).abs() < 5e-7, "{reference:?} {}", reference.area());
             assert!((gamut_percent(reference.primaries_uv(), reference) - 100.0).abs() < 1e-12);
+            assert!((coverage_percent(reference.primaries_uv(), reference) - 100.0).abs() < 1e-12);
         }
     }
 
@@ -75,5 +130,38 @@ mod tests {
         let [r, g, b] = GamutReference::Srgb.primaries_uv();
         assert!((triangle_area([g, r, b]) - triangle_area([r, g, b])).abs() < 1e-15);
         assert!(triangle_area([r, g, r]) < 1e-15);
+        assert!(coverage_percent([r, g, r], GamutReference::Srgb) < 1e-12);
+        assert!((coverage_percent([g, r, b], GamutReference::Srgb) - 100.0).abs() < 1e-12);
+    }
+
+    fn at(u: f64, v: f64) -> UvPrime {
+        UvPrime { u, v }
+    }
+
+    /// A right triangle and the same turned by half and moved: nothing, a square, a hexagon.
+    #[test]
+    fn shared_areas_by_hand() {
+        let one = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
+        let turned = |d: f64| [at(d, d), at(d - 1.0, d), at(d, d - 1.0)];
+        assert!(common_area(one, turned(1.0)).abs() < 1e-15);
+        assert!((common_area(one, turned(0.5)) - 0.25).abs() < 1e-15);
+        assert!((common_area(one, turned(2.0 / 3.0)) - 1.0 / 3.0).abs() < 1e-15);
+        assert!((common_area(one, one.map(|p| at(p.u + 0.5, p.v))) - 0.125).abs() < 1e-15);
+        assert_eq!(common_area(one, one.map(|p| at(p.u + 2.0, p.v))), 0.0);
+    }
+
+    proptest::proptest! {
+        /// Coverage is symmetric, no larger than either triangle, and whole where one holds the other.
+        #[test]
+        fn shared_areas_keep_their_bounds(n in proptest::array::uniform12(0.0..1.0_f64), s in 0.0..1.0_f64) {
+            let corner = |k: usize| at(n[k], n[k + 1]);
+            let (one, other) = ([0, 2, 4].map(corner), [6, 8, 10].map(corner));
+            let shared = common_area(one, other);
+            proptest::prop_assert!((shared - common_area(other, one)).abs() < 1e-12);
+            proptest::prop_assert!(shared <= triangle_area(one).min(triangle_area(other)) + 1e-12);
+            let middle = at((n[0] + n[2] + n[4]) / 3.0, (n[1] + n[3] + n[5]) / 3.0);
+            let within = one.map(|p| at(middle.u + s * (p.u - middle.u), middle.v + s * (p.v - middle.v)));
+            proptest::prop_assert!((common_area(within, one) - s * s * triangle_area(one)).abs() < 1e-12);
+        }
     }
 }

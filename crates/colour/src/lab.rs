@@ -1,8 +1,8 @@
-//! CIELAB and colour differences.
+//! CIELAB, CIELUV and colour differences.
 //!
-//! **What.** CIE 15:2018, eq. 8.3 to 8.11, with the linear toe below
+//! **What.** CIE 15:2018, eq. 8.3 to 8.11 and 8.27 to 8.29, with the linear toe below
 //! (24/116)^3 = .008856 of the white (it also takes small negative values), and
-//! CIEDE2000 (ISO/CIE 11664-6). Both from the `colorimetry` crate.
+//! CIEDE2000 (ISO/CIE 11664-6). CIELAB and CIEDE2000 are those of the `colorimetry` crate.
 //! **Range.** Surface colours in a light of moderate colour. Displays far below
 //! their white (black states) sit on the toe, where a* and b* follow noise.
 
@@ -10,7 +10,7 @@ use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer::Cie1931;
 use colorimetry::xyz::{RelXYZ, XYZ};
 
-use crate::{D65_WHITE, Xyz};
+use crate::{D65_WHITE, UvPrime, Xyz};
 
 /// L*, a*, b*.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,25 @@ pub struct Lab {
     pub a: f64,
     /// Blue (negative) to yellow.
     pub b: f64,
+}
+
+/// u* and v* of CIELUV, whose lightness is that of CIELAB.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Luv {
+    /// Lightness, 0 to 100.
+    pub l: f64,
+    /// u* = 13 L* (u' - u'_n).
+    pub u: f64,
+    /// v* = 13 L* (v' - v'_n).
+    pub v: f64,
+}
+
+impl Lab {
+    /// CIELUV of a colour with this lightness at `uv`, in a light of chromaticity `white`.
+    pub fn luv(self, uv: UvPrime, white: UvPrime) -> Luv {
+        let scale = 13.0 * self.l;
+        Luv { l: self.l, u: scale * (uv.u - white.u), v: scale * (uv.v - white.v) }
+    }
 }
 
 impl Xyz {
@@ -72,6 +91,17 @@ mod tests {
         for y in [-0.004, -1e-6, 0.0, 0.004] {
             let lab = (D65_WHITE * y).lab(D65_WHITE).unwrap();
             assert!((lab.l - 24_389.0 / 27.0 * y).abs() < 1e-9, "{lab:?}");
+        }
+    }
+
+    /// colour-science's example for `XYZ_to_Luv`: XYZ .20654 .12197 .05137 under its D65.
+    #[test]
+    fn luv_of_a_known_surface() {
+        let white = Xyz { x: 0.9504559270516716, y: 1.0, z: 1.0890577507598784 };
+        let seen = Xyz { x: 0.20654008, y: 0.12197225, z: 0.05136952 };
+        let luv = seen.lab(white).unwrap().luv(seen.uv_prime().unwrap(), white.uv_prime().unwrap());
+        for (ours, theirs) in [luv.l, luv.u, luv.v].into_iter().zip([41.52787529, 96.83626054, 17.75210149]) {
+            assert!((ours - theirs).abs() < 1e-6, "{luv:?}");
         }
     }
 

@@ -2,10 +2,13 @@
 //!
 //! A tour:
 //!
-//! - [`Observer`]: the CIE 1931 2 degree observer on a wavelength grid; spectra become
+//! - [`Observer`]: the CIE 1931 2 degree observer (or the 1964 10 degree one) on a wavelength grid; spectra become
 //!   [`Xyz`], luminance in cd/m2, light of so many lux. [`spectral_locus`] for diagrams.
 //! - [`Xyz`]: tristimulus values, and from them [`Xy`], [`UvPrime`], [`Lab`] and screen colours.
-//! - [`gamut_percent`]: the u'v' triangle of three primaries against sRGB, EBU or NTSC.
+//! - [`gamut_percent`], [`coverage_percent`]: the u'v' triangle of three primaries against sRGB's, EBU's,
+//!   NTSC's and DCI-P3's.
+//! - [`Corners`]: the gamut of eight states as a solid in CIELAB, its volume and rings.
+//! - [`Viewing`]: what a colour looks like in a room (CIECAM16).
 //! - [`peak_nm`]: where a reflectance spectrum peaks.
 //!
 //! Everything is pure and cheap, because standard errors are found by computing every
@@ -36,21 +39,24 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **Limits.** One observer (2 degrees), tabulated from 380 to 780 nm; a grid is cut there.
-//! **Out of scope.** Appearance models, other observers, gamut volume; and what a
-//! colour means for a display (contrast, states), which is `papilio-display`'s.
+//! **Limits.** Observers are tabulated from 380 to 780 nm; a grid is cut there.
+//! **Out of scope.** What a colour means for a display (contrast, states), which is `papilio-display`'s.
 
+mod appearance;
 mod error;
 mod gamut;
 mod lab;
 mod observer;
 mod peak;
+mod solid;
 mod srgb;
 mod xyz;
 
+pub use appearance::{Appearance, Surround, Viewing};
 pub use error::ColourError;
-pub use gamut::{GamutReference, gamut_percent, triangle_area};
-pub use lab::Lab;
-pub use observer::{LUMENS_PER_WATT, Observer, spectral_locus};
+pub use gamut::{GamutReference, coverage_percent, gamut_percent, triangle_area};
+pub use lab::{Lab, Luv};
+pub use observer::{LUMENS_PER_WATT, Observer, Standard, spectral_locus};
 pub use peak::peak_nm;
+pub use solid::{CORNERS, Corners, GamutSolid, HUES, RINGS};
 pub use xyz::{D65_UV, D65_WHITE, UvPrime, Xy, Xyz};

@@ -1,4 +1,4 @@
-//! The CIE 1931 2 degree observer on a wavelength grid.
+//! A CIE standard observer on a wavelength grid: of 1931 (2 degrees) or of 1964 (10 degrees).
 //!
 //! **What.** `X = sum S(l) xbar(l)` over whole nanometres `l`, and Y and Z
 //! likewise (CIE 15:2018, at 1 nm; Feng 2012, eq. 5-6 to 5-8), with S
@@ -12,10 +12,10 @@
 //! loses light: white and display alike, so relative values stay consistent
 //! with each other, but not with those of the full range.
 
-use colorimetry::observer::Observer::Cie1931;
+use colorimetry::observer::Observer::{Cie1931, Cie1964};
 use papilio_spectra::{Grid, Spectrum};
 
-use crate::{ColourError, Xyz};
+use crate::{ColourError, D65_UV, UvPrime, Xyz};
 
 /// Luminous efficacy of radiation at ybar = 1, lm/W.
 ///
@@ -23,7 +23,27 @@ use crate::{ColourError, Xyz};
 /// standard air, where it becomes 683.002 lm/W (CIE 18:2019).
 pub const LUMENS_PER_WATT: f64 = 683.002;
 
-/// The CIE 1931 2 degree observer, prepared for one grid.
+/// Who looks. Luminances and illuminances are those of 1931 whoever looks: photometry knows no other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Standard {
+    /// Of 1931, fields of 1 to 4 degrees.
+    #[default]
+    Cie1931,
+    /// Of 1964, fields of more than 4 degrees.
+    Cie1964,
+}
+
+impl Standard {
+    /// D65 in u'v' (CIE 15:2018, appendix: x, y .31272, .32903 and .31381, .33098).
+    pub fn d65_uv(self) -> UvPrime {
+        match self {
+            Self::Cie1931 => D65_UV,
+            Self::Cie1964 => UvPrime { u: 0.19786, v: 0.46954 },
+        }
+    }
+}
+
+/// A standard observer, prepared for one grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observer {
     /// xbar, ybar, zbar times 1 nm, gathered at each grid wavelength.
@@ -31,14 +51,22 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// Gathers the weights for `grid`.
+    /// The observer of 1931 on `grid`.
     ///
     /// # Errors
     /// If the grid holds no whole nanometre from 380 to 780 nm.
     pub fn new(grid: &Grid) -> Result<Self, ColourError> {
+        Self::of(Standard::Cie1931, grid)
+    }
+
+    /// Gathers the weights for `grid`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(standard: Standard, grid: &Grid) -> Result<Self, ColourError> {
         let mut weight = [(); 3].map(|()| vec![0.0; grid.len()]);
         let mut any = false;
-        for (nm, matching) in matching_functions() {
+        for (nm, matching) in matching_functions(standard) {
             // A thousandth of a picometre forgives rounding at the ends of the grid.
             let position = (nm - grid.start_nm()) / grid.step_nm();
             if nm < grid.start_nm() - 1e-6 || nm > grid.stop_nm() + 1e-6 {
@@ -98,13 +126,17 @@ impl Observer {
 ///
 /// Whole nanometres from 380 to 699: beyond, the chromaticity no longer moves.
 pub fn spectral_locus() -> impl Iterator<Item = (f64, Xyz)> {
-    matching_functions().take_while(|(nm, _)| *nm < 700.0)
+    matching_functions(Standard::Cie1931).take_while(|(nm, _)| *nm < 700.0)
 }
 
 /// Wavelength in nm with xbar, ybar and zbar, as far as they are tabulated.
-fn matching_functions() -> impl Iterator<Item = (f64, Xyz)> {
-    (380_u16..=780).filter_map(|nm| {
-        let [x, y, z] = Cie1931.xyz_at_wavelength(usize::from(nm)).ok()?.to_array();
+fn matching_functions(standard: Standard) -> impl Iterator<Item = (f64, Xyz)> {
+    let observer = match standard {
+        Standard::Cie1931 => Cie1931,
+        Standard::Cie1964 => Cie1964,
+    };
+    (380_u16..=780).filter_map(move |nm| {
+        let [x, y, z] = observer.xyz_at_wavelength(usize::from(nm)).ok()?.to_array();
         Some((f64::from(nm), Xyz { x, y, z }))
     })
 }
@@ -181,6 +213,22 @@ mod tests {
         let plain = Observer::new(&fine).unwrap().xyz(&interpolated);
         for (a, b) in ours.to_array().into_iter().zip(plain.to_array()) {
             assert!((a - b).abs() < 1e-10);
+        }
+    }
+
+    /// CIE 15:2018, x10 and y10 of D65 and A.
+    #[test]
+    fn the_observer_of_1964_sees_illuminants_where_the_cie_does() {
+        let grid = grid(380.0, 780.0, 1.0);
+        let observer = Observer::of(Standard::Cie1964, &grid).unwrap();
+        for (name, x, y) in [("D65", 0.31381, 0.33098), ("A", 0.45117, 0.40594)] {
+            let xy = observer.xyz(&illuminant(name, &grid).unwrap()).chromaticity().unwrap();
+            assert!((xy.x - x).abs() < 1e-4 && (xy.y - y).abs() < 1e-4, "{name} {xy:?}");
+        }
+        for standard in [Standard::Cie1931, Standard::Cie1964] {
+            let observer = Observer::of(standard, &grid).unwrap();
+            let d65 = observer.xyz(&illuminant("D65", &grid).unwrap()).uv_prime().unwrap();
+            assert!(d65.distance(standard.d65_uv()) < 1e-4, "{d65:?}");
         }
     }
 

@@ -34,6 +34,7 @@
 //!         directed: vec![],
 //!     },
 //!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, distance_mm: 500.0 },
+//!     metrics: Metrics::default(),
 //!     solver: Solver {
 //!         method: Method::Walk,
 //!         stop: Stop::RelativeError { target: 0.001, every_bin: false },
@@ -62,11 +63,14 @@
 //! printing.
 
 mod brdf;
+pub mod compare;
 mod cone;
 mod error;
 mod meter;
+mod metrics;
 pub mod pixel;
 mod prepared;
+pub mod readability;
 pub mod result;
 mod run;
 pub mod scene;

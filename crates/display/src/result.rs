@@ -7,6 +7,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+pub use crate::metrics::{Cam16, StateMetrics, ViewMetrics};
+
 /// Everything that a run reports, but for the scenario itself.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RunResult {
@@ -79,30 +81,16 @@ pub struct View {
     pub phi_deg: f64,
     /// The drive states, in the order of the scenario.
     pub states: Named<State>,
-    /// Y of white over Y of black.
-    pub contrast_ratio: Option<f64>,
-    /// Area of the red, green and blue states in u'v', % of sRGB's.
-    pub gamut_percent_srgb: Option<f64>,
-    /// The same, % of EBU's.
-    pub gamut_percent_ebu: Option<f64>,
-    /// One sigma of the three above (0 where there is no noise).
-    pub standard_error: ViewError,
-    /// Discretisation errors of the same three (adding).
+    /// Metrics of the states together.
+    #[serde(flatten)]
+    pub metrics: ViewMetrics,
+    /// One sigma of each metric (0 where there is no noise).
+    pub standard_error: ViewMetrics,
+    /// Discretisation errors of the same (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub discretisation_error: Option<ViewError>,
+    pub discretisation_error: Option<ViewMetrics>,
     /// Where a unit beam that enters from the view direction ends.
     pub ledger: Named<Ledger>,
-}
-
-/// Errors of a view's metrics.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct ViewError {
-    /// Of `contrast_ratio`.
-    pub contrast_ratio: Option<f64>,
-    /// Of `gamut_percent_srgb`.
-    pub gamut_percent_srgb: Option<f64>,
-    /// Of `gamut_percent_ebu`.
-    pub gamut_percent_ebu: Option<f64>,
 }
 
 /// A drive state as seen from one direction.
@@ -162,6 +150,17 @@ pub struct StateValues {
     /// 255 times linear sRGB of (x, y, z), clipped, without gamma: hue without lightness (the
     /// RGB rows of Feng 2012, table 5.1).
     pub hue_rgb: Option<[f64; 3]>,
+    /// What the colour is to other colours.
+    #[serde(flatten)]
+    pub metrics: StateMetrics,
+    /// What it looks like, where `metrics.appearance` asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cam16: Option<Cam16>,
+    /// Luminous reflectance factor under the diffuse light alone, front reflection included (Feng 2012,
+    /// eq. 3-1); null where there is none.
+    pub R_hemi: Option<f64>,
+    /// The same under each directed source alone.
+    pub R_dir: Vec<Option<f64>>,
     /// The parts of Y by light; they sum to Y.
     pub terms: Terms,
     /// Luminance of each directed source's mirror image over that of the source, wherever it is seen.

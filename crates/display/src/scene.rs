@@ -5,6 +5,7 @@
 //! it cannot compute (a view below the horizon, a film that cannot be).
 
 use num_complex::Complex64;
+pub use papilio_colour::{Standard, Surround};
 pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_sampling::Sampler;
@@ -25,8 +26,45 @@ pub struct Scene {
     pub lighting: Lighting,
     /// Where the reader looks from.
     pub viewer: Viewer,
+    /// What is said of the colours.
+    pub metrics: Metrics,
     /// How to compute, and how well.
     pub solver: Solver,
+}
+
+/// What is said of the colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Metrics {
+    /// Whose X, Y, Z; luminances are photometric (1931) whoever looks.
+    pub observer: Standard,
+    /// Name of the state that the others are compared with; nothing is if there is no such state.
+    pub reference_state: String,
+    /// Whether the gamut's volume is wanted.
+    pub gamut_volume: bool,
+    /// Viewing conditions, if colour appearance is wanted.
+    pub appearance: Option<Appearance>,
+}
+
+/// Viewing conditions of CIECAM16.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Appearance {
+    /// Luminance that the eye is adapted to, cd/m2; `None`: that of the background.
+    pub adapting_luminance_cd_m2: Option<f64>,
+    /// Luminance of the background over that of a perfect white in the scene's light, above 0 to 1.
+    pub background: f64,
+    /// What is around the display.
+    pub surround: Surround,
+}
+
+impl Default for Metrics {
+    fn default() -> Self {
+        Self {
+            observer: Standard::Cie1931,
+            reference_state: "white".to_owned(),
+            gamut_volume: false,
+            appearance: None,
+        }
+    }
 }
 
 /// The layers and the pixel under them.

@@ -1,6 +1,6 @@
 //! From a scene to what transport needs: the stack, the sources and the views.
 
-use papilio_colour::Observer;
+use papilio_colour::{Observer, Standard};
 use papilio_optics::Beta;
 use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
@@ -27,7 +27,10 @@ pub(crate) struct Setup {
     pub(crate) lights: Vec<Light>,
     pub(crate) sources: Vec<Source>,
     pub(crate) views: Vec<ViewPoint>,
+    /// Of 1931: light and luminance.
     pub(crate) observer: Observer,
+    /// Whose colours are reported, if not those of 1931.
+    other_observer: Option<Observer>,
     pub(crate) states: Vec<String>,
 }
 
@@ -61,6 +64,10 @@ impl Setup {
             lights: lights(scene, &observer)?,
             sources: sources(scene, angle_index)?,
             views: views(scene, angle_index)?,
+            other_observer: match scene.metrics.observer {
+                Standard::Cie1931 => None,
+                other => Some(Observer::of(other, &scene.grid)?),
+            },
             observer,
             states: pixel::state_names(&scene.display.pixel),
             version: 0,
@@ -74,7 +81,8 @@ impl Setup {
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
-        if scene.grid != last.grid || solver_changed {
+        let other_observer = scene.metrics.observer != last.metrics.observer;
+        if scene.grid != last.grid || solver_changed || other_observer {
             return Ok(Self { version: self.version + 1, ..Self::new(scene)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
@@ -111,6 +119,27 @@ impl Setup {
     /// A view of the scene's field.
     pub(crate) fn view(&self, theta_deg: f64, phi_deg: f64) -> Result<ViewPoint, DisplayError> {
         view(&self.scene, angle_index(&self.scene)?, theta_deg, phi_deg)
+    }
+}
+
+impl Setup {
+    /// Whose colours are reported.
+    pub(crate) fn seen_by(&self) -> &Observer {
+        self.other_observer.as_ref().unwrap_or(&self.observer)
+    }
+
+    /// What each state of the pixel alone reflects in the direction of a view, shape `[state][wavelength]`; false
+    /// if it is no mirror.
+    pub(crate) fn pixel_alone(&self, at: &ViewPoint, out: &mut [f64]) -> bool {
+        let base = match &self.stack {
+            Stack::Panel(panel) => &panel.base,
+            Stack::Layered(layered) => &layered.base,
+        };
+        if base.is_specular() {
+            let beta = at.field.axis_towards();
+            base.reflectance(beta.x * beta.x + beta.y * beta.y, &medium(&self.scene), out);
+        }
+        base.is_specular()
     }
 }
 

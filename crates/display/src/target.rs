@@ -1,6 +1,6 @@
 //! A metric that a run is to know to within a tolerance.
 
-use crate::result::{State, StateValues, View, ViewError};
+use crate::result::{State, StateValues, View};
 
 /// A tolerance of one metric, at every view: one standard error is to be at most this.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,12 +53,11 @@ impl Metric {
     }
 
     fn of_view(self, view: &View) -> [Option<f64>; 2] {
-        let ViewError { contrast_ratio, gamut_percent_srgb, gamut_percent_ebu } = &view.standard_error;
-        match self {
-            Self::contrast_ratio => [view.contrast_ratio, *contrast_ratio],
-            Self::gamut_percent_srgb => [view.gamut_percent_srgb, *gamut_percent_srgb],
-            _ => [view.gamut_percent_ebu, *gamut_percent_ebu],
-        }
+        [&view.metrics, &view.standard_error].map(|metrics| match self {
+            Self::contrast_ratio => metrics.contrast_ratio,
+            Self::gamut_percent_srgb => metrics.gamut_percent_srgb,
+            _ => metrics.gamut_percent_ebu,
+        })
     }
 
     fn of_state(self, values: &StateValues) -> Option<f64> {

@@ -187,12 +187,14 @@ fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
     let ink = || Stroke::solid(INK, 2.0);
     match metric {
         AngleMetric::Contrast => {
-            vec![whole("white : black", ink(), |v| (v.contrast_ratio, v.standard_error.contrast_ratio))]
+            vec![whole("white : black", ink(), |v| {
+                (v.metrics.contrast_ratio, v.standard_error.contrast_ratio)
+            })]
         }
         AngleMetric::Gamut => vec![
-            whole("of sRGB", ink(), |v| (v.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)),
+            whole("of sRGB", ink(), |v| (v.metrics.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)),
             whole("of EBU", ink().dashed("1.5 3"), |v| {
-                (v.gamut_percent_ebu, v.standard_error.gamut_percent_ebu)
+                (v.metrics.gamut_percent_ebu, v.standard_error.gamut_percent_ebu)
             }),
         ],
         AngleMetric::Reflectance => by_state(views, |state, _| both(state, |v| Some(v.Y))),

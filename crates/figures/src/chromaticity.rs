@@ -29,12 +29,7 @@ pub fn chromaticity(result: &RunResult, view: &View, title: &str) -> String {
 
 /// The same in a page, `width` px wide and [`height`] px high.
 pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, width: f64) {
-    let panel = Panel {
-        origin,
-        size: (width, height(width)),
-        x: Axis::exact(DRAWN[0].0, DRAWN[0].1, 7, "u\u{2032}"),
-        y: Axis::exact(DRAWN[1].0, DRAWN[1].1, 7, "v\u{2032}"),
-    };
+    let panel = self::panel(origin, (width, height(width)));
     panel.draw(svg);
     locus::draw(svg, &panel);
     let srgb = GamutReference::Srgb.primaries_uv();
@@ -55,6 +50,16 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
             marks.name(svg, &panel, &[Some(srgb), display]);
             legend(svg, panel.bottom() - 3.5 * LINE, &panel, view, display.is_some());
         }
+    }
+}
+
+/// The axes of the diagram.
+pub(crate) fn panel(origin: Point, size: Point) -> Panel {
+    Panel {
+        origin,
+        size,
+        x: Axis::exact(DRAWN[0].0, DRAWN[0].1, 7, "u\u{2032}"),
+        y: Axis::exact(DRAWN[1].0, DRAWN[1].1, 7, "v\u{2032}"),
     }
 }
 
@@ -115,8 +120,8 @@ fn legend(svg: &mut Svg, top: f64, panel: &Panel, view: &View, has_gamut: bool) 
     };
     let error = &view.standard_error;
     let mut lines = vec![
-        (srgb_stroke(), percent(view.gamut_percent_srgb, error.gamut_percent_srgb, "sRGB")),
-        (ebu_stroke(), percent(view.gamut_percent_ebu, error.gamut_percent_ebu, "EBU")),
+        (srgb_stroke(), percent(view.metrics.gamut_percent_srgb, error.gamut_percent_srgb, "sRGB")),
+        (ebu_stroke(), percent(view.metrics.gamut_percent_ebu, error.gamut_percent_ebu, "EBU")),
     ];
     if has_gamut {
         lines.insert(0, (display_stroke(), "display".to_owned()));

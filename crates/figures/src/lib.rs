@@ -10,6 +10,7 @@
 //! | [`pixel_scan`] | pixel reflectance at several angles |
 //! | [`cone`] | polar maps over all viewing directions |
 //! | [`spectra_over`] | spectra of a display over those of variants of it |
+//! | [`compared_spectra`], [`compared_gamuts`] | a simulated display beside a measured one |
 //! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
 //! | [`accuracy`] | errors of solvers against their cost |
@@ -33,6 +34,7 @@ mod angle;
 mod axis;
 mod chromaticity;
 mod colour_map;
+mod comparison;
 mod cone;
 mod contour;
 mod labels;
@@ -57,6 +59,7 @@ mod sweep;
 pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
 pub use chromaticity::chromaticity;
+pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
 pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;

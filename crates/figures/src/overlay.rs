@@ -96,7 +96,7 @@ pub fn transmission(spectra: &[Transmission], title: &str) -> String {
 }
 
 /// Names in a line above the panel.
-fn legend<'a>(svg: &mut Svg, entries: impl Iterator<Item = (&'a str, Stroke)>) {
+pub(crate) fn legend<'a>(svg: &mut Svg, entries: impl Iterator<Item = (&'a str, Stroke)>) {
     let (mut x, y) = (ORIGIN.0, ORIGIN.1 - 16.0);
     for (name, stroke) in entries {
         svg.line((x, y - 4.0), (x + 28.0, y - 4.0), &stroke);

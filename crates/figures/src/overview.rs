@@ -29,10 +29,10 @@ fn headline(result: &RunResult, view: &View) -> String {
         let error = error.map(|error| format!(" \u{b1} {error}")).unwrap_or_default();
         parts.push(format!("white Y {y}{error} %"));
     }
-    if let Some(contrast) = view.contrast_ratio {
+    if let Some(contrast) = view.metrics.contrast_ratio {
         parts.push(format!("contrast {}", with_error(contrast, view.standard_error.contrast_ratio, 1)));
     }
-    if let Some(gamut) = view.gamut_percent_srgb {
+    if let Some(gamut) = view.metrics.gamut_percent_srgb {
         let gamut = with_error(gamut, view.standard_error.gamut_percent_srgb, 1);
         parts.push(format!("gamut {gamut} % of sRGB"));
     }

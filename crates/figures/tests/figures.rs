@@ -170,9 +170,9 @@ fn few_states_and_few_views_are_enough() {
         run.views[0].states = Named(
             full.views[0].states.0.iter().filter(|(n, _)| keep.contains(&n.as_str())).cloned().collect(),
         );
-        run.views[0].contrast_ratio = None;
-        run.views[0].gamut_percent_srgb = None;
-        run.views[0].gamut_percent_ebu = None;
+        run.views[0].metrics.contrast_ratio = None;
+        run.views[0].metrics.gamut_percent_srgb = None;
+        run.views[0].metrics.gamut_percent_ebu = None;
         for svg in all(&run) {
             texts(&svg);
         }
@@ -212,8 +212,8 @@ fn every_figure_carries_its_title() {
 fn a_metric_that_is_nowhere_defined_is_no_figure() {
     let mut run = made_up::result(&[0.0, 30.0], 0.01);
     for view in &mut run.views {
-        view.gamut_percent_srgb = None;
-        view.gamut_percent_ebu = None;
+        view.metrics.gamut_percent_srgb = None;
+        view.metrics.gamut_percent_ebu = None;
     }
     assert_eq!(against_angle(&run, AngleMetric::Gamut, TITLE), None);
     assert!(against_angle(&run, AngleMetric::Contrast, TITLE).is_some());

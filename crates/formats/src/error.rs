@@ -69,6 +69,25 @@ pub enum Problem {
     /// The first row of a pixel table must name its columns.
     #[error("this is not the header of a pixel table")]
     Header,
+    /// The first row of a measured panel must name its columns.
+    #[error("this is not the header of a measured panel")]
+    PanelHeader,
+    /// Two rows of a measured panel for the same state and direction.
+    #[error("state `{state}` at theta {theta_deg} deg, phi {phi_deg} deg is given twice")]
+    MeasuredTwice {
+        /// The state.
+        state: String,
+        /// Inclination, degrees.
+        theta_deg: f64,
+        /// Azimuth, degrees.
+        phi_deg: f64,
+    },
+    /// Not JSON, or not what a run writes.
+    #[error("this is not a result.json: {message}")]
+    NotAResult {
+        /// What is wrong with it.
+        message: String,
+    },
     /// Nothing where a number should be.
     #[error("this cell is empty")]
     EmptyCell,
@@ -181,6 +200,9 @@ impl Problem {
             Self::BadName => GOOD_NAME,
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
             Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",
+            Self::PanelHeader => {
+                "expected the columns `state`, `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z`"
+            }
             Self::EmptyCell | Self::NotANumber { .. } | Self::NotFinite { .. } => "expected a number",
             Self::OutOfOrder { .. } => "expected wavelengths that rise, or fall, from row to row",
             Self::Hole { .. } => "expected every wavelength at every angle of every state",
@@ -208,6 +230,9 @@ impl Problem {
                 "decimal commas are not read: write decimals with a point, and part all columns alike"
             }
             Self::NotAJournal { .. } => "take the line out of the file: its point is computed again",
+            Self::NotAResult { .. } => {
+                "name a result.json that `papilio run` wrote, or the folder that holds it"
+            }
             Self::Micrometres => "give wavelengths in nm: multiply them by 1000",
             Self::OutOfOrder { .. } => "sort the rows by wavelength and leave one row for each",
             Self::NotFinite { .. } => "leave the row out, or give its value",

@@ -6,6 +6,8 @@
 //! | [`read_shares`], [`read_light`] | the same, with the range of shares, or of a light |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//! | [`read_measured_panel`] | spectra or X, Y, Z of a panel's states |
+//! | [`read_result`] | `result.json` |
 //! | [`read_bsdf`] | measured scattering in any of many formats (told apart by content) |
 //!
 //! | out | to |
@@ -14,6 +16,7 @@
 //! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; what they are: [`ConeFile`] with [`write_json`] |
+//! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | what was found in a measurement |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_measurement`] | measured scattering as a [`BsdfFormat`] |
@@ -38,16 +41,19 @@
 
 mod audit;
 mod bsdf;
+mod comparison;
 mod cone;
 mod error;
 mod file;
 mod index;
 mod json;
+mod measured_panel;
 mod npy;
 mod pixel_table;
 mod place;
 mod refractiveindex;
 mod result;
+mod result_read;
 mod rows;
 mod spectrum;
 mod study;
@@ -58,14 +64,17 @@ pub use bsdf::{
     BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, Warned, WriteError, read_bsdf,
     write_bsdf, write_measurement,
 };
+pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
 pub use json::write_json;
+pub use measured_panel::read_measured_panel;
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use place::{Place, Remark, Spot};
 pub use result::{ResultFile, result_schema, write_spectra, write_states};
+pub use result_read::{ReadResult, read_result};
 pub use spectrum::{read_light, read_shares, read_spectrum};
 pub use study::write_study;
 pub use sweep::{

@@ -191,7 +191,7 @@ impl Points {
     }
 }
 
-fn in_range(
+pub(crate) fn in_range(
     row: &Row<'_>,
     cell: usize,
     what: &'static str,

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use papilio_display::result::{Ledger, LedgerError, RunResult, State, StateValues, View, ViewError};
+use papilio_display::result::{Cam16, Ledger, LedgerError, RunResult, State, StateValues, View};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -90,7 +90,7 @@ pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
 }
 
 /// A number that reads back as it is; nothing where there is none.
-fn cell(value: Option<f64>) -> String {
+pub(crate) fn cell(value: Option<f64>) -> String {
     value.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
 }
 
@@ -122,16 +122,11 @@ fn scalars(view: &View, name: &str, state: &State) -> Columns {
 }
 
 /// The metrics of the states together, and their errors.
-fn together(view: &View) -> [(String, [Option<f64>; 3]); 3] {
-    let (standard, discretisation) = (Some(&view.standard_error), view.discretisation_error.as_ref());
-    let with_errors = |title: &str, value, of: fn(&ViewError) -> Option<f64>| {
-        (title.to_owned(), [value, standard.and_then(of), discretisation.and_then(of)])
-    };
-    [
-        with_errors("contrast_ratio", view.contrast_ratio, |e| e.contrast_ratio),
-        with_errors("gamut_percent_srgb", view.gamut_percent_srgb, |e| e.gamut_percent_srgb),
-        with_errors("gamut_percent_ebu", view.gamut_percent_ebu, |e| e.gamut_percent_ebu),
-    ]
+fn together(view: &View) -> impl Iterator<Item = (String, [Option<f64>; 3])> + use<> {
+    let discretisation = view.discretisation_error.unwrap_or_default();
+    let errors = view.standard_error.named().zip(discretisation.named());
+    let all = view.metrics.named().zip(errors);
+    all.map(|((title, value), ((_, standard), (_, coarse)))| (title.to_owned(), [value, standard, coarse]))
 }
 
 /// A share of a ledger: its name, and where it is.
@@ -180,11 +175,18 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
         ("Y_diffuse", Some(v.terms.diffuse)),
         ("Y_front_reflection", Some(v.terms.front_reflection)),
     ];
+    let looks = v.cam16.iter().flat_map(Cam16::named);
+    let looks = looks.map(|(title, value)| (format!("cam16_{title}"), value));
+    let alone = std::iter::once(("R_hemi".to_owned(), v.R_hemi));
+    let alone = alone.chain(v.R_dir.iter().enumerate().map(|(i, y)| (format!("R_dir_{i}"), *y)));
     let directed = v.terms.directed.iter().enumerate().map(|(i, y)| (format!("Y_directed_{i}"), Some(*y)));
     let specular = v.specular.iter().enumerate().map(|(i, y)| (format!("specular_{i}"), Some(*y)));
     fixed
         .into_iter()
+        .chain(v.metrics.named())
         .map(|(title, value)| (title.to_owned(), value))
+        .chain(looks)
+        .chain(alone)
         .chain(directed)
         .chain(specular)
         .collect()

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
 
 use papilio_display::result::{
-    Absorbed, Illuminant, Ledger, LedgerError, Named, RunResult, SolverReport, State, StateValues, Terms,
-    View, ViewError,
+    Absorbed, Illuminant, Ledger, LedgerError, Named, RunResult, SolverReport, State, StateMetrics,
+    StateValues, Terms, View, ViewMetrics,
 };
 use papilio_formats::{ResultFile, write_json, write_spectra, write_states};
 
@@ -29,6 +29,10 @@ fn values(start: f64) -> StateValues {
         distance_from_white_uv: Some(0.0),
         distance_from_d65_uv: Some(0.01),
         hue_rgb: Some([10.0, 20.0, 30.0]),
+        metrics: StateMetrics { u_star: Some(start), ..StateMetrics::default() },
+        cam16: None,
+        R_hemi: None,
+        R_dir: vec![None, Some(start)],
         terms: Terms { diffuse: start, directed: vec![1.0, start], front_reflection: 0.0 },
         specular: vec![0.04, 0.0],
     }
@@ -53,14 +57,8 @@ fn result() -> RunResult {
             ("white, bright".to_owned(), state(0.1 + 0.2)),
             ("black".to_owned(), state(0.01)),
         ]),
-        contrast_ratio: Some(1.0 / 3.0),
-        gamut_percent_srgb: None,
-        gamut_percent_ebu: None,
-        standard_error: ViewError {
-            contrast_ratio: Some(0.1),
-            gamut_percent_srgb: None,
-            gamut_percent_ebu: None,
-        },
+        metrics: ViewMetrics { contrast_ratio: Some(1.0 / 3.0), ..ViewMetrics::default() },
+        standard_error: ViewMetrics { contrast_ratio: Some(0.1), ..ViewMetrics::default() },
         discretisation_error: None,
         ledger: Named(vec![("white, bright".to_owned(), ledger.clone()), ("black".to_owned(), ledger)]),
     };
@@ -132,7 +130,7 @@ fn spectra_have_a_row_for_each_wavelength_of_each_state() {
 fn a_result_without_noise_shows_its_discretisation_errors() {
     let mut result = result();
     let view = &mut result.views[0];
-    view.discretisation_error = Some(ViewError { contrast_ratio: Some(0.25), ..view.standard_error });
+    view.discretisation_error = Some(ViewMetrics { contrast_ratio: Some(0.25), ..view.standard_error });
     view.states.0.iter_mut().for_each(|(_, state)| state.discretisation_error = Some(values(0.002)));
     for (_, ledger) in &mut view.ledger.0 {
         ledger.discretisation_error = Some(LedgerError { returned: 0.125, ..ledger.standard_error.clone() });

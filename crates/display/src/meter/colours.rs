@@ -39,8 +39,8 @@ impl Meter<'_> {
         let together = self.reference().together(colours);
         ConeView {
             contrast_ratio: together.contrast_ratio,
-            gamut_percent_srgb: together.gamut_srgb,
-            gamut_percent_ebu: together.gamut_ebu,
+            gamut_percent_srgb: together.gamut_percent_srgb,
+            gamut_percent_ebu: together.gamut_percent_ebu,
             states: colours.iter().zip(normal).map(state).collect(),
         }
     }

@@ -7,13 +7,27 @@
 
 use papilio_transport::adding::error_over_difference;
 
-use super::Meter;
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative};
 use super::view::Numbers;
-use crate::result::View;
+use super::{Looked, Meter};
 use crate::run::largest;
 use crate::setup::ViewPoint;
+
+/// How a number's error follows from its values at two levels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LevelError {
+    /// Errors over differences.
+    times: f64,
+    /// The least error claimed, relative.
+    least: f64,
+}
+
+impl LevelError {
+    pub(super) fn of(&self, finer: f64, coarser: f64) -> f64 {
+        (self.times * (finer - coarser).abs()).max(self.least * finer.abs())
+    }
+}
 
 impl Meter<'_> {
     /// The largest relative difference of Y over the states; with `every_bin`, also of the
@@ -41,17 +55,21 @@ impl Meter<'_> {
         finer: &Sample,
         coarser: &Sample,
         specular: &[Vec<f64>],
-    ) -> View {
-        let scalars = self.scalars(finer);
-        let times = error_over_difference(&self.setup.stack);
+    ) -> Looked {
+        let bare = self.bare_peaks(at);
+        let (scalars, before) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.difference(finer, coarser, false)).filter(|least| least.is_finite());
-        let error = |a: f64, b: f64| (times * (a - b).abs()).max(least.unwrap_or(0.0) * a.abs());
+        let of_levels =
+            LevelError { times: error_over_difference(&self.setup.stack), least: least.unwrap_or(0.0) };
+        let error = |a: f64, b: f64| of_levels.of(a, b);
         let discretisation = Numbers {
             linear: finer.combine(coarser, error),
-            scalars: ViewScalars::combine(&scalars, &self.scalars(coarser), error),
+            scalars: ViewScalars::combine(&scalars, &before, error),
         };
         let noise = Numbers { linear: Sample::zeros(finer), scalars: scalars.zeros() };
+        let colours = [&scalars, &before].map(ViewScalars::colours).to_vec();
         let value = Numbers { linear: finer.clone(), scalars };
-        self.view(at, value, noise, Some(discretisation), specular)
+        let view = self.view(at, value, noise, Some(discretisation), specular);
+        Looked { view, colours, of_levels: Some(of_levels) }
     }
 }

@@ -3,91 +3,218 @@
 //! Colorimetry is CIE 15:2018 through `papilio_colour`. X, Y, Z are over the Y of the
 //! perfect white in the same light. Contrast is Feng 2012, eq. 5-10, gamut eq. 5-9.
 
-use papilio_colour::{D65_UV, GamutReference, UvPrime, Xyz, gamut_percent, peak_nm};
-use papilio_spectra::Grid;
+use papilio_colour::{
+    CORNERS, Corners, GamutReference, Lab, UvPrime, Viewing, Xyz, coverage_percent, gamut_percent,
+};
+
+use crate::readability::{Reader, Text};
+use crate::result::{Cam16, StateMetrics, ViewMetrics};
+use crate::scene::{Appearance, Metrics, Standard};
 
 /// The scalar numbers of one state; `None` where one is not defined.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Scalars<T = Option<f64>> {
-    pub(crate) xyz: [T; 3],
-    pub(crate) chromaticity: [T; 3],
-    pub(crate) uv_prime: [T; 2],
-    pub(crate) lab: [T; 3],
-    pub(crate) luminance: T,
-    pub(crate) contrast: T,
-    pub(crate) peak_nm: T,
-    pub(crate) from_white: T,
-    pub(crate) from_d65: T,
-    pub(crate) hue_rgb: [T; 3],
+pub(crate) struct Scalars {
+    pub(crate) xyz: [Option<f64>; 3],
+    pub(crate) chromaticity: [Option<f64>; 3],
+    pub(crate) uv_prime: [Option<f64>; 2],
+    pub(crate) lab: [Option<f64>; 3],
+    pub(crate) luminance: Option<f64>,
+    pub(crate) contrast: Option<f64>,
+    pub(crate) peak_nm: Option<f64>,
+    pub(crate) from_white: Option<f64>,
+    pub(crate) from_d65: Option<f64>,
+    pub(crate) hue_rgb: [Option<f64>; 3],
+    pub(crate) metrics: StateMetrics,
+    pub(crate) cam16: Option<Cam16>,
 }
 
 /// The numbers of a view: those of its states, and of the states together.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ViewScalars {
     pub(crate) states: Vec<Scalars>,
-    pub(crate) together: Together,
+    pub(crate) together: ViewMetrics,
 }
 
-/// The numbers of the states together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Together {
-    pub(crate) contrast_ratio: Option<f64>,
-    pub(crate) gamut_srgb: Option<f64>,
-    pub(crate) gamut_ebu: Option<f64>,
-}
+/// The states that span a gamut in the diagram.
+pub(crate) const PRIMARIES: [&str; 3] = ["red", "green", "blue"];
 
 /// What metrics are measured against.
 pub(crate) struct Reference<'a> {
     pub(crate) names: &'a [String],
-    pub(crate) grid: &'a Grid,
     /// The perfect white: relative (Y = 1), and its luminance in cd/m2.
     pub(crate) white: Xyz,
     pub(crate) white_luminance: f64,
+    pub(crate) asked: &'a Metrics,
+}
+
+/// What is seen of a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sight {
+    /// Relative.
+    pub(crate) xyz: Xyz,
+    pub(crate) luminance_cd_m2: f64,
+    pub(crate) peak_nm: Option<f64>,
+    /// Where the pixel alone peaks.
+    pub(crate) bare_peak_nm: Option<f64>,
+}
+
+/// What the states of a view are compared with.
+struct Beside {
+    black: Option<f64>,
+    white: Seen,
+    state: Option<Seen>,
+    viewing: Option<Viewing>,
+}
+
+/// A colour as it is compared with others; `None` where the light has no white or nothing is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Seen {
+    pub(crate) uv: Option<UvPrime>,
+    pub(crate) lab: Option<Lab>,
+}
+
+impl Seen {
+    fn new(xyz: Xyz, white: Xyz) -> Self {
+        Self { uv: xyz.uv_prime(), lab: xyz.lab(white) }
+    }
+
+    pub(crate) fn of(state: &Scalars) -> Self {
+        let ([u, v], [l, a, b]) = (state.uv_prime, state.lab);
+        let lab = l.zip(a).zip(b).map(|((l, a), b)| Lab { l, a, b });
+        Self { uv: u.zip(v).map(|(u, v)| UvPrime { u, v }), lab }
+    }
+
+    /// u'v' distance and CIEDE2000 difference.
+    pub(crate) fn differences(&self, other: &Self) -> [Option<f64>; 2] {
+        let uv = self.uv.zip(other.uv).map(|(one, other)| one.distance(other));
+        let lab = self.lab.zip(other.lab).map(|(one, other)| one.delta_e_2000(other));
+        [uv, lab]
+    }
 }
 
 impl Reference<'_> {
-    /// All metrics, from each state's relative X, Y, Z and its reflectance factor.
-    pub(crate) fn view(&self, xyz: &[Xyz], reflectance_factor: &[&[f64]]) -> ViewScalars {
-        let white = self.white.uv_prime();
-        let black = self.seen("black", xyz).map(|black| black.y);
-        let states = xyz.iter().zip(reflectance_factor);
-        let states = states.map(|(xyz, factor)| self.state(*xyz, factor, black, white)).collect();
-        ViewScalars { states, together: self.together(xyz) }
+    /// All metrics but those that compare views.
+    pub(crate) fn view(&self, sights: &[Sight]) -> ViewScalars {
+        let xyz: Vec<Xyz> = sights.iter().map(|sight| sight.xyz).collect();
+        let colours: Vec<Seen> = xyz.iter().map(|xyz| Seen::new(*xyz, self.white)).collect();
+        let beside = Beside {
+            black: self.at("black").map(|black| xyz[black].y),
+            white: Seen::new(self.white, self.white),
+            state: self.at(&self.asked.reference_state).map(|state| colours[state]),
+            viewing: self.viewing(),
+        };
+        let states = sights.iter().zip(&colours).map(|(sight, seen)| self.state(sight, seen, &beside));
+        let states: Vec<Scalars> = states.collect();
+        let mut together = self.together(&xyz);
+        let shift = |name| states[self.at(name)?].metrics.peak_shift_nm;
+        together.average_peak_shift_nm = three(PRIMARIES.map(shift)).map(|[r, g, b]| (r + g + b) / 3.0);
+        let luminance = |name| Some(sights[self.at(name)?].luminance_cd_m2);
+        let text = luminance("white").zip(luminance("black")).and_then(|(w, k)| Text::new(w, k));
+        if let Some(text) = text {
+            together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
+            together.text_contrast = Some(text.contrast);
+            together.reading_surrogate_age_20 = text.reading_surrogate(Reader::Age20);
+            together.reading_surrogate_age_50 = text.reading_surrogate(Reader::Age50);
+            together.reading_surrogate_age_75 = text.reading_surrogate(Reader::Age75);
+        }
+        if self.asked.gamut_volume {
+            together.gamut_volume_cielab = self.volume(&xyz);
+        }
+        ViewScalars { states, together }
     }
 
-    /// The metrics of the states together.
-    pub(crate) fn together(&self, xyz: &[Xyz]) -> Together {
-        let seen = |name| self.seen(name, xyz);
-        let uv = |name| seen(name).and_then(Xyz::uv_prime);
+    /// Contrast and gamut of the states together.
+    pub(crate) fn together(&self, xyz: &[Xyz]) -> ViewMetrics {
+        let seen = |name| self.at(name).map(|state| xyz[state]);
         let black = seen("black").map(|black| black.y);
-        let primaries = uv("red").zip(uv("green")).zip(uv("blue")).map(|((r, g), b)| [r, g, b]);
+        // The standards' primaries are those of the observer of 1931.
+        let diagram = self.asked.observer == Standard::Cie1931;
+        let uv = |name| seen(name).filter(|_| diagram).and_then(Xyz::uv_prime);
+        let primaries = three(PRIMARIES.map(uv));
         let gamut = |reference| primaries.map(|primaries| gamut_percent(primaries, reference));
-        Together {
+        let coverage = |reference| primaries.map(|primaries| coverage_percent(primaries, reference));
+        ViewMetrics {
             contrast_ratio: seen("white").and_then(|white| ratio(white.y, black)),
-            gamut_srgb: gamut(GamutReference::Srgb),
-            gamut_ebu: gamut(GamutReference::Ebu),
+            gamut_percent_srgb: gamut(GamutReference::Srgb),
+            gamut_percent_ebu: gamut(GamutReference::Ebu),
+            gamut_percent_ntsc: gamut(GamutReference::Ntsc),
+            gamut_percent_dci_p3: gamut(GamutReference::DciP3),
+            coverage_percent_srgb: coverage(GamutReference::Srgb),
+            coverage_percent_ebu: coverage(GamutReference::Ebu),
+            coverage_percent_ntsc: coverage(GamutReference::Ntsc),
+            coverage_percent_dci_p3: coverage(GamutReference::DciP3),
+            ..ViewMetrics::default()
         }
     }
 
-    fn seen(&self, name: &str, xyz: &[Xyz]) -> Option<Xyz> {
-        self.names.iter().position(|n| n == name).map(|state| xyz[state])
+    /// Volume of the gamut, if all its corners are there.
+    fn volume(&self, xyz: &[Xyz]) -> Option<f64> {
+        let mut corners = [self.white; 8];
+        for (corner, name) in corners.iter_mut().zip(CORNERS) {
+            *corner = xyz[self.at(name)?];
+        }
+        Some(Corners { xyz: corners }.solid(self.white)?.volume())
     }
 
-    fn state(&self, xyz: Xyz, factor: &[f64], black: Option<f64>, white: Option<UvPrime>) -> Scalars {
-        let (xy, uv, lab) = (xyz.chromaticity(), xyz.uv_prime(), xyz.lab(self.white));
+    /// Where a state stands.
+    fn at(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    fn viewing(&self) -> Option<Viewing> {
+        let Appearance { adapting_luminance_cd_m2, background, surround } = self.asked.appearance?;
+        let of_background = background * self.white_luminance;
+        let adapting_luminance_cd_m2 = adapting_luminance_cd_m2.unwrap_or(of_background);
+        Some(Viewing { adapting_luminance_cd_m2, background, surround })
+    }
+
+    fn state(&self, sight: &Sight, seen: &Seen, beside: &Beside) -> Scalars {
+        let (xyz, Seen { uv, lab }) = (sight.xyz, *seen);
+        let xy = xyz.chromaticity();
+        let hue = xyz.hue_rgb().filter(|_| self.asked.observer == Standard::Cie1931);
+        let [from_white, delta_e] = seen.differences(&beside.white);
+        let luv = lab.zip(uv.zip(beside.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
+        let [from_reference, delta_e_reference] =
+            beside.state.map_or([None; 2], |state| seen.differences(&state));
         Scalars {
             xyz: xyz.to_array().map(Some),
             chromaticity: [xy.map(|c| c.x), xy.map(|c| c.y), xy.map(|c| 1.0 - c.x - c.y)],
             uv_prime: [uv.map(|c| c.u), uv.map(|c| c.v)],
             lab: [lab.map(|c| c.l), lab.map(|c| c.a), lab.map(|c| c.b)],
-            luminance: Some(xyz.y * self.white_luminance),
-            contrast: ratio(xyz.y, black),
-            peak_nm: peak_nm(self.grid, factor),
-            from_white: uv.zip(white).map(|(uv, white)| uv.distance(white)),
-            from_d65: uv.map(|uv| uv.distance(D65_UV)),
-            hue_rgb: std::array::from_fn(|k| xyz.hue_rgb().map(|rgb| rgb[k])),
+            luminance: Some(sight.luminance_cd_m2),
+            contrast: ratio(xyz.y, beside.black),
+            peak_nm: sight.peak_nm,
+            from_white,
+            from_d65: uv.map(|uv| uv.distance(self.asked.observer.d65_uv())),
+            hue_rgb: std::array::from_fn(|k| hue.map(|rgb| rgb[k])),
+            metrics: StateMetrics {
+                u_star: luv.map(|c| c.u),
+                v_star: luv.map(|c| c.v),
+                delta_E_2000_from_white: delta_e,
+                delta_E_2000_from_reference: delta_e_reference,
+                distance_from_reference_uv: from_reference,
+                peak_shift_nm: sight.peak_nm.zip(sight.bare_peak_nm).map(|(peak, bare)| peak - bare),
+                ..StateMetrics::default()
+            },
+            cam16: beside.viewing.map(|viewing| cam16(xyz.appearance(self.white, &viewing))),
         }
     }
+}
+
+fn cam16(looks: Option<papilio_colour::Appearance>) -> Cam16 {
+    let uniform = |k: usize| looks.map(|looks| looks.uniform[k]);
+    Cam16 {
+        J: looks.map(|looks| looks.lightness),
+        C: looks.map(|looks| looks.chroma),
+        J_prime: uniform(0),
+        a_prime: uniform(1),
+        b_prime: uniform(2),
+    }
+}
+
+/// All three, or none.
+pub(crate) fn three<T>([a, b, c]: [Option<T>; 3]) -> Option<[T; 3]> {
+    Some([a?, b?, c?])
 }
 
 /// Y over that of black, where black reflects anything.
@@ -96,63 +223,55 @@ fn ratio(y: f64, black: Option<f64>) -> Option<f64> {
 }
 
 impl Scalars {
-    /// Combines the same number of several sets, each by itself.
-    fn reduce(all: &[Self], combine: &impl Fn(&mut dyn Iterator<Item = Option<f64>>) -> Option<f64>) -> Self {
-        let one = |get: &dyn Fn(&Self) -> Option<f64>| combine(&mut all.iter().map(get));
-        let triple = |get: &dyn Fn(&Self) -> [Option<f64>; 3]| std::array::from_fn(|k| one(&|s| get(s)[k]));
-        let pair = |get: &dyn Fn(&Self) -> [Option<f64>; 2]| std::array::from_fn(|k| one(&|s| get(s)[k]));
-        Self {
-            xyz: triple(&|s| s.xyz),
-            chromaticity: triple(&|s| s.chromaticity),
-            uv_prime: pair(&|s| s.uv_prime),
-            lab: triple(&|s| s.lab),
-            luminance: one(&|s| s.luminance),
-            contrast: one(&|s| s.contrast),
-            peak_nm: one(&|s| s.peak_nm),
-            from_white: one(&|s| s.from_white),
-            from_d65: one(&|s| s.from_d65),
-            hue_rgb: triple(&|s| s.hue_rgb),
-        }
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
+        let Self { xyz, chromaticity, uv_prime, lab, luminance, contrast, peak_nm, .. } = self;
+        let Self { from_white, from_d65, hue_rgb, metrics, cam16, .. } = self;
+        let arrays = [&mut xyz[..], chromaticity, uv_prime, lab, hue_rgb].into_iter().flatten();
+        let numbers = [luminance, contrast, peak_nm, from_white, from_d65].into_iter();
+        arrays.chain(numbers).chain(metrics.all_mut()).chain(cam16.iter_mut().flat_map(Cam16::all_mut))
     }
 }
 
 impl ViewScalars {
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
+        self.states.iter_mut().flat_map(Scalars::all_mut).chain(self.together.all_mut())
+    }
+
+    /// The colours of the states.
+    pub(crate) fn colours(&self) -> Vec<Seen> {
+        self.states.iter().map(Seen::of).collect()
+    }
+
     /// Each number with the other's; `None` where one of the two is missing.
     pub(crate) fn combine(one: &Self, other: &Self, with: impl Fn(f64, f64) -> f64) -> Self {
-        let both = [one.clone(), other.clone()];
-        Self::reduce(&both, &|values| match [values.next(), values.next()] {
-            [Some(Some(a)), Some(Some(b))] => Some(with(a, b)),
-            _ => None,
-        })
+        let (mut combined, mut other) = (one.clone(), other.clone());
+        for (slot, other) in combined.all_mut().zip(other.all_mut()) {
+            *slot = slot.zip(*other).map(|(a, b)| with(a, b));
+        }
+        combined
     }
 
     /// 0 wherever there is a number.
     pub(crate) fn zeros(&self) -> Self {
-        Self::reduce(std::slice::from_ref(self), &|values| values.next().flatten().map(|_| 0.0))
+        Self::combine(self, self, |_, _| 0.0)
     }
 
     /// Jackknife standard errors from the metrics with each replicate left out in turn.
     pub(crate) fn jackknife(left_out: &[Self]) -> Self {
-        Self::reduce(left_out, &|values| jackknife(values))
-    }
-
-    /// Combines the same number of several views, each by itself.
-    fn reduce(all: &[Self], combine: &impl Fn(&mut dyn Iterator<Item = Option<f64>>) -> Option<f64>) -> Self {
-        let states = (0..all[0].states.len()).map(|state| {
-            let states: Vec<Scalars> = all.iter().map(|view| view.states[state]).collect();
-            Scalars::reduce(&states, combine)
-        });
-        let together = Together {
-            contrast_ratio: combine(&mut all.iter().map(|view| view.together.contrast_ratio)),
-            gamut_srgb: combine(&mut all.iter().map(|view| view.together.gamut_srgb)),
-            gamut_ebu: combine(&mut all.iter().map(|view| view.together.gamut_ebu)),
-        };
-        Self { states: states.collect(), together }
+        let mut errors = left_out[0].clone();
+        let mut all = left_out.to_vec();
+        let mut rows: Vec<_> = all.iter_mut().map(Self::all_mut).collect();
+        for error in errors.all_mut() {
+            // Every row goes on by one, whatever is found in it.
+            let column: Vec<Option<f64>> = rows.iter_mut().map(|row| *row.next()?).collect();
+            *error = jackknife(&mut column.into_iter());
+        }
+        errors
     }
 }
 
 /// `sqrt((n-1)/n sum (x_i - mean)^2)` of leave-one-out values; `None` if any is missing.
-fn jackknife(values: &mut dyn Iterator<Item = Option<f64>>) -> Option<f64> {
+pub(crate) fn jackknife(values: &mut dyn Iterator<Item = Option<f64>>) -> Option<f64> {
     let values: Vec<f64> = values.collect::<Option<_>>()?;
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -175,18 +294,44 @@ mod tests {
         assert_eq!(jackknife(&mut [Some(1.0), None].into_iter()), None);
     }
 
+    /// A number that one replicate lacks has no error, and the numbers after it have theirs.
+    #[test]
+    fn a_missing_number_moves_no_other() {
+        let view = |contrast: Option<f64>, gamut: f64| ViewScalars {
+            states: vec![Scalars { peak_nm: contrast, luminance: Some(gamut), ..Scalars::default() }],
+            together: ViewMetrics {
+                contrast_ratio: contrast,
+                gamut_percent_ebu: Some(gamut),
+                ..ViewMetrics::default()
+            },
+        };
+        let errors = ViewScalars::jackknife(&[view(None, 1.0), view(Some(2.0), 2.0), view(Some(3.0), 3.0)]);
+        let expected = jackknife(&mut [1.0, 2.0, 3.0].into_iter().map(Some));
+        assert_eq!((errors.together.contrast_ratio, errors.together.gamut_percent_ebu), (None, expected));
+        assert_eq!((errors.states[0].peak_nm, errors.states[0].luminance), (None, expected));
+    }
+
     #[test]
     fn metrics_of_missing_states_are_missing() {
-        let grid = Grid::new(400.0, 700.0, 100.0).unwrap();
         let white = Xyz { x: 0.95, y: 1.0, z: 1.09 };
         let names = ["white".to_owned(), "orange".to_owned()];
-        let reference = Reference { names: &names, grid: &grid, white, white_luminance: 100.0 };
-        let view =
-            reference.view(&[white, Xyz { x: 0.2, y: 0.1, z: 0.05 }], &[&[0.5; 4], &[0.1, 0.2, 0.3, 0.1]]);
-        assert_eq!((view.together.contrast_ratio, view.together.gamut_srgb), (None, None));
+        let asked = Metrics { gamut_volume: true, ..Metrics::default() };
+        let reference = Reference { names: &names, white, white_luminance: 100.0, asked: &asked };
+        let seen = |xyz: Xyz| Sight {
+            xyz,
+            luminance_cd_m2: 100.0 * xyz.y,
+            peak_nm: Some(600.0),
+            bare_peak_nm: None,
+        };
+        let view = reference.view(&[white, Xyz { x: 0.2, y: 0.1, z: 0.05 }].map(seen));
+        assert_eq!((view.together.contrast_ratio, view.together.gamut_percent_srgb), (None, None));
         assert_eq!(view.states[1].contrast, None);
         assert!(view.states[0].from_white.unwrap() < 1e-15);
         assert!(view.states[1].from_white.unwrap() > 0.05);
         assert_eq!(view.states[1].luminance, Some(10.0));
+        assert_eq!((view.together.text_contrast, view.together.gamut_volume_cielab), (None, None));
+        assert_eq!(view.states[1].metrics.peak_shift_nm, None);
+        assert_eq!(view.states[0].metrics.delta_E_2000_from_reference, Some(0.0));
+        assert!(view.states[1].metrics.delta_E_2000_from_white.unwrap() > 50.0);
     }
 }

@@ -4,6 +4,7 @@
 //! computed from samples last. Where errors come from is the solver's: `replicates` (walk) and
 //! `levels` (adding); `view` writes values and errors down.
 
+mod angle;
 mod colours;
 mod levels;
 mod metrics;
@@ -13,13 +14,14 @@ mod view;
 
 use std::f64::consts::PI;
 
-use papilio_colour::{LUMENS_PER_WATT, Xyz};
+use papilio_colour::{Xyz, peak_nm};
 use papilio_spectra::Grid;
 use papilio_transport::Estimate;
 
 use crate::result::Illuminant;
-use crate::setup::{Light, Setup};
-use metrics::{Reference, ViewScalars};
+use crate::setup::{Light, Setup, ViewPoint};
+pub(crate) use angle::{Looked, against_angle};
+use metrics::{Reference, Sight, ViewScalars};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
 
@@ -41,6 +43,8 @@ struct Weights {
     radiance: Vec<f64>,
     /// To X, Y and Z; shape `[wavelength]`.
     xyz: [Vec<f64>; 3],
+    /// To Y, of the perfect white.
+    luminous: f64,
     /// To the reflectance factor by shares of illuminance.
     share: f64,
 }
@@ -53,17 +57,14 @@ impl<'a> Meter<'a> {
             white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
         }
         let layout = Layout { states: setup.states.len(), bins: grid.len(), lights: setup.lights.len() };
-        let white_xyz = setup.observer.xyz(&white);
+        let white_xyz = setup.seen_by().xyz(&white);
         let total: f64 = setup.lights.iter().map(|light| light.illuminance_lx).sum();
         let weights = |light: &Light| {
             let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
             let over_white =
                 |bar: &[f64]| radiance.iter().zip(bar).map(|(l, bar)| l * bar / white_xyz.y).collect();
-            Weights {
-                xyz: setup.observer.weights().map(over_white),
-                radiance,
-                share: light.illuminance_lx / total,
-            }
+            let xyz: [Vec<f64>; 3] = setup.seen_by().weights().map(over_white);
+            Weights { luminous: xyz[1].iter().sum(), xyz, radiance, share: light.illuminance_lx / total }
         };
         let lights = setup.lights.iter().map(weights).collect();
         Self { setup, grid, layout, white, white_xyz, lights }
@@ -71,7 +72,7 @@ impl<'a> Meter<'a> {
 
     /// ybar at each wavelength, nm.
     fn y_bar(&self) -> &[f64] {
-        self.setup.observer.weights()[1]
+        self.setup.seen_by().weights()[1]
     }
 
     /// A state's Y of a sample, W/(m2 sr).
@@ -92,9 +93,12 @@ impl<'a> Meter<'a> {
                 radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);
                 let factor = sample[layout.factor(state)].iter_mut();
                 factor.zip(both).for_each(|(sum, rho)| *sum += light.share * rho);
-                sample[layout.terms(state).start + l] =
-                    base.iter().zip(&light.xyz[1]).map(|(base, y)| base * y).sum();
+                let from_pixel: f64 = base.iter().zip(&light.xyz[1]).map(|(base, y)| base * y).sum();
+                sample[layout.terms(state).start + l] = from_pixel;
                 sample[layout.front_term(state)] += from_front;
+                if light.luminous > 0.0 {
+                    sample[layout.alone(state).start + l] = (from_pixel + from_front) / light.luminous;
+                }
             }
         }
         self.add_ledger(&estimate.ledger, &mut sample);
@@ -133,24 +137,36 @@ impl<'a> Meter<'a> {
         }
     }
 
-    fn scalars(&self, mean: &Sample) -> ViewScalars {
-        let relative = |state: usize| {
-            let xyz = self.setup.observer.xyz(&mean.0[self.layout.radiance(state)]);
-            over(xyz, self.white_xyz.y)
+    /// `bare`: where each state of the pixel alone peaks.
+    fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
+        let seen = |state: usize| {
+            let radiance = &mean.0[self.layout.radiance(state)];
+            Sight {
+                xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
+                luminance_cd_m2: self.setup.observer.luminance(radiance),
+                peak_nm: peak_nm(&self.grid, &self.reflectance_factor(state, &mean.0)),
+                bare_peak_nm: bare[state],
+            }
         };
-        let xyz: Vec<Xyz> = (0..self.layout.states).map(relative).collect();
-        let factors: Vec<Vec<f64>> =
-            (0..self.layout.states).map(|s| self.reflectance_factor(s, &mean.0)).collect();
-        let factors: Vec<&[f64]> = factors.iter().map(Vec::as_slice).collect();
-        self.reference().view(&xyz, &factors)
+        let sights: Vec<Sight> = (0..self.layout.states).map(seen).collect();
+        self.reference().view(&sights)
+    }
+
+    /// Where each state of the pixel alone peaks in the direction of a view.
+    fn bare_peaks(&self, at: &ViewPoint) -> Vec<Option<f64>> {
+        let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
+        if !self.setup.pixel_alone(at, &mut reflectance) {
+            return vec![None; self.layout.states];
+        }
+        reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
     }
 
     fn reference(&self) -> Reference<'_> {
         Reference {
             names: &self.setup.states,
-            grid: &self.grid,
             white: over(self.white_xyz, self.white_xyz.y),
-            white_luminance: LUMENS_PER_WATT * self.white_xyz.y,
+            white_luminance: self.setup.observer.luminance(&self.white),
+            asked: &self.setup.scene.metrics,
         }
     }
 

@@ -5,11 +5,10 @@
 //! standard error; for ratios and colour coordinates it carries all correlations between
 //! wavelengths and states.
 
-use super::Meter;
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
 use super::view::Numbers;
-use crate::result::View;
+use super::{Looked, Meter};
 use crate::setup::ViewPoint;
 
 impl Meter<'_> {
@@ -36,13 +35,15 @@ impl Meter<'_> {
         at: &ViewPoint,
         samples: &[Sample],
         specular: &[Vec<f64>],
-    ) -> View {
+    ) -> Looked {
+        let bare = self.bare_peaks(at);
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
-            (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)))).collect();
+            (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();
         let errors =
             Numbers { linear: Sample::standard_errors(samples), scalars: ViewScalars::jackknife(&left_out) };
-        let value = Numbers { scalars: self.scalars(&mean), linear: mean };
-        self.view(at, value, errors, None, specular)
+        let value = Numbers { scalars: self.scalars(&mean, &bare), linear: mean };
+        let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
+        Looked { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
     }
 }

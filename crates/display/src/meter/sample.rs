@@ -66,7 +66,7 @@ impl Layout {
     pub(crate) const LEDGER: usize = 7;
 
     fn per_state(&self) -> usize {
-        2 * self.bins + self.lights + 1 + Self::LEDGER
+        2 * self.bins + 2 * self.lights + 1 + Self::LEDGER
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -96,9 +96,15 @@ impl Layout {
         self.terms(state).end
     }
 
+    /// The luminous reflectance factor under each light alone.
+    pub(crate) fn alone(&self, state: usize) -> Range<usize> {
+        let start = self.front_term(state) + 1;
+        start..start + self.lights
+    }
+
     /// The ledger's luminous shares.
     pub(crate) fn ledger(&self, state: usize) -> Range<usize> {
-        let start = self.front_term(state) + 1;
+        let start = self.alone(state).end;
         start..start + Self::LEDGER
     }
 }
@@ -112,9 +118,10 @@ mod tests {
         let layout = Layout { states: 3, bins: 5, lights: 2 };
         let mut used = vec![0; layout.len()];
         for state in 0..3 {
-            let ranges =
-                [layout.radiance(state), layout.factor(state), layout.terms(state), layout.ledger(state)];
-            ranges.into_iter().flatten().chain([layout.front_term(state)]).for_each(|k| used[k] += 1);
+            let spectra = [layout.radiance(state), layout.factor(state)];
+            let numbers = [layout.terms(state), layout.alone(state), layout.ledger(state)];
+            let all = spectra.into_iter().chain(numbers).flatten().chain([layout.front_term(state)]);
+            all.for_each(|k| used[k] += 1);
         }
         assert!(used.iter().all(|count| *count == 1));
     }

@@ -1,9 +1,9 @@
 //! Values and their errors, written down as results.
 
 use super::Meter;
-use super::metrics::{Scalars, Together, ViewScalars};
+use super::metrics::{PRIMARIES, Scalars, ViewScalars, three};
 use super::sample::Sample;
-use crate::result::{Absorbed, Ledger, LedgerError, Named, State, StateValues, Terms, View, ViewError};
+use crate::result::{Absorbed, Ledger, LedgerError, Named, State, StateValues, Terms, View};
 use crate::setup::ViewPoint;
 
 /// A spectrum whose extremes differ by less than this many of its largest error is flat.
@@ -25,15 +25,7 @@ impl Meter<'_> {
         mut discretisation: Option<Numbers>,
         specular: &[Vec<f64>],
     ) -> View {
-        for s in 0..self.layout.states {
-            let errors = discretisation.as_ref().unwrap_or(&standard);
-            let peak = value.scalars.states[s].peak_nm.filter(|_| !self.is_flat(s, &value, errors));
-            value.scalars.states[s].peak_nm = peak;
-            for errors in [Some(&mut standard), discretisation.as_mut()].into_iter().flatten() {
-                let error = &mut errors.scalars.states[s].peak_nm;
-                *error = peak.and(*error);
-            }
-        }
+        self.forget_flat_peaks(&mut value, &mut standard, discretisation.as_mut());
         let state = |s: usize| {
             let error = |errors: &Numbers| self.state(s, errors, vec![0.0; specular[s].len()]);
             State {
@@ -46,12 +38,30 @@ impl Meter<'_> {
             theta_deg: at.theta_deg,
             phi_deg: at.phi_deg,
             states: self.by_name(state),
-            contrast_ratio: value.scalars.together.contrast_ratio,
-            gamut_percent_srgb: value.scalars.together.gamut_srgb,
-            gamut_percent_ebu: value.scalars.together.gamut_ebu,
-            standard_error: together(&standard),
-            discretisation_error: discretisation.as_ref().map(together),
+            metrics: value.scalars.together,
+            standard_error: standard.scalars.together,
+            discretisation_error: discretisation.as_ref().map(|errors| errors.scalars.together),
             ledger: self.by_name(|s| self.ledger(s, &value, &standard, discretisation.as_ref())),
+        }
+    }
+
+    /// What is flat has no peak, and nothing that a peak tells.
+    fn forget_flat_peaks(
+        &self,
+        value: &mut Numbers,
+        standard: &mut Numbers,
+        mut discretisation: Option<&mut Numbers>,
+    ) {
+        let errors = discretisation.as_deref().unwrap_or(standard);
+        let flat: Vec<usize> = (0..self.layout.states).filter(|s| self.is_flat(*s, value, errors)).collect();
+        for numbers in [Some(value), Some(standard), discretisation.take()].into_iter().flatten() {
+            for &s in &flat {
+                numbers.scalars.states[s].peak_nm = None;
+                numbers.scalars.states[s].metrics.peak_shift_nm = None;
+            }
+            if flat.iter().any(|s| PRIMARIES.contains(&self.setup.states[*s].as_str())) {
+                numbers.scalars.together.average_peak_shift_nm = None;
+            }
         }
     }
 
@@ -77,6 +87,10 @@ impl Meter<'_> {
         let scalars: &Scalars = &numbers.scalars.states[state];
         let terms = &linear[self.layout.terms(state)];
         let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
+        let alone = |light: usize| {
+            let there = self.lights[light].luminous > 0.0;
+            there.then(|| linear[self.layout.alone(state)][light])
+        };
         StateValues {
             radiance: linear[self.layout.radiance(state)].to_vec(),
             reflectance_factor: self.reflectance_factor(state, linear),
@@ -96,7 +110,11 @@ impl Meter<'_> {
             peak_nm: scalars.peak_nm,
             distance_from_white_uv: scalars.from_white,
             distance_from_d65_uv: scalars.from_d65,
-            hue_rgb: all(scalars.hue_rgb),
+            hue_rgb: three(scalars.hue_rgb),
+            metrics: scalars.metrics,
+            cam16: scalars.cam16,
+            R_hemi: alone(0),
+            R_dir: (1..self.layout.lights).map(alone).collect(),
             terms: Terms {
                 diffuse: terms[0],
                 directed: terms[1..].to_vec(),
@@ -120,11 +138,6 @@ impl Meter<'_> {
     }
 }
 
-fn together(errors: &Numbers) -> ViewError {
-    let Together { contrast_ratio, gamut_srgb, gamut_ebu } = errors.scalars.together;
-    ViewError { contrast_ratio, gamut_percent_srgb: gamut_srgb, gamut_percent_ebu: gamut_ebu }
-}
-
 /// Shares in the order of a sample's ledger, or their errors.
 fn ledger_parts(shares: &[f64]) -> LedgerError {
     let absorbed = Absorbed {
@@ -135,9 +148,4 @@ fn ledger_parts(shares: &[f64]) -> LedgerError {
         inactive: shares[5],
     };
     LedgerError { returned: shares[0], absorbed, unaccounted: shares[6] }
-}
-
-/// All three, or none.
-fn all([r, g, b]: [Option<f64>; 3]) -> Option<[f64; 3]> {
-    Some([r?, g?, b?])
 }

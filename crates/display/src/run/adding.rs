@@ -15,7 +15,7 @@ use super::refine::{Refined, finest, largest, refine};
 use super::{Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
-use crate::result::{RunResult, SolverReport, View};
+use crate::result::{RunResult, SolverReport};
 use crate::scene::Stop;
 use crate::setup::{Setup, ViewPoint};
 
@@ -155,7 +155,7 @@ impl Runner<'_> {
 
     fn result(&self, groups: &[Option<Group>]) -> Result<RunResult, DisplayError> {
         let specular = self.run.specular();
-        let mut views: Vec<View> = Vec::new();
+        let mut views = Vec::new();
         let mut points = self.run.setup.views.iter();
         // In a panel a group that was not seen has one view; elsewhere there is but one group.
         for group in groups {

@@ -16,7 +16,7 @@ use super::{Control, Progress, Run, Workers, each};
 use crate::DisplayError;
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::{Meter, relative};
-use crate::scene::{DirectedLight, Scene, Stop};
+use crate::scene::{DirectedLight, Scene, Standard, Stop};
 use crate::setup::{Setup, ViewPoint, angle_index};
 
 /// Where a scene counts paths instead of naming an error.
@@ -33,6 +33,8 @@ pub(super) const DEFAULT_TARGET: f64 = 1e-3;
 /// If the scene cannot be (a field of view that reaches below the horizon, too), or was stopped.
 pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<ConeResult, DisplayError> {
     let mut everywhere = scene.clone();
+    // A cone has colours of the observer of 1931 only: it keeps no spectra to see luminance with.
+    everywhere.metrics.observer = Standard::Cie1931;
     everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
     everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
     let setup = Setup::new(&everywhere)?;

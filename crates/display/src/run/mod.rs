@@ -21,8 +21,8 @@ pub use cone::cone;
 pub(crate) use refine::largest;
 pub use study::{StudyCurve, StudyPoint, study};
 
-use crate::meter::Meter;
-use crate::result::{RunResult, SolverReport, View};
+use crate::meter::{Looked, Meter, against_angle};
+use crate::result::{RunResult, SolverReport};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
@@ -162,7 +162,7 @@ impl Run<'_> {
     /// What is reported; `unreached` explains why a target would not be reached.
     fn result(
         &self,
-        views: Vec<View>,
+        views: Vec<Looked>,
         solver: SolverReport,
         specular: &[Vec<f64>],
         unreached: &str,
@@ -192,7 +192,7 @@ impl Run<'_> {
             solver,
             wavelength_nm: self.scene.grid.wavelengths_nm(),
             illuminant: self.meter.illuminant(),
-            views,
+            views: against_angle(views),
             warnings,
         }
     }

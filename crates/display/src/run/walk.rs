@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::{Progress, Run};
 use crate::DisplayError;
-use crate::meter::Sample;
-use crate::result::{RunResult, SolverReport, TargetReport, View};
+use crate::meter::{Looked, Sample};
+use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Stop, Strategy};
 use crate::setup::ViewPoint;
 
@@ -78,7 +78,7 @@ impl Work<'_> {
 /// What has been seen so far.
 #[derive(Default)]
 struct Done {
-    views: Vec<View>,
+    views: Vec<Looked>,
     paths: u64,
     relative_error: f64,
     missed: f64,
@@ -137,7 +137,7 @@ impl<'a> Runner<'a> {
                 return false;
             }
             if let Stop::Target(target) = &self.run.scene.solver.stop {
-                let view = self.run.meter.view_of_replicates(at, &work.samples, specular);
+                let view = self.run.meter.view_of_replicates(at, &work.samples, specular).view;
                 work.missed.push((work.paths, target.missed_by(&view).unwrap_or(f64::INFINITY)));
             }
             (self.run.control.progress)(self.progress(work, done));

@@ -78,9 +78,9 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
                 }
             });
             ConeView {
-                contrast_ratio: view.contrast_ratio.map(|contrast| contrast * lobe.sqrt()),
-                gamut_percent_srgb: view.gamut_percent_srgb,
-                gamut_percent_ebu: view.gamut_percent_ebu,
+                contrast_ratio: view.metrics.contrast_ratio.map(|contrast| contrast * lobe.sqrt()),
+                gamut_percent_srgb: view.metrics.gamut_percent_srgb,
+                gamut_percent_ebu: view.metrics.gamut_percent_ebu,
                 states: states.collect(),
             }
         });
@@ -118,17 +118,17 @@ fn view(grid: &Grid, observer: &Observer, white: &Spectrum, theta_deg: f64, erro
         papilio_colour::UvPrime { u: value.u_prime.unwrap(), v: value.v_prime.unwrap() }
     });
     let (srgb, ebu) = (gamut_percent(uv, GamutReference::Srgb), gamut_percent(uv, GamutReference::Ebu));
+    let metrics = |of: f64| ViewMetrics {
+        contrast_ratio: Some(of * y("white") / y("black")),
+        gamut_percent_srgb: Some(of * srgb),
+        gamut_percent_ebu: Some(of * ebu),
+        ..ViewMetrics::default()
+    };
     View {
         theta_deg,
         phi_deg: 0.0,
-        contrast_ratio: Some(y("white") / y("black")),
-        gamut_percent_srgb: Some(srgb),
-        gamut_percent_ebu: Some(ebu),
-        standard_error: ViewError {
-            contrast_ratio: Some(2.0 * error * y("white") / y("black")),
-            gamut_percent_srgb: Some(2.0 * error * srgb),
-            gamut_percent_ebu: Some(2.0 * error * ebu),
-        },
+        metrics: metrics(1.0),
+        standard_error: metrics(2.0 * error),
         discretisation_error: None,
         ledger: Named(vec![]),
         states,
@@ -161,6 +161,10 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         distance_from_white_uv: None,
         distance_from_d65_uv: Some(uv.distance(D65_UV)),
         hue_rgb: xyz.hue_rgb(),
+        metrics: StateMetrics::default(),
+        cam16: None,
+        R_hemi: Some(xyz.y),
+        R_dir: vec![],
         terms: Terms { diffuse: xyz.y, directed: vec![], front_reflection: 0.0 },
         specular: vec![],
     };

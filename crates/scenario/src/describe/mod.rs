@@ -8,6 +8,7 @@ pub(crate) mod display;
 pub(crate) mod layers;
 pub(crate) mod lighting;
 pub(crate) mod measure;
+pub(crate) mod metrics;
 pub(crate) mod numbers;
 pub(crate) mod pixel;
 pub(crate) mod solver;
@@ -34,6 +35,8 @@ table! {
         lighting: lighting::Lighting,
         /// Where the reader looks from. Default: along the normal.
         viewer: viewer::Viewer,
+        /// What is said of the colours.
+        metrics: metrics::Metrics,
         /// How to compute, and how well.
         solver: solver::Solver,
         /// A virtual imaging sphere that looks at the diffuser; for `papilio diffuser measure` alone. Default: none.

@@ -111,6 +111,16 @@ number!(
     { "type": "number", "minimum": 1e-6, "maximum": 1e9 }
 );
 number!(
+    /// A luminance that an eye is adapted to, cd/m2.
+    AdaptingLuminance, "a number from 0.01 to 1e6 (cd/m2)", |v| (0.01..=1e6).contains(&v),
+    { "type": "number", "minimum": 0.01, "maximum": 1e6 }
+);
+number!(
+    /// The luminance of a background over that of the white.
+    Background, "a number from 0.01 to 1", |v| (0.01..=1.0).contains(&v),
+    { "type": "number", "minimum": 0.01, "maximum": 1 }
+);
+number!(
     /// The temperature of a black body, K.
     Kelvin, "a number from 500 to 100000 (K)", |v| (500.0..=1e5).contains(&v),
     { "type": "number", "minimum": 500, "maximum": 1e5 }

@@ -25,8 +25,8 @@ use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_spectra::Grid;
 
-use crate::describe::File;
 use crate::describe::solver::{self, Solver};
+use crate::describe::{File, metrics};
 use crate::error::{Errors, ScenarioErrors};
 use crate::problem::Problem;
 use crate::read::At;
@@ -130,7 +130,8 @@ impl Resolver<'_> {
         let viewer = self.viewer(&file.viewer);
         self.check_walk(file);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
-        let scene = Scene { grid: self.grid, display, lighting, viewer, solver };
+        let metrics = self.metrics(file, &display.pixel);
+        let scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);
@@ -138,6 +139,29 @@ impl Resolver<'_> {
         self.note_scattering(&scene);
         self.check_target(file, &scene);
         Some(scene)
+    }
+
+    /// The reference state must be one of the display's, if it was asked for.
+    fn metrics(&mut self, file: &File, pixel: &scene::Pixel) -> scene::Metrics {
+        let asked = &file.metrics;
+        let mut metrics = scene::Metrics {
+            observer: match asked.observer.value {
+                metrics::Observer::Cie1931 => scene::Standard::Cie1931,
+                metrics::Observer::Cie1964 => scene::Standard::Cie1964,
+            },
+            gamut_volume: asked.gamut_volume.value,
+            appearance: asked.appearance.value.as_ref().map(appearance),
+            ..scene::Metrics::default()
+        };
+        let known = state_names(pixel);
+        let state = &asked.reference_state;
+        if let Some(name) = &state.value {
+            metrics.reference_state.clone_from(name);
+            if !known.contains(name) {
+                self.err(state, Problem::NoSuchState { name: name.clone(), known });
+            }
+        }
+        metrics
     }
 
     /// A target's state must be one of the display's.
@@ -313,6 +337,18 @@ impl Resolver<'_> {
                 every_bin: solver.every_bin.value,
             }),
         }
+    }
+}
+
+fn appearance(viewing: &metrics::Appearance) -> scene::Appearance {
+    scene::Appearance {
+        adapting_luminance_cd_m2: viewing.adapting_luminance_cd_m2.as_ref().map(|luminance| luminance.0),
+        background: viewing.background.0,
+        surround: match viewing.surround.value {
+            metrics::Surround::Average => scene::Surround::Average,
+            metrics::Surround::Dim => scene::Surround::Dim,
+            metrics::Surround::Dark => scene::Surround::Dark,
+        },
     }
 }
 

@@ -1,0 +1,145 @@
+//! `papilio compare`: a simulated display against a measured panel.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use papilio_display::compare::{Colour, Comparison, StateComparison, ViewComparison, compare};
+use papilio_figures::{compared_gamuts, compared_spectra};
+use papilio_formats::{
+    DataFile, read_measured_panel, read_result, write_compared_spectra, write_comparison, write_file,
+    write_json,
+};
+
+use crate::arguments::Compare;
+use crate::{Failure, interrupt, output, report, say};
+
+pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
+    let result = result_file(&arguments.result);
+    let out = match (&arguments.out, arguments.json) {
+        (Some(folder), _) => Some(folder.clone()),
+        (None, true) => None,
+        (None, false) => Some(PathBuf::from("out").join("compare")),
+    };
+    out.as_deref().map_or(Ok(()), output::check)?;
+    let read = read_result(&open(&result)?).map_err(Failure::Data)?;
+    let measured = read_measured_panel(&open(&arguments.measured)?).map_err(Failure::Data)?;
+    let all = compare(&read.simulated, &measured).map_err(|error| {
+        Failure::Input(format!(
+            "{error}\n  = help: names and angles must be those of the result, to within a degree"
+        ))
+    })?;
+    let title = read.title.unwrap_or_else(|| report::file_title(&result));
+    let written =
+        out.as_deref().map(|folder| interrupt::whole(|| write(folder, &all, &title))).transpose()?;
+    let mut stdout = anstream::stdout().lock();
+    if arguments.json {
+        write_json(&mut stdout, &all)?;
+    } else {
+        stdout.write_all(told(&title, &all).as_bytes())?;
+    }
+    stdout.flush()?;
+    if let (Some(folder), Some(names)) = (out, written) {
+        output::announce(&folder, &names);
+    }
+    all.left_out.iter().for_each(|reason| say(&format!("note: {reason}")));
+    Ok(())
+}
+
+/// A folder stands for the `result.json` in it.
+fn result_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join("result.json") } else { path.to_owned() }
+}
+
+fn open(path: &Path) -> Result<DataFile, Failure> {
+    DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)
+}
+
+fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Failure> {
+    output::make_folder(folder)?;
+    let mut names = vec!["comparison.csv".to_owned(), "comparison.json".to_owned()];
+    write_file(&folder.join("comparison.csv"), |out| write_comparison(out, all))?;
+    write_file(&folder.join("comparison.json"), |out| write_json(out, all))?;
+    if all.states.iter().any(|one| one.spectrum.is_some()) {
+        write_file(&folder.join("comparison-spectra.csv"), |out| write_compared_spectra(out, all))?;
+        names.push("comparison-spectra.csv".to_owned());
+    }
+    for view in &all.views {
+        let at = if all.views.len() == 1 {
+            String::new()
+        } else {
+            format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+        };
+        if let Some(svg) = compared_spectra(all, view, title) {
+            names.extend(output::write_figure(folder, &format!("compared-spectra{at}"), &svg)?);
+        }
+        let gamuts = compared_gamuts(all, view, title);
+        names.extend(output::write_figure(folder, &format!("compared-gamuts{at}"), &gamuts)?);
+    }
+    Ok(names)
+}
+
+/// A table for each direction.
+fn told(title: &str, all: &Comparison) -> String {
+    let mut text = format!("{}\n", report::plain(title));
+    for view in &all.views {
+        let _ = write!(text, "\nseen from {} deg", view.theta_deg);
+        if view.phi_deg != 0.0 {
+            let _ = write!(text, ", azimuth {} deg", view.phi_deg);
+        }
+        let _ = write!(text, ": simulated / measured\n{}", report::table(&rows(all, view)));
+        text.push_str(&together(view));
+    }
+    text
+}
+
+fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
+    let titles = ["state", "Y", "contrast", "peak nm", "dE2000", "du'v'", "mean dR", "rms dR"];
+    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    let here = |one: &&StateComparison| one.theta_deg == view.theta_deg && one.phi_deg == view.phi_deg;
+    for one in all.states.iter().filter(here) {
+        let pair = |get: fn(&Colour) -> Option<f64>, decimals: usize| {
+            both([get(&one.simulated), get(&one.measured)], decimals)
+        };
+        let spectrum = one.spectrum.as_ref();
+        rows.push(vec![
+            one.state.clone(),
+            pair(|colour| Some(colour.Y), 4),
+            pair(|colour| colour.contrast, 2),
+            pair(|colour| colour.peak_nm, 1),
+            number(one.delta_E_2000, 2),
+            number(one.distance_uv, 4),
+            number(spectrum.map(|spectrum| spectrum.mean_difference), 4),
+            number(spectrum.map(|spectrum| spectrum.rms_difference), 4),
+        ]);
+    }
+    rows
+}
+
+/// The metrics of the states together, those that there are.
+fn together(view: &ViewComparison) -> String {
+    let pairs = [
+        ("contrast ratio", view.contrast_ratio, ""),
+        ("gamut", view.gamut_percent_srgb, " % of sRGB"),
+        ("", view.gamut_percent_ebu, " % of EBU"),
+    ];
+    let known = pairs.into_iter().filter(|(_, pair, _)| pair.iter().any(Option::is_some));
+    let mut parts: Vec<String> = known
+        .map(|(name, pair, unit)| format!("{name} {}{unit}", both(pair, 2)).trim_start().to_owned())
+        .collect();
+    if let Some(peaks) = view.average_peak_difference_nm {
+        parts.push(format!("peaks {peaks:+.1} nm apart on average"));
+    }
+    if parts.is_empty() { String::new() } else { format!("  {}\n", parts.join(", ")) }
+}
+
+fn both(pair: [Option<f64>; 2], decimals: usize) -> String {
+    match pair {
+        [None, None] => "-".to_owned(),
+        pair => pair.map(|value| number(value, decimals)).join(" / "),
+    }
+}
+
+fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".to_owned(), |value| report::unsigned_zero(format!("{value:.decimals$}")))
+}

@@ -1,0 +1,111 @@
+//! A simulated display beside a measured one: spectra as in Feng 2012, figure 5.6, gamuts as in figure 5.7.
+
+use papilio_colour::UvPrime;
+use papilio_display::compare::{Colour, Comparison, SIDES, StateComparison, ViewComparison};
+
+use crate::axis::Axis;
+use crate::chromaticity;
+use crate::labels::{EndLabel, end_labels};
+use crate::locus;
+use crate::overlay::legend;
+use crate::panel::{Panel, SMALL};
+use crate::style::{INK, degrees, joined, state_stroke};
+use crate::svg::{Point, Stroke, Svg, Text};
+
+/// How what was measured is drawn.
+const MEASURED: &str = "6 3";
+/// The panel of spectra, px.
+const ORIGIN: Point = (70.0, 44.0);
+const SIZE: Point = (540.0, 350.0);
+/// The u'v' diagram, px.
+const DIAGRAM: Point = (70.0, 44.0);
+const WIDTH: f64 = 560.0;
+
+/// The states of a direction, in order.
+fn of<'a>(all: &'a Comparison, view: &ViewComparison) -> Vec<&'a StateComparison> {
+    let (theta, phi) = (view.theta_deg, view.phi_deg);
+    all.states.iter().filter(|one| one.theta_deg == theta && one.phi_deg == phi).collect()
+}
+
+fn caption(title: &str, view: &ViewComparison) -> String {
+    let azimuth =
+        if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(view.phi_deg)) };
+    joined(&[title, &format!("viewed at {}{azimuth}", degrees(view.theta_deg))])
+}
+
+/// Reflectance factors of a direction, simulated and measured; `None` if no spectrum was measured there.
+pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) -> Option<String> {
+    let states = of(all, view);
+    let spectra: Vec<_> =
+        states.iter().filter_map(|one| Some((&one.state, one.spectrum.as_ref()?))).collect();
+    if spectra.is_empty() {
+        return None;
+    }
+    let values = spectra.iter().flat_map(|(_, one)| one.simulated.iter().chain(&one.measured).copied());
+    let y = Axis::covering(values.chain([0.0]), 6, "Reflectance factor");
+    let nm = spectra.iter().flat_map(|(_, one)| one.wavelength_nm.iter().copied());
+    let ends = [nm.clone().fold(f64::INFINITY, f64::min), nm.fold(f64::NEG_INFINITY, f64::max)];
+    let mut svg = Svg::new(760.0, 460.0).titled(&caption(title, view));
+    let panel = Panel { origin: ORIGIN, size: SIZE, x: Axis::between(&ends, 8, "Wavelength (nm)"), y };
+    panel.draw(&mut svg);
+    let mut labels = Vec::new();
+    for (i, (name, one)) in spectra.iter().enumerate() {
+        let stroke = Stroke::solid(&state_stroke(name, i).colour, 1.8);
+        let points = panel.points(&one.wavelength_nm, &one.simulated);
+        svg.polyline(&points, &stroke);
+        let measured = panel.points(&one.wavelength_nm, &one.measured);
+        svg.polyline(&measured, &stroke.clone().dashed(MEASURED));
+        if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
+            labels.push(EndLabel { end, text: (*name).clone(), stroke });
+        }
+    }
+    end_labels(&mut svg, &panel, labels);
+    legend(&mut svg, both());
+    Some(svg.finish())
+}
+
+/// Colours and gamuts of a direction in the u'v' diagram, simulated and measured.
+pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> String {
+    let states = of(all, view);
+    let size = (WIDTH, chromaticity::height(WIDTH));
+    let mut svg = Svg::new(WIDTH + 90.0, size.1 + 96.0).titled(&caption(title, view));
+    let panel = chromaticity::panel(DIAGRAM, size);
+    panel.draw(&mut svg);
+    locus::draw(&mut svg, &panel);
+    for (side, dash) in SIDES.into_iter().zip(["", MEASURED]) {
+        let at = |name: &str| uv(side(states.iter().find(|one| one.state == name)?));
+        if let [Some(r), Some(g), Some(b)] = ["red", "green", "blue"].map(at) {
+            panel.triangle(&mut svg, [r, g, b], &Stroke::solid(INK, 1.6).dashed(dash));
+        }
+    }
+    for (i, one) in states.iter().enumerate() {
+        let colour = state_stroke(&one.state, i).colour;
+        let [simulated, measured] = SIDES.map(|side| uv(side(one)).map(|uv| panel.at(uv.u, uv.v)));
+        if let Some(at) = simulated {
+            svg.circle(at, 4.0, &colour, &Stroke::solid("#ffffff", 1.0));
+        }
+        if let Some(at) = measured {
+            svg.circle(at, 4.0, "#ffffff", &Stroke::solid(&colour, 1.6));
+        }
+        if let Some((from, to)) = simulated.zip(measured) {
+            svg.line(from, to, &Stroke::solid(&colour, 1.0));
+        }
+    }
+    legend(&mut svg, both());
+    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1}"));
+    let [ours, theirs] = view.gamut_percent_ebu.map(percent);
+    let note =
+        format!("gamut {ours} % of EBU simulated, {theirs} % measured; discs: simulated, rings: measured");
+    svg.text((panel.origin.0, panel.bottom() + 42.0), &note, Text::new(SMALL, INK));
+    svg.finish()
+}
+
+fn uv(colour: &Colour) -> Option<UvPrime> {
+    Some(UvPrime { u: colour.u_prime?, v: colour.v_prime? })
+}
+
+fn both() -> impl Iterator<Item = (&'static str, Stroke)> {
+    [("simulated", ""), ("measured", MEASURED)]
+        .into_iter()
+        .map(|(name, dash)| (name, Stroke::solid(INK, 1.8).dashed(dash)))
+}

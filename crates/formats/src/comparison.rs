@@ -1,0 +1,90 @@
+//! What a comparison with a measured panel writes: `comparison.csv`, `comparison-spectra.csv`.
+
+use std::io::{self, Write};
+
+use papilio_display::compare::{Colour, Comparison};
+
+use crate::result::cell;
+
+/// A column of a colour: its name and its number.
+type Column = (&'static str, fn(&Colour) -> Option<f64>);
+
+const COLUMNS: [Column; 10] = [
+    ("X", |c| Some(c.X)),
+    ("Y", |c| Some(c.Y)),
+    ("Z", |c| Some(c.Z)),
+    ("u_prime", |c| c.u_prime),
+    ("v_prime", |c| c.v_prime),
+    ("L_star", |c| c.L_star),
+    ("a_star", |c| c.a_star),
+    ("b_star", |c| c.b_star),
+    ("contrast", |c| c.contrast),
+    ("peak_nm", |c| c.peak_nm),
+];
+
+/// Writes `comparison.csv`: a row for each state and direction; what is undefined is left empty.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_comparison(out: impl Write, all: &Comparison) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    let mut header = ["theta_deg", "phi_deg", "state"].map(str::to_owned).to_vec();
+    for (name, _) in COLUMNS {
+        header.extend([format!("{name}_simulated"), format!("{name}_measured")]);
+    }
+    let differences = [
+        "delta_E_2000",
+        "distance_uv",
+        "difference_Y",
+        "mean_difference",
+        "rms_difference",
+        "largest_difference",
+    ];
+    header.extend(differences.map(str::to_owned));
+    header.push("largest_at_nm".to_owned());
+    csv.write_record(&header)?;
+    for one in &all.states {
+        let mut row = vec![one.theta_deg.to_string(), one.phi_deg.to_string(), one.state.clone()];
+        for (_, get) in COLUMNS {
+            row.extend([cell(get(&one.simulated)), cell(get(&one.measured))]);
+        }
+        let spectrum = one.spectrum.as_ref();
+        row.extend([
+            cell(one.delta_E_2000),
+            cell(one.distance_uv),
+            cell(Some(one.difference_Y)),
+            cell(spectrum.map(|spectrum| spectrum.mean_difference)),
+            cell(spectrum.map(|spectrum| spectrum.rms_difference)),
+            cell(spectrum.map(|spectrum| spectrum.largest_difference)),
+            cell(spectrum.map(|spectrum| spectrum.largest_at_nm)),
+        ]);
+        csv.write_record(&row)?;
+    }
+    csv.flush()
+}
+
+/// Writes `comparison-spectra.csv`: a row for each state, direction and wavelength that both have.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_compared_spectra(out: impl Write, all: &Comparison) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(["theta_deg", "phi_deg", "state", "wavelength_nm", "simulated", "measured"])?;
+    for one in &all.states {
+        let Some(spectrum) = &one.spectrum else { continue };
+        let both = spectrum.simulated.iter().zip(&spectrum.measured);
+        for (nm, (simulated, measured)) in spectrum.wavelength_nm.iter().zip(both) {
+            let numbers = [one.theta_deg, one.phi_deg].map(|angle| angle.to_string());
+            let [theta, phi] = numbers;
+            csv.write_record([
+                theta,
+                phi,
+                one.state.clone(),
+                nm.to_string(),
+                simulated.to_string(),
+                measured.to_string(),
+            ])?;
+        }
+    }
+    csv.flush()
+}

@@ -1,0 +1,192 @@
+//! A measured panel: what a meter said of each state from each direction.
+//!
+//! The first row names the columns, in any order: `state`, `theta_deg`, optionally `phi_deg`, and either
+//! `wavelength_nm` and `reflectance_factor`, a row for each wavelength, or `X`, `Y` and `Z`, a row for each state
+//! and direction, relative to a perfect white (Y = 1). Other columns are not looked at, so `spectra.csv` and
+//! `states.csv` of a run can be read as measurements, too. Lines that begin with `#` are comments.
+
+use std::collections::HashMap;
+
+use papilio_colour::Xyz;
+use papilio_display::compare::{Measured, Quantity};
+use papilio_spectra::Tabulated;
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::is_name;
+use crate::pixel_table::in_range;
+use crate::rows::{Row, Table};
+
+/// Where the columns stand.
+struct Columns {
+    count: usize,
+    state: usize,
+    theta: usize,
+    phi: Option<usize>,
+    values: Values,
+}
+
+enum Values {
+    /// Wavelength and reflectance factor.
+    Spectrum([usize; 2]),
+    /// X, Y and Z.
+    Xyz([usize; 3]),
+}
+
+/// Reads what was measured of a panel, in the order of its first rows.
+///
+/// # Errors
+/// With line and column: a header without the columns, cells that are not numbers or out of range, a
+/// point given twice, a spectrum of one wavelength.
+pub fn read_measured_panel(file: &DataFile) -> Result<Vec<Measured>, FormatError> {
+    let table = Table::new(file)?;
+    let mut rows = table.rows().filter(|row| !row.begins_with_hash());
+    let header = rows.next().ok_or_else(|| table.error(Problem::TooFew { rows: 0 }))?;
+    let columns = Columns::of(&header).ok_or_else(|| header.error(Problem::PanelHeader))?;
+    let mut panel = Panel::default();
+    for row in rows {
+        panel.push(&columns, &row)?;
+    }
+    if panel.measured.is_empty() {
+        return Err(table.error(Problem::TooFew { rows: 0 }));
+    }
+    panel.finish(table)
+}
+
+impl Columns {
+    fn of(header: &Row<'_>) -> Option<Self> {
+        let at = |name: &str| header.cells.iter().position(|cell| cell.text == name);
+        let spectrum = at("wavelength_nm").zip(at("reflectance_factor"));
+        let xyz = at("X").zip(at("Y")).zip(at("Z"));
+        let values = match (spectrum, xyz) {
+            (Some((nm, factor)), _) => Values::Spectrum([nm, factor]),
+            (None, Some(((x, y), z))) => Values::Xyz([x, y, z]),
+            (None, None) => return None,
+        };
+        let (state, theta) = (at("state")?, at("theta_deg")?);
+        Some(Self { count: header.cells.len(), state, theta, phi: at("phi_deg"), values })
+    }
+}
+
+/// The rows as they come.
+#[derive(Default)]
+struct Panel {
+    measured: Vec<Measured>,
+    /// Wavelengths, values and the places of their rows, of each that is a spectrum.
+    spectra: Vec<Vec<(f64, f64, usize)>>,
+    by_direction: HashMap<(String, u64, u64), usize>,
+}
+
+impl Panel {
+    fn push(&mut self, columns: &Columns, row: &Row<'_>) -> Result<(), FormatError> {
+        row.expect_cells(columns.count, "expected as many as in the first row")?;
+        let state = row.cells[columns.state].text.to_string();
+        if !is_name(&state) {
+            return Err(row.cell_error(columns.state, Problem::BadName));
+        }
+        let theta_deg = in_range(row, columns.theta, "an angle", -90.0, 90.0, "expected -90 to 90 deg")?;
+        let phi_deg = match columns.phi {
+            Some(phi) => in_range(row, phi, "an azimuth", -360.0, 360.0, "expected -360 to 360 deg")?,
+            None => 0.0,
+        };
+        let key = (state.clone(), (theta_deg + 0.0).to_bits(), (phi_deg + 0.0).to_bits());
+        let known = self.by_direction.get(&key).copied();
+        let value =
+            |cell| in_range(row, cell, "the value", -1.0, 1e4, "expected -1 to 1e4, 1 for a perfect white");
+        let mut measured = |quantity| {
+            self.by_direction.insert(key.clone(), self.measured.len());
+            self.measured.push(Measured { state: state.clone(), theta_deg, phi_deg, quantity });
+            self.spectra.push(Vec::new());
+            self.measured.len() - 1
+        };
+        match columns.values {
+            Values::Xyz([x, y, z]) => {
+                let xyz = Xyz { x: value(x)?, y: value(y)?, z: value(z)? };
+                if known.is_some() {
+                    return Err(row.error(Problem::MeasuredTwice { state, theta_deg, phi_deg }));
+                }
+                measured(Quantity::Xyz(xyz));
+            }
+            Values::Spectrum([nm, factor]) => {
+                let nm = in_range(row, nm, "a wavelength", 30.0, 1e6, "expected a wavelength in nm")?;
+                let point = (nm, value(factor)?, row.cells[0].start());
+                // The spectrum itself is made when all its rows are there.
+                let nothing = || Quantity::Xyz(Xyz { x: 0.0, y: 0.0, z: 0.0 });
+                let at = known.unwrap_or_else(|| measured(nothing()));
+                self.spectra[at].push(point);
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, table: Table<'_>) -> Result<Vec<Measured>, FormatError> {
+        for (measured, mut points) in self.measured.iter_mut().zip(self.spectra) {
+            let Some(&(_, _, first_row)) = points.first() else { continue };
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some(pair) = points.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+                let (state, theta_deg) = (measured.state.clone(), measured.theta_deg);
+                let problem = Problem::Duplicate { state, theta_deg, nm: pair[1].0 };
+                return Err(table.error_at_line(pair[0].2.max(pair[1].2), problem));
+            }
+            if points.len() < 2 {
+                return Err(table.error_at_line(first_row, Problem::TooFew { rows: points.len() }));
+            }
+            let (nm, values) = points.into_iter().map(|(nm, value, _)| (nm, value)).unzip();
+            let spectrum = Tabulated::new(nm, values);
+            let spectrum = spectrum.map_err(|error| table.error_at_line(first_row, error.into()))?;
+            measured.quantity = Quantity::Spectrum(spectrum);
+        }
+        Ok(self.measured)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<Measured>, FormatError> {
+        read_measured_panel(&DataFile { name: "panel.csv".to_owned(), bytes: text.as_bytes().to_vec() })
+    }
+
+    #[test]
+    fn spectra_may_come_in_any_order_and_colours_a_row_each() {
+        let text = "# a panel\ntheta_deg,state,note,wavelength_nm,reflectance_factor\n8,white,x,700,0.3\n8,white,x,400,0.2\n8,black,,400,0.01\n8,black,,700,-0.001\n";
+        let panel = read(text).unwrap();
+        assert_eq!(panel.len(), 2);
+        let Quantity::Spectrum(white) = &panel[0].quantity else { unreachable!() };
+        assert!((white.at(550.0).unwrap() - 0.25).abs() < 1e-12);
+        let panel = read("state;theta_deg;phi_deg;X;Y;Z\nwhite;-8;90;0.2;0.21;0.2\n").unwrap();
+        assert_eq!((panel[0].theta_deg, panel[0].phi_deg), (-8.0, 90.0));
+        assert_eq!(panel[0].quantity, Quantity::Xyz(Xyz { x: 0.2, y: 0.21, z: 0.2 }));
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        for (text, place) in [
+            ("", None),
+            ("state,theta_deg,X,Y,Z\n", None),
+            ("state,theta_deg,X,Y\nwhite,8,1,1\n", Some((1, 1))),
+            ("state,X,Y,Z\nwhite,1,1,1\n", Some((1, 1))),
+            ("state,theta_deg,X,Y,Z\nwhite,8,1,1\n", Some((2, 1))),
+            ("state,theta_deg,X,Y,Z\nwhite,95,1,1,1\n", Some((2, 7))),
+            ("state,theta_deg,X,Y,Z\nwhite,8,1,nan,1\n", Some((2, 11))),
+            ("state,theta_deg,X,Y,Z\nwhite,8,1,21000,1\n", Some((2, 11))),
+            ("state,theta_deg,X,Y,Z\n,8,1,1,1\n", Some((2, 1))),
+            ("state,theta_deg,X,Y,Z\nwhite,8,1,1,1\nwhite,8,1,1,1\n", Some((3, 1))),
+            ("state,theta_deg,wavelength_nm,reflectance_factor\nwhite,8,500,1\n", Some((2, 1))),
+            ("state,theta_deg,wavelength_nm,reflectance_factor\nw,8,500,1\nw,8,500,1\n", Some((3, 1))),
+            ("state,theta_deg,wavelength_nm,reflectance_factor\nw,8,0.5,1\n", Some((2, 5))),
+        ] {
+            let error = read(text).unwrap_err();
+            assert_eq!(error.place.line_column(), place, "{text:?}: {error}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn nothing_panics(text in "[a-zA-Z_,;0-9.\n# \"-]{0,200}") {
+            let _ = read(&text);
+            let _ = read(&format!("state,theta_deg,wavelength_nm,reflectance_factor\n{text}"));
+        }
+    }
+}

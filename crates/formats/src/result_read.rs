@@ -1,0 +1,182 @@
+//! `result.json` read back, as far as it can be compared with a measurement.
+
+use std::collections::BTreeMap;
+
+use papilio_colour::{Standard, Xyz};
+use papilio_display::compare::{Simulated, SimulatedView};
+use papilio_spectra::Grid;
+use serde::Deserialize;
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::place::Place;
+
+/// A run's result and its title.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadResult {
+    /// The scenario's title, if it has one.
+    pub title: Option<String>,
+    /// What can be compared.
+    pub simulated: Simulated,
+}
+
+#[derive(Deserialize)]
+struct File {
+    #[serde(default)]
+    scenario: Scenario,
+    wavelength_nm: Vec<f64>,
+    illuminant: Illuminant,
+    views: Vec<View>,
+}
+
+#[derive(Deserialize, Default)]
+struct Scenario {
+    title: Option<String>,
+    #[serde(default)]
+    metrics: Metrics,
+}
+
+#[derive(Deserialize, Default)]
+struct Metrics {
+    observer: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Illuminant {
+    radiance_of_white: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct View {
+    theta_deg: f64,
+    phi_deg: f64,
+    states: BTreeMap<String, State>,
+}
+
+#[derive(Deserialize)]
+#[allow(non_snake_case, reason = "as in result.json")]
+struct State {
+    reflectance_factor: Vec<f64>,
+    X: f64,
+    Y: f64,
+    Z: f64,
+}
+
+/// Reads a `result.json`.
+///
+/// # Errors
+/// If it is no JSON, no result, or one whose parts do not fit together.
+pub fn read_result(file: &DataFile) -> Result<ReadResult, FormatError> {
+    let text = file.text()?;
+    let read: File = serde_json::from_str(text).map_err(|error| {
+        let line_start = text.split_inclusive('\n').take(error.line().saturating_sub(1)).map(str::len).sum();
+        let at = match error.line() {
+            0 => 0,
+            _ => usize::saturating_add(line_start, error.column().saturating_sub(1)),
+        };
+        let place = Place::in_text(&file.name, text, at..at + 1);
+        FormatError { place, problem: Problem::NotAResult { message: in_words(&error) } }
+    })?;
+    simulated(read).map_err(|message| FormatError {
+        place: Place::whole(&file.name),
+        problem: Problem::NotAResult { message: message.to_owned() },
+    })
+}
+
+/// The parser's words, without the place that stands above them anyway.
+fn in_words(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    text.rsplit_once(" at line ").map_or(text.clone(), |(words, _)| words.to_owned())
+}
+
+fn simulated(read: File) -> Result<ReadResult, &'static str> {
+    let nm = &read.wavelength_nm;
+    let (Some(first), Some(last)) = (nm.first(), nm.last()) else { return Err("it has no wavelengths") };
+    let step = (last - first) / (nm.len().saturating_sub(1)) as f64;
+    let grid = Grid::new(*first, *last, step).map_err(|_| "its wavelengths are no even grid")?;
+    let even = nm.iter().enumerate().all(|(i, nm)| (grid.wavelength_nm(i) - nm).abs() < 1e-6 * step);
+    if grid.len() != nm.len() || !even {
+        return Err("its wavelengths are no even grid");
+    }
+    let fits = |spectrum: &[f64]| spectrum.len() == nm.len();
+    let spectra = read.views.iter().flat_map(|view| view.states.values());
+    let mut spectra = spectra.map(|state| state.reflectance_factor.as_slice());
+    if !fits(&read.illuminant.radiance_of_white) || !spectra.all(fits) {
+        return Err("its spectra have not as many values as there are wavelengths");
+    }
+    if !read.illuminant.radiance_of_white.iter().any(|value| *value > 0.0) {
+        return Err("its white is dark");
+    }
+    if read.views.is_empty() {
+        return Err("it has no views");
+    }
+    let state = |(name, state): (String, State)| {
+        (name, state.reflectance_factor, Xyz { x: state.X, y: state.Y, z: state.Z })
+    };
+    let views = read.views.into_iter().map(|View { theta_deg, phi_deg, states }| SimulatedView {
+        theta_deg,
+        phi_deg,
+        states: states.into_iter().map(state).collect(),
+    });
+    let observer = match read.scenario.metrics.observer.as_deref() {
+        Some("1964") => Standard::Cie1964,
+        _ => Standard::Cie1931,
+    };
+    let simulated = Simulated {
+        grid,
+        radiance_of_white: read.illuminant.radiance_of_white,
+        observer,
+        views: views.collect(),
+    };
+    Ok(ReadResult { title: read.scenario.title, simulated })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<ReadResult, FormatError> {
+        read_result(&DataFile { name: "result.json".to_owned(), bytes: text.as_bytes().to_vec() })
+    }
+
+    const GOOD: &str = r#"{"scenario": {"title": "A", "metrics": {"observer": "1964"}}, "seed": 1,
+"wavelength_nm": [400, 500, 600], "illuminant": {"radiance_of_white": [1, 1, 1]},
+"views": [{"theta_deg": 8, "phi_deg": 0, "states": {"white": {"reflectance_factor": [0.1, 0.2, 0.3], "X": 0.2, "Y": 0.2, "Z": 0.1, "peak_nm": null}}}]}"#;
+
+    #[test]
+    fn what_a_run_writes_is_read() {
+        let result = read(GOOD).unwrap();
+        assert_eq!((result.title.as_deref(), result.simulated.observer), (Some("A"), Standard::Cie1964));
+        assert_eq!(result.simulated.views[0].states[0].1, [0.1, 0.2, 0.3]);
+    }
+
+    #[test]
+    fn what_is_no_result_is_an_error_with_its_place() {
+        let place = |text: &str| read(text).unwrap_err().place.line_column();
+        assert_eq!(place("{\n\"views\": [},"), Some((2, 11)));
+        assert!(place("").is_some() && place("[]").is_some() && place("{}").is_some());
+        for (from, to) in [
+            ("[400, 500, 600]", "[400, 500]"),
+            ("[400, 500, 600]", "[]"),
+            ("[400, 500, 600]", "[400, 400, 400]"),
+            ("[400, 500, 600]", "[400, 450, 600]"),
+            ("[0.1, 0.2, 0.3]", "[0.1]"),
+            ("[1, 1, 1]", "[0, 0, 0]"),
+            ("\"Y\": 0.2", "\"Y\": null"),
+            ("\"theta_deg\": 8", "\"theta_deg\": 1e999"),
+        ] {
+            assert!(GOOD.contains(from));
+            let error = read(&GOOD.replace(from, to)).unwrap_err();
+            assert!(matches!(error.problem, Problem::NotAResult { .. }), "{from} -> {to}: {error}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn nothing_panics(cut in 0..400_usize, put in "[0-9\\[\\]{},:\"a-z.-]{0,8}") {
+            let at = cut.min(GOOD.len());
+            let _ = read(&format!("{}{put}{}", &GOOD[..at], &GOOD[at..]));
+            let _ = read(&GOOD[..at]);
+        }
+    }
+}

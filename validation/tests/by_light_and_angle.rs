@@ -1,0 +1,90 @@
+//! Reflectance by light, and colours against angle, in displays whose answer is known.
+
+#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+
+use papilio_validation::{run, scenario};
+
+/// White paint without glass is as bright in any light, from anywhere, and keeps its colour.
+const PAINT: [&str; 6] = [
+    "display={ glass = { index = 1.0 }, pixel = { model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.6, black = 0.03 } } }",
+    "viewer.theta_deg=[-40, 8, 35]",
+    "lighting.illuminance_lx=400",
+    "lighting.diffuse=0.4",
+    "lighting.directed=[{ theta_deg = 30, share = 0.35, spectrum = \"A\" }, { theta_deg = 10, share = 0.25, radius_deg = 5 }]",
+    "spectrum.step_nm=10",
+];
+
+#[test]
+fn paint_is_alike_in_every_light_and_from_everywhere() {
+    for method in ["solver.method=adding", "solver.method=walk"] {
+        let result = run(&scenario("overcast", &[&PAINT[..], &[method]].concat()).unwrap().scene).unwrap();
+        for view in &result.views {
+            for (name, reflectance) in [("white", 0.6), ("black", 0.03)] {
+                let state = view.states.get(name).unwrap();
+                for (value, error) in std::iter::once((state.value.R_hemi, state.standard_error.R_hemi))
+                    .chain(state.value.R_dir.iter().copied().zip(state.standard_error.R_dir.iter().copied()))
+                {
+                    let (value, error) = (value.unwrap(), error.unwrap());
+                    assert!((value - reflectance).abs() < 5.0 * error + 1e-9, "{method} {name}: {value}");
+                }
+                let [value, error] = [&state.value, &state.standard_error].map(|values| values.metrics);
+                let shift = value.shift_with_angle_uv.unwrap();
+                assert!(shift <= 5.0 * error.shift_with_angle_uv.unwrap() + 1e-9, "{method} {name}: {shift}");
+            }
+            let white = view.states.get("white").unwrap().value.metrics;
+            assert_eq!(
+                (white.delta_E_2000_from_reference, white.distance_from_reference_uv),
+                (Some(0.0), Some(0.0))
+            );
+            // 400 lx on .6 and .03: 76.4 and 3.82 cd/m2, far below what the surrogate knows.
+            let (white, black) = (0.6 * 400.0 / std::f64::consts::PI, 0.03 * 400.0 / std::f64::consts::PI);
+            let luminance = view.metrics.text_luminance_cd_m2.unwrap();
+            assert!((luminance / (0.75 * white + 0.25 * black) - 1.0).abs() < 0.01, "{luminance}");
+            assert!((view.metrics.text_contrast.unwrap() - 0.57 / 0.61).abs() < 0.01);
+            assert_eq!(view.metrics.reading_surrogate_age_50, None);
+        }
+    }
+}
+
+/// A light that is not there has no reflectance; a view alone is compared with no other.
+#[test]
+fn what_is_not_there_is_null() {
+    let result = run(&scenario("overcast", &[]).unwrap().scene).unwrap();
+    let white = result.views[0].states.get("white").unwrap();
+    assert!(white.value.R_hemi.is_some() && white.value.R_dir.is_empty());
+    assert_eq!(white.value.metrics.shift_with_angle_uv, None);
+    let directed = ["lighting.diffuse=0", "lighting.directed=[{ theta_deg = -20, share = 1 }]"];
+    let result = run(&scenario("overcast", &directed).unwrap().scene).unwrap();
+    let white = result.views[0].states.get("white").unwrap();
+    assert_eq!((white.value.R_hemi, white.value.R_dir.len()), (None, 1));
+    assert!((white.value.R_dir[0].unwrap() - white.value.Y).abs() < 1e-12);
+}
+
+/// Eq. 3-1: Y is the mean of the reflectances under each light, by their shares of the white's Y.
+#[test]
+fn y_is_made_of_the_reflectances_by_light() {
+    let result = run(&scenario("indoor", &[]).unwrap().scene).unwrap();
+    for (name, state) in result.views[0].states.iter() {
+        let v = &state.value;
+        let together = 0.5 * v.R_hemi.unwrap() + 0.5 * v.R_dir[0].unwrap();
+        assert!((v.Y - together).abs() < 1e-12, "{name}: {together}");
+    }
+}
+
+/// A bare panel in diffuse light peaks where its pixel does; behind a diffuser, at 8 deg, it peaks further to the
+/// blue (Feng 2012, figure 5.13).
+#[test]
+fn a_diffuser_shifts_peaks_and_nothing_does_not() {
+    let bare =
+        run(&scenario("reference-pixel", &["solver.angle_medium=air", "viewer.theta_deg=8"]).unwrap().scene)
+            .unwrap();
+    let shift = bare.views[0].metrics.average_peak_shift_nm.unwrap();
+    assert!(shift.abs() < 0.05, "{shift}");
+    let diffused = run(&scenario("overcast", &[]).unwrap().scene).unwrap();
+    let view = &diffused.views[0];
+    let shift = view.metrics.average_peak_shift_nm.unwrap();
+    assert!((-40.0..-2.0).contains(&shift), "{shift}");
+    let mean = ["red", "green", "blue"]
+        .map(|name| view.states.get(name).unwrap().value.metrics.peak_shift_nm.unwrap());
+    assert!((shift - mean.iter().sum::<f64>() / 3.0).abs() < 1e-9);
+}
