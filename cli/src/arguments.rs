@@ -44,6 +44,11 @@ pub(crate) enum Command {
     /// Studies of the methods on a scenario of your own
     #[command(subcommand)]
     Study(Study),
+    /// Run the dissertation that Papilio follows again: its tables and figures beside ours, as one page of HTML
+    #[command(
+        after_help = "Example: papilio validate --out out/validate, then open out/validate/report.html"
+    )]
+    Validate(Validate),
     /// Print the JSON Schema of a scenario
     Schema {
         /// That of result.json instead
@@ -128,6 +133,17 @@ pub(crate) struct SweepMerge {
     /// Write each figure as PNG, too
     #[arg(long)]
     pub(crate) png: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Validate {
+    /// Folder for the report and its scenarios [default: out/validate]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Worker threads [default: one for each processor]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
 }
 
 /// `K/N` with 1 <= K <= N.

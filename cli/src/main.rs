@@ -14,6 +14,7 @@ mod report;
 mod run;
 mod study;
 mod sweep;
+mod validate;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -43,6 +44,9 @@ enum Failure {
     /// The scene could not be computed.
     #[error("error: {0}")]
     Display(#[from] papilio_display::DisplayError),
+    /// The report could not be made.
+    #[error("error: {0}")]
+    Report(#[from] papilio_reproduction::ReproductionError),
     /// Standard output went away, or the like.
     #[error("error: standard output cannot be written: {0}")]
     Io(#[from] std::io::Error),
@@ -55,7 +59,7 @@ impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(_) | Self::Input(_) | Self::Data(_) | Self::Display(_) => 2,
-            Self::Write(_) | Self::Png(_) | Self::Io(_) => 1,
+            Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
             Self::Interrupted(_) => 130,
         }
     }
@@ -68,6 +72,7 @@ fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
+        Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),
         Command::Schema { result } => output::schema(result),

@@ -11,8 +11,7 @@ use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
 pub mod random_stacks;
-pub mod table_5_1;
-pub mod table_5_3;
+pub use papilio_reproduction::{table_5_1, table_5_3};
 
 /// An example scenario of the repository, with overrides `PATH=VALUE`.
 ///

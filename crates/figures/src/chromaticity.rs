@@ -12,6 +12,8 @@ use crate::svg::{Point, Stroke, Svg, Text};
 
 /// The part of the diagram that is drawn: u' and v', from and to.
 const DRAWN: [(f64, f64); 2] = [(-0.05, 0.65), (0.0, 0.63)];
+/// Colours of several displays' gamuts.
+const HUES: [&str; 4] = ["#2b5fc7", "#c8321f", "#2c9a57", "#7a5bc0"];
 /// Height of a line of the legend, px.
 const LINE: f64 = 19.0;
 
@@ -27,11 +29,51 @@ pub fn chromaticity(result: &RunResult, view: &View, title: &str) -> String {
     svg.finish()
 }
 
-/// The same in a page, `width` px wide and [`height`] px high.
-pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, width: f64) {
+/// Gamuts of several displays over each other, the first one's sRGB beside them.
+pub fn gamuts(displays: &[(&str, &View)], title: &str) -> String {
+    let width = 560.0;
+    let mut svg = Svg::new(width + 90.0, height(width) + 72.0).titled(title);
+    let panel = diagram(&mut svg, (70.0, 20.0), width);
+    panel.triangle(&mut svg, GamutReference::Srgb.primaries_uv(), &srgb_stroke());
+    let named: Vec<(Stroke, String)> = displays
+        .iter()
+        .enumerate()
+        .map(|(i, (name, view))| {
+            let stroke =
+                Stroke::solid(HUES[i % HUES.len()], 1.8).dashed(if i >= HUES.len() { "6 3" } else { "" });
+            if let Some(triangle) = display(view) {
+                panel.triangle(&mut svg, triangle, &stroke);
+            }
+            let percent =
+                view.metrics.gamut_percent_srgb.map_or(String::new(), |v| format!(", {v:.1} % of sRGB"));
+            (stroke, format!("{name}{percent}"))
+        })
+        .chain([(srgb_stroke(), "sRGB".to_owned())])
+        .collect();
+    key(&mut svg, &named, (panel.right() - 235.0, panel.bottom() - LINE * (named.len() as f64 + 0.5)));
+    svg.finish()
+}
+
+/// Strokes and what they are.
+fn key(svg: &mut Svg, lines: &[(Stroke, String)], (left, top): Point) {
+    for (i, (stroke, text)) in lines.iter().enumerate() {
+        let y = top + LINE * (i + 1) as f64;
+        svg.line((left, y - 4.0), (left + 26.0, y - 4.0), stroke);
+        svg.text((left + 33.0, y), text, Text::new(SMALL, INK));
+    }
+}
+
+/// An empty diagram with its locus.
+fn diagram(svg: &mut Svg, origin: Point, width: f64) -> Panel {
     let panel = self::panel(origin, (width, height(width)));
     panel.draw(svg);
     locus::draw(svg, &panel);
+    panel
+}
+
+/// The same in a page, `width` px wide and [`height`] px high.
+pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, width: f64) {
+    let panel = diagram(svg, origin, width);
     let srgb = GamutReference::Srgb.primaries_uv();
     panel.triangle(svg, srgb, &srgb_stroke());
     panel.triangle(svg, GamutReference::Ebu.primaries_uv(), &ebu_stroke());
@@ -126,10 +168,5 @@ fn legend(svg: &mut Svg, top: f64, panel: &Panel, view: &View, has_gamut: bool) 
     if has_gamut {
         lines.insert(0, (display_stroke(), "display".to_owned()));
     }
-    let left = panel.right() - 185.0;
-    for (i, (stroke, text)) in lines.iter().enumerate() {
-        let y = top + LINE * (i + 1) as f64;
-        svg.line((left, y - 4.0), (left + 26.0, y - 4.0), stroke);
-        svg.text((left + 33.0, y), text, Text::new(SMALL, INK));
-    }
+    key(svg, &lines, (panel.right() - 185.0, top));
 }

@@ -5,6 +5,7 @@
 //! | [`overview`] | a view at a glance: patches, spectra, u'v' diagram |
 //! | [`spectra`] | reflectance factor of every state against wavelength |
 //! | [`chromaticity`] | states and gamut in the u'v' diagram |
+//! | [`gamuts`] | gamuts of several displays in the u'v' diagram |
 //! | [`patches`] | the states as the reader would see them |
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
@@ -13,6 +14,7 @@
 //! | [`compared_spectra`], [`compared_gamuts`] | a simulated display beside a measured one |
 //! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
+//! | [`chart`] | plain curves in a panel |
 //! | [`accuracy`] | errors of solvers against their cost |
 //! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
 //! | [`point_sets`] | where points lie in the unit square |
@@ -32,6 +34,7 @@
 mod accuracy;
 mod angle;
 mod axis;
+mod chart;
 mod chromaticity;
 mod colour_map;
 mod comparison;
@@ -58,7 +61,8 @@ mod sweep;
 
 pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
-pub use chromaticity::chromaticity;
+pub use chart::{Chart, ChartCurve, Hue, chart};
+pub use chromaticity::{chromaticity, gamuts};
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
 pub use overlay::{Transmission, spectra_over, transmission};

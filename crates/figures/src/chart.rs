@@ -1,0 +1,139 @@
+//! Curves in a panel: the plain figure, for what has no figure of its own.
+
+use crate::axis::{Axis, range};
+use crate::labels::{EndLabel, end_labels, labels_inside};
+use crate::panel::Panel;
+use crate::style::ramp;
+use crate::svg::{Point, Stroke, Svg, finite};
+
+/// Curves that share two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// What is told from left to right, with its unit.
+    pub x: String,
+    /// What is told from bottom to top, with its unit.
+    pub y: String,
+    /// Whether the axis of values is logarithmic: what is not positive is left out then.
+    pub logarithmic: bool,
+    /// Values that the axis of values shows in any case.
+    pub at_least: Vec<f64>,
+    /// The curves.
+    pub curves: Vec<ChartCurve>,
+}
+
+/// A curve of a [`Chart`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartCurve {
+    /// What stands at its end; empty: nothing.
+    pub name: String,
+    /// Its hue.
+    pub hue: Hue,
+    /// Dashed: what is compared with.
+    pub dashed: bool,
+    /// Drawn as points, not as a line.
+    pub marks: bool,
+    /// Where it goes; what is not finite parts it.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// How a curve is coloured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Hue {
+    /// A share, 0 to 1, of a scale from dark to light.
+    Scale(f64),
+    /// One of a handful that are told apart easily.
+    Group(usize),
+}
+
+/// The panel, px.
+const PANEL: (Point, Point) = ((76.0, 24.0), (470.0, 330.0));
+
+impl Hue {
+    fn colour(self) -> String {
+        const GROUPS: [&str; 6] = ["#c8321f", "#2c9a57", "#2b5fc7", "#333333", "#8a6d1c", "#7a5bc0"];
+        match self {
+            Self::Scale(share) => ramp(share),
+            Self::Group(group) => GROUPS[group % GROUPS.len()].to_owned(),
+        }
+    }
+}
+
+/// Draws a chart.
+pub fn chart(chart: &Chart, title: &str) -> String {
+    let mut svg = Svg::new(700.0, 420.0).titled(title);
+    let points = || chart.curves.iter().flat_map(|curve| curve.points.iter().copied());
+    let x = Axis::between(&ends(points().map(|point| point.0)), 7, &chart.x);
+    let values = points().map(|point| point.1).chain(chart.at_least.iter().copied());
+    let y = if chart.logarithmic {
+        let positive = values.filter(|value| (1e-300..1e300).contains(value));
+        let decades = range(positive).and_then(|(low, high)| Axis::decades(low, high, &chart.y));
+        let Some(axis) = decades else { return svg.finish() };
+        axis
+    } else {
+        Axis::covering(values, 6, &chart.y)
+    };
+    let panel = Panel { origin: PANEL.0, size: PANEL.1, x, y };
+    panel.draw(&mut svg);
+    let lines: Vec<Vec<Point>> = chart
+        .curves
+        .iter()
+        .map(|curve| curve.points.iter().map(|(x, y)| panel.at(*x, *y)).collect())
+        .collect();
+    let (mut outside, mut inside) = (vec![], vec![]);
+    for (curve, line) in chart.curves.iter().zip(&lines) {
+        let stroke = Stroke::solid(&curve.hue.colour(), 1.8).dashed(if curve.dashed { "6 3" } else { "" });
+        for piece in line.split(|point| !finite(*point)) {
+            if curve.marks {
+                piece.iter().for_each(|point| svg.circle(*point, 2.4, "#ffffff", &stroke));
+            } else {
+                svg.polyline(piece, &stroke);
+            }
+        }
+        if curve.name.is_empty() {
+            continue;
+        }
+        let Some(end) = line.iter().rev().copied().find(|point| finite(*point)) else { continue };
+        let label = EndLabel { end, text: curve.name.clone(), stroke };
+        if (end.0 - panel.right()).abs() < 2.0 { outside.push(label) } else { inside.push(label) }
+    }
+    end_labels(&mut svg, &panel, outside);
+    let borrowed: Vec<&[Point]> = lines.iter().map(Vec::as_slice).collect();
+    labels_inside(&mut svg, &panel, &inside, &borrowed);
+    svg.finish()
+}
+
+/// The least and the largest, if any.
+fn ends(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    range(values.filter(|value| value.is_finite())).map_or_else(Vec::new, |(low, high)| vec![low, high])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn anything_can_be_drawn() {
+        for points in [vec![], vec![(f64::NAN, 1.0)], vec![(0.0, -1.0), (1.0, 0.0), (2.0, f64::INFINITY)]] {
+            for logarithmic in [false, true] {
+                let curve = ChartCurve {
+                    name: "<a>".to_owned(),
+                    hue: Hue::Group(9),
+                    dashed: true,
+                    marks: logarithmic,
+                    points: points.clone(),
+                };
+                let text = chart(
+                    &Chart {
+                        x: "x".to_owned(),
+                        y: "y".to_owned(),
+                        logarithmic,
+                        at_least: vec![],
+                        curves: vec![curve],
+                    },
+                    "t",
+                );
+                assert!(text.ends_with("</svg>\n") && !text.contains("NaN") && !text.contains("<a>"));
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Chapter 2: phase functions.
+
+use papilio_figures::{Chart, ChartCurve, Hue, chart};
+use papilio_optics::phase::HenyeyGreenstein;
+
+use crate::report::{Section, Table, number};
+
+/// Mean cosines that are drawn.
+const MEAN_COSINES: [f64; 5] = [-0.3, 0.0, 0.3, 0.6, 0.9];
+
+/// Figure 2.17.
+pub(crate) fn phase_functions() -> Section {
+    let count = MEAN_COSINES.len() as f64;
+    let curve = |(k, g): (usize, f64)| {
+        let phase = HenyeyGreenstein { anisotropy: g };
+        let value = |deg: f64| phase.density(deg.to_radians().cos());
+        ChartCurve {
+            name: format!("g = {g}"),
+            hue: Hue::Scale(k as f64 / count),
+            dashed: false,
+            marks: false,
+            points: (0..=180).map(f64::from).map(|deg| (deg, value(deg))).collect(),
+        }
+    };
+    let figure = Chart {
+        x: "Scattering angle (deg)".to_owned(),
+        y: "Phase function (1/sr, logarithmic)".to_owned(),
+        logarithmic: true,
+        at_least: vec![],
+        curves: MEAN_COSINES.into_iter().enumerate().map(curve).collect(),
+    };
+    let mut table = Table::new(&["g", "integral over all directions", "mean cosine"]);
+    for g in MEAN_COSINES {
+        let phase = HenyeyGreenstein { anisotropy: g };
+        // The midpoint rule in the scattering angle: twice as fine changes neither number's sixth digit.
+        let steps = 20_000;
+        let step = std::f64::consts::PI / f64::from(steps);
+        let mut sums = [0.0; 2];
+        for k in 0..steps {
+            let (sin, cos) = ((f64::from(k) + 0.5) * step).sin_cos();
+            let ring = 2.0 * std::f64::consts::PI * sin * step * phase.density(cos);
+            sums[0] += ring;
+            sums[1] += ring * cos;
+        }
+        table.row([g.to_string(), number(sums[0], 7), format!("{:.5}", sums[1])]);
+    }
+    Section::new("figure-2-17", "Figure 2.17: typical shapes of phase functions")
+        .figure(chart(&figure, ""), "Henyey-Greenstein phase functions (eq. 2-18) of bulk scatterers.")
+        .say(
+            "Each integrates to 1, and its mean cosine is g. The thesis's eq. 2-19 for the mean cosine lacks the \
+             factor sin \u{3b8} in its second form; with it, g comes out:",
+        )
+        .table(table)
+}

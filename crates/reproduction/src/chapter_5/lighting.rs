@@ -1,0 +1,189 @@
+//! Figures 5.14 to 5.19: lights, front reflection, haze, front light.
+
+use papilio_display::result::{RunResult, View};
+use papilio_figures::{Chart, ChartCurve, Hue, chart, gamuts};
+use papilio_optics::Beta;
+
+use crate::chapter_3::{in_plane, measurement, shape};
+use crate::displays::{Bench, ReproductionError, first, of};
+use crate::report::{Section, Table, number};
+
+/// The three lighting conditions.
+const CONDITIONS: [&str; 3] = ["indoor", "sunny", "overcast"];
+
+/// What is drawn of a view: its name, and how to get it.
+type Metric = (&'static str, fn(&View) -> f64);
+
+const METRICS: [Metric; 3] = [
+    ("Contrast ratio", |view| view.metrics.contrast_ratio.unwrap_or(f64::NAN)),
+    ("Gamut (% of sRGB)", |view| view.metrics.gamut_percent_srgb.unwrap_or(f64::NAN)),
+    ("White: luminous reflectance factor", |view| of(view, "white", |v| Some(v.Y))),
+];
+
+/// Figure 5.14.
+pub(super) fn distributions() -> Section {
+    Section::new("figure-5-14", "Figure 5.14: mean directional luminance of 42 outdoor and 70 indoor locations").say(
+        "Kubota et al. 2006 measured it; their data are not public, so nothing is computed here. The thesis takes from it \
+         its three conditions, which are presets: indoor (50 % diffuse, 50 % from -20 deg, seen from 8 deg), sunny (20 % \
+         and 80 % from -35 deg, seen from 20 deg), overcast (diffuse, seen from 8 deg).",
+    )
+}
+
+/// Figure 5.15.
+pub(super) fn front_reflection(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
+    const PERCENT: [f64; 7] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0];
+    let mut all = Vec::new();
+    for condition in CONDITIONS {
+        let runs = PERCENT.map(|percent| {
+            let front = format!("display.front=[{{ reflectance = {}, absorptance = 0.0 }}]", percent / 100.0);
+            bench.run(condition, &[front.as_str()])
+        });
+        all.push((condition, runs.into_iter().collect::<Result<Vec<RunResult>, _>>()?));
+    }
+    let mut section =
+        Section::new("figure-5-15", "Figure 5.15: front surface reflection in different lighting conditions");
+    for (name, metric) in METRICS {
+        let curve = |(k, (condition, runs)): (usize, &(&str, Vec<RunResult>))| ChartCurve {
+            name: (*condition).to_owned(),
+            hue: Hue::Group(k),
+            dashed: false,
+            marks: false,
+            points: PERCENT.iter().zip(runs).map(|(percent, run)| (*percent, metric(first(run)))).collect(),
+        };
+        let figure = Chart {
+            x: "Front reflectance (%)".to_owned(),
+            y: name.to_owned(),
+            logarithmic: false,
+            at_least: vec![0.0],
+            curves: all.iter().enumerate().map(curve).collect(),
+        };
+        section = section.figure(chart(&figure, ""), "");
+    }
+    let mut table =
+        Table::new(&["what is left at 2 % of what there is at 0", "contrast ratio", "gamut", "white"]);
+    for (condition, runs) in &all {
+        let left = METRICS.map(|(_, metric)| metric(first(&runs[4])) / metric(first(&runs[0])));
+        table.row(std::iter::once((*condition).to_owned()).chain(left.map(|share| number(share, 3))));
+    }
+    Ok(section.table(table).say(
+        "The thesis: low front reflection means higher contrast and a larger gamut in all conditions, and diffuse light \
+         suffers most. So it is here. White rises with front reflection in diffuse light alone; a lamp's light, whose \
+         mirror image is not seen, only loses. Haze 78, one front component without absorption.",
+    ))
+}
+
+/// Figure 5.16.
+pub(super) fn lobes(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
+    let mut curves = Vec::new();
+    let mut table = Table::new(&["", "peak (1/sr)", "half width at half maximum (deg)"]);
+    for (group, name) in ["H78", "H65"].into_iter().enumerate() {
+        let shape = shape(&measurement(bench, &format!("data/{name}.bsdf"))?)?;
+        let within = in_plane(&shape, 0, 0.0).into_iter().filter(|(deg, _)| deg.abs() <= 50.0);
+        curves.push(ChartCurve {
+            name: name.to_owned(),
+            hue: Hue::Group(group),
+            dashed: false,
+            marks: false,
+            points: within.collect(),
+        });
+        let peak = shape.value(0, Beta { x: 0.0, y: 0.0 });
+        let half = shape.half_width_deg(0, 0.0).unwrap_or(f64::NAN);
+        table.row([name.to_owned(), number(peak, 3), number(half, 3)]);
+    }
+    let figure = Chart {
+        x: "Scattering angle (deg)".to_owned(),
+        y: "BTDF (1/sr, logarithmic)".to_owned(),
+        logarithmic: true,
+        at_least: vec![],
+        curves,
+    };
+    Ok(Section::new("figure-5-16", "Figure 5.16: scattering profile of haze 78 and haze 65 diffusers at normal angle")
+        .figure(chart(&figure, ""), "Synthetic samples on the thesis's grid, blurred by their instrument as in figure 3.8.")
+        .table(table)
+        .say(
+            "The thesis's axis goes from 1 to 100 1/sr and its text gives no number. Without the blur the peaks would be 47 \
+             and 100 1/sr (haze 78 and 65, total .90).",
+        ))
+}
+
+/// Figure 5.17.
+pub(super) fn haze(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
+    let h65 = bench.run("measured-h65", &[])?;
+    let h78 = bench.run("measured-h78", &[])?;
+    let both = [("H65", &h65), ("H78", &h78)];
+    let mut section =
+        Section::new("figure-5-17", "Figure 5.17: diffusers with different haze values in indoor lighting");
+    for (name, metric) in METRICS {
+        let curve = |(k, (name, run)): (usize, &(&str, &RunResult))| ChartCurve {
+            name: (*name).to_owned(),
+            hue: Hue::Group(k),
+            dashed: false,
+            marks: false,
+            points: run.views.iter().map(|view| (view.theta_deg, metric(view))).collect(),
+        };
+        let figure = Chart {
+            x: "Viewing angle (deg)".to_owned(),
+            y: name.to_owned(),
+            logarithmic: false,
+            at_least: vec![0.0],
+            curves: both.iter().enumerate().map(curve).collect(),
+        };
+        section = section.figure(chart(&figure, ""), "");
+    }
+    let at = |run: &RunResult, deg: f64, metric: fn(&View) -> f64| {
+        run.views.iter().find(|view| view.theta_deg == deg).map_or(f64::NAN, metric)
+    };
+    let brightest = |run: &RunResult| {
+        let white = |view: &&View| of(view, "white", |v| Some(v.Y));
+        run.views.iter().max_by(|a, b| white(a).total_cmp(&white(b))).map_or(f64::NAN, |view| view.theta_deg)
+    };
+    let mut claims = Table::new(&["the thesis finds", "H65 here", "H78 here"]);
+    claims.row([
+        "white peaks at the specular angle of 20 deg".to_owned(),
+        format!("{} deg", brightest(&h65)),
+        format!("{} deg", brightest(&h78)),
+    ]);
+    for (words, deg, metric) in [
+        ("H65's peak of white is much higher", 20.0, METRICS[2].1),
+        ("H65 has higher contrast at typical angles (10 deg)", 10.0, METRICS[0].1),
+        ("H65 has a larger gamut at typical angles (10 deg)", 10.0, METRICS[1].1),
+        ("from 50 deg on H78 is better: white", 50.0, METRICS[2].1),
+        ("from 50 deg on H78 is better: contrast", 50.0, METRICS[0].1),
+        ("from 50 deg on H78 is better: gamut", 50.0, METRICS[1].1),
+    ] {
+        let [a, b] = [&h65, &h78].map(|run| number(at(run, deg, metric), 3));
+        claims.row([words.to_owned(), a, b]);
+    }
+    Ok(section.table(claims))
+}
+
+/// Figures 5.18 and 5.19.
+pub(super) fn front_light(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
+    const RGB_LED: &str = "lighting.spectrum=[{ led_nm = 630, width_nm = 20 }, \
+                           { led_nm = 525, width_nm = 35, weight = 0.5636 }, \
+                           { led_nm = 460, width_nm = 25, weight = 0.5506 }]";
+    let front = "display.front=[]";
+    let run = |spectrum: &str| bench.run("overcast", &[front, spectrum]);
+    let (rgb, white, d65) = (run(RGB_LED)?, run("lighting.spectrum=LED-B5")?, run("lighting.spectrum=D65")?);
+    let shown = [("RGB LED", first(&rgb)), ("white LED", first(&white)), ("D65", first(&d65))];
+    let mut table = Table::new(&["front light", "gamut, % of sRGB", "u\u{2032} of red", "v\u{2032} of red"]);
+    for (name, view) in &shown {
+        let cells = [
+            view.metrics.gamut_percent_srgb.unwrap_or(f64::NAN),
+            of(view, "red", |v| v.u_prime),
+            of(view, "red", |v| v.v_prime),
+        ];
+        table.row(std::iter::once((*name).to_owned()).chain(cells.map(|value| number(value, 3))));
+    }
+    Ok(Section::new("figure-5-19", "Figures 5.18 and 5.19: auxiliary lighting of different SPDs")
+        .figure(
+            gamuts(&shown, "Front light alone, haze 78, at 8 deg"),
+            "A front light below the front of screen that shines evenly is diffuse light that passes the front once: \
+             alone, its colours are those of diffuse light without a front.",
+        )
+        .table(table)
+        .say(
+            "The thesis: an RGB LED front light has a larger gamut than a white LED, and a much more saturated red. So it \
+             has here (LED models: three of Ohno 2005 at 630, 525 and 460 nm, balanced to D65; CIE LED-B5).",
+        ))
+}

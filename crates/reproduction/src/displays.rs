@@ -1,0 +1,120 @@
+//! The displays of the report: shipped scenarios, written out so that they can be run again, and run.
+
+use std::path::{Path, PathBuf};
+
+use papilio_display::result::{RunResult, StateValues, View};
+use papilio_display::{Control, DisplayError};
+use papilio_formats::{FormatError, write_file};
+use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
+
+/// Why a report could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReproductionError {
+    /// A scenario of the report is wrong.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioErrors),
+    /// A display could not be computed, or was interrupted.
+    #[error(transparent)]
+    Display(#[from] DisplayError),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    File(#[from] FormatError),
+    /// A measurement could not be used.
+    #[error("a measured sample of the report cannot be used: {0}")]
+    Sample(String),
+    /// A folder could not be made.
+    #[error("cannot make the folder {0}: {1}")]
+    Folder(PathBuf, std::io::Error),
+}
+
+/// Names and bytes of what is shipped.
+macro_rules! shipped {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_bytes!(concat!("../../../scenarios/", $name)).as_slice())),*]
+    };
+}
+
+const SHIPPED: &[(&str, &[u8])] = shipped![
+    "reference-pixel.toml",
+    "indoor.toml",
+    "sunny.toml",
+    "overcast.toml",
+    "sampling.toml",
+    "measured-bare.toml",
+    "measured-diffused.toml",
+    "measured-truth.toml",
+    "measured-h65.toml",
+    "measured-h78.toml",
+    "data/H65.bsdf",
+    "data/H78.bsdf",
+    "data/H78-raw.bsdf",
+    "data/H65-transmission.csv",
+    "data/H78-transmission.csv",
+    "data/H81-transmission.csv",
+];
+
+/// Where the scenarios of a report lie, and how they are computed.
+pub(crate) struct Bench<'a> {
+    folder: PathBuf,
+    control: &'a Control<'a>,
+}
+
+impl<'a> Bench<'a> {
+    /// Writes the scenarios into a folder.
+    pub(crate) fn new(folder: &Path, control: &'a Control<'a>) -> Result<Self, ReproductionError> {
+        let data = folder.join("data");
+        std::fs::create_dir_all(&data).map_err(|error| ReproductionError::Folder(data, error))?;
+        for (name, bytes) in SHIPPED {
+            write_file(&folder.join(name), |out| out.write_all(bytes))?;
+        }
+        Ok(Self { folder: folder.to_owned(), control })
+    }
+
+    /// Where one of the shipped files lies.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// How to compute.
+    pub(crate) fn control(&self) -> &'a Control<'a> {
+        self.control
+    }
+
+    /// A shipped scenario with changes as of `--set`.
+    pub(crate) fn resolve(&self, name: &str, set: &[&str]) -> Result<Resolved, ReproductionError> {
+        let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
+        Ok(Scenario::load(&self.path(&format!("{name}.toml")), &set)?.resolve()?)
+    }
+
+    /// The same, computed.
+    pub(crate) fn run(&self, name: &str, set: &[&str]) -> Result<RunResult, ReproductionError> {
+        Ok(papilio_display::run(&self.resolve(name, set)?.scene, self.control)?)
+    }
+
+    /// The same at these viewing angles, degrees.
+    pub(crate) fn at(
+        &self,
+        name: &str,
+        theta_deg: &[f64],
+        set: &[&str],
+    ) -> Result<RunResult, ReproductionError> {
+        let views = format!("viewer.theta_deg={theta_deg:?}");
+        let all: Vec<&str> = std::iter::once(views.as_str()).chain(set.iter().copied()).collect();
+        self.run(name, &all)
+    }
+}
+
+/// A state's numbers in a view; of NaN where there is no such state.
+pub(crate) fn values<'a>(view: &'a View, state: &str) -> Option<&'a StateValues> {
+    view.states.get(state).map(|state| &state.value)
+}
+
+/// A number of a state; NaN where it is not defined.
+pub(crate) fn of(view: &View, state: &str, number: fn(&StateValues) -> Option<f64>) -> f64 {
+    values(view, state).and_then(number).unwrap_or(f64::NAN)
+}
+
+/// The view that a result begins with; every scenario has one.
+pub(crate) fn first(result: &RunResult) -> &View {
+    &result.views[0]
+}

@@ -1,0 +1,230 @@
+//! What a report holds: sections of words, tables and figures; and its HTML, one page that needs nothing else.
+
+use std::fmt::Write;
+
+/// A report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// What stands at its top.
+    pub title: String,
+    /// What it is.
+    pub about: Vec<String>,
+    /// Its sections, in the order of the dissertation.
+    pub sections: Vec<Section>,
+}
+
+/// A table or figure of the dissertation, and ours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// A name within the page: `table-5-1`.
+    pub id: &'static str,
+    /// What the dissertation calls it.
+    pub title: &'static str,
+    /// What is in it.
+    pub parts: Vec<Part>,
+}
+
+/// A part of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Part {
+    /// A paragraph.
+    Words(String),
+    /// A table.
+    Table(Table),
+    /// A figure as SVG, and what is said below it.
+    Figure(String, String),
+}
+
+/// Numbers side by side.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// Names of the columns.
+    pub head: Vec<String>,
+    /// Cells, as many as columns.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Section {
+    /// A section without parts.
+    pub fn new(id: &'static str, title: &'static str) -> Self {
+        Self { id, title, parts: Vec::new() }
+    }
+
+    /// With a paragraph more.
+    #[must_use]
+    pub fn say(mut self, text: impl Into<String>) -> Self {
+        self.parts.push(Part::Words(text.into()));
+        self
+    }
+
+    /// With a table more.
+    #[must_use]
+    pub fn table(mut self, table: Table) -> Self {
+        self.parts.push(Part::Table(table));
+        self
+    }
+
+    /// With a figure more.
+    #[must_use]
+    pub fn figure(mut self, svg: String, caption: impl Into<String>) -> Self {
+        self.parts.push(Part::Figure(svg, caption.into()));
+        self
+    }
+}
+
+impl Table {
+    /// Of these columns.
+    pub fn new(head: &[&str]) -> Self {
+        Self { head: head.iter().map(|&name| name.to_owned()).collect(), rows: Vec::new() }
+    }
+
+    /// With a row more.
+    pub fn row<C: Into<String>>(&mut self, cells: impl IntoIterator<Item = C>) {
+        self.rows.push(cells.into_iter().map(Into::into).collect());
+    }
+}
+
+/// A number with so many significant digits, without an exponent where that is short.
+pub(crate) fn number(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decade = value.abs().log10().floor() as i32;
+    if !(-5..7).contains(&decade) {
+        return format!("{value:.*e}", digits.saturating_sub(1));
+    }
+    let decimals = (digits as i32 - 1 - decade).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// By how much a number of ours is off from theirs: a difference, or a share where that says more.
+pub(crate) fn off(theirs: f64, ours: f64) -> String {
+    let difference = ours - theirs;
+    if theirs == 0.0 || !difference.is_finite() {
+        return number(difference, 2);
+    }
+    format!("{:+.1} %", 100.0 * difference / theirs.abs())
+}
+
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:60rem;margin:2rem auto;padding:0 1rem}\
+h1{font-size:1.7rem}h2{font-size:1.25rem;margin-top:2.5rem;border-top:1px solid #ddd;padding-top:1.2rem}\
+table{border-collapse:collapse;margin:1rem 0;font-size:.9rem;display:block;overflow-x:auto}\
+th,td{padding:.25rem .7rem;border-bottom:1px solid #e4e4e4;text-align:right;font-variant-numeric:tabular-nums;vertical-align:top}\
+th:first-child,td:first-child{text-align:left}th{border-bottom:1px solid #888;font-weight:600}td.words{text-align:left;max-width:26rem}\
+figure{margin:1.2rem 0}figure img{max-width:100%;height:auto}figcaption{font-size:.9rem;color:#555}\
+nav{columns:16rem;font-size:.9rem}nav a{display:block;color:#1f4e9c;text-decoration:none}nav a:hover{text-decoration:underline}";
+
+/// A cell with more letters is a sentence.
+const SENTENCE: usize = 34;
+
+impl Report {
+    /// A page of HTML with its figures inside.
+    pub fn html(&self) -> String {
+        let title = escaped(&self.title);
+        let mut page = format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
+             </head>\n<body>\n<h1>{title}</h1>\n"
+        );
+        self.about.iter().for_each(|text| paragraph(&mut page, text));
+        page.push_str("<nav>\n");
+        for section in &self.sections {
+            let _ = writeln!(page, "<a href=\"#{}\">{}</a>", section.id, escaped(section.title));
+        }
+        page.push_str("</nav>\n");
+        for section in &self.sections {
+            let _ = writeln!(page, "<section id=\"{}\">\n<h2>{}</h2>", section.id, escaped(section.title));
+            section.parts.iter().for_each(|part| part.html(&mut page, section.title));
+            page.push_str("</section>\n");
+        }
+        page.push_str("</body>\n</html>\n");
+        page
+    }
+}
+
+impl Part {
+    fn html(&self, page: &mut String, name: &str) {
+        match self {
+            Self::Words(text) => paragraph(page, text),
+            Self::Figure(svg, caption) => {
+                let (uri, name, caption) = (data_uri(svg), escaped(name), escaped(caption));
+                let below = if caption.is_empty() {
+                    String::new()
+                } else {
+                    format!("<figcaption>{caption}</figcaption>")
+                };
+                let _ = writeln!(page, "<figure><img alt=\"{name}\" src=\"{uri}\">{below}</figure>");
+            }
+            Self::Table(table) => {
+                page.push_str("<table>\n<tr>");
+                for name in &table.head {
+                    let _ = write!(page, "<th>{}</th>", escaped(name));
+                }
+                page.push_str("</tr>\n");
+                for row in &table.rows {
+                    page.push_str("<tr>");
+                    for cell in row {
+                        let class = if cell.chars().count() > SENTENCE { " class=\"words\"" } else { "" };
+                        let _ = write!(page, "<td{class}>{}</td>", escaped(cell));
+                    }
+                    page.push_str("</tr>\n");
+                }
+                page.push_str("</table>\n");
+            }
+        }
+    }
+}
+
+fn paragraph(page: &mut String, text: &str) {
+    let _ = writeln!(page, "<p>{}</p>", escaped(text));
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// An SVG text as the address of a picture: names inside it are its own then.
+fn data_uri(svg: &str) -> String {
+    let mut uri = String::with_capacity(svg.len() * 2);
+    uri.push_str("data:image/svg+xml,");
+    for byte in svg.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' => uri.push(char::from(byte)),
+            b' ' | b'-' | b'.' | b'_' | b'/' | b':' | b'=' | b',' | b';' | b'(' | b')' | b'!' | b'*' => {
+                uri.push(char::from(byte));
+            }
+            other => {
+                let _ = write!(uri, "%{other:02X}");
+            }
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_shortly() {
+        let written = [0.242_04, 24.0, 1234.5, -0.013_3, 0.0, 1e-9, f64::NAN].map(|v| number(v, 3));
+        assert_eq!(written, ["0.242", "24.0", "1234", "-0.0133", "0", "1.00e-9", "-"]);
+    }
+
+    #[test]
+    fn a_page_escapes_what_it_shows() {
+        let mut table = Table::new(&["<a>", "b"]);
+        table.row(["1 < 2", "&"]);
+        let report = Report {
+            title: "A \"title\"".to_owned(),
+            about: vec!["x > y".to_owned()],
+            sections: vec![Section::new("s", "S").table(table).figure("<svg a=\"#%\"/>".to_owned(), "c")],
+        };
+        let html = report.html();
+        assert!(html.contains("<td>1 &lt; 2</td><td>&amp;</td>") && html.contains("A &quot;title&quot;"));
+        assert!(html.contains("src=\"data:image/svg+xml,%3Csvg a=%22%23%25%22/%3E\""));
+    }
+}

@@ -1,0 +1,118 @@
+//! The report, made once: what must be in it, what must agree, and that its page needs nothing else.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
+
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+use papilio_reproduction::{Part, Report, Table, reproduce};
+
+fn report() -> &'static Report {
+    static REPORT: OnceLock<Report> = OnceLock::new();
+    REPORT.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
+        reproduce(folder.path(), &control).unwrap()
+    })
+}
+
+/// The tables of a section.
+fn tables(id: &str) -> Vec<&'static Table> {
+    let section = report().sections.iter().find(|section| section.id == id).unwrap();
+    let table = |part: &'static Part| if let Part::Table(table) = part { Some(table) } else { None };
+    section.parts.iter().filter_map(table).collect()
+}
+
+/// A cell as a number.
+fn number(cell: &str) -> f64 {
+    cell.trim_end_matches('%').trim().parse().unwrap_or_else(|_| panic!("{cell} is not a number"))
+}
+
+#[test]
+fn every_table_and_figure_is_there() {
+    let titles: Vec<&str> = report().sections.iter().map(|section| section.title).collect();
+    for table in ["4.1", "5.1", "5.2", "5.3"] {
+        assert!(titles.iter().any(|title| title.starts_with(&format!("Table {table}"))), "{table}");
+    }
+    let figures = [
+        "2.17", "3.8", "3.10", "3.12", "3.13", "4.1", "4.2", "4.3", "4.4", "4.5", "5.3", "5.4", "5.5", "5.6",
+        "5.7", "5.8", "5.10", "5.12", "5.13", "5.14", "5.15", "5.16", "5.17", "5.19", "5.20",
+    ];
+    for figure in figures {
+        let named = |title: &&str| {
+            let names = title.split(':').next().unwrap_or_default();
+            names.split(' ').any(|word| word == figure)
+        };
+        assert!(titles.iter().any(named), "{figure} in {titles:?}");
+    }
+}
+
+/// Table 5.2's bare peaks, in glass, within 5 nm; blue at 20 deg lies at the edge of the thesis's axis, 400 nm.
+#[test]
+fn bare_peaks_agree() {
+    let bare = tables("table-5-2")[0];
+    assert_eq!(bare.rows.len(), 6);
+    for row in &bare.rows {
+        if row[0] == "blue, 20 deg" {
+            assert_eq!(row[2], "400 or less");
+        } else {
+            assert!(number(&row[3]).abs() < 5.0, "{row:?}");
+        }
+    }
+}
+
+/// Table 5.3's derived rows, but for its 10.08, follow from its luminances.
+#[test]
+fn readability_follows() {
+    for row in &tables("table-5-3")[0].rows {
+        let cells: Vec<f64> = row[1..7].iter().map(|cell| number(cell)).collect();
+        let known_error = cells[0] == 10.08;
+        // Half of the last digit: D has one to three decimals, L_ave none or two (1155.5 for 1156), C two.
+        assert!(known_error || (cells[0] - cells[1]).abs() < 0.051, "{row:?}");
+        assert!((cells[2] - cells[3]).abs() <= 0.5, "{row:?}");
+        assert!((cells[4] - cells[5]).abs() <= 0.005 + 1e-12, "{row:?}");
+        assert_eq!(row[7], row[8]);
+    }
+}
+
+/// What the thesis finds in its figures, ours finds in the report's numbers.
+#[test]
+fn the_findings_hold() {
+    let fsr = tables("figure-5-15")[0];
+    let left = |condition: &str, column: usize| {
+        let row = fsr.rows.iter().find(|row| row[0] == condition).unwrap();
+        number(&row[column])
+    };
+    for column in [1, 2] {
+        for condition in ["indoor", "sunny", "overcast"] {
+            assert!(left(condition, column) < 1.0);
+        }
+        assert!(left("overcast", column) < left("indoor", column).min(left("sunny", column)));
+    }
+    let haze = tables("figure-5-17")[0];
+    assert_eq!(haze.rows[0][1..], ["20 deg", "20 deg"]);
+    for (row, h65_is_better) in haze.rows[1..].iter().zip([true, true, true, false, false, false]) {
+        assert_eq!(number(&row[1]) > number(&row[2]), h65_is_better, "{row:?}");
+    }
+    let front_light = tables("figure-5-19")[0];
+    assert!(number(&front_light.rows[0][1]) > 1.2 * number(&front_light.rows[1][1]));
+}
+
+/// One file: no address of anything else, and every table as wide as its head.
+#[test]
+fn the_page_needs_nothing_else() {
+    let page = report().html();
+    for address in ["src=\"http", "href=\"http", "<script", "<link", "url(http"] {
+        assert!(!page.contains(address), "{address}");
+    }
+    assert_eq!(page.matches("<img").count(), page.matches("src=\"data:image/svg+xml,").count());
+    assert!(page.matches("<img").count() >= 25);
+    assert!(!page.contains("NaN"));
+    let all = report().sections.iter().flat_map(|section| &section.parts);
+    for part in all {
+        if let Part::Table(table) = part {
+            assert!(table.rows.iter().all(|row| row.len() == table.head.len()), "{:?}", table.head);
+        }
+    }
+}
