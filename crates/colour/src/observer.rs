@@ -13,7 +13,7 @@
 //! with each other, but not with those of the full range.
 
 use colorimetry::observer::Observer::{Cie1931, Cie1964};
-use papilio_spectra::{Grid, Spectrum};
+use papilio_spectra::{Grid, Spectrum, sum_of_products};
 
 use crate::{ColourError, D65_UV, UvPrime, Xyz};
 
@@ -94,13 +94,17 @@ impl Observer {
     pub fn xyz(&self, spectrum: &[f64]) -> Xyz {
         debug_assert_eq!(spectrum.len(), self.weight[0].len());
         let [x, y, z] = &self.weight;
-        Xyz { x: dot(x, spectrum), y: dot(y, spectrum), z: dot(z, spectrum) }
+        Xyz {
+            x: sum_of_products(x, spectrum),
+            y: sum_of_products(y, spectrum),
+            z: sum_of_products(z, spectrum),
+        }
     }
 
     /// Luminance in cd/m2 of a spectral radiance in W/(m2 sr nm); likewise
     /// illuminance in lx of a spectral irradiance in W/(m2 nm).
     pub fn luminance(&self, spectrum: &[f64]) -> f64 {
-        LUMENS_PER_WATT * dot(&self.weight[1], spectrum)
+        LUMENS_PER_WATT * sum_of_products(&self.weight[1], spectrum)
     }
 
     /// A relative spectrum as a spectral irradiance, W/(m2 nm), of `lux`.
@@ -139,10 +143,6 @@ fn matching_functions(standard: Standard) -> impl Iterator<Item = (f64, Xyz)> {
         let [x, y, z] = observer.xyz_at_wavelength(usize::from(nm)).ok()?.to_array();
         Some((f64::from(nm), Xyz { x, y, z }))
     })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -19,12 +19,15 @@ pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
         let nm = grid.wavelength_nm(*i);
         nm >= SEARCHED_NM.0 - 1e-6 && nm <= SEARCHED_NM.1 + 1e-6
     };
-    let inside: Vec<usize> = (0..grid.len().min(values.len())).filter(searched).collect();
-    let (first, last) = (*inside.first()?, *inside.last()?);
-    let finite = || inside.iter().copied().filter(|&i| !values[i].is_nan());
-    let top = finite()
-        .fold(first, |best, i| if values[i] > values[best] || values[best].is_nan() { i } else { best });
-    let lowest = finite().map(|i| values[i]).fold(f64::INFINITY, f64::min);
+    let mut bins = 0..grid.len().min(values.len());
+    let (first, last) = (bins.clone().find(searched)?, bins.rfind(searched)?);
+    let (mut top, mut lowest) = (first, f64::INFINITY);
+    for i in first..=last {
+        if values[i] > values[top] || values[top].is_nan() {
+            top = i;
+        }
+        lowest = lowest.min(values[i]);
+    }
     if top == first || top == last || values[top] - lowest <= FLAT * values[top].abs() {
         return None;
     }

@@ -32,4 +32,4 @@ pub use error::SpectraError;
 pub use grid::Grid;
 pub use illuminant::{daylight, illuminant, illuminant_names, ohno_led, planck};
 pub use material::{material, material_names};
-pub use spectrum::{Spectrum, Tabulated};
+pub use spectrum::{Spectrum, Tabulated, sum_of_products};

@@ -139,3 +139,24 @@ impl Tabulated {
         values.map(Spectrum)
     }
 }
+
+/// The sum over all wavelengths of the products of two spectra, of as many as the shorter has.
+///
+/// Eight sums side by side: one alone would wait for each addition.
+///
+/// ```
+/// let (a, b) = ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], [1.0; 10]);
+/// assert_eq!(papilio_spectra::sum_of_products(&a, &b), 45.0);
+/// ```
+pub fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let count = a.len().min(b.len());
+    let (a, a_rest) = a[..count].as_chunks::<LANES>();
+    let (b, b_rest) = b[..count].as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
+}

@@ -15,7 +15,7 @@ mod view;
 use std::f64::consts::PI;
 
 use papilio_colour::{Xyz, peak_nm};
-use papilio_spectra::Grid;
+use papilio_spectra::{Grid, sum_of_products};
 use papilio_transport::Estimate;
 
 use crate::result::Illuminant;
@@ -77,7 +77,7 @@ impl<'a> Meter<'a> {
 
     /// A state's Y of a sample, W/(m2 sr).
     fn luminous(&self, state: usize, sample: &Sample) -> f64 {
-        sample.0[self.layout.radiance(state)].iter().zip(self.y_bar()).map(|(l, y)| l * y).sum()
+        sum_of_products(&sample.0[self.layout.radiance(state)], self.y_bar())
     }
 
     /// An estimate as a sample.
@@ -85,7 +85,7 @@ impl<'a> Meter<'a> {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
         for (l, (light, rho)) in self.lights.iter().zip(&estimate.rho).enumerate() {
-            let from_front: f64 = rho.front.iter().zip(&light.xyz[1]).map(|(front, y)| front * y).sum();
+            let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
                 let base = &rho.base[state * layout.bins..][..layout.bins];
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
@@ -93,7 +93,7 @@ impl<'a> Meter<'a> {
                 radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);
                 let factor = sample[layout.factor(state)].iter_mut();
                 factor.zip(both).for_each(|(sum, rho)| *sum += light.share * rho);
-                let from_pixel: f64 = base.iter().zip(&light.xyz[1]).map(|(base, y)| base * y).sum();
+                let from_pixel = sum_of_products(base, &light.xyz[1]);
                 sample[layout.terms(state).start + l] = from_pixel;
                 sample[layout.front_term(state)] += from_front;
                 if light.luminous > 0.0 {
@@ -120,7 +120,7 @@ impl<'a> Meter<'a> {
         for state in 0..self.layout.states {
             for (slot, part) in self.layout.ledger(state).zip(parts) {
                 let row = &part[state * self.layout.bins..][..self.layout.bins];
-                sample[slot] = row.iter().zip(&luminous).map(|(a, b)| a * b).sum();
+                sample[slot] = sum_of_products(row, &luminous);
             }
         }
     }
