@@ -42,6 +42,8 @@ pub mod lobe;
 pub mod phase;
 pub mod rough;
 pub mod scatter;
+mod wide;
 
 pub use direction::Beta;
 pub use error::OpticsError;
+pub use wide::wide;

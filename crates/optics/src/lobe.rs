@@ -22,7 +22,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use papilio_sampling::warp;
 
-use crate::Beta;
+use crate::{Beta, wide};
 
 /// The shape of a scattering lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,13 +113,10 @@ impl Lobe {
                 return offsets.map(|offset| if offset > 1.0 { 0.0 } else { (radius * radius).min(1.0) });
             }
         };
-        let farthest = offsets.map(|offset| width.hypot(offset + radius));
-        let k_prime = std::array::from_fn(|k| width.hypot(offsets[k] - radius) / farthest[k]);
-        let slopes = offsets.map(|offset| (radius - offset) / (radius + offset));
-        // K + slope Pi(1 - slope^2), and K alone on the rim itself.
-        let integrals = complete_elliptic(k_prime, slopes.map(numerator_and_pole));
-        let within = |slope: f64| if slope == 0.0 { 0.5 } else { f64::from(u8::from(slope > 0.0)) };
-        std::array::from_fn(|k| within(slopes[k]) - width / (PI * farthest[k]) * integrals[k])
+        wide(
+            #[inline(always)]
+            || shares_of_lobe(width, offsets, radius),
+        )
     }
 
     /// Haze: share beyond 2.5 deg of all light transmitted into the air hemisphere
@@ -132,13 +129,28 @@ impl Lobe {
     }
 }
 
+/// The shares within a disc of lobes around points at these offsets.
+#[inline(always)]
+fn shares_of_lobe<const N: usize>(width: f64, offsets: [f64; N], radius: f64) -> [f64; N] {
+    let distance = |across: f64| (width * width + across * across).sqrt();
+    let farthest = offsets.map(|offset| distance(offset + radius));
+    let k_prime = std::array::from_fn(|k| distance(offsets[k] - radius) / farthest[k]);
+    let slopes = offsets.map(|offset| (radius - offset) / (radius + offset));
+    // K + slope Pi(1 - slope^2), and K alone on the rim itself.
+    let integrals = complete_elliptic(k_prime, slopes.map(numerator_and_pole));
+    let within = |slope: f64| if slope == 0.0 { 0.5 } else { f64::from(u8::from(slope > 0.0)) };
+    std::array::from_fn(|k| within(slopes[k]) - width / (PI * farthest[k]) * integrals[k])
+}
+
 /// a, b and p of the [integral](complete_elliptic) that is K + slope Pi(1 - slope^2).
+#[inline(always)]
 fn numerator_and_pole(slope: f64) -> [f64; 3] {
     if slope == 0.0 { [1.0; 3] } else { [1.0 + slope, slope * (1.0 + slope), slope * slope] }
 }
 
 /// `integral from 0 to pi/2 of (a cos^2 + b sin^2)/((cos^2 + p sin^2) sqrt(cos^2 + k'^2 sin^2)) d phi`,
 /// k' and p above 0 (Bulirsch's cel, Numer. Math. 13, 305 (1969)).
+#[inline(always)]
 fn complete_elliptic<const N: usize>(k_prime: [f64; N], integrals: [[f64; 3]; N]) -> [f64; N] {
     let mut p = integrals.map(|[_, _, p]| p.sqrt());
     let mut a = integrals.map(|[a, _, _]| a);

@@ -59,7 +59,7 @@ impl Nodes {
     }
 
     /// The weights that a look-up at `|beta|^2` in a medium of this index gives to the nodes.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn stencil(&self, beta_squared: f64, index: f64) -> Stencil {
         match self {
             Self::Constant => Stencil::ONLY_NODE,

@@ -86,20 +86,26 @@ impl CosinePanels {
     }
 
     /// Lagrange's interpolation within the panel of this cosine.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {
         let part = (cosine * self.panel_at.len() as f64) as usize;
         let number = usize::from(self.panel_at[part.min(self.panel_at.len() - 1)]);
         let panel = &self.panels[number];
         let x = 2.0 * (cosine - panel.start) / panel.width - 1.0;
+        let (mut away, mut product) = ([0.0; Self::NODES], 1.0);
         let mut weights = self.scale;
-        let (mut left, mut right) = (1.0, 1.0);
         for k in 0..Self::NODES {
-            weights[k] *= left;
-            left *= x - self.nodes[k];
-            let mirrored = Self::NODES - 1 - k;
-            weights[mirrored] *= right;
-            right *= x - self.nodes[mirrored];
+            away[k] = x - self.nodes[k];
+        }
+        // Four products side by side.
+        let mut products = [1.0; 4];
+        for away in away.chunks_exact(4) {
+            (0..4).for_each(|k| products[k] *= away[k]);
+        }
+        products.iter().for_each(|one| product *= one);
+        for k in 0..Self::NODES {
+            let weight = weights[k] * product / away[k];
+            weights[k] = if away[k] == 0.0 { 1.0 } else { weight };
         }
         Stencil { first: number * Self::NODES, weights }
     }

@@ -60,20 +60,23 @@ impl Sums {
     fn ledger(&self, stack: &Panel, diffuser: &Diffuser) -> Ledger {
         let mut ledger = Ledger::zeros(self.arriving.len());
         let (front, inactive) = (&stack.front, &stack.base.inactive_absorptance);
-        for k in 0..self.arriving.len() {
-            let bin = k % inactive.len();
-            let (flat, t) = (front.at(bin), diffuser.transmittance[bin]);
-            // Shares at the diffuser's upper and lower side.
-            let (above, below) = (flat.t, flat.t * t);
-            let up = below * t * self.leaving[k];
-            let sent_back = up * flat.below;
-            let entering = if stack.single_pass { above } else { above + sent_back };
-            ledger.inactive[k] = below * self.arriving[k] * inactive[bin];
-            ledger.pixel[k] = below * (self.arriving[k] - self.reflected[k]) - ledger.inactive[k];
-            ledger.diffuser[k] = entering - below * self.arriving[k] + below * self.reflected[k] - up;
-            ledger.returned[k] = flat.above + up * flat.t;
-            ledger.front[k] = 1.0 - flat.t - flat.above + up * (1.0 - flat.t - flat.below);
-            ledger.unaccounted[k] = if stack.single_pass { sent_back } else { 0.0 };
+        let bins = inactive.len();
+        for first in (0..self.arriving.len()).step_by(bins.max(1)) {
+            for bin in 0..bins {
+                let k = first + bin;
+                let (flat, t) = (front.at(bin), diffuser.transmittance[bin]);
+                // Shares at the diffuser's upper and lower side.
+                let (above, below) = (flat.t, flat.t * t);
+                let up = below * t * self.leaving[k];
+                let sent_back = up * flat.below;
+                let entering = if stack.single_pass { above } else { above + sent_back };
+                ledger.inactive[k] = below * self.arriving[k] * inactive[bin];
+                ledger.pixel[k] = below * (self.arriving[k] - self.reflected[k]) - ledger.inactive[k];
+                ledger.diffuser[k] = entering - below * self.arriving[k] + below * self.reflected[k] - up;
+                ledger.returned[k] = flat.above + up * flat.t;
+                ledger.front[k] = 1.0 - flat.t - flat.above + up * (1.0 - flat.t - flat.below);
+                ledger.unaccounted[k] = if stack.single_pass { sent_back } else { 0.0 };
+            }
         }
         ledger
     }

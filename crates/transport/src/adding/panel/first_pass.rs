@@ -9,6 +9,7 @@
 //! resonance may be sharper than any lobe).
 
 use papilio_optics::lobe::Lobe;
+use papilio_optics::wide;
 
 use super::super::quadrature::{Node, Point, Pole, radial};
 use super::lobes::{self, LANES, radii_of};
@@ -35,7 +36,7 @@ impl Weights {
         Self(vec![0.0; nodes.count() + Stencil::LEN])
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn add(&mut self, stencil: &Stencil, weight: f64) {
         let slots = &mut self.0[stencil.first..][..Stencil::LEN];
         slots.iter_mut().zip(stencil.weights).for_each(|(slot, w)| *slot += w * weight);
@@ -92,6 +93,7 @@ impl Pass<'_> {
         radial(self.index, &breaks, &sharp, digits)
     }
 
+    #[inline(always)]
     pub(super) fn look_up(&self, radius: f64) -> Stencil {
         self.table.stencil(radius * radius, self.index)
     }
@@ -109,12 +111,18 @@ impl Pass<'_> {
         let radii = merged_radii(view);
         let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
         let means = lobes::means(self.diffuser.lobe, &radii, &rule);
-        for ((node, mean), share) in rule.iter().zip(means).zip(self.shares_leaving(&rule)) {
-            let weight = (1.0 - self.straight()) * node.weight * mean;
-            let stencil = self.look_up(node.x);
-            reflected.add(&stencil, weight);
-            leaving.add(&stencil, weight * share);
-        }
+        let shares = self.shares_leaving(&rule);
+        wide(
+            #[inline(always)]
+            || {
+                for ((node, mean), share) in rule.iter().zip(&means).zip(&shares) {
+                    let weight = (1.0 - self.straight()) * node.weight * mean;
+                    let stencil = self.look_up(node.x);
+                    reflected.add(&stencil, weight);
+                    leaving.add(&stencil, weight * share);
+                }
+            },
+        );
         Alone {
             reflected: reflected.finish(self.table),
             leaving: leaving.finish(self.table),
@@ -139,11 +147,17 @@ impl Pass<'_> {
         }
         let radii = view.iter().chain(source).map(|p| p.beta.length());
         let rule = self.rule(radii, false, self.digits);
-        RingOfProducts::new(lobe, view, source, self.digits).at(&rule, |k, ring| {
-            // The rule's weights hold the 2 pi that the ring has already.
-            let weight = (1.0 - s).powi(2) * 0.5 * rule[k].weight * ring;
-            sum.add(&self.look_up(rule[k].x), weight);
-        });
+        let rings = RingOfProducts::new(lobe, view, source, self.digits).at(&rule);
+        wide(
+            #[inline(always)]
+            || {
+                for (node, ring) in rule.iter().zip(&rings) {
+                    // The rule's weights hold the 2 pi that the ring has already.
+                    let weight = (1.0 - s).powi(2) * 0.5 * node.weight * ring;
+                    sum.add(&self.look_up(node.x), weight);
+                }
+            },
+        );
         (sum.finish(self.table), rule.len())
     }
 }

@@ -9,6 +9,7 @@
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
+use papilio_optics::wide;
 
 use super::super::quadrature::{Node, Pole};
 
@@ -16,6 +17,7 @@ use super::super::quadrature::{Node, Pole};
 pub(super) const LANES: usize = 8;
 
 /// The radii of these nodes, the last of them again and again at the end.
+#[inline(always)]
 pub(super) fn radii_of(nodes: &[Node]) -> [f64; LANES] {
     std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x)
 }
@@ -31,25 +33,32 @@ pub(super) fn orders_of_nodes(
     mut each: impl FnMut(usize, usize, &[f64]),
 ) {
     let mut ratios = Vec::new();
-    for (number, nodes) in nodes.chunks(LANES).enumerate() {
-        let first = number * LANES;
-        let radii = radii_of(nodes);
-        match lobe {
-            Lobe::KCorrelation { width } => {
-                side_by_side(width, a, radii, (count, None), &mut ratios, |m, orders| {
-                    each(m, first, &orders[..nodes.len()])
-                });
+    wide(
+        #[inline(always)]
+        || {
+            for (number, nodes) in nodes.chunks(LANES).enumerate() {
+                let first = number * LANES;
+                let radii = radii_of(nodes);
+                match lobe {
+                    Lobe::KCorrelation { width } => {
+                        side_by_side(width, a, radii, (count, None), &mut ratios, |m, orders| {
+                            each(m, first, &orders[..nodes.len()])
+                        });
+                    }
+                    Lobe::Lambertian => {
+                        let orders = radii.map(|c| if a <= 1.0 && c <= 1.0 { 1.0 / PI } else { 0.0 });
+                        each(0, first, &orders[..nodes.len()]);
+                    }
+                }
             }
-            Lobe::Lambertian => {
-                let orders = radii.map(|c| if a <= 1.0 && c <= 1.0 { 1.0 / PI } else { 0.0 });
-                each(0, first, &orders[..nodes.len()]);
-            }
-        }
-    }
+        },
+    );
 }
 
 /// So many orders 0, 1, ... of several radii at once: divisions overlap. The recurrence begins at
-/// the order that is given, or as late as the first orders need. `ratios` is a place to work in.
+/// the order that is given, or as late as the first orders need. `ratios` is a place to work in. Always
+/// part of its caller, for the registers that that one was compiled for.
+#[inline(always)]
 pub(super) fn side_by_side(
     width: f64,
     a: f64,
@@ -107,6 +116,7 @@ pub(super) fn means(lobe: Lobe, weighted_radii: &[(f64, f64)], nodes: &[Node]) -
 
 /// The complete elliptic integrals of the second kind, from `k'^2 = 1 - k^2` above 0 (by the
 /// arithmetic-geometric mean; Abramowitz & Stegun, 17.6).
+#[inline(always)]
 fn second_kind(k_prime_squared: [f64; LANES]) -> [f64; LANES] {
     let (mut a, mut b) = ([1.0; LANES], k_prime_squared.map(f64::sqrt));
     let (mut sum, mut power) = (k_prime_squared.map(|k| 0.5 * (1.0 - k)), 0.5);

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
+use papilio_optics::wide;
 
 use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
@@ -30,22 +31,27 @@ impl<'a> RingOfProducts<'a> {
         Self { lobe, digits, points, rings: points.map(Rings::new), ratios: Vec::new() }
     }
 
-    /// At each of the nodes: `each` gets its number and the integral there.
-    pub(super) fn at(&mut self, nodes: &[Node], mut each: impl FnMut(usize, f64)) {
+    /// At each of the nodes.
+    pub(super) fn at(&mut self, nodes: &[Node]) -> Vec<f64> {
         let Lobe::KCorrelation { width } = self.lobe else {
             let [one, other] = self.points.map(|points| points.iter().map(|p| p.weight).sum::<f64>());
             let ring = |node: &Node| if node.x <= 1.0 { 2.0 / PI * one * other } else { 0.0 };
-            return nodes.iter().enumerate().for_each(|(k, node)| each(k, ring(node)));
+            return nodes.iter().map(ring).collect();
         };
         let mut sums = [Vec::new(), Vec::new()];
-        for (number, nodes) in nodes.chunks(LANES).enumerate() {
+        let mut all = Vec::with_capacity(nodes.len());
+        for nodes in nodes.chunks(LANES) {
             let radii = radii_of(nodes);
             let found = match self.orders(width, &radii) {
-                Some(orders) => self.by_orders(width, &radii, orders, &mut sums),
+                Some(orders) => wide(
+                    #[inline(always)]
+                    || self.by_orders(width, &radii, orders, &mut sums),
+                ),
                 None => radii.map(|radius| by_panels(width, radius, self.points, self.digits)),
             };
-            (0..nodes.len()).for_each(|k| each(number * LANES + k, found[k]));
+            all.extend_from_slice(&found[..nodes.len()]);
         }
+        all
     }
 
     /// How many orders the product needs, and from which on each factor's are to be made; `None`
@@ -65,6 +71,7 @@ impl<'a> RingOfProducts<'a> {
         fits.then(|| (count as usize, from.map(|from| from as usize)))
     }
 
+    #[inline(always)]
     fn by_orders(
         &mut self,
         width: f64,
@@ -150,6 +157,7 @@ impl Rings {
     }
 
     /// The first `count` orders of the sum of lobes.
+    #[inline(always)]
     fn sum(
         &mut self,
         width: f64,
@@ -223,9 +231,8 @@ mod tests {
         let (one, other) = (point(0.3, 0.02), point(-0.1, 0.29));
         for width in [1e-4, 3e-3, 0.05] {
             let lobe = Lobe::KCorrelation { width };
-            let mut found = 0.0;
             let node = Node { x: 0.3, weight: 1.0 };
-            RingOfProducts::new(lobe, &one, &other, 23.0).at(&[node], |_, ring| found = ring);
+            let found = RingOfProducts::new(lobe, &one, &other, 23.0).at(&[node])[0];
             let steps = 400_000;
             let term = |k: i32| {
                 let phi = 2.0 * PI * f64::from(k) / f64::from(steps);

@@ -93,7 +93,7 @@ impl Kernel {
         let len = stack.base.states() * stack.base.bins();
         let medium = self.medium_at(stack, index);
         let straight = Straight { stack, medium: &medium, share: self.diffuser.straight_through, sent_back };
-        let g: Vec<f64> = sent_back.iter().copied().cycle().take(len).collect();
+        let g = sent_back.repeat(stack.base.states());
         let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
         let seen = recycling.map(|recycling| (recycling, self.reflectances(stack, table, &medium, index)));
         let of_sources = self.source_columns(&straight);
