@@ -58,11 +58,10 @@ pub(super) struct Columns<'a> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct End {
     width: usize,
-    /// `[order][air][width]`, where it is needed.
-    air: Vec<f64>,
-    /// If both pass once more: lifted to the glass's nodes, and, where light goes straight through, after
-    /// one lobe within air.
+    /// Lifted to the glass's nodes, `[order][width][glass]`.
     glass: Vec<f64>,
+    /// Where light goes straight through: `[order][width][air]`, and the same after one lobe within air.
+    air: Vec<f64>,
     across: Vec<f64>,
 }
 
@@ -187,38 +186,60 @@ impl Grid {
         out
     }
 
-    /// Light of so many orders, to be met by other light: at once, or `passing` once more.
-    pub(super) fn end(&self, air: Vec<f64>, orders: usize, passing: bool) -> End {
+    /// Light of so many orders, to be met by other light.
+    pub(super) fn end(&self, air: Vec<f64>, orders: usize) -> End {
         let width = air.len() / (orders * self.air.len()).max(1);
-        if !passing {
-            return End { width, air, glass: Vec::new(), across: Vec::new() };
-        }
         let each = |one: &dyn Fn(usize, &[f64]) -> Vec<f64>| {
             let lights = air.chunks_exact(self.air.len() * width).enumerate();
             lights.map(|(m, light)| one(m, light)).collect::<Vec<Vec<f64>>>().concat()
         };
-        let glass = each(&|m, light| self.lift(m, light, width));
+        let glass = each(&|m, light| self.met_by(light, self.lobes_between(m), self.glass.len()));
         if self.straight == 0.0 {
-            return End { width, air: Vec::new(), glass, across: Vec::new() };
+            return End { width, glass, ..End::default() };
         }
-        let across = each(&|m, light| self.across(m, light, width));
-        End { width, air, glass, across }
+        let count = self.air.len();
+        // The lobes within air are the same both ways.
+        let across =
+            each(&|m, light| self.met_by(light, &self.within[m * count * count..][..count * count], count));
+        let air =
+            each(&|_, light| (0..width).flat_map(|k| light.iter().skip(k).step_by(width).copied()).collect());
+        End { width, glass, air, across }
     }
 
-    /// What comes of two lights that meet, summed over orders with these factors: shape `[one][other]`;
-    /// of lights that pass once more a form in the reflectance there too, `[column][one][other]`.
-    pub(super) fn form(&self, one: &End, other: &End, factors: &[f64], r: Option<Columns<'_>>) -> Vec<f64> {
-        let pairs = one.width * other.width;
-        let Some(r) = r else {
-            let (air, mut form) = (factors.len() * self.air.len(), vec![0.0; pairs]);
-            let mut weighted = other.air[..air * other.width].to_vec();
-            let weights = factors.iter().flat_map(|f| self.air.iter().map(move |node| f * node.weight));
-            for (row, weight) in weighted.chunks_exact_mut(other.width).zip(weights) {
-                row.iter_mut().for_each(|value| *value *= weight);
-            }
-            add_transposed_product(&one.air[..air * one.width], &weighted, air, &mut form);
-            return form;
+    /// What comes of a group's light that meets other light after one pass in which it was scattered,
+    /// summed over orders with these factors: shape `[other][column]`. The reflectance is the same in
+    /// all orders, so they are summed before it comes in; `own` is that of the group's direction.
+    pub(super) fn form_of_two(
+        &self,
+        group: &Meridian,
+        own: &[f64],
+        other: &End,
+        factors: &[f64],
+        r: Columns<'_>,
+    ) -> Vec<f64> {
+        let (s, width) = (self.straight, other.width);
+        let mut form = vec![0.0; width * r.count];
+        let meeting = |of: [&[f64]; 2], nodes: &[Node], share: f64| {
+            let mut sum = vec![0.0; width * nodes.len()];
+            Pairs { of, widths: [1, width], nodes, share, factors, sum: &mut sum }.add();
+            sum
         };
+        let sum = meeting([&group.glass, &other.glass], &self.glass, (1.0 - s).powi(2));
+        add_product(&sum, r.glass, self.glass.len(), &mut form);
+        if s > 0.0 {
+            let sum = meeting([&group.air, &other.air], &self.air, s * (1.0 - s));
+            add_product(&sum, r.air, self.air.len(), &mut form);
+            for (form, sum) in form.chunks_exact_mut(r.count).zip(sum.chunks_exact(self.air.len())) {
+                add_scaled(form, own, sum.iter().sum());
+            }
+        }
+        form
+    }
+
+    /// What comes of two lights that meet, one of them after one pass more, summed over orders with these
+    /// factors: shape `[one][other][column]`.
+    pub(super) fn form(&self, one: &End, other: &End, factors: &[f64], r: Columns<'_>) -> Vec<f64> {
+        let pairs = one.width * other.width;
         let (s, mut form) = (self.straight, vec![0.0; r.count * pairs]);
         let widths = [one.width, other.width];
         let scatter = |of: [&[f64]; 2], nodes: &[Node], share: f64, sum: &mut [f64]| {
@@ -226,13 +247,13 @@ impl Grid {
         };
         let mut sum = vec![0.0; self.glass.len() * pairs];
         scatter([&one.glass, &other.glass], &self.glass, (1.0 - s).powi(2), &mut sum);
-        add_transposed_product(r.glass, &sum, self.glass.len(), &mut form);
+        add_product(&sum, r.glass, self.glass.len(), &mut form);
         if s > 0.0 {
             let mut sum = vec![0.0; self.air.len() * pairs];
             scatter([&one.air, &other.air], &self.air, s * s, &mut sum);
             scatter([&one.across, &other.air], &self.air, s * (1.0 - s), &mut sum);
             scatter([&one.air, &other.across], &self.air, s * (1.0 - s), &mut sum);
-            add_transposed_product(r.air, &sum, self.air.len(), &mut form);
+            add_product(&sum, r.air, self.air.len(), &mut form);
         }
         form
     }
@@ -265,6 +286,13 @@ impl Grid {
         light
     }
 
+    /// Light that was scattered once more, at the other end of these lobes (`[air][node]`): `[width][node]`.
+    fn met_by(&self, light: &[f64], lobes: &[f64], nodes: usize) -> Vec<f64> {
+        let mut out = vec![0.0; light.len() / self.air.len() * nodes];
+        add_transposed_product(&self.weighted(light), lobes, self.air.len(), &mut out);
+        out
+    }
+
     /// From the air's nodes to the glass's.
     fn lift(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.glass.len() * width];
@@ -295,14 +323,14 @@ impl Grid {
 
 /// Products of two lights at each node, summed over azimuthal orders.
 struct Pairs<'a> {
-    /// `[order][node][width]`.
+    /// `[order][width][node]`.
     of: [&'a [f64]; 2],
     widths: [usize; 2],
     nodes: &'a [Node],
     share: f64,
     /// For each order.
     factors: &'a [f64],
-    /// `[node][one][other]`.
+    /// `[one][other][node]`.
     sum: &'a mut [f64],
 }
 
@@ -315,18 +343,21 @@ impl Pairs<'_> {
 impl WithSimd for Pairs<'_> {
     type Output = ();
 
-    // Plain loops, which the compiler spreads over the registers that there are.
+    // Plain loops, which the compiler spreads over the registers that there are: rows of nodes are long.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { of: [one, other], widths: [left, right], nodes, share, factors, sum } = self;
-        for (number, (sum, node)) in sum.chunks_exact_mut(left * right).zip(nodes).enumerate() {
-            for (m, factor) in factors.iter().enumerate() {
-                let at = m * nodes.len() + number;
-                let (one, other) = (&one[at * left..][..left], &other[at * right..][..right]);
-                let weight = share * node.weight * factor;
-                for (sum, one) in sum.chunks_exact_mut(right).zip(one) {
-                    let one = weight * one;
-                    for (sum, other) in sum.iter_mut().zip(other) {
+        let count = nodes.len();
+        let mut weighted = vec![0.0; count];
+        for (m, factor) in factors.iter().enumerate() {
+            let ones = one[m * left * count..][..left * count].chunks_exact(count);
+            let others = &other[m * right * count..][..right * count];
+            for (one, sums) in ones.zip(sum.chunks_exact_mut(right * count)) {
+                for ((weighted, one), node) in weighted.iter_mut().zip(one).zip(nodes) {
+                    *weighted = share * factor * node.weight * one;
+                }
+                for (sum, other) in sums.chunks_exact_mut(count).zip(others.chunks_exact(count)) {
+                    for ((sum, one), other) in sum.iter_mut().zip(&weighted).zip(other) {
                         *sum += one * other;
                     }
                 }

@@ -208,9 +208,12 @@ struct Profile {
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     azimuth: f64,
-    /// Shared by groups that are this one at another azimuth.
+    /// In the glass, of its axis.
+    cosine: f64,
+    /// Shared, as the light is, by groups that are this one at another azimuth.
     meridian: Arc<Meridian>,
-    /// For each order of the series: a source's scattered light, and a view's after all passes but one.
+    /// For each order of the series: a source's scattered light, and a view's after all passes but one;
+    /// of order 2, where there is no such pass, a view needs none.
     light: Arc<Vec<End>>,
 }
 
@@ -275,18 +278,25 @@ impl Recycling {
         let radius = axis.beta.length();
         let meridian = self.grid.meridian(points, azimuth);
         let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
-        let light = self.profiles.iter().enumerate().map(|(k, profile)| {
-            let (own, columns) = (profile.at(cosine), profile.columns());
-            let passes = if is_view { k.saturating_sub(1) } else { 0 };
-            let scattered = |m| {
-                let light = self.grid.scattered(&meridian, m, columns, &own);
-                (0..passes).fold(light, |light, _| self.grid.pass(m, &light, columns, false))
-            };
-            let orders = self.plan.orders_of(k);
-            let light: Vec<Vec<f64>> = (0..orders).map(scattered).collect();
-            self.grid.end(light.concat(), orders, k > 0)
-        });
-        Group { azimuth, light: Arc::new(light.collect()), meridian: meridian.into() }
+        let light = |k: usize| match (is_view, k) {
+            (true, 0) => End::default(),
+            (true, _) => self.scattered(&meridian, cosine, k, k - 1),
+            (false, _) => self.scattered(&meridian, cosine, k, 0),
+        };
+        let light = Arc::new((0..self.profiles.len()).map(light).collect());
+        Group { azimuth, cosine, light, meridian: meridian.into() }
+    }
+
+    /// A group's light of order `k + 2` after one pass in which it was scattered, and more.
+    fn scattered(&self, meridian: &Meridian, cosine: f64, k: usize, passes: usize) -> End {
+        let profile = &self.profiles[k];
+        let (own, columns, orders) = (profile.at(cosine), profile.columns(), self.plan.orders_of(k));
+        let scattered = |m| {
+            let light = self.grid.scattered(meridian, m, columns, &own);
+            (0..passes).fold(light, |light, _| self.grid.pass(m, &light, columns, false))
+        };
+        let light: Vec<Vec<f64>> = (0..orders).map(scattered).collect();
+        self.grid.end(light.concat(), orders)
     }
 
     /// `pi` times the recycled kernel between two groups.
@@ -302,7 +312,11 @@ impl Recycling {
 
     /// What of a view's light meets other light in order `k + 2` of the series.
     fn form(&self, (k, profile): (usize, &Profile), view: &Group, other: &End, factors: &[f64]) -> Vec<f64> {
-        self.grid.form(&view.light[k], other, factors, (k > 0).then(|| profile.columns()))
+        let columns = profile.columns();
+        if k == 0 {
+            return self.grid.form_of_two(&view.meridian, &profile.at(view.cosine), other, factors, columns);
+        }
+        self.grid.form(&view.light[k], other, factors, columns)
     }
 
     /// Orders 2, 3, ... between two sets of points in closed form, by the true lobe and by the grid's if that is
@@ -387,7 +401,7 @@ impl Profile {
             air: vec![],
             leaving: End::default(),
             reflected: End::default(),
-            arriving: grid.end(grid.arriving.clone(), 1, degree > 2),
+            arriving: grid.end(grid.arriving.clone(), 1),
             places: [degree, degree - 1].map(|degree| Places::new(count, degree)),
         };
         profile.terms = if fitted { profile.fit(pass, from, &points) } else { profile.look_ups(pass) };
@@ -398,8 +412,7 @@ impl Profile {
         let columns = Columns { count, glass: &glass, air: &air };
         let leaving = grid.diffuse(columns, &grid.leaving, &grid.leaving_straight);
         let reflected = grid.diffuse(columns, &vec![1.0; grid.glass.len()], &vec![1.0; grid.air.len()]);
-        [profile.leaving, profile.reflected] =
-            [leaving, reflected].map(|light| grid.end(light, 1, degree > 2));
+        [profile.leaving, profile.reflected] = [leaving, reflected].map(|light| grid.end(light, 1));
         (profile.glass, profile.air) = (glass, air);
         profile
     }
