@@ -92,20 +92,16 @@ impl CosinePanels {
         let number = usize::from(self.panel_at[part.min(self.panel_at.len() - 1)]);
         let panel = &self.panels[number];
         let x = 2.0 * (cosine - panel.start) / panel.width - 1.0;
-        let (mut away, mut product) = ([0.0; Self::NODES], 1.0);
-        let mut weights = self.scale;
-        for k in 0..Self::NODES {
-            away[k] = x - self.nodes[k];
-        }
+        let away = self.nodes.map(|node| x - node);
         // Four products side by side.
-        let mut products = [1.0; 4];
+        let (mut products, mut product) = ([1.0; 4], 1.0);
         for away in away.chunks_exact(4) {
             (0..4).for_each(|k| products[k] *= away[k]);
         }
         products.iter().for_each(|one| product *= one);
-        for k in 0..Self::NODES {
-            let weight = weights[k] * product / away[k];
-            weights[k] = if away[k] == 0.0 { 1.0 } else { weight };
+        let mut weights = self.scale;
+        for (weight, away) in weights.iter_mut().zip(&away) {
+            *weight = if *away == 0.0 { 1.0 } else { *weight * product / away };
         }
         Stencil { first: number * Self::NODES, weights }
     }
