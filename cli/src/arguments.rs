@@ -33,6 +33,10 @@ pub(crate) enum Command {
                       reflectance_factor or X, Y, Z; docs/compare.md describes them."
     )]
     Compare(Compare),
+    /// Write a commented scenario to begin with, in the light of a preset: a room, daylight, a standard's geometry
+    #[command(after_help = "Example: papilio new office office.toml && papilio run office.toml\n\n\
+                      An unknown preset lists all that there are; docs/light.md describes them.")]
+    New(New),
     /// Files of measured scattering: look into them, convert them
     #[command(subcommand)]
     Diffuser(Diffuser),
@@ -182,6 +186,16 @@ pub(crate) struct Brdf {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct New {
+    /// The light: office, sunny, iec-directional, ...
+    #[arg(value_name = "PRESET")]
+    pub(crate) preset: String,
+    /// The file to write, which must not be there yet [default: standard output]
+    #[arg(value_name = "FILE")]
+    pub(crate) file: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

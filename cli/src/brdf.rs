@@ -5,7 +5,7 @@ use std::io::Write;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
 use papilio_display::{BrdfGrid, BrdfTable};
-use papilio_formats::{BsdfSource, write_bsdf, write_file};
+use papilio_formats::{BsdfSource, write_bsdf, write_file, write_reflection};
 use papilio_scenario::Scenario;
 
 use crate::arguments::Brdf;
@@ -16,6 +16,7 @@ use crate::{Failure, interrupt, output, report, say};
 const MOST_NUMBERS: usize = 100_000_000;
 
 const FILE: &str = "display-bsdf.npz";
+const SPLIT: &str = "reflection.csv";
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
@@ -25,16 +26,22 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let table =
         with_progress(arguments.threads, |control| papilio_display::brdf(&resolved.scene, grid, control))?;
     let table = table.ok_or(Failure::Interrupted("nothing is written"))?;
+    let split = with_progress(arguments.threads, |control| {
+        papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
+    })?;
+    let split = split.ok_or(Failure::Interrupted("nothing is written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = anstream::stdout().lock();
     stdout.write_all(report::brdf(&title, &table).as_bytes())?;
+    stdout.write_all(report::reflection(&split).as_bytes())?;
     stdout.flush()?;
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title: &title, hash: &resolved.hash };
     interrupt::whole(|| {
         output::make_folder(&folder)?;
-        Ok::<_, Failure>(write_file(&folder.join(FILE), |out| write_bsdf(out, &source, &table))?)
+        write_file(&folder.join(FILE), |out| write_bsdf(out, &source, &table))?;
+        Ok::<_, Failure>(write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?)
     })?;
-    output::announce(&folder, &[FILE.to_owned()]);
+    output::announce(&folder, &[FILE, SPLIT].map(str::to_owned));
     let target = match resolved.scene.solver.stop {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,

@@ -8,6 +8,7 @@ mod brdf;
 mod compare;
 mod diffuser;
 mod interrupt;
+mod new;
 mod output;
 mod pixel;
 mod report;
@@ -71,6 +72,7 @@ fn main() -> ExitCode {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
+        Command::New(arguments) => new::run(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),

@@ -63,7 +63,7 @@ fn make(folder: &Path) -> Result<(), Failure> {
 
 /// The names that [`figures`] gives, and those of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
-    let of_view = ["overview", "spectra", "chromaticity", "patches"];
+    let of_view = ["overview", "spectra", "chromaticity", "patches", "rings"];
     let figure = |stem: &str| {
         stem.ends_with("_against_angle")
             || of_view.iter().any(|kind| {
@@ -141,6 +141,8 @@ fn figures(result: &RunResult, title: &str) -> Vec<(String, String)> {
         figures.push((format!("overview{at}"), papilio_figures::overview(result, view, title)));
         figures.push((format!("spectra{at}"), papilio_figures::spectra(result, view, title)));
         figures.push((format!("chromaticity{at}"), papilio_figures::chromaticity(result, view, title)));
+        let rings = papilio_figures::gamut_rings(result, view, title);
+        figures.extend(rings.map(|svg| (format!("rings{at}"), svg)));
         figures.push((format!("patches{at}"), papilio_figures::patches(result, view, title)));
     }
     if several_angles(result) {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use papilio_display::result::{RunResult, State, StateValues, View};
-use papilio_display::{BrdfTable, ConeResult};
+use papilio_display::{BrdfTable, ConeResult, Reflection};
 
 /// States that a line of a view shows, where they are not the ordinary ones.
 const STATES_IN_A_LINE: usize = 6;
@@ -99,6 +99,29 @@ pub(crate) fn brdf(title: &str, table: &BrdfTable) -> String {
     )
 }
 
+/// Inclinations at which the reflection is split.
+pub(crate) const SPLIT_AT_DEG: [f64; 4] = [0.0, 8.0, 30.0, 45.0];
+
+/// What kind of mirror the display is.
+pub(crate) fn reflection(all: &[Reflection]) -> String {
+    let mut text = "\nof a beam of the scene's light, %: all that leaves = mirror + haze + Lambertian; beyond 2.5 deg of the mirror\n"
+        .to_owned();
+    let mut rows = vec![vec!["state".to_owned()]];
+    rows[0].extend(all.iter().map(|one| format!("{} deg", one.theta_deg)));
+    let states = all.first().map_or(&[][..], |one| &one.states);
+    for (k, state) in states.iter().enumerate() {
+        let cells = all.iter().filter_map(|one| one.states.get(k)).map(|one| {
+            let [all, mirror, haze, lambertian] = [one.returned, one.mirror, one.haze, one.lambertian]
+                .map(|share| format!("{:.1}", 100.0 * share));
+            let beyond = one.beyond_straight.map_or("-".to_owned(), |share| format!("{:.0}", 100.0 * share));
+            format!("{all} = {mirror} + {haze} + {lambertian}; {beyond}")
+        });
+        rows.push(std::iter::once(state.name.clone()).chain(cells).collect());
+    }
+    text.push_str(&table(&rows));
+    text
+}
+
 /// A share in %, two decimals or as many as show its first digit.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
@@ -182,7 +205,14 @@ fn together(view: &View) -> String {
     let shown: Vec<String> = known
         .map(|(before, value, error, after)| format!("{before}{}{after}", measured(value, error, 2)))
         .collect();
-    if shown.is_empty() { String::new() } else { format!("  {}\n{}", shown.join(", "), text_on_white(view)) }
+    let volume = view.metrics.gamut_volume_cielab.map_or(String::new(), |volume| {
+        let volume = measured(Some(volume), error.gamut_volume_cielab, 0);
+        format!("  gamut's volume {volume} in CIELAB (sRGB: 819000)\n")
+    });
+    if shown.is_empty() {
+        return volume;
+    }
+    format!("  {}\n{volume}{}", shown.join(", "), text_on_white(view))
 }
 
 /// How black text on white reads.

@@ -377,7 +377,7 @@ fn a_display_has_a_bsdf_file() {
     let output = brdf(&["--step", "10"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(String::from_utf8(output.stdout).unwrap().contains("share of a beam that leaves"));
-    assert_eq!(names(folder.path()), ["display-bsdf.npz"]);
+    assert_eq!(names(folder.path()), ["display-bsdf.npz", "reflection.csv"]);
     // 8 states, 9 x 9 x 19 directions, 21 wavelengths, 4 bytes each.
     let bytes = fs::metadata(folder.path().join("display-bsdf.npz")).unwrap().len();
     let table = 8 * 9 * 9 * 19 * 21 * 4;

@@ -91,8 +91,8 @@ def appearance():
     numbers = np.random.default_rng(20220101)
     for i in range(60):
         white = np.round([numbers.uniform(0.85, 1.1), 1.0, numbers.uniform(0.3, 1.2)], 4)
-        # From near black to near white; colours that mirror most of the light in some part.
-        xyz = np.round(white * numbers.uniform(0.3, 1.0, 3) * [0.003, 0.02, 0.1, 0.4, 1.0][i % 5], 6)
+        # From near black to four times as bright as white, which a display with gain may be.
+        xyz = np.round(white * numbers.uniform(0.3, 1.0, 3) * [0.003, 0.02, 0.1, 0.4, 1.0, 4.0][i // 3 % 6], 6)
         adapting = round(float(10 ** numbers.uniform(0, 3.5)), 3)
         background = round(float(numbers.uniform(0.1, 0.5)), 3)
         surround = list(SURROUNDS)[i % 3]

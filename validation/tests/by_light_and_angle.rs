@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
 
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::{Control, reflection};
 use papilio_validation::{run, scenario};
 
 /// White paint without glass is as bright in any light, from anywhere, and keeps its colour.
@@ -87,4 +90,40 @@ fn a_diffuser_shifts_peaks_and_nothing_does_not() {
     let mean = ["red", "green", "blue"]
         .map(|name| view.states.get(name).unwrap().value.metrics.peak_shift_nm.unwrap());
     assert!((shift - mean.iter().sum::<f64>() / 3.0).abs() < 1e-9);
+}
+
+/// Mirror, haze and Lambertian parts in displays whose split is known, and what they sum to.
+#[test]
+fn reflections_are_split_as_they_were_made() {
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let at = [0.0, 8.0, 30.0];
+    // Paint under a front that mirrors 3 %: paint is all Lambertian, the front all mirror.
+    let set = [&PAINT[..], &["display.front=[{ reflectance = 0.03, absorptance = 0 }]"]].concat();
+    let paint = reflection(&scenario("overcast", &set).unwrap().scene, &at, &control).unwrap();
+    for one in &paint {
+        let white = one.states.iter().find(|state| state.name == "white").unwrap();
+        assert!((white.mirror - 0.03).abs() < 1e-9 && white.haze.abs() < 1e-3, "{one:?}");
+        assert!((white.lambertian - 0.97 * 0.97 * 0.6 / (1.0 - 0.03 * 0.6)).abs() < 1e-3, "{one:?}");
+        // Paint sends sin^2(2.5 deg) cos(theta) of its light into the disc, and the mirror all of its own.
+        let straight =
+            0.03 + white.lambertian * one.theta_deg.to_radians().cos() * 2.5_f64.to_radians().sin().powi(2);
+        assert!((white.beyond_straight.unwrap() - (1.0 - straight / white.returned)).abs() < 1e-4, "{one:?}");
+    }
+    // A lobe twice over a mirror, under no front: no mirror image, and beyond 2.5 deg the double lobe's share,
+    // b' = 2 b: 1 - H with H of width 2b, over what leaves.
+    let mirror = [
+        "display.front=[]",
+        "display.glass.index=1.0",
+        "display.pixel={ model = \"uniform\", kind = \"mirror\", reflectance = { white = 1.0 } }",
+        "display.diffuser={ model = \"k-correlation\", width = 0.02, transmittance = 1.0 }",
+    ];
+    let lobe = reflection(&scenario("overcast", &mirror).unwrap().scene, &[0.0], &control).unwrap();
+    let white = &lobe[0].states[0];
+    assert!(white.mirror == 0.0 && white.lambertian < 0.05, "{white:?}");
+    let (b, s) = (0.04_f64, 2.5_f64.to_radians().sin());
+    let straight = 1.0 - b / b.hypot(s);
+    let beyond = 1.0 - straight / white.returned;
+    assert!((white.beyond_straight.unwrap() - beyond).abs() < 5e-3, "{white:?} {beyond}");
+    assert!((white.haze + white.lambertian - white.returned).abs() < 1e-12);
 }

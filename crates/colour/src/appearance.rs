@@ -1,19 +1,24 @@
 //! Colour appearance: CIECAM16.
 //!
 //! **What.** The lightness J and chroma C of CIECAM16 (CIE 248:2022: CAM16 of Li et al., Color Res.
-//! Appl. 42, 703 (2017), made linear near black) and the uniform coordinates J', a', b' of CAM16-UCS
-//! (same paper), in which the straight distance is a colour difference. By the `colorimetry` crate.
-//! The hue angle is that of (a', b').
+//! Appl. 42, 703 (2017), made linear near black and beyond white) and the uniform coordinates J', a', b' of
+//! CAM16-UCS (same paper), in which the straight distance is a colour difference. The hue angle is
+//! that of (a', b'). The formulae stand here because the `colorimetry` crate's go wrong for what is
+//! more than half as bright again as white, as displays with gain are.
 //!
 //! **Parameters.** The luminance that the eye is adapted to, cd/m2 (usually a fifth of that of white:
 //! a grey room), the luminance of the background over that of white (usually .2), and the surround.
-//! **Range.** Surface colours, 1 to 10 000 cd/m2; whites as bright as 1.5 times the perfect one.
-
-use colorimetry::cam::{CamTransforms, CieCam16, ViewConditions};
-use colorimetry::observer::Observer::Cie1931;
-use colorimetry::xyz::{RelXYZ, XYZ};
+//! **Range.** Surface colours, 1 to 10 000 cd/m2.
 
 use crate::Xyz;
+
+/// X, Y, Z to the responses of the cones.
+const M16: [[f64; 3]; 3] =
+    [[0.401288, 0.650173, -0.051461], [-0.250268, 1.204414, 0.045854], [-0.002079, 0.048952, 0.953127]];
+
+/// Below this response (of 100), and beyond the larger of the other and white's, compression goes on straight.
+const LOWEST: f64 = 0.26;
+const HIGHEST: f64 = 150.0;
 
 /// What is around the display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -55,18 +60,97 @@ impl Xyz {
     /// `None` unless the white is positive, and for colours that no eye sees (noise below black).
     pub fn appearance(self, white: Self, viewing: &Viewing) -> Option<Appearance> {
         let usable = white.to_array().into_iter().all(|value| value > 0.0 && value.is_finite());
-        if !usable {
-            return None;
-        }
-        let percent = 100.0 / white.y;
-        let white = XYZ::new((white * percent).to_array(), Cie1931);
-        let seen = RelXYZ::from_xyz(XYZ::new((self * percent).to_array(), Cie1931), white).ok()?;
-        let cam = CieCam16::from_xyz(seen, viewing.conditions());
-        let [lightness, chroma, _] = cam.jch();
-        let uniform = cam.jab_prime();
-        let all = [lightness, chroma].into_iter().chain(uniform);
-        all.into_iter().all(f64::is_finite).then_some(Appearance { lightness, chroma, uniform })
+        let eye = usable.then(|| Eye::new(white * (100.0 / white.y), viewing))?;
+        let seen = eye.sees(self * (100.0 / white.y));
+        let all = [seen.lightness, seen.chroma].into_iter().chain(seen.uniform);
+        all.into_iter().all(f64::is_finite).then_some(seen)
     }
+}
+
+/// An eye that is adapted; in the letters of CIE 248.
+struct Eye {
+    c: f64,
+    n_c: f64,
+    /// The background over the white.
+    n: f64,
+    /// Luminance adaptation.
+    f_l: f64,
+    /// Of each cone: its gain.
+    d: [f64; 3],
+    /// Response beyond which compression is straight.
+    q_u: f64,
+    /// Achromatic response of the white.
+    a_w: f64,
+}
+
+impl Eye {
+    /// `white`: Y = 100.
+    fn new(white: Xyz, viewing: &Viewing) -> Self {
+        let [c, n_c, f] = match viewing.surround {
+            Surround::Average => [0.69, 1.0, 1.0],
+            Surround::Dim => [0.59, 0.9, 0.9],
+            Surround::Dark => [0.525, 0.8, 0.8],
+        };
+        let l_a = viewing.adapting_luminance_cd_m2;
+        let k4 = (1.0 / (5.0 * l_a + 1.0)).powi(4);
+        let f_l = k4 * l_a + 0.1 * (1.0 - k4).powi(2) * (5.0 * l_a).cbrt();
+        let degree = (f * (1.0 - ((-l_a - 42.0) / 92.0).exp() / 3.6)).clamp(0.0, 1.0);
+        let cones = cones(white);
+        let d = cones.map(|cone| degree * 100.0 / cone + 1.0 - degree);
+        let adapted = [0, 1, 2].map(|k| cones[k] * d[k]);
+        let q_u = adapted.into_iter().fold(HIGHEST, f64::max);
+        let mut eye = Self { c, n_c, n: viewing.background, f_l, d, q_u, a_w: 1.0 };
+        eye.a_w = eye.achromatic(eye.responses(white));
+        eye
+    }
+
+    fn sees(&self, xyz: Xyz) -> Appearance {
+        let [r, g, b] = self.responses(xyz);
+        let (across, along) = (r - 12.0 / 11.0 * g + b / 11.0, (r + g - 2.0 * b) / 9.0);
+        let hue = along.atan2(across);
+        let z = 1.48 + self.n.sqrt();
+        let lightness = 100.0 * (self.achromatic([r, g, b]) / self.a_w).powf(self.c * z);
+        let eccentricity = 0.25 * ((hue + 2.0).cos() + 3.8);
+        let t = 50_000.0 / 13.0 * self.n_c * self.induction() * eccentricity * across.hypot(along)
+            / (r + g + 1.05 * b + 0.305);
+        let chroma = t.powf(0.9) * (lightness / 100.0).sqrt() * (1.64 - 0.29_f64.powf(self.n)).powf(0.73);
+        let m = (1.0 + 0.0228 * chroma * self.f_l.powf(0.25)).ln() / 0.0228;
+        let uniform = [1.7 * lightness / (1.0 + 0.007 * lightness), m * hue.cos(), m * hue.sin()];
+        Appearance { lightness, chroma, uniform }
+    }
+
+    /// N_bb and N_cb.
+    fn induction(&self) -> f64 {
+        0.725 * self.n.powf(-0.2)
+    }
+
+    fn achromatic(&self, [r, g, b]: [f64; 3]) -> f64 {
+        (2.0 * r + g + b / 20.0) * self.induction()
+    }
+
+    /// The cones' compressed responses.
+    fn responses(&self, xyz: Xyz) -> [f64; 3] {
+        let cones = cones(xyz);
+        [0, 1, 2].map(|k| self.compressed(cones[k] * self.d[k]))
+    }
+
+    fn compressed(&self, q: f64) -> f64 {
+        let x = |q: f64| self.f_l * q / 100.0;
+        let f = |q: f64| 400.0 * x(q).powf(0.42) / (27.13 + x(q).powf(0.42));
+        if q < LOWEST {
+            f(LOWEST) * q / LOWEST
+        } else if q <= self.q_u {
+            f(q)
+        } else {
+            let slope =
+                1.68 * 27.13 * self.f_l * x(self.q_u).powf(-0.58) / (27.13 + x(self.q_u).powf(0.42)).powi(2);
+            f(self.q_u) + slope * (q - self.q_u)
+        }
+    }
+}
+
+fn cones(Xyz { x, y, z }: Xyz) -> [f64; 3] {
+    M16.map(|[a, b, c]| a * x + b * y + c * z)
 }
 
 impl Appearance {
@@ -74,17 +158,6 @@ impl Appearance {
     pub fn distance(self, other: Self) -> f64 {
         let square = |(a, b): (f64, f64)| (a - b).powi(2);
         self.uniform.into_iter().zip(other.uniform).map(square).sum::<f64>().sqrt()
-    }
-}
-
-impl Viewing {
-    fn conditions(&self) -> ViewConditions {
-        let [c, nc, f] = match self.surround {
-            Surround::Average => [0.69, 1.0, 1.0],
-            Surround::Dim => [0.59, 0.9, 0.9],
-            Surround::Dark => [0.525, 0.8, 0.8],
-        };
-        ViewConditions::new(self.adapting_luminance_cd_m2, 100.0 * self.background, c, nc, f, None)
     }
 }
 
@@ -114,6 +187,11 @@ mod tests {
             assert!((white.lightness - 100.0).abs() < 1e-9 && white.distance(white) == 0.0);
         }
         assert_eq!(D65_WHITE.appearance(D65_WHITE * 0.0, &ROOM), None);
+        // Brighter than a perfect white, lightness goes on rising and hue stays.
+        let red = Xyz { x: 0.4, y: 0.25, z: 0.12 };
+        let looks = [1.0, 2.0, 5.0, 8.0].map(|gain| (red * gain).appearance(D65_WHITE, &ROOM).unwrap());
+        assert!(looks.windows(2).all(|pair| pair[0].lightness < pair[1].lightness), "{looks:?}");
+        assert!(looks.iter().all(|one| one.uniform[1] > 20.0), "{looks:?}");
         let below = (D65_WHITE * -0.01).appearance(D65_WHITE, &ROOM);
         assert!(below.is_none_or(|seen| seen.lightness.is_finite()));
     }

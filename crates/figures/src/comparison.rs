@@ -68,7 +68,7 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
 pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> String {
     let states = of(all, view);
     let size = (WIDTH, chromaticity::height(WIDTH));
-    let mut svg = Svg::new(WIDTH + 90.0, size.1 + 96.0).titled(&caption(title, view));
+    let mut svg = Svg::new(WIDTH + 90.0, size.1 + 112.0).titled(&caption(title, view));
     let panel = chromaticity::panel(DIAGRAM, size);
     panel.draw(&mut svg);
     locus::draw(&mut svg, &panel);
@@ -96,7 +96,7 @@ pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> 
     let [ours, theirs] = view.gamut_percent_ebu.map(percent);
     let note =
         format!("gamut {ours} % of EBU simulated, {theirs} % measured; discs: simulated, rings: measured");
-    svg.text((panel.origin.0, panel.bottom() + 42.0), &note, Text::new(SMALL, INK));
+    svg.text((panel.origin.0, panel.bottom() + 58.0), &note, Text::new(SMALL, INK));
     svg.finish()
 }
 

@@ -6,6 +6,7 @@
 //! | [`spectra`] | reflectance factor of every state against wavelength |
 //! | [`chromaticity`] | states and gamut in the u'v' diagram |
 //! | [`gamuts`] | gamuts of several displays in the u'v' diagram |
+//! | [`gamut_rings`] | the gamut's solid in CIELAB, laid flat |
 //! | [`patches`] | the states as the reader would see them |
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
@@ -53,6 +54,7 @@ mod place;
 mod png;
 mod point_sets;
 mod polar;
+mod rings;
 mod scattering;
 mod spectra;
 mod style;
@@ -71,6 +73,7 @@ pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};
 pub use png::{PngError, png};
 pub use point_sets::point_sets;
+pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;
 pub use sweep::{SweepAxis, SweepFigure, sweep_curves, sweep_map};

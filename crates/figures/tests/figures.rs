@@ -5,8 +5,8 @@
 use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_display::{ConeGrid, ConeResult, ConeState};
 use papilio_figures::{
-    AngleMetric, PixelScan, Transmission, against_angle, chromaticity, cone, overview, patches, pixel_scan,
-    png, spectra, spectra_over, transmission,
+    AngleMetric, PixelScan, Transmission, against_angle, chromaticity, compared_gamuts, compared_spectra,
+    cone, gamut_rings, overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
 };
 
 mod made_up;
@@ -456,4 +456,75 @@ fn a_figure_is_a_picture_with_letters() {
     assert_ne!(png(&silent, 1.0).unwrap(), picture);
     assert!(pixels(&png(&svg, 1e6).unwrap()).0 <= 16_384);
     assert!(png("no figure", 1.0).is_err());
+}
+
+/// The solid of the made-up display, laid flat; none where nobody asked for its volume.
+#[test]
+fn a_gamut_has_rings_where_its_volume_was_asked_for() {
+    let mut run = made_up::result(&[8.0], 0.01);
+    assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
+    run.views[0].metrics.gamut_volume_cielab = Some(51_234.0);
+    let svg = gamut_rings(&run, &run.views[0], TITLE);
+    if run.views[0].states.iter().count() >= 8 {
+        says(&svg.unwrap(), &[TITLE, "L* 100", "volume 51234"]);
+    } else {
+        assert_eq!(svg, None);
+    }
+}
+
+/// Both sides of a comparison, with spectra and without, and with what is not defined.
+#[test]
+fn a_comparison_shows_both_sides() {
+    use papilio_display::compare::{Colour, Comparison, SpectrumComparison, StateComparison, ViewComparison};
+    let colour = |uv: Option<f64>| Colour {
+        X: 0.2,
+        Y: 0.2,
+        Z: 0.2,
+        u_prime: uv,
+        v_prime: uv.map(|u| 2.0 * u),
+        L_star: None,
+        a_star: None,
+        b_star: None,
+        contrast: None,
+        peak_nm: None,
+    };
+    let state = |name: &str, spectrum: Option<SpectrumComparison>| StateComparison {
+        state: name.to_owned(),
+        theta_deg: 8.0,
+        phi_deg: 0.0,
+        simulated: colour(Some(0.2)),
+        measured: colour((name != "odd <name>").then_some(0.21)),
+        delta_E_2000: None,
+        distance_uv: None,
+        difference_Y: f64::NAN,
+        spectrum,
+    };
+    let spectrum = SpectrumComparison {
+        wavelength_nm: vec![400.0, 550.0, 700.0],
+        simulated: vec![0.1, f64::NAN, 0.2],
+        measured: vec![0.1, 0.15, 0.25],
+        mean_difference: 0.0,
+        rms_difference: 0.0,
+        largest_difference: 0.0,
+        largest_at_nm: 400.0,
+    };
+    let view = ViewComparison {
+        theta_deg: 8.0,
+        phi_deg: 0.0,
+        contrast_ratio: [None, None],
+        gamut_percent_srgb: [Some(20.0), None],
+        gamut_percent_ebu: [Some(20.0), None],
+        coverage_percent_srgb: [None, None],
+        average_peak_difference_nm: None,
+    };
+    let states = ["white", "red", "green", "blue", "odd <name>"];
+    let mut all = Comparison {
+        states: states.map(|name| state(name, Some(spectrum.clone()))).to_vec(),
+        views: vec![view.clone()],
+        left_out: vec![],
+    };
+    says(&compared_spectra(&all, &view, TITLE).unwrap(), &[TITLE, "simulated", "measured", "odd <name>"]);
+    says(&compared_gamuts(&all, &view, TITLE), &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"]);
+    all.states.iter_mut().for_each(|one| one.spectrum = None);
+    assert_eq!(compared_spectra(&all, &view, TITLE), None);
 }

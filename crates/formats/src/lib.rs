@@ -13,7 +13,7 @@
 //! | out | to |
 //! |---|---|
 //! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
-//! | [`write_states`], [`write_spectra`] | `states.csv`, `spectra.csv` |
+//! | [`write_states`], [`write_spectra`], [`write_reflection`] | `states.csv`, `spectra.csv`, `reflection.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; what they are: [`ConeFile`] with [`write_json`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
@@ -73,7 +73,7 @@ pub use json::write_json;
 pub use measured_panel::read_measured_panel;
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use place::{Place, Remark, Spot};
-pub use result::{ResultFile, result_schema, write_spectra, write_states};
+pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
 pub use spectrum::{read_light, read_shares, read_spectrum};
 pub use study::write_study;

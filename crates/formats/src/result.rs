@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use papilio_display::Reflection;
 use papilio_display::result::{Cam16, Ledger, LedgerError, RunResult, State, StateValues, View};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -84,6 +85,23 @@ pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
                 let start = [angles[0].clone(), angles[1].clone(), name.to_owned(), nm.to_string()];
                 csv.write_record(start.iter().chain(&numbers))?;
             }
+        }
+    }
+    csv.flush()
+}
+
+/// Writes `reflection.csv`: how each state reflects a beam, by inclination.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_reflection(out: impl Write, all: &[Reflection]) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(["theta_deg", "state", "returned", "mirror", "haze", "lambertian", "beyond_2_5_deg"])?;
+    for one in all {
+        for state in &one.states {
+            let numbers = [state.returned, state.mirror, state.haze, state.lambertian].map(Some);
+            let cells = numbers.into_iter().chain([state.beyond_straight]).map(cell);
+            csv.write_record([one.theta_deg.to_string(), state.name.clone()].into_iter().chain(cells))?;
         }
     }
     csv.flush()

@@ -9,7 +9,7 @@ use crate::read::At;
 table! {
     /// The room's light; `diffuse` and all shares sum to 1.
     Lighting later ["environment", "front_light"] {
-        /// "indoor", "sunny" or "overcast": fills lighting and viewer; keys that are given override it. Default: none.
+        /// "indoor", "office", "iec-directional", ...: fills lighting and viewer; keys that are given override it. Default: none.
         preset: Option<Preset>,
         /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx. Default 500.
         illuminance_lx: Lux = Lux(500.0),
@@ -31,6 +31,26 @@ choice! {
         Sunny = "sunny",
         /// Diffuse; viewer at 8 deg; 10 000 lx.
         Overcast = "overcast",
+        /// 60 lx diffuse, 40 lx at -35 deg; viewer along the normal.
+        LivingRoom = "living-room",
+        /// 300 lx diffuse, 200 lx at -35 deg; viewer along the normal.
+        Office = "office",
+        /// 15 000 lx diffuse, 65 000 lx at -45 deg; viewer along the normal.
+        Daylight = "daylight",
+        /// 100 000 lx at -45 deg; viewer along the normal.
+        FullSun = "full-sun",
+        /// 10 000 lx diffuse, 100 000 lx across the beam at -45 deg; viewer along the normal.
+        DaylightReadability = "daylight-readability",
+        /// At -40 deg; viewer at 30 deg.
+        IecDirectional = "iec-directional",
+        /// Diffuse; viewer at 8 deg.
+        IecHemispherical = "iec-hemispherical",
+        /// Diffuse; viewer at 8 deg.
+        D8Included = "d8-included",
+        /// At 45 deg; viewer along the normal.
+        FortyFive = "45-0",
+        /// At 30 deg; viewer along the normal.
+        Thirty = "30-0",
     }
 }
 

@@ -1,0 +1,90 @@
+//! Ready-made light and viewer: rooms, daylight, and the geometries of standards.
+//!
+//! Each is a commented file beside this one, with its source. `lighting.preset` fills a scenario from it;
+//! [`new_scenario`] makes a scenario of it.
+
+use crate::error::Errors;
+use crate::problem::Problem;
+use crate::set::PRESET_PATH;
+use crate::tree::{Node, Value};
+
+/// Declares the presets by the names of their files.
+macro_rules! presets {
+    ($($name:literal),* $(,)?) => {
+        /// Names and contents.
+        const PRESETS: &[(&str, &str)] = &[$(($name, include_str!(concat!($name, ".toml")))),*];
+    };
+}
+
+presets!(
+    "indoor",
+    "sunny",
+    "overcast",
+    "living-room",
+    "office",
+    "daylight",
+    "full-sun",
+    "daylight-readability",
+    "iec-directional",
+    "iec-hemispherical",
+    "d8-included",
+    "45-0",
+    "30-0",
+);
+
+/// A display to begin with.
+const DISPLAY: &str = include_str!("display.toml");
+
+/// The names of the presets.
+pub fn preset_names() -> impl Iterator<Item = &'static str> {
+    PRESETS.iter().map(|(name, _)| *name)
+}
+
+/// A commented scenario in this preset's light, which runs as it stands; `None` for no preset of this name.
+pub fn new_scenario(name: &str) -> Option<String> {
+    let (_, light) = PRESETS.iter().find(|(known, _)| *known == name)?;
+    let (about, keys) = light.split_once("\n\n")?;
+    Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{DISPLAY}"))
+}
+
+/// Fills in what the preset gives and the scenario does not, if it names one.
+pub(crate) fn expand(root: &mut Node, errors: &mut Errors) {
+    let mut named = Some(&*root);
+    for key in PRESET_PATH.split('.') {
+        named = named.and_then(|node| node.get(key));
+    }
+    let Some(Node { origin, value: Value::Text(name) }) = named else { return };
+    match PRESETS.iter().find(|(known, _)| known == name) {
+        Some((_, text)) => {
+            let preset = Node::parse_document(text, &mut Errors::default()).moved_to(*origin);
+            root.fill_from(preset);
+        }
+        None => {
+            let choices = preset_names().map(str::to_owned).collect();
+            errors.push(*origin, Problem::UnknownChoice { found: name.clone(), choices });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::Scenario;
+
+    /// Each is the scenario that its preset makes of the same display.
+    #[test]
+    fn a_new_scenario_resolves_and_is_what_its_preset_makes() {
+        for name in preset_names() {
+            let written = new_scenario(name).unwrap();
+            let preset = format!("title = \"{name}\"\nlighting.preset = \"{name}\"\n{DISPLAY}");
+            let [written, preset] = [written, preset]
+                .map(|text| Scenario::from_text(&text, name, Path::new(""), &[]).unwrap().resolve().unwrap());
+            assert_eq!(written.canonical, preset.canonical, "{name}");
+            assert_eq!(written.scene, preset.scene, "{name}");
+            assert!(written.warnings.is_empty(), "{name}: {:?}", written.warnings);
+        }
+        assert_eq!(new_scenario("nowhere"), None);
+    }
+}
