@@ -32,6 +32,7 @@
 //!         diffuse: 1.0,
 //!         diffuse_spectrum: illuminant("D65", &grid)?,
 //!         directed: vec![],
+//!         environment: vec![],
 //!     },
 //!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, distance_mm: 500.0 },
 //!     metrics: Metrics::default(),
@@ -73,6 +74,7 @@ mod prepared;
 pub mod readability;
 mod reflection;
 pub mod result;
+pub mod room;
 mod run;
 pub mod scene;
 mod setup;

@@ -161,6 +161,9 @@ pub struct StateValues {
     pub R_hemi: Option<f64>,
     /// The same under each directed source alone.
     pub R_dir: Vec<Option<f64>>,
+    /// The same in each environment alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub R_environment: Vec<Option<f64>>,
     /// The parts of Y by light; they sum to Y.
     pub terms: Terms,
     /// Luminance of each directed source's mirror image over that of the source, wherever it is seen.
@@ -174,6 +177,9 @@ pub struct Terms {
     pub diffuse: f64,
     /// From each directed source, by way of the pixel.
     pub directed: Vec<f64>,
+    /// From each environment, by way of the pixel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub environment: Vec<f64>,
     /// From any light, mirrored before it met the pixel.
     pub front_reflection: f64,
 }

@@ -4,6 +4,8 @@
 //! given here, as the `scenario` crate does; [`run`](crate::run()) itself refuses only what
 //! it cannot compute (a view below the horizon, a film that cannot be).
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 pub use papilio_colour::{Standard, Surround};
 pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
@@ -11,7 +13,7 @@ pub use papilio_optics::lobe::Lobe;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::walk::Strategy;
-pub use papilio_transport::{ScatterFace, ScatterKernel, Scattering};
+pub use papilio_transport::{Field, ScatterFace, ScatterKernel, Scattering};
 
 pub use crate::target::{Metric, Target, Tolerance};
 
@@ -313,7 +315,7 @@ pub enum UniformKind {
     Lambertian,
 }
 
-/// The room's light. `diffuse` and all shares sum to 1.
+/// The room's light. All shares sum to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
     /// Illuminance that the shares refer to, lx.
@@ -324,6 +326,26 @@ pub struct Lighting {
     pub diffuse_spectrum: Spectrum,
     /// The directed sources.
     pub directed: Vec<DirectedLight>,
+    /// Light from all over the sky or the room.
+    pub environment: Vec<Environment>,
+}
+
+/// Light from all over the sky or the room.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Environment {
+    /// Its parts, which add up.
+    pub parts: Vec<EnvironmentPart>,
+}
+
+/// The light of an environment that has one spectrum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvironmentPart {
+    /// Where it comes from, in air whatever the medium of the scene's angles.
+    pub field: Arc<Field>,
+    /// Share of the illuminance, in the display plane.
+    pub share: f64,
+    /// Relative spectrum.
+    pub spectrum: Spectrum,
 }
 
 /// A directed source.

@@ -23,7 +23,7 @@ pub(crate) struct Setup {
     /// What the reflectances in the stack's base belong to, if they are a film's.
     film: Option<FilmKey>,
     pub(crate) stack: Stack,
-    /// The diffuse light first, then the directed ones in the scene's order.
+    /// The diffuse light first, then the directed ones in the scene's order, then the parts of each environment.
     pub(crate) lights: Vec<Light>,
     pub(crate) sources: Vec<Source>,
     pub(crate) views: Vec<ViewPoint>,
@@ -41,6 +41,8 @@ pub(crate) struct Light {
     pub(crate) irradiance: Spectrum,
     /// Illuminance, lx.
     pub(crate) illuminance_lx: f64,
+    /// What it is a part of: lights are told apart in results by these numbers, from 0.
+    pub(crate) term: usize,
 }
 
 /// One view.
@@ -249,15 +251,20 @@ fn top(panel: &scene::Panel) -> Top {
 
 fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError> {
     let lighting = &scene.lighting;
-    let light = |share: f64, spectrum: &Spectrum| -> Result<Light, DisplayError> {
+    let light = |term: usize, share: f64, spectrum: &Spectrum| -> Result<Light, DisplayError> {
         let illuminance_lx = share * lighting.illuminance_lx;
         let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
-        Ok(Light { irradiance, illuminance_lx })
+        Ok(Light { irradiance, illuminance_lx, term })
     };
-    let mut lights = vec![light(lighting.diffuse, &lighting.diffuse_spectrum)?];
-    for directed in &lighting.directed {
+    let mut lights = vec![light(0, lighting.diffuse, &lighting.diffuse_spectrum)?];
+    for (i, directed) in lighting.directed.iter().enumerate() {
         let cosine = if directed.normal_to_beam { directed.theta_deg.to_radians().cos() } else { 1.0 };
-        lights.push(light(directed.share * cosine, &directed.spectrum)?);
+        lights.push(light(1 + i, directed.share * cosine, &directed.spectrum)?);
+    }
+    for (i, environment) in lighting.environment.iter().enumerate() {
+        for part in &environment.parts {
+            lights.push(light(1 + lighting.directed.len() + i, part.share, &part.spectrum)?);
+        }
     }
     Ok(lights)
 }
@@ -272,6 +279,8 @@ fn sources(scene: &Scene, index: f64) -> Result<Vec<Source>, DisplayError> {
             Some(radius) => Source::Disc(Cone::new(light.theta_deg, light.phi_deg, radius, index)),
         });
     }
+    let parts = scene.lighting.environment.iter().flat_map(|environment| &environment.parts);
+    sources.extend(parts.map(|part| Source::Field(part.field.clone())));
     Ok(sources)
 }
 

@@ -197,7 +197,11 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
     let looks = looks.map(|(title, value)| (format!("cam16_{title}"), value));
     let alone = std::iter::once(("R_hemi".to_owned(), v.R_hemi));
     let alone = alone.chain(v.R_dir.iter().enumerate().map(|(i, y)| (format!("R_dir_{i}"), *y)));
+    let environments = v.R_environment.iter().enumerate();
+    let alone = alone.chain(environments.map(|(i, y)| (format!("R_environment_{i}"), *y)));
     let directed = v.terms.directed.iter().enumerate().map(|(i, y)| (format!("Y_directed_{i}"), Some(*y)));
+    let environment =
+        v.terms.environment.iter().enumerate().map(|(i, y)| (format!("Y_environment_{i}"), Some(*y)));
     let specular = v.specular.iter().enumerate().map(|(i, y)| (format!("specular_{i}"), Some(*y)));
     fixed
         .into_iter()
@@ -206,6 +210,7 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
         .chain(looks)
         .chain(alone)
         .chain(directed)
+        .chain(environment)
         .chain(specular)
         .collect()
 }

@@ -33,7 +33,8 @@ fn values(start: f64) -> StateValues {
         cam16: None,
         R_hemi: None,
         R_dir: vec![None, Some(start)],
-        terms: Terms { diffuse: start, directed: vec![1.0, start], front_reflection: 0.0 },
+        R_environment: vec![],
+        terms: Terms { diffuse: start, directed: vec![1.0, start], environment: vec![], front_reflection: 0.0 },
         specular: vec![0.04, 0.0],
     }
 }

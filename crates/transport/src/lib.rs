@@ -3,7 +3,7 @@
 //! - [`Panel`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
 //! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
-//! - [`Source`] and [`Cone`]: where light comes from and where it is looked at, as
+//! - [`Source`], [`Field`] and [`Cone`]: where light comes from and where it is looked at, as
 //!   directions alone; a source's spectrum and illuminance are the caller's.
 //! - [`walk`]: unbiased Monte Carlo; the answer is, for each source, the reflectance factor
 //!   under that source alone, by state and wavelength, and an energy ledger.
@@ -48,6 +48,7 @@ mod angular;
 mod base;
 mod cosines;
 mod estimate;
+mod field;
 mod front;
 mod layered;
 mod light;
@@ -62,6 +63,7 @@ pub use angular::{AngularTable, Nodes};
 pub use base::{Base, Reflector};
 pub use cosines::CosinePanels;
 pub use estimate::{Estimate, Ledger, Rho};
+pub use field::Field;
 pub use front::Front;
 pub use layered::{Diffuser, Interface, Layer, Layered, ScatterFace, ScatterKernel, Stack};
 pub use light::{Cone, Source};

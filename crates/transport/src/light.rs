@@ -2,12 +2,15 @@
 //! source's spectrum or illuminance is, transport need not know.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
+use crate::Field;
+
 /// A light source far away, in air.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// The same radiance from the whole hemisphere.
     Diffuse,
@@ -15,6 +18,15 @@ pub enum Source {
     Beam(Beta),
     /// A round source of even radiance.
     Disc(Cone),
+    /// Light from all over the sky.
+    Field(Arc<Field>),
+}
+
+impl Source {
+    /// True if it has directions, each with a radiance.
+    pub(crate) fn has_radiance(&self) -> bool {
+        matches!(self, Self::Disc(_) | Self::Field(_))
+    }
 }
 
 /// A round patch of directions, seen from the display.

@@ -225,7 +225,7 @@ fn sobol_points_beat_the_square_root() {
     for (what, source, strategy, paths) in [
         ("diffuse", Source::Diffuse, Strategy::Kernel, vec![64, 256, 1024, 4096, 16_384]),
         ("diffuse, long", Source::Diffuse, Strategy::Kernel, vec![1 << 16, 1 << 17, 1 << 18]),
-        ("beam", beam, Strategy::Kernel, vec![64, 256, 1024, 4096, 16_384]),
+        ("beam", beam.clone(), Strategy::Kernel, vec![64, 256, 1024, 4096, 16_384]),
         ("beam, guided", beam, Strategy::Guided, vec![16, 64, 256, 1024]),
     ] {
         let (power, error) = slope(&stack, &[source], strategy, &paths);

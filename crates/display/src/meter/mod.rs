@@ -35,6 +35,8 @@ pub(crate) struct Meter<'a> {
     white_xyz: Xyz,
     /// For each light alone.
     lights: Vec<Weights>,
+    /// Y of the perfect white in each light of a result, which may be several of these.
+    luminous: Vec<f64>,
 }
 
 /// What a reflectance factor under one light alone adds to what is seen.
@@ -43,10 +45,10 @@ struct Weights {
     radiance: Vec<f64>,
     /// To X, Y and Z; shape `[wavelength]`.
     xyz: [Vec<f64>; 3],
-    /// To Y, of the perfect white.
-    luminous: f64,
     /// To the reflectance factor by shares of illuminance.
     share: f64,
+    /// The part of Y that it counts in.
+    term: usize,
 }
 
 impl<'a> Meter<'a> {
@@ -56,7 +58,8 @@ impl<'a> Meter<'a> {
         for light in &setup.lights {
             white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
         }
-        let layout = Layout { states: setup.states.len(), bins: grid.len(), lights: setup.lights.len() };
+        let terms = setup.lights.last().map_or(0, |light| light.term + 1);
+        let layout = Layout { states: setup.states.len(), bins: grid.len(), terms };
         let white_xyz = setup.seen_by().xyz(&white);
         let total: f64 = setup.lights.iter().map(|light| light.illuminance_lx).sum();
         let weights = |light: &Light| {
@@ -64,10 +67,12 @@ impl<'a> Meter<'a> {
             let over_white =
                 |bar: &[f64]| radiance.iter().zip(bar).map(|(l, bar)| l * bar / white_xyz.y).collect();
             let xyz: [Vec<f64>; 3] = setup.seen_by().weights().map(over_white);
-            Weights { luminous: xyz[1].iter().sum(), xyz, radiance, share: light.illuminance_lx / total }
+            Weights { xyz, radiance, share: light.illuminance_lx / total, term: light.term }
         };
-        let lights = setup.lights.iter().map(weights).collect();
-        Self { setup, grid, layout, white, white_xyz, lights }
+        let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
+        let mut luminous = vec![0.0; terms];
+        lights.iter().for_each(|light| luminous[light.term] += light.xyz[1].iter().sum::<f64>());
+        Self { setup, grid, layout, white, white_xyz, lights, luminous }
     }
 
     /// ybar at each wavelength, nm.
@@ -84,7 +89,7 @@ impl<'a> Meter<'a> {
     pub(crate) fn sample(&self, estimate: &Estimate) -> Sample {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
-        for (l, (light, rho)) in self.lights.iter().zip(&estimate.rho).enumerate() {
+        for (light, rho) in self.lights.iter().zip(&estimate.rho) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
                 let base = &rho.base[state * layout.bins..][..layout.bins];
@@ -94,10 +99,11 @@ impl<'a> Meter<'a> {
                 let factor = sample[layout.factor(state)].iter_mut();
                 factor.zip(both).for_each(|(sum, rho)| *sum += light.share * rho);
                 let from_pixel = sum_of_products(base, &light.xyz[1]);
-                sample[layout.terms(state).start + l] = from_pixel;
+                sample[layout.terms(state).start + light.term] += from_pixel;
                 sample[layout.front_term(state)] += from_front;
-                if light.luminous > 0.0 {
-                    sample[layout.alone(state).start + l] = (from_pixel + from_front) / light.luminous;
+                let luminous = self.luminous[light.term];
+                if luminous > 0.0 {
+                    sample[layout.alone(state).start + light.term] += (from_pixel + from_front) / luminous;
                 }
             }
         }

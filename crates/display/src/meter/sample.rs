@@ -58,7 +58,8 @@ pub(crate) fn relative((mean, error): (f64, f64)) -> f64 {
 pub(crate) struct Layout {
     pub(crate) states: usize,
     pub(crate) bins: usize,
-    pub(crate) lights: usize,
+    /// Parts of Y by light.
+    pub(crate) terms: usize,
 }
 
 impl Layout {
@@ -66,7 +67,7 @@ impl Layout {
     pub(crate) const LEDGER: usize = 7;
 
     fn per_state(&self) -> usize {
-        2 * self.bins + 2 * self.lights + 1 + Self::LEDGER
+        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -88,7 +89,7 @@ impl Layout {
     /// The parts of Y by light, by way of the pixel.
     pub(crate) fn terms(&self, state: usize) -> Range<usize> {
         let start = self.factor(state).end;
-        start..start + self.lights
+        start..start + self.terms
     }
 
     /// The part of Y that never met the pixel.
@@ -99,7 +100,7 @@ impl Layout {
     /// The luminous reflectance factor under each light alone.
     pub(crate) fn alone(&self, state: usize) -> Range<usize> {
         let start = self.front_term(state) + 1;
-        start..start + self.lights
+        start..start + self.terms
     }
 
     /// The ledger's luminous shares.
@@ -115,7 +116,7 @@ mod tests {
 
     #[test]
     fn the_layout_has_no_overlaps_and_no_holes() {
-        let layout = Layout { states: 3, bins: 5, lights: 2 };
+        let layout = Layout { states: 3, bins: 5, terms: 2 };
         let mut used = vec![0; layout.len()];
         for state in 0..3 {
             let spectra = [layout.radiance(state), layout.factor(state)];

@@ -86,9 +86,10 @@ impl Meter<'_> {
         let linear = &numbers.linear.0;
         let scalars: &Scalars = &numbers.scalars.states[state];
         let terms = &linear[self.layout.terms(state)];
+        let directed = self.setup.scene.lighting.directed.len();
         let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
         let alone = |light: usize| {
-            let there = self.lights[light].luminous > 0.0;
+            let there = self.luminous[light] > 0.0;
             there.then(|| linear[self.layout.alone(state)][light])
         };
         StateValues {
@@ -114,10 +115,12 @@ impl Meter<'_> {
             metrics: scalars.metrics,
             cam16: scalars.cam16,
             R_hemi: alone(0),
-            R_dir: (1..self.layout.lights).map(alone).collect(),
+            R_dir: (1..=directed).map(alone).collect(),
+            R_environment: (1 + directed..self.layout.terms).map(alone).collect(),
             terms: Terms {
                 diffuse: terms[0],
-                directed: terms[1..].to_vec(),
+                directed: terms[1..][..directed].to_vec(),
+                environment: terms[1 + directed..].to_vec(),
                 front_reflection: linear[self.layout.front_term(state)],
             },
             specular,

@@ -94,7 +94,7 @@ impl Survey<'_> {
             .iter()
             .flat_map(|theta| azimuths.iter().map(|phi| view(*theta, *phi)))
             .collect();
-        let sources: Vec<Source> = std::iter::once(&Source::Diffuse).chain(&self.beams).copied().collect();
+        let sources: Vec<Source> = std::iter::once(&Source::Diffuse).chain(&self.beams).cloned().collect();
         let y_bar = self.setup.observer.weights()[1];
         let y = |rho: &Rho| -> Vec<f64> {
             let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
@@ -204,7 +204,7 @@ impl Survey<'_> {
     fn specular(&self, state: usize) -> Vec<f64> {
         let image = |beam: &Source| match beam {
             Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
-            Source::Diffuse | Source::Disc(_) => None,
+            _ => None,
         };
         let images: Vec<Rho> = self
             .beams

@@ -16,7 +16,7 @@ use super::{Control, Progress, Run, Workers, each};
 use crate::DisplayError;
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::{Meter, relative};
-use crate::scene::{DirectedLight, Scene, Standard, Stop};
+use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
 use crate::setup::{Setup, ViewPoint, angle_index};
 
 /// Where a scene counts paths instead of naming an error.
@@ -44,7 +44,7 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let run = Run { scene: &everywhere, control, setup: &setup, meter: &meter };
     let finest = finest(&setup.stack)?;
-    let alike = alike(&grid.phi_deg, &scene.lighting.directed);
+    let alike = alike(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;
     let survey = Survey { run, alike, grid, normal, finest, angle_index };
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
@@ -261,10 +261,15 @@ fn light(light: &DirectedLight) -> ConeLight {
 }
 
 /// For each azimuth the first one from which the display looks the same: the mirror image in the
-/// plane of the lights, any one without directed lights, itself if they lie in several planes.
-fn alike(phi_deg: &[f64], lights: &[DirectedLight]) -> Vec<usize> {
+/// plane of the lights, any one without directed lights, itself if they lie in several planes or an
+/// environment differs by azimuth.
+fn alike(phi_deg: &[f64], light: &Lighting) -> Vec<usize> {
+    let mut parts = light.environment.iter().flat_map(|environment| &environment.parts);
+    if parts.any(|part| !part.field.is_ring()) {
+        return (0..phi_deg.len()).collect();
+    }
     let same = |a: f64, b: f64| between(a, b) < 1e-9;
-    let mut planes = lights.iter().filter(|light| light.theta_deg != 0.0).map(|light| light.phi_deg);
+    let mut planes = light.directed.iter().filter(|light| light.theta_deg != 0.0).map(|light| light.phi_deg);
     let Some(plane) = planes.next() else { return vec![0; phi_deg.len()] };
     let one_plane = planes.all(|phi| same(2.0 * phi, 2.0 * plane));
     let first = |phi: f64| {
@@ -303,13 +308,18 @@ mod tests {
 
     #[test]
     fn azimuths_that_look_alike() {
-        let phi = [0.0, 90.0, 180.0, 270.0];
-        assert_eq!(alike(&phi, &[]), [0, 0, 0, 0]);
-        assert_eq!(alike(&phi, &[from(0.0, 33.0)]), [0, 0, 0, 0]);
-        assert_eq!(alike(&phi, &[from(-20.0, 0.0)]), [0, 1, 2, 1]);
-        assert_eq!(alike(&phi, &[from(20.0, 90.0), from(40.0, 270.0), from(0.0, 1.0)]), [0, 1, 0, 3]);
-        assert_eq!(alike(&phi, &[from(20.0, 45.0)]), [0, 0, 2, 2]);
-        assert_eq!(alike(&phi, &[from(20.0, 10.0)]), [0, 1, 2, 3]);
-        assert_eq!(alike(&phi, &[from(20.0, 0.0), from(20.0, 90.0)]), [0, 1, 2, 3]);
+        let looks = |directed: &[DirectedLight]| {
+            let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]), vec![]);
+            let directed = directed.to_vec();
+            let light = Lighting { illuminance_lx: 1.0, diffuse: 0.0, diffuse_spectrum, directed, environment };
+            alike(&[0.0, 90.0, 180.0, 270.0], &light)
+        };
+        assert_eq!(looks(&[]), [0, 0, 0, 0]);
+        assert_eq!(looks(&[from(0.0, 33.0)]), [0, 0, 0, 0]);
+        assert_eq!(looks(&[from(-20.0, 0.0)]), [0, 1, 2, 1]);
+        assert_eq!(looks(&[from(20.0, 90.0), from(40.0, 270.0), from(0.0, 1.0)]), [0, 1, 0, 3]);
+        assert_eq!(looks(&[from(20.0, 45.0)]), [0, 0, 2, 2]);
+        assert_eq!(looks(&[from(20.0, 10.0)]), [0, 1, 2, 3]);
+        assert_eq!(looks(&[from(20.0, 0.0), from(20.0, 90.0)]), [0, 1, 2, 3]);
     }
 }

@@ -144,14 +144,15 @@ pub(crate) struct Run<'a> {
 impl Run<'_> {
     /// The specular reflectance for each directed source, shape `[state][light]`.
     fn specular(&self) -> Vec<Vec<f64>> {
-        let images: Vec<Vec<f64>> = self.setup.sources[1..].iter().map(|source| self.image(source)).collect();
+        let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
+        let images: Vec<Vec<f64>> = directed.iter().map(|source| self.image(source)).collect();
         self.meter.specular(&images)
     }
 
     /// The specular reflectance for a directed source (for a disc, at its middle).
     fn image(&self, source: &Source) -> Vec<f64> {
         let beta = match source {
-            Source::Diffuse => Beta::default(),
+            Source::Diffuse | Source::Field(_) => Beta::default(),
             Source::Beam(beta) => *beta,
             Source::Disc(cone) => -cone.axis_towards(),
         };

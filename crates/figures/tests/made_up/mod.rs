@@ -165,7 +165,8 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         cam16: None,
         R_hemi: Some(xyz.y),
         R_dir: vec![],
-        terms: Terms { diffuse: xyz.y, directed: vec![], front_reflection: 0.0 },
+        R_environment: vec![],
+        terms: Terms { diffuse: xyz.y, directed: vec![], environment: vec![], front_reflection: 0.0 },
         specular: vec![],
     };
     let scaled = |share: f64| StateValues {

@@ -1,4 +1,5 @@
-//! Mirror images of round sources, where the field of view and the mirrored source overlap.
+//! Mirror images of round sources, where the field of view and the mirrored source overlap, and of
+//! fields, as far as the view reaches.
 //!
 //! The overlap is integrated in polar coordinates around the axis of the smaller cone: the arc
 //! of a circle that lies within the other cone is known in closed form (half-side formula of
@@ -6,8 +7,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::quadrature::{Point, gauss};
-use crate::{Cone, Source};
+use papilio_optics::Beta;
+
+use super::quadrature::{Point, cone_points, gauss};
+use crate::{Cone, Field, Source};
 
 /// The points of a source's image that a view sees: `rho` is the sum of weights times
 /// [`specular_image`](crate::specular_image).
@@ -20,12 +23,54 @@ pub(super) struct ImagePoints {
 /// The images of all sources in this field of view.
 pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64) -> Vec<ImagePoints> {
     let seen = |(source, light): (usize, &Source)| {
-        let Source::Disc(disc) = light else { return None };
-        let points = overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), digits);
+        let points = match light {
+            Source::Diffuse | Source::Beam(_) => return None,
+            Source::Disc(disc) => overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), digits),
+            Source::Field(field) => in_view(view, field, digits),
+        };
         (!points.is_empty()).then_some(ImagePoints { source, points })
     };
     sources.iter().enumerate().filter_map(seen).collect()
 }
+
+/// The mean over the view of a field's radiance: light that is even within the view needs few points.
+/// Across edges of cells radiances are summed at many, by parts of the view so small that what mirrors
+/// them is alike, each at its centre of light.
+fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
+    let seen = |p: Point| Point { weight: PI * p.weight * field.radiance(p.beta), ..p };
+    let few = cone_points(view, SMOOTH, digits);
+    let (half, mut many) = (view.half_angle(), cone_points(view, view.half_angle() / digits, digits));
+    many.iter_mut().for_each(|point| point.weight = field.radiance(point.beta));
+    if view.is_point() || many.iter().all(|point| point.weight == many[0].weight) {
+        return few.into_iter().map(seen).filter(|point| point.weight > 0.0).collect();
+    }
+    let rings = 1.0 + (3.0 * digits * half / SMOOTH).ceil();
+    let sectors = 4.0 * rings;
+    let mut parts = vec![[0.0; 3]; (rings * sectors) as usize];
+    let count = (400.0 * (0.4 * digits).exp()) as usize;
+    let whole = 2.0 * (0.5 * half).sin();
+    for k in 0..count {
+        // A sunflower's seeds: even in solid angle.
+        let (along, turn) = ((k as f64 + 0.5) / count as f64, (k as f64 * GOLDEN).fract());
+        let angle = 2.0 * (0.5 * along.sqrt() * whole).asin();
+        let beta = view.around(angle, 2.0 * PI * turn);
+        let radiance = field.radiance(beta);
+        let part = (along.sqrt() * rings).floor() * sectors + (turn * sectors).floor();
+        let sums = parts[part as usize].iter_mut().zip([1.0, beta.x, beta.y]);
+        sums.for_each(|(sum, moment)| *sum += radiance * moment);
+    }
+    let at_centre = |[light, x, y]: [f64; 3]| {
+        let weight = PI * light / count as f64;
+        Point { beta: Beta { x: x / light, y: y / light }, weight }
+    };
+    parts.into_iter().filter(|part| part[0] > 0.0).map(at_centre).collect()
+}
+
+/// The golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Faces and films change over directions of this size.
+const SMOOTH: f64 = 0.3;
 
 /// The mean over the view of the indicator of the mirrored source, times `scale`.
 fn overlap(view: &Cone, mirrored: &Cone, scale: f64, digits: f64) -> Vec<Point> {

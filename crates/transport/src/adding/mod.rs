@@ -7,6 +7,7 @@
 //! Levels are nested in accuracy: the difference between the estimates of two levels is the
 //! coarser one's discretisation error.
 
+mod field;
 mod images;
 mod layered;
 mod panel;

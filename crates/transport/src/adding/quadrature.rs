@@ -99,18 +99,31 @@ const SMALLEST_PANEL: f64 = 1e-8;
 
 /// A rule on an interval for an integrand with these poles, that is smooth between `breaks`.
 pub(super) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    panels(from, to, breaks, poles, &mut |from, to, ellipse: f64| {
+        nodes.extend(gauss(from, to, points_for(digits + MULTIPLE_POLES, 2.0 * ellipse.ln())));
+    });
+    nodes
+}
+
+/// The panels of such a rule: `each` gets both ends and the size of the ellipse in which there is no pole.
+pub(super) fn panels(
+    from: f64,
+    to: f64,
+    breaks: &[f64],
+    poles: &[Pole],
+    each: &mut impl FnMut(f64, f64, f64),
+) {
     let mut edges = vec![from, to];
     edges.extend(breaks.iter().copied().filter(|x| (from..to).contains(x)));
     edges.sort_by(f64::total_cmp);
     let least = SMALLEST_PANEL * (to - from);
-    let mut nodes = Vec::new();
     for pair in edges.windows(2).filter(|pair| pair[1] > pair[0]) {
-        cut(pair[0], pair[1], poles, digits, least, &mut nodes);
+        cut(pair[0], pair[1], poles, least, each);
     }
-    nodes
 }
 
-fn cut(from: f64, to: f64, poles: &[Pole], digits: f64, least: f64, nodes: &mut Vec<Node>) {
+fn cut(from: f64, to: f64, poles: &[Pole], least: f64, each: &mut impl FnMut(f64, f64, f64)) {
     let mut nearest = (Pole { at: 0.0, off: 0.0 }, f64::INFINITY);
     for pole in poles {
         let axis = pole.half_axis(from, to);
@@ -124,12 +137,11 @@ fn cut(from: f64, to: f64, poles: &[Pole], digits: f64, least: f64, nodes: &mut 
     if ellipse < SMALLEST_ELLIPSE && to - from > least {
         let inside = (pole.at - from) / (to - from);
         let at = if (0.2..0.8).contains(&inside) { pole.at } else { 0.5 * (from + to) };
-        cut(from, at, poles, digits, least, nodes);
-        cut(at, to, poles, digits, least, nodes);
+        cut(from, at, poles, least, each);
+        cut(at, to, poles, least, each);
     } else {
         // Integrands are no rational functions of lowest degree where no pole is near.
-        let ellipse = ellipse.clamp(SMALLEST_ELLIPSE, LARGEST_ELLIPSE);
-        nodes.extend(gauss(from, to, points_for(digits + MULTIPLE_POLES, 2.0 * ellipse.ln())));
+        each(from, to, ellipse.clamp(SMALLEST_ELLIPSE, LARGEST_ELLIPSE));
     }
 }
 
@@ -141,7 +153,7 @@ pub(super) const MULTIPLE_POLES: f64 = 3.0;
 const LARGEST_ELLIPSE: f64 = 6.0;
 
 /// Points for this many digits at so many digits for each.
-fn points_for(digits: f64, each: f64) -> usize {
+pub(super) fn points_for(digits: f64, each: f64) -> usize {
     (digits / each).ceil().clamp(1.0, MOST_POINTS as f64) as usize
 }
 

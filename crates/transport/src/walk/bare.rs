@@ -167,13 +167,13 @@ impl<'a> Bare<'a> {
         fill(factor, flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r));
         add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
-            let weight = match source {
-                Source::Diffuse => 1.0,
-                Source::Disc(cone) if !self.specular && cone.sends(beta) => {
+            let weight = match (source, Target::at(source, beta)) {
+                (Source::Diffuse, _) => 1.0,
+                (_, Some(target)) if !self.specular => {
                     let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
-                    Target::on_disc(cone, beta).balanced(scatter, scatter, 0.0)
+                    target.balanced(scatter, scatter, 0.0)
                 }
-                Source::Disc(_) | Source::Beam(_) => continue,
+                _ => continue,
             };
             add_rows_times(&mut rho.base, carried, &flat.t, weight);
         }

@@ -1,12 +1,11 @@
-//! Mirror images of round sources: light that nothing scatters.
+//! Mirror images of round sources and fields: light that nothing scatters.
 //!
 //! The image is seen where the viewer's field and the mirrored source overlap. Either
 //! may be far smaller than the other, so that points of the one hardly ever fall on the
-//! other: points are drawn in the smallest cone that holds the overlap. Everything that
+//! other: points are drawn in the smallest cone that holds the overlap (of a field, in the whole view). Everything that
 //! happens to the light is known in closed form ([`specular_image`]).
 
-use std::f64::consts::PI;
-
+use super::Target;
 use crate::specular::{Image, specular_image};
 use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
 
@@ -15,19 +14,19 @@ use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
 pub(super) struct Images<'a> {
     stack: &'a Stack,
     view: Cone,
-    /// For each source that may be seen: its number, its mirrored cone, the overlap, and
-    /// the weight of a point of it.
-    seen: Vec<Seen>,
+    seen: Vec<Seen<'a>>,
     /// Whether the stack mirrors anything at all.
     mirrors: bool,
 }
 
+/// A source that may be seen.
 #[derive(Debug)]
-struct Seen {
+struct Seen<'a> {
     source: usize,
-    mirrored: Cone,
-    overlap: Cone,
-    weight: f64,
+    light: &'a Source,
+    /// Where points are drawn, and its share of the view.
+    cone: Cone,
+    share: f64,
 }
 
 /// The sums over a replicate's paths: an image for each source that may be seen.
@@ -35,14 +34,16 @@ struct Seen {
 pub(super) struct Sums(Vec<Image>);
 
 impl<'a> Images<'a> {
-    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &[Source]) -> Self {
+    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
         let seen = sources.iter().enumerate().filter_map(|(source, light)| {
-            let Source::Disc(disc) = light else { return None };
-            let mirrored = disc.mirrored();
-            let overlap = view.overlap(&mirrored)?;
-            // A field of no width is a single direction.
-            let share = if view.is_point() { 1.0 } else { overlap.solid_angle() / view.solid_angle() };
-            Some(Seen { source, mirrored, overlap, weight: share * PI / disc.projected_solid_angle() })
+            let cone = match light {
+                Source::Diffuse | Source::Beam(_) => return None,
+                Source::Disc(disc) => view.overlap(&disc.mirrored())?,
+                Source::Field(_) => view,
+            };
+            // A view of no width is a single direction.
+            let share = if view.is_point() { 1.0 } else { cone.solid_angle() / view.solid_angle() };
+            Some(Seen { source, light, cone, share })
         });
         Self { stack, view, seen: seen.collect(), mirrors: mirrors(stack) }
     }
@@ -59,12 +60,14 @@ impl<'a> Images<'a> {
             return;
         }
         for (seen, sum) in self.seen.iter().zip(&mut sums.0) {
-            let beta = seen.overlap.sample_towards(u);
-            if self.view.holds(beta) && seen.mirrored.holds(beta) {
-                let image = specular_image(self.stack, beta);
-                super::add_scaled(&mut sum.front, &image.front, seen.weight);
-                super::add_scaled(&mut sum.base, &image.base, seen.weight);
-            }
+            let beta = seen.cone.sample_towards(u);
+            // Mirrors keep direction cosines.
+            let Some(target) = Target::at(seen.light, beta).filter(|_| self.view.holds(beta)) else {
+                continue;
+            };
+            let (image, weight) = (specular_image(self.stack, beta), seen.share * target.strength);
+            super::add_scaled(&mut sum.front, &image.front, weight);
+            super::add_scaled(&mut sum.base, &image.base, weight);
         }
     }
 

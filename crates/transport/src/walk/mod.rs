@@ -12,11 +12,11 @@
 //! source alone*: `pi L / E`, by state and wavelength, L the radiance to the viewer and
 //! E the source's illuminance in the display plane. Diffuse light is met wherever light
 //! leaves, at the exact share of it that leaves. Beams are met by connections at every scattering
-//! event. Round sources are met by both, weighted by the balance heuristic (Veach &
+//! event. Round sources and fields are met by both, weighted by the balance heuristic (Veach &
 //! Guibas 1995), so that nothing counts twice. A narrow lobe between the reader's
 //! direction and the source's is sampled from both ends, again by the balance heuristic.
 //!
-//! Mirror images of round sources are integrated apart from the paths, over what the
+//! Mirror images of round sources and fields are integrated apart from the paths, over what the
 //! field of view and the image have in common. Those of beams have no radiance; they add
 //! nothing here (see [`specular_image`](crate::specular_image)).
 //!
@@ -250,14 +250,36 @@ impl Target {
                 Some(Self { beta: *beta, density: f64::INFINITY, strength: std::f64::consts::PI })
             }
             Source::Disc(cone) => Some(Self::on_disc(cone, -cone.sample_towards(u))),
+            Source::Field(field) => {
+                let (beta, radiance) = field.sample(u);
+                Some(Self::in_field(beta, radiance))
+            }
         }
     }
 
-    /// The point of a disc that light propagating with `beta` comes from.
+    /// The point of a source that light propagating with `beta` comes from, if it has radiance there;
+    /// diffuse light, which is met in closed form, has no points.
+    #[inline]
+    fn at(source: &Source, beta: Beta) -> Option<Self> {
+        match source {
+            Source::Diffuse | Source::Beam(_) => None,
+            Source::Disc(cone) => cone.sends(beta).then(|| Self::on_disc(cone, beta)),
+            Source::Field(field) => {
+                let radiance = field.radiance(beta);
+                (radiance > 0.0).then(|| Self::in_field(beta, radiance))
+            }
+        }
+    }
+
     #[inline]
     fn on_disc(cone: &Cone, beta: Beta) -> Self {
         let strength = std::f64::consts::PI / cone.projected_solid_angle();
         Self { beta, density: cone.density(beta), strength }
+    }
+
+    #[inline]
+    fn in_field(beta: Beta, radiance: f64) -> Self {
+        Self { beta, density: radiance, strength: std::f64::consts::PI * radiance }
     }
 
     /// What one sample adds to `rho` where this connection is the only technique.

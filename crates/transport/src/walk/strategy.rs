@@ -170,7 +170,7 @@ fn cosine(radius: f64, u: [f64; 2]) -> Beta {
 /// Where a lamp's light comes from, and a lobe of its size or the diffuser's, whichever is larger.
 fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
     match source {
-        Source::Diffuse => None,
+        Source::Diffuse | Source::Field(_) => None,
         Source::Beam(beta) => Some((*beta, Lobe::KCorrelation { width })),
         Source::Disc(cone) => {
             let width = width.hypot(cone.half_angle().sin());

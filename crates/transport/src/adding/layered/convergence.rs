@@ -19,7 +19,8 @@ pub(super) enum Stage {
 /// Whether the orders of azimuth so far suffice between any view and any source.
 pub(super) struct Convergence {
     views: Vec<usize>,
-    lights: usize,
+    /// Numbers of lights that have more orders than the first.
+    lights: Vec<usize>,
     /// Sums of what each order can hold, by view and light.
     sums: Vec<f64>,
     /// Orders in a row that added next to nothing, at all and by more than one scattering.
@@ -31,8 +32,8 @@ pub(super) struct Convergence {
 const QUIET_ORDERS: usize = 3;
 
 impl Convergence {
-    pub(super) fn new(views: Vec<usize>, lights: usize) -> Self {
-        Self { sums: vec![0.0; views.len() * lights], views, lights, quiet: [0; 2], order: 0 }
+    pub(super) fn new(views: Vec<usize>, lights: Vec<usize>) -> Self {
+        Self { sums: vec![0.0; views.len() * lights.len()], views, lights, quiet: [0; 2], order: 0 }
     }
 
     /// Adds an order.
@@ -41,8 +42,8 @@ impl Convergence {
         // left after this one, in units of it.
         let rest = 1.0 + self.order as f64 / 14.0;
         let mut quiet = [true; 2];
-        let lights = 0..self.lights;
-        let pairs = self.views.iter().flat_map(|v| lights.clone().map(move |l| (*v, l)));
+        let lights = &self.lights;
+        let pairs = self.views.iter().flat_map(|v| lights.iter().map(move |l| (*v, *l)));
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
             let [all, often] = above.at_most(v, l);
             *sum += all;

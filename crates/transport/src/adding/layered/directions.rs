@@ -5,6 +5,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::precision::Precision;
 use super::rough;
+use crate::adding::field::{Peaks, Ring, rings};
 use crate::adding::quadrature::{Point, cone_points, disc_points};
 use crate::{Cone, Interface, Layered, Source};
 
@@ -14,6 +15,8 @@ pub(super) struct Ray {
     pub(super) extra: usize,
     pub(super) turn: f64,
     pub(super) weight: f64,
+    /// A whole ring, alike at all azimuths.
+    pub(super) is_ring: bool,
 }
 
 /// The directions of all views and sources: they share extra nodes where they have `|beta|` in
@@ -36,12 +39,15 @@ impl Directions {
             directions.views.push(rays);
         }
         for source in sources {
-            let points = match source {
+            let rays = match source {
                 Source::Diffuse => Vec::new(),
-                Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
-                Source::Disc(cone) => disc_points(cone, scale, digits),
+                Source::Beam(beta) => directions.rays(&[Point { beta: *beta, weight: 1.0 }]),
+                Source::Disc(cone) => directions.rays(&disc_points(cone, scale, digits)),
+                Source::Field(field) => {
+                    let rings = rings(field, Peaks { views, width: scale }, digits);
+                    directions.of_field(&rings, field.is_ring())
+                }
             };
-            let rays = directions.rays(&points);
             directions.sources.push(rays);
         }
         directions
@@ -54,8 +60,20 @@ impl Directions {
                 extra: self.extra(*beta),
                 turn: beta.y.atan2(beta.x),
                 weight: *weight,
+                is_ring: false,
             })
             .collect()
+    }
+
+    fn of_field(&mut self, rings: &[Ring], is_ring: bool) -> Vec<Ray> {
+        if !is_ring {
+            return rings.iter().flat_map(|ring| self.rays(&ring.points().collect::<Vec<_>>())).collect();
+        }
+        let whole = |ring: &Ring| {
+            let extra = self.extra(Beta { x: ring.radius, y: 0.0 });
+            Ray { extra, turn: 0.0, weight: ring.weight(), is_ring: true }
+        };
+        rings.iter().map(whole).collect()
     }
 
     fn extra(&mut self, beta: Beta) -> usize {
@@ -93,7 +111,17 @@ fn smoothness(stack: &Layered) -> f64 {
 
 /// The extra nodes of rays, ascending.
 pub(super) fn extras(rays: &[Vec<Ray>]) -> Vec<usize> {
-    let mut extras: Vec<usize> = rays.iter().flatten().map(|ray| ray.extra).collect();
+    some_extras(rays, |_| true)
+}
+
+/// Those of rays that have an azimuth.
+pub(super) fn turned_extras(rays: &[Vec<Ray>]) -> Vec<usize> {
+    some_extras(rays, |ray| !ray.is_ring)
+}
+
+fn some_extras(rays: &[Vec<Ray>], counts: impl Fn(&Ray) -> bool) -> Vec<usize> {
+    let counted = rays.iter().flatten().filter(|ray| counts(ray));
+    let mut extras: Vec<usize> = counted.map(|ray| ray.extra).collect();
     extras.sort_unstable();
     extras.dedup();
     extras

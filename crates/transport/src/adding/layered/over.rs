@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use super::base::Above;
 use super::columns::{BaseColumns, Columns};
-use super::directions::{Directions, extras};
+use super::directions::{Directions, Ray, extras};
 use super::matrix::Matrix;
 use super::prepare::Group;
 use super::seen::Seen;
@@ -204,11 +204,22 @@ impl Followed {
         for (rays, beams) in directions.views.iter().zip(beams) {
             for (source, rho) in directions.sources.iter().zip(beams) {
                 for ray in rays {
-                    for light in source {
-                        let number = self.lights.binary_search(&light.extra).unwrap_or_default();
+                    // Rays of one extra node follow each other.
+                    for lights in source.chunk_by(|one, next| one.extra == next.extra) {
+                        let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
                         let pair = self.pair(self.view(ray.extra), number);
-                        let turn = (order as f64 * (ray.turn - light.turn)).cos();
-                        let factor = PI * ray.weight * light.weight * both_ways * turn;
+                        let turned = |light: &Ray| match light.is_ring {
+                            true => {
+                                if order == 0 {
+                                    light.weight
+                                } else {
+                                    0.0
+                                }
+                            }
+                            false => light.weight * (order as f64 * (ray.turn - light.turn)).cos(),
+                        };
+                        let light: f64 = lights.iter().map(turned).sum();
+                        let factor = PI * ray.weight * light * both_ways;
                         add(&mut rho.base, &places, kernels.base.column(pair), factor);
                         add(&mut rho.front, &bins, kernels.front.column(pair), factor);
                     }

@@ -2,7 +2,7 @@
 
 use super::base::Above;
 use super::convergence::{Convergence, Stage};
-use super::directions::{Directions, extras};
+use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
 use super::over::Over;
@@ -243,12 +243,15 @@ fn prepare(
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
     let lights = extras(&directions.sources);
+    // Of lights that are alike at all azimuths order 0 is all.
+    let turned = turned_extras(&directions.sources);
+    let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
         .map(|bins| {
-            let beyond_first = !lights.is_empty();
+            let beyond_first = !turned.is_empty();
             let all = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers);
             let elements = Elements::new(all);
             let kept = grid.kept(elements.index());
@@ -263,7 +266,7 @@ fn prepare(
                 lights: lights.clone(),
                 shares: Shares::default(),
             };
-            let convergence = Convergence::new(extras(&directions.views), lights.len());
+            let convergence = Convergence::new(extras(&directions.views), turned.clone());
             Growing { group, elements, convergence, stage: Stage::All, lambertian, flat: None }
         })
         .collect();

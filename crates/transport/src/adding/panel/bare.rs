@@ -7,6 +7,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use papilio_optics::Beta;
+
+use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Node, Point, Pole, cone_points, disc_points, graded};
 use super::add_scaled;
@@ -32,7 +35,7 @@ struct View {
 #[derive(Debug, Clone)]
 enum Light {
     Diffuse,
-    /// A beam or a disc, as points.
+    /// A beam, a disc or a field, as points.
     Directed(Vec<Point>),
 }
 
@@ -58,6 +61,13 @@ impl Kernel {
             Source::Diffuse => Light::Diffuse,
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone), digits)),
+            Source::Field(field) => {
+                // Over inclination all is smooth, and alike at all azimuths.
+                let rings = rings(field, Peaks { views: &[], width: SMOOTH }, digits);
+                let point =
+                    |ring: &Ring| Point { beta: Beta { x: ring.radius, y: 0.0 }, weight: ring.weight() };
+                Light::Directed(rings.iter().map(point).collect())
+            }
         };
         Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
     }

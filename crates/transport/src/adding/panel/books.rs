@@ -47,7 +47,7 @@ impl Sums {
         let rho = sources.iter().zip(self.directed).map(|(source, directed)| {
             let (mut base, front) = match source {
                 Source::Diffuse => (self.leaving.clone(), front.reflectance_above.to_vec()),
-                Source::Beam(_) | Source::Disc(_) => (directed, vec![0.0; through.len()]),
+                _ => (directed, vec![0.0; through.len()]),
             };
             for row in base.chunks_exact_mut(through.len()) {
                 row.iter_mut().zip(&through).for_each(|(value, t)| *value *= t);

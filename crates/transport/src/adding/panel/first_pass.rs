@@ -145,8 +145,8 @@ impl Pass<'_> {
                 }
             }
         }
-        let radii = view.iter().chain(source).map(|p| p.beta.length());
-        let rule = self.rule(radii, false, self.digits);
+        let radii = [merged_radii(view), merged_radii(source)].concat();
+        let rule = self.rule(radii.iter().map(|r| r.0), false, self.digits);
         let rings = RingOfProducts::new(lobe, view, source, self.digits).at(&rule);
         wide(
             #[inline(always)]

@@ -9,7 +9,7 @@ use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
 use super::lobes::{LANES, radii_of, side_by_side};
 
-/// Sums of more orders than these take longer than panels around the lobes.
+/// Sums of more orders than these (or a quarter as many as there are points) take longer than panels around the lobes.
 const MOST_ORDERS: usize = 300;
 
 /// The integral over azimuth of the product of two sums of lobes, at any radius.
@@ -67,7 +67,8 @@ impl<'a> RingOfProducts<'a> {
         let count = (digits / (off[0] + off[1])).ceil() + 2.0;
         // What a recurrence begins with is forgotten at twice that pace.
         let from = off.map(|off| (0.5 * digits / off).ceil().max(count + 8.0));
-        let fits = from[0].max(from[1]) <= MOST_ORDERS as f64;
+        let most = MOST_ORDERS.max(self.points[0].len().max(self.points[1].len()) / 4);
+        let fits = from[0].max(from[1]) <= most as f64;
         fits.then(|| (count as usize, from.map(|from| from as usize)))
     }
 

@@ -81,11 +81,11 @@ impl Diffused<'_> {
         let mut base = match &self.sources[i] {
             Source::Diffuse => leaving.to_vec(),
             Source::Beam(beam) => self.beam_light(i, *beam, sums, scale),
-            Source::Disc(_) => sums.from_source[i].sum(&self.stack.base, scale),
+            Source::Disc(_) | Source::Field(_) => sums.from_source[i].sum(&self.stack.base, scale),
         };
         let front = match &self.sources[i] {
             Source::Diffuse => front.reflectance_above.to_vec(),
-            Source::Beam(_) | Source::Disc(_) => vec![0.0; through.len()],
+            _ => vec![0.0; through.len()],
         };
         scale_rows(&mut base, &through);
         Rho { base, front }

@@ -30,6 +30,9 @@ pub(super) enum First {
 /// than what they tell of a pixel whose reflectance varies with angle.
 pub(super) const SPLITS: usize = 8;
 
+/// The golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
 /// A guide and the probability with which light goes straight instead.
 #[derive(Debug)]
 pub(super) struct Guided {
@@ -41,8 +44,7 @@ impl Guided {
     /// Direction number `k` (modulo [`SPLITS`]): where to, the weight, and whether it is straight.
     #[inline]
     pub(super) fn draw(&self, diffuser: &Diffuser, from: Beta, k: usize, u: [f64; 2]) -> (Beta, f64, bool) {
-        /// The golden section: azimuths of all directions of a path are spread, too.
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
+        // Azimuths of all directions of a path are spread, too.
         let k = (k % SPLITS) as f64;
         let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN).fract());
         if u < self.straight {
@@ -63,6 +65,9 @@ const TO_EACH_SOURCE: f64 = 0.1;
 
 /// Fields of view wider than this part of the lobe see too different directions for one guide.
 const WIDEST_FIELD: f64 = 0.25;
+
+/// Points that stand for a field.
+const POINTS_OF_A_FIELD: usize = 64;
 
 /// Radii of a disc in parts of the lobe from which on it is more than a point to the guide.
 const POINT: f64 = 0.3;
@@ -175,6 +180,13 @@ fn points(source: &Source, width: f64) -> Vec<Beta> {
                 -cone.around(radius, std::f64::consts::TAU * turn)
             };
             (0..rings).flat_map(on_ring).map(point).collect()
+        }
+        Source::Field(field) => {
+            // Where its light comes from, roughly.
+            let side = 1.0 / POINTS_OF_A_FIELD as f64;
+            let point =
+                |k: usize| field.sample([(k as f64 + 0.5) * side, ((k as f64 + 0.5) * GOLDEN).fract()]).0;
+            (0..POINTS_OF_A_FIELD).map(point).collect()
         }
     }
 }

@@ -91,7 +91,7 @@ impl<'a> Diffused<'a> {
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
-        let discs = sources.iter().any(|source| matches!(source, Source::Disc(_)));
+        let discs = sources.iter().any(Source::has_radiance);
         let drawing = Drawing::new(strategy, diffuser.lobe, stack.medium.largest_index(), sources);
         let first = First::new(strategy, (stack, diffuser), view, (sources, shares));
         let backwards = strategy == Strategy::Kernel;

@@ -83,10 +83,8 @@ impl Diffused<'_> {
     /// Round sources that the path has run into by its last scattering.
     pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Source::Disc(cone) = source
-                && cone.sends(out)
-            {
-                sum.add(light, up.weight * self.towards(Target::on_disc(cone, out), up.beta, up.rival));
+            if let Some(target) = Target::at(source, out) {
+                sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
             }
         }
     }
@@ -108,10 +106,8 @@ impl Diffused<'_> {
         sums: &mut Sums,
     ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Source::Disc(cone) = source
-                && cone.sends(out)
-            {
-                sum.add(light, weight * Target::on_disc(cone, out).strength);
+            if let Some(target) = Target::at(source, out) {
+                sum.add(light, weight * target.strength);
             }
         }
     }

@@ -106,7 +106,7 @@ impl Draws<'_> {
 
 impl<'a> Layered<'a> {
     pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
-        let discs = sources.iter().any(|source| matches!(source, Source::Disc(_)));
+        let discs = sources.iter().any(Source::has_radiance);
         Self { stack, view, sources, meetings: meetings(stack), accounts: Account::of_elements(stack), discs }
     }
 

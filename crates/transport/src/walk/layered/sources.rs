@@ -102,7 +102,8 @@ impl Lamps {
         if walk.discs {
             for of in 0..self.sources.len() {
                 let source = &walk.sources[self.sources[of].source];
-                if let (Source::Disc(_), Some(target)) = (source, Target::sample(source, numbers.on_discs()))
+                if source.has_radiance()
+                    && let Some(target) = Target::sample(source, numbers.on_discs())
                 {
                     self.aim(of, target, walk, skeleton);
                 }
@@ -238,12 +239,9 @@ pub(super) fn meet_discs(
     sums: &mut Sums,
 ) {
     for (source, sum) in sources.iter().zip(&mut sums.from_source) {
-        if let Source::Disc(cone) = source
-            && cone.sends(sent.beta)
-        {
+        if let Some(target) = Target::at(source, sent.beta) {
             let back = if sent.rival.is_finite() { sent.back } else { 0.0 };
-            let weight =
-                Target::on_disc(cone, sent.beta).balanced(sent.density, sent.density, back / sent.rival);
+            let weight = target.balanced(sent.density, sent.density, back / sent.rival);
             sum.add_share(light, share, rising, weight);
         }
     }

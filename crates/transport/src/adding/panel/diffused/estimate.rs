@@ -15,7 +15,7 @@ use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, Reflector, Source};
 impl Kernel {
     pub(in super::super) fn estimate(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Estimate {
         let Some(seen) = self.views.get(view) else { return Estimate::default() };
-        let sources: Vec<Source> = self.sources.iter().map(|light| light.source).collect();
+        let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
         if self.recycling_serves(stack) {
             let mut estimate = self.sums(stack, diffuser, seen, &sources).estimate(stack, diffuser, &sources);
             add_images(stack, &seen.images, &mut estimate);
@@ -147,7 +147,9 @@ impl Kernel {
             let (Some([lobe, wider]), Some(group)) = (closed, self.sources[i].groups.first()) else {
                 continue;
             };
-            let [of_view, of_source] = [view, group.axis].map(|point| straight.reflectance_at(point));
+            // A field is seen about the mirror direction, under a lobe that is narrow.
+            let source = if let Source::Field(_) = self.sources[i].source { view } else { group.axis };
+            let [of_view, of_source] = [view, source].map(|point| straight.reflectance_at(point));
             for (k, value) in orders.directed[i].iter_mut().enumerate() {
                 let g = straight.sent_back[k % straight.sent_back.len()];
                 let sent_back = g * (of_view[k] * of_source[k]).sqrt();

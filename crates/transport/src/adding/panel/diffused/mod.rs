@@ -4,8 +4,10 @@ mod estimate;
 
 use std::sync::Arc;
 
+use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
+use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Point, cone_points, disc_points};
 use super::first_pass::{Alone, Pass, Weights};
@@ -13,7 +15,7 @@ use super::indices::Indices;
 use super::lambertian::Shares;
 use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
 use crate::base::largest;
-use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
+use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
 
 /// Everything of a panel that does not depend on its spectra.
 #[derive(Debug, Clone)]
@@ -67,6 +69,8 @@ struct View {
 struct Bundle {
     axis: Point,
     points: Vec<Point>,
+    /// Weights are opposite, not alike, at azimuths as far from the axis's on its two sides.
+    odd: bool,
 }
 
 /// One view at one index; over a Lambertian base it holds nothing. For each of its groups:
@@ -125,11 +129,12 @@ impl Kernel {
         if let (Some(seen), Some(at)) = (&mut self.seen, at) {
             seen.at = at;
         }
+        let same_views = old_views.iter().map(|view| &view.cone).eq(views);
         let kept: Vec<Option<usize>> =
-            sources.iter().map(|source| old_sources.iter().position(|old| old.source == *source)).collect();
+            sources.iter().map(|source| position(source, &old_sources, same_views)).collect();
         let light = |(source, kept): (&Source, &Option<usize>)| match kept {
             Some(kept) if same_recycling => old_sources[*kept].clone(),
-            _ => self.light(*source),
+            _ => self.light(source.clone(), views),
         };
         self.sources = sources.iter().zip(&kept).map(light).collect();
         let old_view = |k: usize, cone: &Cone| {
@@ -224,9 +229,9 @@ impl Kernel {
     /// Points for the lobes' width, together or each by itself.
     fn bundles(&self, points: Vec<Point>, axis: Point) -> Vec<Bundle> {
         if self.diffuser.straight_through == 0.0 || self.table.is_none() {
-            return vec![Bundle { axis, points }];
+            return vec![Bundle { axis, points, odd: false }];
         }
-        points.into_iter().map(|point| Bundle { axis: point, points: vec![point] }).collect()
+        points.into_iter().map(|point| Bundle { axis: point, points: vec![point], odd: false }).collect()
     }
 
     fn scale(&self) -> f64 {
@@ -236,25 +241,48 @@ impl Kernel {
         }
     }
 
-    fn light(&self, source: Source) -> Light {
+    fn light(&self, source: Source, views: &[Cone]) -> Light {
         let groups = match &source {
             Source::Diffuse => Vec::new(),
             Source::Beam(beta) => {
                 let point = Point { beta: *beta, weight: 1.0 };
-                vec![Bundle { axis: point, points: vec![point] }]
+                vec![Bundle { axis: point, points: vec![point], odd: false }]
             }
             Source::Disc(cone) => {
                 let axis = Point { beta: cone.mirrored().axis_towards(), weight: 1.0 };
                 self.bundles(disc_points(cone, self.scale(), self.digits), axis)
             }
+            Source::Field(field) => self.of_field(field, views),
         };
         let recycled = self.groups(&groups, false);
         Light { source, groups, recycled }
     }
 
+    /// A field's even part and, if it has one, its odd part, together or ring by ring.
+    fn of_field(&self, field: &Field, views: &[Cone]) -> Vec<Bundle> {
+        // Light that is scattered twice has a peak of twice the width.
+        let passes = if self.diffuser.straight_through == 0.0 { 2.0 } else { 1.0 };
+        let width = (passes * self.scale()).min(SMOOTH);
+        let rings = rings(field, Peaks { views, width }, self.digits - DIGITS_LESS_OF_FIELDS);
+        let bundle = |rings: &[Ring], odd: bool| {
+            let sign = if odd { -1.0 } else { 1.0 };
+            let points: Vec<Point> =
+                rings.iter().flat_map(|ring| ring.part(sign).points().collect::<Vec<_>>()).collect();
+            let axis = Point {
+                beta: Beta { x: rings.first().map_or(0.0, |ring| ring.radius), y: 0.0 },
+                weight: 1.0,
+            };
+            Bundle { axis, points, odd }
+        };
+        let parts: &[bool] = if field.is_ring() { &[false] } else { &[false, true] };
+        let together = self.diffuser.straight_through == 0.0 || self.table.is_none();
+        let size = if together { rings.len().max(1) } else { 1 };
+        rings.chunks(size).flat_map(|rings| parts.iter().map(move |odd| bundle(rings, *odd))).collect()
+    }
+
     fn groups(&self, bundles: &[Bundle], is_view: bool) -> Vec<Vec<Group>> {
         let at = |(recycling, index): (&Recycling, &f64)| {
-            let group = |b: &Bundle| recycling.group(&b.points, b.axis, *index, is_view);
+            let group = |b: &Bundle| recycling.group((&b.points, b.odd), b.axis, *index, is_view);
             bundles.iter().map(group).collect()
         };
         self.recycling.iter().flatten().zip(&self.indices.nodes).map(at).collect()
@@ -320,7 +348,7 @@ impl Kernel {
                 (Some(old), _) => (old.group.clone(), old.alone.clone()),
                 (None, Some(turned)) => (turned.group.turned_to(bundle.axis), turned.alone.clone()),
                 (None, None) => {
-                    let group = recycling.group(&bundle.points, bundle.axis, pass.index, true);
+                    let group = recycling.group((&bundle.points, false), bundle.axis, pass.index, true);
                     let alone = recycling.alone(&group);
                     (group, alone)
                 }
@@ -356,6 +384,16 @@ impl Kernel {
     }
 }
 
+/// Where a source was before; a field's directions depend on the views, too.
+fn position(source: &Source, old: &[Light], same_views: bool) -> Option<usize> {
+    let serves = same_views || !matches!(source, Source::Field(_));
+    old.iter().position(|old| serves && old.source == *source)
+}
+
+/// Natural digits that a field's directions have less than all else: there are many, and where they err
+/// light is faint.
+const DIGITS_LESS_OF_FIELDS: f64 = 4.0;
+
 /// Reflectances change over directions of this size, whatever the lobe.
 const SMOOTH: f64 = 0.3;
 
@@ -366,6 +404,9 @@ fn reach(views: &[Cone], sources: &[Source]) -> Option<f64> {
         Source::Diffuse => None,
         Source::Beam(beta) => Some(beta.length()),
         Source::Disc(cone) => Some(radius(cone)),
+        // A ring has but order 0.
+        Source::Field(field) if field.is_ring() => None,
+        Source::Field(_) => Some(1.0),
     });
     let largest_view = views.iter().map(radius).fold(0.0, f64::max);
     directed.reduce(f64::max).map(|l| (l * largest_view).sqrt())

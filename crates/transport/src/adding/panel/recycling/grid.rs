@@ -110,8 +110,8 @@ impl Grid {
         Self { lobe, straight, orders, air, glass, between, within, leaving, leaving_straight, arriving }
     }
 
-    /// The lobes of a group of points that is symmetric about `azimuth`.
-    pub(super) fn meridian(&self, points: &[Point], azimuth: f64) -> Meridian {
+    /// The lobes of a group of points that is symmetric about `azimuth`: alike on both sides, or opposite.
+    pub(super) fn meridian(&self, points: &[Point], azimuth: f64, odd: bool) -> Meridian {
         // Points of one radius have their lobes in common.
         let mut rings: Vec<(f64, Vec<f64>)> =
             merged_radii(points).iter().map(|ring| (ring.0, vec![0.0; self.orders])).collect();
@@ -119,7 +119,8 @@ impl Grid {
             let off = point.beta.y.atan2(point.beta.x) - azimuth;
             let radius = point.beta.length();
             if let Some(ring) = rings.iter_mut().find(|ring| (ring.0 - radius).abs() <= SAME_RADIUS) {
-                let turns = (0..self.orders).map(|m| (m as f64 * off).cos());
+                let turns = (0..self.orders)
+                    .map(|m| if odd { (m as f64 * off).sin() } else { (m as f64 * off).cos() });
                 ring.1.iter_mut().zip(turns).for_each(|(sum, turn)| *sum += point.weight * turn);
             }
         }

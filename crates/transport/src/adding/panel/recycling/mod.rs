@@ -208,6 +208,7 @@ struct Profile {
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     azimuth: f64,
+    odd: bool,
     /// In the glass, of its axis.
     cosine: f64,
     /// Shared, as the light is, by groups that are this one at another azimuth.
@@ -272,11 +273,18 @@ impl Recycling {
         self.grid.air.len() + self.grid.glass.len()
     }
 
-    /// A view's or a source's group of points, symmetric about `azimuth`.
-    pub(super) fn group(&self, points: &[Point], axis: Point, index: f64, is_view: bool) -> Group {
+    /// A view's or a source's group of points, symmetric about the axis's azimuth: alike on both sides, or
+    /// opposite (odd; no view is).
+    pub(super) fn group(
+        &self,
+        (points, odd): (&[Point], bool),
+        axis: Point,
+        index: f64,
+        is_view: bool,
+    ) -> Group {
         let azimuth = azimuth(axis);
         let radius = axis.beta.length();
-        let meridian = self.grid.meridian(points, azimuth);
+        let meridian = self.grid.meridian(points, azimuth, odd);
         let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
         let light = |k: usize| match (is_view, k) {
             (true, 0) => End::default(),
@@ -284,7 +292,7 @@ impl Recycling {
             (false, _) => self.scattered(&meridian, cosine, k, 0),
         };
         let light = Arc::new((0..self.profiles.len()).map(light).collect());
-        Group { azimuth, cosine, light, meridian: meridian.into() }
+        Group { azimuth, odd, cosine, light, meridian: meridian.into() }
     }
 
     /// A group's light of order `k + 2` after one pass in which it was scattered, and more.
@@ -304,7 +312,7 @@ impl Recycling {
         let turn = source.azimuth - view.azimuth;
         let form = |(k, profile): (usize, &Profile)| {
             let factors: Vec<f64> =
-                (0..self.plan.orders_of(k)).map(|m| PI * azimuth_factor(m, turn)).collect();
+                (0..self.plan.orders_of(k)).map(|m| PI * azimuth_factor(m, turn, source.odd)).collect();
             profile.places[0].folded(&self.form((k, profile), view, &source.light[k], &factors))
         };
         Forms(self.profiles.iter().enumerate().map(form).collect())
@@ -378,8 +386,13 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// The factor of azimuthal order `m` in the sum over both signs of it.
-fn azimuth_factor(m: usize, turn: f64) -> f64 {
-    if m == 0 { 1.0 } else { 2.0 * (m as f64 * turn).cos() }
+fn azimuth_factor(m: usize, turn: f64, odd: bool) -> f64 {
+    let angle = m as f64 * turn;
+    match (m, odd) {
+        (_, true) => -2.0 * angle.sin(),
+        (0, false) => 1.0,
+        (_, false) => 2.0 * angle.cos(),
+    }
 }
 
 impl Profile {

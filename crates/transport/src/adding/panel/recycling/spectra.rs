@@ -106,7 +106,7 @@ impl Recycling {
                     let scattered = grid.scattered(&group.meridian, m, columns, &own.reflectance);
                     let mut g = g.to_vec();
                     g.iter_mut().zip(&own.round_trips).for_each(|(g, t)| *g *= t);
-                    self.add_products(&light, &scattered, &g, PI * azimuth_factor(m, turn), sum);
+                    self.add_products(&light, &scattered, &g, PI * azimuth_factor(m, turn, group.odd), sum);
                 }
             }
         }

@@ -1,0 +1,179 @@
+//! The CIE standard general sky: how the luminance of a sky depends on direction.
+//!
+//! # Model
+//! `L/L_zenith = f(chi) phi(Z) / (f(Z_sun) phi(0))`: the gradation `phi(Z) = 1 + a exp(b/cos Z)` from zenith to
+//! horizon, and the indicatrix `f(chi) = 1 + c (exp(d chi) - exp(d pi/2)) + e cos^2 chi` around the sun, at an
+//! angle chi from it. Fifteen sets of a to e make the skies 1 (steep overcast) to 15 (white-blue, turbid,
+//! broad corona); 5 is uniform, 12 the CIE standard clear sky. Number 16 is the traditional overcast
+//! sky of Moon and Spencer, `(1 + 2 sin elevation)/3`.
+//!
+//! The sun itself is no part of it. The ground below the horizon has the luminance of a Lambertian plane
+//! under the sky, times its reflectance.
+//!
+//! # Source
+//! ISO 15469:2004 / CIE S 011/E:2003, *Spatial distribution of daylight: CIE standard general sky*, eqs. 1-7 and
+//! table 1; R. Kittler, R. Perez, S. Darula, *A new generation of sky standards*, Lux Europa 1997.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use papilio_transport::Field;
+
+use super::pose::{Pose, by_elevation, by_inclination};
+
+/// a, b, c, d, e of the types 1 to 15.
+const TYPES: [[f64; 5]; 15] = [
+    [4.0, -0.70, 0.0, -1.0, 0.00],
+    [4.0, -0.70, 2.0, -1.5, 0.15],
+    [1.1, -0.80, 0.0, -1.0, 0.00],
+    [1.1, -0.80, 2.0, -1.5, 0.15],
+    [0.0, -1.00, 0.0, -1.0, 0.00],
+    [0.0, -1.00, 2.0, -1.5, 0.15],
+    [0.0, -1.00, 5.0, -2.5, 0.30],
+    [0.0, -1.00, 10.0, -3.0, 0.45],
+    [-1.0, -0.55, 2.0, -1.5, 0.15],
+    [-1.0, -0.55, 5.0, -2.5, 0.30],
+    [-1.0, -0.55, 10.0, -3.0, 0.45],
+    [-1.0, -0.32, 10.0, -3.0, 0.45],
+    [-1.0, -0.32, 16.0, -3.0, 0.30],
+    [-1.0, -0.15, 16.0, -3.0, 0.30],
+    [-1.0, -0.15, 24.0, -2.8, 0.15],
+];
+
+/// The traditional overcast sky.
+const TRADITIONAL: u8 = 16;
+
+/// Rows and columns of a sky over the display.
+const ROWS: usize = 90;
+const COLUMNS: usize = 180;
+
+/// A sky over a ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sky {
+    /// CIE type, 1 to 15; 16: traditional overcast.
+    pub number: u8,
+    /// Elevation of the sun above the horizon and its azimuth, degrees; types without an indicatrix need none.
+    pub sun: Option<[f64; 2]>,
+    /// Reflectance of the ground, 0 to 1.
+    pub ground: f64,
+}
+
+impl Sky {
+    /// True if the sky of this number depends on where the sun is.
+    pub fn has_sun(number: u8) -> bool {
+        usize::from(number).checked_sub(1).and_then(|i| TYPES.get(i)).is_some_and(|sky| sky[2] != 0.0)
+    }
+
+    /// Relative luminance of a direction, a unit vector with z up; 1 at the zenith.
+    pub fn luminance(&self, direction: [f64; 3]) -> f64 {
+        self.above(direction) / self.above([0.0, 0.0, 1.0])
+    }
+
+    fn above(&self, direction: [f64; 3]) -> f64 {
+        let sin = direction[2].clamp(0.0, 1.0);
+        let Some([a, b, c, d, e]) = usize::from(self.number).checked_sub(1).and_then(|i| TYPES.get(i)) else {
+            return if self.number == TRADITIONAL { (1.0 + 2.0 * sin) / 3.0 } else { 1.0 };
+        };
+        // b < 0: the exponential goes to 0 at the horizon.
+        let gradation = 1.0 + a * (b / sin).exp();
+        let [elevation, azimuth] = self.sun.unwrap_or([90.0, 0.0]);
+        let cos = direction.iter().zip(by_elevation(elevation, azimuth)).map(|(x, y)| x * y).sum::<f64>();
+        let chi = cos.clamp(-1.0, 1.0).acos();
+        gradation * (1.0 + c * ((d * chi).exp() - (d * FRAC_PI_2).exp()) + e * cos * cos)
+    }
+
+    /// Illuminance of the horizontal ground, for a luminance of 1 at the zenith.
+    pub fn horizontal_illuminance(&self) -> f64 {
+        let cells = |k: usize, count: usize| (k as f64 + 0.5) / count as f64;
+        let mut sum = 0.0;
+        for row in 0..2 * ROWS {
+            // Even in sin^2: each cell has the same area of direction cosines.
+            let theta = cells(row, 2 * ROWS).sqrt().asin();
+            for column in 0..COLUMNS {
+                sum += self.luminance(by_inclination(theta, 2.0 * PI * cells(column, COLUMNS)));
+            }
+        }
+        PI * sum / (2 * ROWS * COLUMNS) as f64
+    }
+
+    /// What a display sees of sky and ground; `None` if that is dark.
+    pub fn field(&self, pose: Pose) -> Option<Field> {
+        let is_round = pose.tilt_deg == 0.0 && !Self::has_sun(self.number);
+        let columns = if is_round { 1 } else { COLUMNS };
+        let ground =
+            if self.ground > 0.0 { self.ground * self.horizontal_illuminance() / PI } else { 0.0 };
+        let at = |theta: f64, phi: f64| {
+            let world = pose.to_world(by_inclination(theta, phi));
+            if world[2] > 0.0 { self.luminance(world) } else { ground }
+        };
+        let edges: Vec<f64> = (0..=ROWS).map(|row| row as f64).collect();
+        let mut radiance = Vec::with_capacity(ROWS * columns);
+        for row in 0..ROWS {
+            for column in 0..columns {
+                // Four points of each cell.
+                let points = [(0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)];
+                let mean = points.iter().map(|(along, turn)| {
+                    let theta = (row as f64 + along).to_radians();
+                    at(theta, 2.0 * PI * (column as f64 + turn) / columns as f64)
+                });
+                radiance.push(mean.sum::<f64>() / 4.0);
+            }
+        }
+        Some(Field::new(&edges, columns, radiance)?.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_optics::Beta;
+
+    fn sky(number: u8) -> Sky {
+        Sky { number, sun: Some([40.0, 30.0]), ground: 0.0 }
+    }
+
+    /// Luminance and illuminance in closed form: Moon and Spencer's 7 pi/9, and 1:3 from horizon to zenith.
+    #[test]
+    fn overcast_and_uniform_skies() {
+        let overcast = sky(16);
+        assert!((overcast.horizontal_illuminance() / PI - 7.0 / 9.0).abs() < 1e-5);
+        assert!((overcast.luminance([1.0, 0.0, 0.0]) - 1.0 / 3.0).abs() < 1e-12);
+        assert!((sky(5).horizontal_illuminance() - PI).abs() < 1e-12);
+        // Type 1 at the horizon: 1/(1 + 4 exp(-.7)), .3349, as its own footnote's third.
+        assert!((sky(1).luminance([1.0, 0.0, 0.0]) - 0.334_876_8).abs() < 1e-6);
+    }
+
+    /// f(chi) of the clear sky, by hand: 1 + 10 (exp(-3 chi) - exp(-3 pi/2)) + .45 cos^2 chi.
+    #[test]
+    fn the_clear_sky_is_bright_around_the_sun() {
+        let clear = sky(12);
+        let at_sun = clear.luminance(by_elevation(40.0, 30.0));
+        let across = clear.luminance(by_elevation(40.0, 210.0));
+        let f = |chi: f64| 1.0 + 10.0 * ((-3.0 * chi).exp() - (-1.5 * PI).exp()) + 0.45 * chi.cos().powi(2);
+        assert!((at_sun / across - f(0.0) / f(100.0_f64.to_radians())).abs() < 1e-9);
+        assert!((clear.luminance([0.0, 0.0, 1.0]) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn every_type_is_light_everywhere() {
+        for number in 1..=16 {
+            for elevation in [0.0, 0.1, 10.0, 45.0, 90.0] {
+                for azimuth in [30.0, 120.0, 210.0] {
+                    let luminance = sky(number).luminance(by_elevation(elevation, azimuth));
+                    assert!(luminance.is_finite() && luminance > 0.0, "{number} {elevation} {azimuth}");
+                }
+            }
+        }
+    }
+
+    /// A flat display sees the sun's side where the sun is; an upright one sees half sky and half ground.
+    #[test]
+    fn what_a_display_sees() {
+        let flat = sky(12).field(Pose::default()).unwrap();
+        let at = |field: &Field, theta, phi| field.radiance(Beta::from_source(theta, phi, 1.0));
+        assert!(at(&flat, 50.0, 30.0) > 5.0 * at(&flat, 50.0, 210.0));
+        let over_snow = Sky { number: 5, sun: None, ground: 0.8 };
+        let upright = over_snow.field(Pose { tilt_deg: 90.0 }).unwrap();
+        assert!((at(&upright, 40.0, 270.0) / at(&upright, 40.0, 90.0) - 0.8).abs() < 1e-9);
+        assert!(over_snow.field(Pose::default()).unwrap().is_ring());
+    }
+}

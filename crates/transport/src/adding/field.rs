@@ -1,0 +1,257 @@
+//! A field of light as weighted directions.
+//!
+//! What a view sees of a direction is smooth, but for a peak in the view's mirror direction whose
+//! width is known; a field is rough, down to its cells. So it is the view's side that is interpolated
+//! (product integration): over inclination by polynomials on panels graded around the peaks, over azimuth by
+//! trigonometric polynomials, and the weights of their nodes are exact integrals of the field. The number
+//! of directions is that of the smooth side, however many cells there are; weights may be negative.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use papilio_optics::Beta;
+
+use super::quadrature::{Point, Pole, gauss, legendre, panels, points_for};
+use crate::{Cone, Field};
+
+/// Where what is seen of light by its direction changes fast.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Peaks<'a> {
+    /// In the mirror directions of these views ...
+    pub(super) views: &'a [Cone],
+    /// ... over distances of this size, direction cosines.
+    pub(super) width: f64,
+}
+
+/// Directions of a field at one inclination, evenly spaced in azimuth from 0; weights of all rings are 1 in sum.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Ring {
+    /// `|beta|`.
+    pub(super) radius: f64,
+    pub(super) weights: Vec<f64>,
+}
+
+impl Ring {
+    /// Light that propagates from there.
+    pub(super) fn points(&self) -> impl Iterator<Item = Point> {
+        let step = TAU / self.weights.len() as f64;
+        self.weights.iter().enumerate().map(move |(k, weight)| {
+            let (sin, cos) = (k as f64 * step).sin_cos();
+            Point { beta: Beta { x: -self.radius * cos, y: -self.radius * sin }, weight: *weight }
+        })
+    }
+
+    /// All of its light.
+    pub(super) fn weight(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    /// The ring's parts that are alike (1) or opposite (-1) at azimuths of opposite sign.
+    pub(super) fn part(&self, sign: f64) -> Self {
+        let (count, weights) = (self.weights.len(), &self.weights);
+        let weights = (0..count).map(|k| 0.5 * (weights[k] + sign * weights[(count - k) % count]));
+        Self { radius: self.radius, weights: weights.collect() }
+    }
+}
+
+/// The field's rings: for functions without peaks where there is no view.
+pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
+    let lit: Vec<([f64; 2], &[f64])> = field.lit_rows().collect();
+    let (Some(first), Some(last)) = (lit.first(), lit.last()) else { return Vec::new() };
+    let centres: Vec<f64> = peaks.views.iter().flat_map(|view| radii(view, peaks.width)).collect();
+    let mut poles: Vec<Pole> = Vec::new();
+    for pole in centres.iter().map(|at| Pole { at: *at, off: peaks.width }.in_arc(1.0)) {
+        if !poles.iter().any(|known| (known.at - pole.at).abs() < 0.25 * pole.off) {
+            poles.push(pole);
+        }
+    }
+    let mut rings = Vec::new();
+    panels(first.0[0], last.0[1], &[], &poles, &mut |from, to, ellipse: f64| {
+        let panel = Panel::new(from, to, points_for(digits, ellipse.ln()).max(LEAST_NODES));
+        for (angle, columns) in panel.nodes.iter().zip(panel.columns(&lit)) {
+            let radius = angle.sin();
+            let orders = orders(radius, &centres, peaks.width, digits);
+            rings.push(Ring { radius, weights: around(&columns, orders) });
+        }
+    });
+    rings
+}
+
+/// Nodes of the smallest rule.
+const LEAST_NODES: usize = 4;
+
+/// `|beta|` of a view's field, from its inner to its outer rim, as densely as peaks are wide.
+fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
+    let (axis, half) = (view.axis_towards().length().min(1.0).asin(), view.half_angle());
+    let steps = (2.0 * half / width).ceil().min(64.0);
+    (0..=steps as usize).map(move |k| {
+        let along = if steps > 0.0 { 2.0 * k as f64 / steps - 1.0 } else { 0.0 };
+        (axis + along * half).abs().min(FRAC_PI_2).sin()
+    })
+}
+
+/// The azimuthal orders of peaks at these radii, seen at another.
+fn orders(radius: f64, centres: &[f64], width: f64, digits: f64) -> usize {
+    // A pole off the real line by so much has orders that fall off as `exp(-off m)`.
+    let off = |centre: &f64| {
+        let excess = ((radius - centre).powi(2) + width * width) / (2.0 * radius * centre).max(1e-300);
+        2.0 * (0.5 * excess).sqrt().asinh()
+    };
+    let least = centres.iter().map(off).fold(f64::INFINITY, f64::min);
+    (digits / least).ceil().clamp(LEAST_ORDERS, MOST_ORDERS) as usize
+}
+
+/// At least these orders are kept, whatever is seen, and at most those.
+const LEAST_ORDERS: f64 = 2.0;
+const MOST_ORDERS: f64 = 4000.0;
+
+/// A panel of inclinations with the nodes of a polynomial.
+struct Panel {
+    from: f64,
+    to: f64,
+    nodes: Vec<f64>,
+    /// Of the barycentric formula (Berrut & Trefethen 2004).
+    scales: Vec<f64>,
+}
+
+impl Panel {
+    fn new(from: f64, to: f64, count: usize) -> Self {
+        let rule = legendre(count);
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let scale = |(k, node): (usize, &super::quadrature::Node)| {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            sign * ((1.0 - node.x * node.x) * node.weight).sqrt()
+        };
+        Self {
+            from,
+            to,
+            nodes: rule.iter().map(|node| middle + half * node.x).collect(),
+            scales: rule.iter().enumerate().map(scale).collect(),
+        }
+    }
+
+    /// For each node the light that counts there, by column of the field.
+    fn columns(&self, lit: &[([f64; 2], &[f64])]) -> Vec<Vec<f64>> {
+        let columns = lit.first().map_or(0, |row| row.1.len());
+        let width = TAU / columns.max(1) as f64;
+        let mut sums = vec![vec![0.0; columns]; self.nodes.len()];
+        for ([start, end], row) in lit {
+            let (from, to) = (start.max(self.from), end.min(self.to));
+            if from < to {
+                for (sum, moment) in sums.iter_mut().zip(self.moments(from, to)) {
+                    sum.iter_mut().zip(*row).for_each(|(sum, value)| *sum += moment * width * value);
+                }
+            }
+        }
+        sums
+    }
+
+    /// The integrals of each node's polynomial over a part of the panel, by area of direction cosines.
+    fn moments(&self, from: f64, to: f64) -> Vec<f64> {
+        let share = (to - from) / (self.to - self.from);
+        let count = 3 + (share * 0.5 * self.nodes.len() as f64).ceil() as usize;
+        let mut sums = vec![0.0; self.nodes.len()];
+        for node in gauss(from, to, count) {
+            let area = node.weight * node.x.sin() * node.x.cos();
+            let terms: Vec<f64> =
+                self.nodes.iter().zip(&self.scales).map(|(at, scale)| scale / (node.x - at)).collect();
+            if let Some(hit) = terms.iter().position(|term| !term.is_finite()) {
+                sums[hit] += area;
+                continue;
+            }
+            let all: f64 = terms.iter().sum();
+            sums.iter_mut().zip(&terms).for_each(|(sum, term)| *sum += area * term / all);
+        }
+        sums
+    }
+}
+
+/// Weights of `2 orders + 1` azimuths that stand for light that is even within columns, exact for functions of
+/// no more orders.
+fn around(columns: &[f64], orders: usize) -> Vec<f64> {
+    let count = 2 * orders + 1;
+    let parts = columns.len();
+    let whole: f64 = columns.iter().sum();
+    let mut weights = vec![whole / count as f64; count];
+    if parts == 1 {
+        return weights;
+    }
+    let half_steps = circle(2 * parts);
+    let steps = circle(count);
+    for m in 1..=orders {
+        // Mean over a column of exp(-i m phi).
+        let half_width = PI * m as f64 / parts as f64;
+        let mean = half_width.sin() / half_width;
+        let (mut cos, mut sin) = (0.0, 0.0);
+        for (k, column) in columns.iter().enumerate() {
+            let [c, s] = half_steps[m * (2 * k + 1) % (2 * parts)];
+            cos += column * c;
+            sin += column * s;
+        }
+        let scale = 2.0 * mean / count as f64;
+        for (k, weight) in weights.iter_mut().enumerate() {
+            let [c, s] = steps[m * k % count];
+            *weight += scale * (cos * c + sin * s);
+        }
+    }
+    weights
+}
+
+/// Cosine and sine of so many even parts of a turn.
+fn circle(parts: usize) -> Vec<[f64; 2]> {
+    let of = |k: usize| {
+        let (sin, cos) = (TAU * k as f64 / parts as f64).sin_cos();
+        [cos, sin]
+    };
+    (0..parts).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rough field against the sum over its cells, each by a fine rule, of a lobe with its peak amid them.
+    #[test]
+    fn directions_stand_for_a_rough_field() {
+        let (rows, columns) = (18, 24);
+        let edges: Vec<f64> = (0..=rows).map(|k| 90.0 * k as f64 / rows as f64).collect();
+        let radiance: Vec<f64> = (0..rows * columns).map(|k| ((k * k * 7919 + k) % 101) as f64).collect();
+        let (field, _) = Field::new(&edges, columns, radiance).unwrap();
+        let view = Cone::new(23.0, 40.0, 0.1, 1.0);
+        let centre = -view.mirrored().axis_towards();
+        let width = 0.1;
+        let lobe = |beta: Beta| width / (width * width + (beta + centre).squared()).powf(1.5);
+        let mut truth = 0.0;
+        for ([from, to], row) in field.lit_rows() {
+            for (column, value) in row.iter().enumerate() {
+                let step = TAU / columns as f64;
+                for theta in gauss(from, to, 8) {
+                    for phi in gauss(column as f64 * step, (column + 1) as f64 * step, 8) {
+                        let (sin, cos) = theta.x.sin_cos();
+                        let beta = Beta { x: -sin * phi.x.cos(), y: -sin * phi.x.sin() };
+                        truth += value * sin * cos * theta.weight * phi.weight * lobe(beta);
+                    }
+                }
+            }
+        }
+        let seen = |digits: f64| {
+            let rings = rings(&field, Peaks { views: &[view], width }, digits);
+            let sum: f64 = rings.iter().map(Ring::weight).sum();
+            assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+            rings.iter().flat_map(Ring::points).map(|point| point.weight * lobe(point.beta)).sum::<f64>()
+        };
+        for digits in [6.0_f64, 9.0, 12.0] {
+            let error = (seen(digits) / truth - 1.0).abs();
+            assert!(error < 3.0 * (-digits).exp(), "{digits}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_ring_is_the_sum_of_its_parts() {
+        let ring = Ring { radius: 0.5, weights: vec![1.0, 2.0, 3.0, 4.0, 5.0] };
+        let (even, odd) = (ring.part(1.0), ring.part(-1.0));
+        let sum: Vec<f64> = even.weights.iter().zip(&odd.weights).map(|(a, b)| a + b).collect();
+        assert_eq!(sum, ring.weights);
+        assert_eq!((even.weights[1], odd.weights[1]), (even.weights[4], -odd.weights[4]));
+        assert_eq!(odd.weights[0], 0.0);
+    }
+}
