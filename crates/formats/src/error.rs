@@ -50,6 +50,12 @@ pub enum Problem {
         /// How many there are.
         rows: usize,
     },
+    /// Fewer rows than a profile needs.
+    #[error("there are {}", match .rows { 0 => "no rows of data", _ => "too few rows of data" })]
+    TooFewAngles {
+        /// How many there are.
+        rows: usize,
+    },
     /// A row with the wrong number of columns.
     #[error("this row has {found} {}", if *.found == 1 { "column" } else { "columns" })]
     Columns {
@@ -197,6 +203,7 @@ impl Problem {
         Some(match self {
             Self::Bsdf(problem) => return problem.expected(),
             Self::TooFew { .. } => "expected at least two wavelengths",
+            Self::TooFewAngles { .. } => "expected at least two angles",
             Self::BadName => GOOD_NAME,
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
             Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`read_spectrum`] | two columns: wavelength in nm, value |
 //! | [`read_shares`], [`read_light`] | the same, with the range of shares, or of a light |
+//! | [`read_profile`] | two columns: angle in degrees, relative radiance |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of a panel's states |
@@ -47,6 +48,7 @@ mod error;
 mod file;
 mod index;
 mod json;
+mod light;
 mod measured_panel;
 mod npy;
 mod pixel_table;
@@ -70,6 +72,7 @@ pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
 pub use json::write_json;
+pub use light::read_profile;
 pub use measured_panel::read_measured_panel;
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use place::{Place, Remark, Spot};

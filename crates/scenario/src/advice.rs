@@ -41,6 +41,8 @@ impl Problem {
             Self::Trapped { limit_deg, .. } => {
                 format!("expected less than {limit_deg:.2} deg, field and radius included")
             }
+            Self::RingEdges { .. } => "expected a ring between 0 and 90 deg that ends beyond its beginning".to_owned(),
+            Self::SunBehindDisplay { .. } => "expected its disc above the display's own horizon, less than 89.73 deg".to_owned(),
             Self::BelowHorizon { .. } => "expected less than 90 deg".to_owned(),
             Self::GapLayers { .. } => "expected one layer with thickness_nm = \"gap\"".to_owned(),
             Self::NotCovered { needed_nm: (start, stop), .. } => format!("expected {start} to {stop} nm"),

@@ -218,7 +218,7 @@ pub enum Problem {
         expected: &'static str,
     },
     /// The shares of the light do not make a whole.
-    #[error("`diffuse` and the directed shares sum to {}", tidy(*.sum))]
+    #[error("the shares of the light sum to {}", tidy(*.sum))]
     LightShares {
         /// Their sum.
         sum: f64,
@@ -355,6 +355,23 @@ pub enum Problem {
         /// Its largest inclination.
         theta_deg: f64,
     },
+    /// A ring or cap that is not a part of the hemisphere.
+    #[error("this ring reaches from {} to {} deg", tidy(*.from_deg), tidy(*.to_deg))]
+    RingEdges {
+        /// Where it begins.
+        from_deg: f64,
+        /// Where it ends.
+        to_deg: f64,
+    },
+    /// A sun that the display cannot see.
+    #[error("the sun stands {theta_deg:.2} deg from the display's normal")]
+    SunBehindDisplay {
+        /// Its inclination in the display's frame.
+        theta_deg: f64,
+    },
+    /// An environment without light over the display.
+    #[error("none of this light falls on the display")]
+    DarkField,
     /// A film without, or with several, gap layers.
     #[error("{found} layers of this film are the gap")]
     GapLayers {

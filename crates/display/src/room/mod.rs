@@ -29,7 +29,11 @@ pub fn profile(points: &[(f64, f64)]) -> Option<Field> {
         for step in 0..steps as usize {
             let along = (step as f64 + 0.5) / steps;
             radiance.push(at_start + along * (at_end - at_start));
-            edges.push(if step as f64 + 1.0 < steps { from + (to - from) * (step as f64 + 1.0) / steps } else { to });
+            edges.push(if step as f64 + 1.0 < steps {
+                from + (to - from) * (step as f64 + 1.0) / steps
+            } else {
+                to
+            });
         }
     }
     Some(Field::new(&edges, 1, radiance)?.0)

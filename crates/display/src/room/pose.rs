@@ -18,6 +18,13 @@ impl Pose {
         [x, cos * y - sin * z, sin * y + cos * z]
     }
 
+    /// Inclination from the display's normal and azimuth there, degrees, of what stands at this elevation and
+    /// azimuth of the world.
+    pub fn sees(self, [elevation_deg, azimuth_deg]: [f64; 2]) -> (f64, f64) {
+        let [x, y, z] = self.to_display(by_elevation(elevation_deg, azimuth_deg));
+        (x.hypot(y).atan2(z).to_degrees(), y.atan2(x).to_degrees())
+    }
+
     /// The way back.
     pub fn to_display(self, world: [f64; 3]) -> [f64; 3] {
         Self { tilt_deg: -self.tilt_deg }.to_world(world)

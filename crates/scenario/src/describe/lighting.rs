@@ -1,5 +1,6 @@
 //! `[lighting]`: diffuse and directed light.
 
+use super::environment::Environment;
 use super::numbers::{
     AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Lux, Share, Wavelength, Weight,
 };
@@ -7,18 +8,20 @@ use crate::grammar::{choice, forms, table};
 use crate::read::At;
 
 table! {
-    /// The room's light; `diffuse` and all shares sum to 1.
-    Lighting later ["environment", "front_light"] {
+    /// The room's light; all shares sum to 1.
+    Lighting later ["front_light"] {
         /// "indoor", "office", "iec-directional", ...: fills lighting and viewer; keys that are given override it. Default: none.
         preset: Option<Preset>,
         /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx. Default 500.
         illuminance_lx: Lux = Lux(500.0),
         /// Relative spectrum of all light that has none of its own. Default "D65".
         spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
-        /// Share that comes alike from the whole hemisphere, 0 to 1. Default 1, or 0 where directed light is given.
+        /// Share that comes alike from the whole hemisphere, 0 to 1. Default 1, or 0 where other light is given.
         diffuse: Option<Share>,
         /// Directed sources. Default: none.
         directed: Vec<At<Directed>> = Vec::new(),
+        /// Light from many directions at once: rings, skies. Default: none.
+        environment: Vec<At<Environment>> = Vec::new(),
     }
 }
 
@@ -105,7 +108,7 @@ impl Lighting {
     /// Fills in `diffuse`, and forgets the preset, which has done its work.
     pub(super) fn complete(&mut self) {
         self.preset.value = None;
-        let alone = if self.directed.is_empty() { 1.0 } else { 0.0 };
+        let alone = if self.directed.is_empty() && self.environment.is_empty() { 1.0 } else { 0.0 };
         self.diffuse.value.get_or_insert(Share(alone));
     }
 }

@@ -5,6 +5,7 @@
 
 pub(crate) mod diffuser;
 pub(crate) mod display;
+pub(crate) mod environment;
 pub(crate) mod layers;
 pub(crate) mod lighting;
 pub(crate) mod measure;

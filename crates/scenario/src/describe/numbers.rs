@@ -61,6 +61,11 @@ number!(
     { "type": "number", "exclusiveMinimum": -90, "exclusiveMaximum": 90 }
 );
 number!(
+    /// The sun's elevation above the horizon, degrees.
+    Elevation, "a number above 0, at most 90 (degrees above the horizon)", |v| v > 0.0 && v <= 90.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+);
+number!(
     /// An azimuth, degrees.
     Azimuth, "a number from -360 to 360 (degrees)", |v| v.abs() <= 360.0,
     { "type": "number", "minimum": -360, "maximum": 360 }

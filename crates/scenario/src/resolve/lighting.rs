@@ -4,7 +4,9 @@ use papilio_display::scene::{DirectedLight, Lighting};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use crate::describe::environment::Environment;
 use crate::describe::lighting as describe;
+use crate::describe::numbers::Share;
 use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
@@ -12,16 +14,24 @@ use crate::source::Origin;
 impl Resolver<'_> {
     pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
         self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
+        self.limit(&lighting.environment, "environments", lighting.environment.len(), 64)?;
         self.check_shares(lighting);
         let general = self.light("lighting.spectrum", &lighting.spectrum);
         let sources = lighting.directed.iter().enumerate();
         let directed: Vec<_> =
             sources.map(|(i, source)| self.directed(i, source, general.as_ref())).collect();
+        let mut directed = directed.into_iter().collect::<Option<Vec<_>>>();
+        let mut suns = Vec::new();
+        let environments = lighting.environment.iter().enumerate();
+        let environment: Vec<_> =
+            environments.map(|(i, one)| self.environment(i, one, general.as_ref(), &mut suns)).collect();
+        directed.iter_mut().for_each(|directed| directed.append(&mut suns));
         Some(Lighting {
             illuminance_lx: lighting.illuminance_lx.0,
             diffuse: lighting.diffuse.map_or(0.0, |share| share.0),
             diffuse_spectrum: general?,
-            directed: directed.into_iter().collect::<Option<_>>()?,
+            directed: directed?,
+            environment: environment.into_iter().collect::<Option<_>>()?,
         })
     }
 
@@ -37,13 +47,7 @@ impl Resolver<'_> {
             let at = source.radius_deg.origin.or_set([source.theta_deg.origin]);
             self.errors.push(at, Problem::BelowHorizon { theta_deg: reach });
         }
-        let spectrum = match &source.spectrum.value {
-            Some(own) => {
-                let own = At { value: own.clone(), origin: source.spectrum.origin };
-                self.light(&format!("lighting.directed.{i}.spectrum"), &own)
-            }
-            None => general.cloned(),
-        };
+        let spectrum = self.own_light(&format!("lighting.directed.{i}.spectrum"), &source.spectrum, general);
         Some(DirectedLight {
             theta_deg: source.theta_deg.0,
             phi_deg: source.phi_deg.0,
@@ -61,6 +65,15 @@ impl Resolver<'_> {
         let mut shares = vec![("lighting.diffuse".to_owned(), diffuse, lighting.diffuse.origin)];
         for (i, source) in lighting.directed.iter().enumerate() {
             shares.push((format!("lighting.directed.{i}.share"), source.share.0, source.share.origin));
+        }
+        for (i, environment) in lighting.environment.iter().enumerate() {
+            let mut add = |key: &str, share: &At<Share>| {
+                shares.push((format!("lighting.environment.{i}.{key}"), share.0, share.origin));
+            };
+            add("share", environment.share());
+            if let Environment::Sky(sky) = &environment.value {
+                add("sun_share", &sky.sun_share);
+            }
         }
         let sum: f64 = shares.iter().map(|(_, share, _)| share).sum();
         if (sum - 1.0).abs() <= 1e-6 {

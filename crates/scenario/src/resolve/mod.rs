@@ -2,6 +2,7 @@
 
 mod data;
 mod diffuser;
+mod environment;
 mod film;
 mod layers;
 mod light;
@@ -213,8 +214,9 @@ impl Resolver<'_> {
                 self.errors.push(at, Problem::TooMany { what, count: count as f64, limit });
             }
         };
-        let sources = scene.lighting.directed.len() + 8;
-        limit(step, "states x wavelengths x (directed sources + 8)", &[states, bins, sources], MOST_WORK);
+        let parts: usize = scene.lighting.environment.iter().map(|one| one.parts.len()).sum();
+        let sources = scene.lighting.directed.len() + parts + 8;
+        limit(step, "states x wavelengths x (sources + 8)", &[states, bins, sources], MOST_WORK);
         if let scene::Pixel::Film(film) = &scene.display.pixel {
             limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film), bins], MOST_FILMS);
         }

@@ -10,6 +10,7 @@
 mod bad_input;
 mod bounds;
 mod common;
+mod environments;
 mod examples;
 mod hostile;
 mod layers;

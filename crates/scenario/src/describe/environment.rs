@@ -1,0 +1,96 @@
+//! `[[lighting.environment]]`: light from all over the sky or the room.
+
+use super::lighting::LightSpectrum;
+use super::numbers::{Azimuth, Count, Elevation, FieldAngle, Horizon, Share};
+use crate::grammar::{choice, kinds, table};
+use crate::read::At;
+
+kinds! {
+    /// Light from many directions at once; its keys depend on `model`.
+    Environment by "model" {
+        /// An even ring around the normal.
+        Ring(Ring) = "ring",
+        /// An even part of the hemisphere around the normal.
+        Cap(Cap) = "cap",
+        /// Alike at all azimuths, by a table over inclination.
+        Profile(Profile) = "profile",
+        /// A CIE standard general sky.
+        Sky(Sky) = "sky",
+    }
+}
+
+table! {
+    /// An even ring around the normal, such as a ring light.
+    Ring {
+        /// Share of `illuminance_lx`, 0 to 1.
+        share: Share,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// Inclination of the middle of the ring, above 0, at most 90 deg.
+        theta_deg: Horizon,
+        /// Full width of the ring, degrees: all of it lies between 0 and 90 deg.
+        width_deg: Horizon,
+    }
+}
+
+table! {
+    /// An even part of the hemisphere around the normal.
+    Cap {
+        /// Share of `illuminance_lx`, 0 to 1.
+        share: Share,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// Inclination where it begins, degrees. Default 0.
+        from_deg: FieldAngle = FieldAngle(0.0),
+        /// Inclination where it ends, above `from_deg`, at most 90 deg. Default 90.
+        to_deg: Horizon = Horizon(90.0),
+    }
+}
+
+choice! {
+    /// What the first column of a profile is.
+    ProfileAngles {
+        /// From the normal.
+        Inclination = "inclination",
+        /// From the display's plane.
+        Elevation = "elevation",
+    }
+}
+
+table! {
+    /// Light that is alike at all azimuths, its radiance linear between the rows of a table, dark beyond them.
+    Profile {
+        /// Share of `illuminance_lx`, 0 to 1.
+        share: Share,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// Two columns: angle in degrees, 0 to 90, and relative radiance.
+        file: String,
+        /// What the angles are. Default "inclination", from the normal.
+        angles: ProfileAngles = ProfileAngles::Inclination,
+    }
+}
+
+table! {
+    /// A CIE standard general sky (ISO 15469).
+    Sky {
+        /// Share of `illuminance_lx` that comes from sky and ground, 0 to 1.
+        share: Share,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// 1 to 15 as in ISO 15469 (1 overcast, 5 uniform, 12 clear); 16: the traditional overcast sky.
+        number: Count<1, 16>,
+        /// Elevation of the sun above the horizon, above 0, at most 90 deg; skies 1, 3, 5 and 16 need none.
+        sun_elevation_deg: Option<Elevation>,
+        /// Azimuth of the sun, counterclockwise seen from above, from the display's x axis, degrees. Default 0.
+        sun_azimuth_deg: Azimuth = Azimuth(0.0),
+        /// Share of `illuminance_lx` that comes from the sun's disc, of radius .27 deg. Default 0.
+        sun_share: Share = Share(0.0),
+        /// Relative spectrum of the sun's disc. Default: that of the lighting.
+        sun_spectrum: Option<LightSpectrum>,
+        /// 0: the display lies flat and faces the zenith; 90: it stands upright and faces azimuth -90 deg. Default 0.
+        tilt_deg: FieldAngle = FieldAngle(0.0),
+        /// Reflectance of the ground, 0 to 1: what a tilted display sees below the horizon. Default 0.
+        ground_reflectance: Share = Share(0.0),
+    }
+}

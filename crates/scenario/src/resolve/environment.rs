@@ -1,0 +1,168 @@
+//! Light from all over the sky or the room, as fields.
+
+use std::sync::Arc;
+
+use papilio_display::room::{Pose, Sky, profile};
+use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
+use papilio_formats::read_profile;
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use crate::describe::environment::{self as describe, ProfileAngles};
+use crate::describe::lighting::LightSpectrum;
+use crate::describe::numbers::Share;
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::source::Origin;
+
+/// Angular radius of the sun, degrees.
+const SUN_RADIUS_DEG: f64 = 0.27;
+
+impl describe::Environment {
+    /// Share of the illuminance, of what there is besides the sun's disc.
+    pub(super) fn share(&self) -> &At<Share> {
+        match self {
+            Self::Ring(ring) => &ring.share,
+            Self::Cap(cap) => &cap.share,
+            Self::Profile(profile) => &profile.share,
+            Self::Sky(sky) => &sky.share,
+        }
+    }
+
+    fn spectrum(&self) -> &At<Option<LightSpectrum>> {
+        match self {
+            Self::Ring(ring) => &ring.spectrum,
+            Self::Cap(cap) => &cap.spectrum,
+            Self::Profile(profile) => &profile.spectrum,
+            Self::Sky(sky) => &sky.spectrum,
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// Number `i` of the environments; a sun's disc becomes one of the directed sources.
+    pub(super) fn environment(
+        &mut self,
+        i: usize,
+        environment: &describe::Environment,
+        general: Option<&Spectrum>,
+        directed: &mut Vec<DirectedLight>,
+    ) -> Option<Environment> {
+        let key = format!("lighting.environment.{i}");
+        let spectrum = self.own_light(&format!("{key}.spectrum"), environment.spectrum(), general);
+        let field = match environment {
+            describe::Environment::Ring(ring) => self.ring(ring),
+            describe::Environment::Cap(cap) => self.cap(cap),
+            describe::Environment::Profile(profile) => self.profile(profile),
+            describe::Environment::Sky(sky) => {
+                if sky.sun_share.0 > 0.0 {
+                    let spectrum = self.own_light(&format!("{key}.sun_spectrum"), &sky.sun_spectrum, general);
+                    directed.extend(self.sun(sky, spectrum));
+                }
+                self.sky(sky)
+            }
+        };
+        let share = environment.share().0;
+        let part = EnvironmentPart { field: Arc::new(field?), share, spectrum: spectrum? };
+        Some(Environment { parts: vec![part] })
+    }
+
+    fn ring(&mut self, ring: &describe::Ring) -> Option<Field> {
+        let (middle, half) = (ring.theta_deg.0, 0.5 * ring.width_deg.0);
+        let edges = (middle - half, middle + half);
+        if edges.0 < 0.0 || edges.1 > 90.0 {
+            let at = ring.width_deg.origin.or_set([ring.theta_deg.origin]);
+            self.errors.push(at, Problem::RingEdges { from_deg: edges.0, to_deg: edges.1 });
+            return None;
+        }
+        Field::ring(edges.0, edges.1)
+    }
+
+    fn cap(&mut self, cap: &describe::Cap) -> Option<Field> {
+        let (from, to) = (cap.from_deg.0, cap.to_deg.0);
+        if from >= to {
+            let at = cap.to_deg.origin.or_set([cap.from_deg.origin]);
+            self.errors.push(at, Problem::RingEdges { from_deg: from, to_deg: to });
+            return None;
+        }
+        Field::ring(from, to)
+    }
+
+    fn profile(&mut self, table: &describe::Profile) -> Option<Field> {
+        let mut points = self.data(&table.file.value, table.file.origin, read_profile)?;
+        if table.angles.value == ProfileAngles::Elevation {
+            points.iter_mut().for_each(|point| point.0 = 90.0 - point.0);
+            points.reverse();
+        }
+        let field = profile(&points);
+        if field.is_none() {
+            self.dark(table.file.origin);
+        }
+        field
+    }
+
+    fn sky(&mut self, sky: &At<describe::Sky>) -> Option<Field> {
+        let number = u8::try_from(sky.number.0).ok()?;
+        let sun = sky.sun_elevation_deg.value.map(|elevation| [elevation.0, sky.sun_azimuth_deg.0]);
+        if Sky::has_sun(number) && sun.is_none() {
+            let key = "sun_elevation_deg".to_owned();
+            let expected = crate::describe::numbers::Elevation::in_words();
+            self.errors.push(sky.number.origin.or_set([sky.origin]), Problem::MissingKey { key, expected });
+            return None;
+        }
+        let pose = Pose { tilt_deg: sky.tilt_deg.0 };
+        let field = Sky { number, sun, ground: sky.ground_reflectance.0 }.field(pose);
+        if field.is_none() {
+            self.dark(sky.tilt_deg.origin.or_set([sky.origin]));
+        } else if pose.tilt_deg > 0.0 {
+            self.notes.push(format!(
+                "the display is tilted by {} deg: of the sky counts what is above its own plane, of the ground \
+                 what it reflects ({}); the share is what falls on the display",
+                pose.tilt_deg, sky.ground_reflectance.0
+            ));
+        }
+        field
+    }
+
+    /// The sun's disc.
+    fn sun(&mut self, sky: &At<describe::Sky>, spectrum: Option<Spectrum>) -> Option<DirectedLight> {
+        let Some(elevation) = sky.sun_elevation_deg.value else {
+            let (key, expected) =
+                ("sun_elevation_deg".to_owned(), crate::describe::numbers::Elevation::in_words());
+            self.errors.push(sky.sun_share.origin, Problem::MissingKey { key, expected });
+            return None;
+        };
+        let pose = Pose { tilt_deg: sky.tilt_deg.0 };
+        let (theta_deg, phi_deg) = pose.sees([elevation.0, sky.sun_azimuth_deg.0]);
+        if theta_deg + SUN_RADIUS_DEG >= 90.0 {
+            let at = sky.sun_elevation_deg.origin.or_set([sky.tilt_deg.origin, sky.sun_azimuth_deg.origin]);
+            self.errors.push(at, Problem::SunBehindDisplay { theta_deg });
+            return None;
+        }
+        Some(DirectedLight {
+            theta_deg,
+            phi_deg,
+            share: sky.sun_share.0,
+            spectrum: spectrum?,
+            radius_deg: Some(SUN_RADIUS_DEG),
+            normal_to_beam: false,
+        })
+    }
+
+    fn dark(&mut self, at: Origin) {
+        self.errors.push(at, Problem::DarkField);
+    }
+
+    /// A light's own spectrum, or that of all.
+    pub(super) fn own_light(
+        &mut self,
+        key: &str,
+        own: &At<Option<LightSpectrum>>,
+        general: Option<&Spectrum>,
+    ) -> Option<Spectrum> {
+        match &own.value {
+            Some(light) => self.light(key, &At { value: light.clone(), origin: own.origin }),
+            None => general.cloned(),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Light from all over the sky or the room: what it takes, and what it refuses.
+
+use std::path::Path;
+
+use papilio_optics::Beta;
+
+use crate::common::{GOOD, changed, resolve, shipped};
+
+const LAMP: &str = "[[lighting.directed]]\ntheta_deg = -20\nshare = 0.5\n";
+
+/// The good scenario with this instead of its lamp.
+fn with(environment: &str) -> String {
+    changed(&[(LAMP, &format!("[[lighting.environment]]\n{environment}\n"))])
+}
+
+#[test]
+fn rings_caps_and_profiles_are_where_they_say() {
+    for (environment, dark, lit) in [
+        ("model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 0.5", [29.9, 40.1], [30.1, 39.9]),
+        ("model = \"cap\"\nto_deg = 20\nshare = 0.5", [20.1, 89.0], [0.0, 19.9]),
+        ("model = \"cap\"\nfrom_deg = 60\nshare = 0.5", [0.0, 59.9], [60.1, 89.9]),
+        ("model = \"profile\"\nfile = \"data/synthetic-room.csv\"\nshare = 0.5", [90.1, 91.0], [0.0, 89.0]),
+    ] {
+        let scene = resolve(&with(environment), &shipped(), &[]).unwrap().scene;
+        let part = &scene.lighting.environment[0].parts[0];
+        assert_eq!(part.share, 0.5);
+        let at = |theta: f64| part.field.radiance(Beta::from_source(theta, 123.0, 1.0));
+        assert!(dark.iter().filter(|theta| **theta < 90.0).all(|theta| at(*theta) == 0.0), "{environment}");
+        assert!(lit.iter().all(|theta| at(*theta) > 0.0), "{environment}");
+    }
+}
+
+#[test]
+fn a_profile_may_count_from_the_plane() {
+    let text =
+        with("model = \"profile\"\nfile = \"data/synthetic-room.csv\"\nangles = \"elevation\"\nshare = 0.5");
+    let scene = resolve(&text, &shipped(), &[]).unwrap().scene;
+    let at =
+        |theta| scene.lighting.environment[0].parts[0].field.radiance(Beta::from_source(theta, 0.0, 1.0));
+    assert!(at(80.0) > 4.0 * at(10.0));
+}
+
+#[test]
+fn a_sky_brings_its_sun() {
+    let text = with(
+        "model = \"sky\"\nnumber = 12\nsun_elevation_deg = 30\nsun_azimuth_deg = -90\nsun_share = 0.4\nshare = 0.1\n\
+         tilt_deg = 40",
+    );
+    let resolved = resolve(&text, Path::new(""), &[]).unwrap();
+    // It faces azimuth -90 deg, its normal 50 deg above the horizon: the sun is 20 deg lower.
+    let sun = &resolved.scene.lighting.directed[0];
+    assert!((sun.theta_deg - 20.0).abs() < 1e-9 && (sun.phi_deg + 90.0).abs() < 1e-9, "{sun:?}");
+    assert_eq!((sun.radius_deg, sun.share), (Some(0.27), 0.4));
+    assert!(resolved.notes.iter().any(|note| note.contains("tilted by 40 deg")), "{:?}", resolved.notes);
+}
+
+#[test]
+fn what_is_refused() {
+    let sky = |rest: &str| format!("model = \"sky\"\nshare = 0.5\n{rest}");
+    for (environment, wanted) in [
+        ("model = \"ring\"\ntheta_deg = 88\nwidth_deg = 10\nshare = 0.5".into(), "reaches from 83 to 93 deg"),
+        ("model = \"cap\"\nfrom_deg = 30\nto_deg = 20\nshare = 0.5".into(), "reaches from 30 to 20 deg"),
+        ("model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 0.6".into(), "sum to 1.1"),
+        (sky("number = 12"), "`sun_elevation_deg` is missing"),
+        (sky("number = 12\nsun_elevation_deg = -3"), "expected a number above 0, at most 90"),
+        (sky("number = 17"), "expected a whole number from 1 to 16"),
+        (sky("number = 1\ntilt_deg = 180"), "none of this light falls on the display"),
+        (sky("number = 1\nwidth_deg = 3"), "`width_deg` means nothing with model = \"sky\""),
+        ("model = \"ring\"\nshare = 0.5".into(), "`theta_deg` is missing"),
+        ("model = \"lava\"\nshare = 0.5".into(), "`lava` is not a choice here"),
+        ("model = \"profile\"\nfile = \"none.csv\"\nshare = 0.5".into(), "there is no such file"),
+    ] {
+        let error = resolve(&with(&environment), Path::new(""), &[]).unwrap_err().to_string();
+        assert!(error.contains(wanted) && error.contains("test.toml:"), "{environment}: {error}");
+    }
+    let behind =
+        sky("number = 12\nsun_elevation_deg = 10\nsun_azimuth_deg = 90\ntilt_deg = 40\nsun_share = 0.1")
+            .replace("share = 0.5", "share = 0.4");
+    let error = resolve(&with(&behind), Path::new(""), &[]).unwrap_err().to_string();
+    assert!(error.contains("the sun stands 120.00 deg from the display's normal"), "{error}");
+}
+
+#[test]
+fn a_bad_profile_has_a_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = with("model = \"profile\"\nfile = \"p.csv\"\nshare = 0.5");
+    for (rows, wanted, place) in [
+        ("0,1\n10,-2\n", "the radiance is -2", "p.csv:2:4"),
+        ("0,1\n10,nan\n", "not a finite number", "p.csv:2:4"),
+        ("10,1\n5,1\n", "angles that rise", "p.csv:2:1"),
+        ("0,1\n95,1\n", "expected 0 to 90 deg", "p.csv:2:1"),
+        ("0,1\n", "expected at least two angles", "p.csv"),
+        ("0,0\n90,0\n", "none of this light falls on the display", "test.toml:"),
+    ] {
+        std::fs::write(folder.path().join("p.csv"), rows).unwrap();
+        let error = resolve(&text, folder.path(), &[]).unwrap_err().to_string();
+        assert!(error.contains(wanted) && error.contains(place), "{rows}: {error}");
+    }
+    assert!(GOOD.contains(LAMP));
+}

@@ -1,0 +1,94 @@
+//! Every kind of room's light, from scenario to result.
+#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+
+use std::path::Path;
+
+use papilio_display::result::RunResult;
+use papilio_scenario::Scenario;
+
+/// Lights of every kind, each for the whole illuminance.
+const LIGHTS: &[(&str, &str)] = &[
+    ("ring", "model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 1"),
+    ("cap", "model = \"cap\"\nto_deg = 15\nshare = 1"),
+    ("profile", "model = \"profile\"\nfile = \"data/synthetic-room.csv\"\nshare = 1"),
+    ("overcast", "model = \"sky\"\nnumber = 1\nshare = 1"),
+    (
+        "clear",
+        "model = \"sky\"\nnumber = 12\nsun_elevation_deg = 40\nsun_azimuth_deg = 30\nshare = 0.4\nsun_share = 0.6",
+    ),
+    (
+        "upright",
+        "model = \"sky\"\nnumber = 13\nsun_elevation_deg = 40\nsun_azimuth_deg = -60\nshare = 1\ntilt_deg = 90\n\
+         ground_reflectance = 0.2",
+    ),
+];
+
+const PAPER: &str = "[display.glass]\nindex = 1\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\n\
+    reflectance = { white = 0.6, black = 0.05 }\n";
+const PANEL: &str = "[[display.front]]\nreflectance = 0.02\nabsorptance = 0.01\n[display.diffuser]\n\
+    model = \"k-correlation\"\nwidth = 0.08\ntransmittance = 0.9\n[display.glass]\nindex = 1.5\n[display.pixel]\n\
+    model = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.05 }\n";
+const OVER_MIRROR: &str = "[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 0.8\n[display.glass]\nindex = 1.5\n\
+    [display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.05 }\n";
+
+fn text(display: &str, environment: &str, solver: &str) -> String {
+    format!(
+        "title = \"light\"\n[spectrum]\nstep_nm = 20\n{display}[[lighting.environment]]\n{environment}\n[viewer]\n\
+         theta_deg = 8\n[solver]\n{solver}\n"
+    )
+}
+
+fn run(text: &str) -> RunResult {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let scenario = Scenario::from_text(text, "light.toml", &folder, &[]).unwrap();
+    papilio_validation::run(&scenario.resolve().unwrap().scene).unwrap()
+}
+
+/// A Lambertian display gives its reflectance under every kind of light.
+#[test]
+fn a_lambertian_display_gives_its_reflectance_under_every_light() {
+    let diffuse = "model = \"cap\"\nshare = 1";
+    let even = run(&text(OVER_MIRROR, diffuse, ""));
+    let even = even.views[0].states.get("white").unwrap().value.Y;
+    for (name, light) in LIGHTS {
+        let white = |display: &str| {
+            let result = run(&text(display, light, ""));
+            result.views[0].states.get("white").unwrap().value.Y
+        };
+        let paper = white(PAPER);
+        assert!((paper - 0.6).abs() < 1e-6, "{name}: {paper}");
+        let seen = white(OVER_MIRROR);
+        assert!((seen / even - 1.0).abs() < 1e-5, "{name}: {seen} against {even}");
+    }
+}
+
+/// Both solvers agree, parts sum to Y, and ledgers close.
+#[test]
+fn the_solvers_agree_under_every_light() {
+    for (name, light) in LIGHTS {
+        let adding = run(&text(PANEL, light, "relative_error = 1e-4"));
+        let walk = run(&text(PANEL, light, "method = \"walk\"\npaths = 16384"));
+        for state in ["white", "black"] {
+            let [adding, walk] = [&adding, &walk].map(|result| &result.views[0]);
+            let (a, w) = (adding.states.get(state).unwrap(), walk.states.get(state).unwrap());
+            let z = (a.value.Y - w.value.Y) / w.standard_error.Y.hypot(1e-4 * a.value.Y);
+            assert!(
+                z.abs() < 4.0,
+                "{name}, {state}: {} against {} +- {}",
+                a.value.Y,
+                w.value.Y,
+                w.standard_error.Y
+            );
+            assert!(w.standard_error.Y < 0.03 * w.value.Y, "{name}, {state}: {}", w.standard_error.Y);
+            let terms = &a.value.terms;
+            let parts = terms.environment.iter().chain(&terms.directed).sum::<f64>();
+            assert!((parts + terms.diffuse + terms.front_reflection - a.value.Y).abs() < 1e-12, "{name}");
+            assert_eq!(terms.environment.len(), 1);
+            for ledger in [adding, walk].map(|view| view.ledger.get(state).unwrap()) {
+                let taken = &ledger.absorbed;
+                let absorbed = taken.front + taken.diffuser + taken.glass + taken.pixel + taken.inactive;
+                assert!((ledger.returned + absorbed + ledger.unaccounted - 1.0).abs() < 1e-9, "{name}");
+            }
+        }
+    }
+}
