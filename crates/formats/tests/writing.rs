@@ -34,7 +34,12 @@ fn values(start: f64) -> StateValues {
         R_hemi: None,
         R_dir: vec![None, Some(start)],
         R_environment: vec![],
-        terms: Terms { diffuse: start, directed: vec![1.0, start], environment: vec![], front_reflection: 0.0 },
+        terms: Terms {
+            diffuse: start,
+            directed: vec![1.0, start],
+            environment: vec![],
+            front_reflection: 0.0,
+        },
         specular: vec![0.04, 0.0],
     }
 }

@@ -84,6 +84,7 @@ macro_rules! kinds {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, serde::Serialize)]
         #[serde(tag = $tag)]
+        #[allow(clippy::large_enum_variant, reason = "a scenario has a few of them, not many")]
         pub(crate) enum $name {
             $( $(#[doc = $kind_doc])* #[serde(rename = $word)] $variant($crate::read::At<$ty>), )*
         }

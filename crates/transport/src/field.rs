@@ -57,7 +57,8 @@ impl Field {
             irradiance += sum * cell_area(squares, columns);
             up_to_row.push(irradiance);
         }
-        if !(irradiance > 0.0 && irradiance.is_finite()) || radiance.iter().any(|value| !(*value >= 0.0)) {
+        let is_light = irradiance > 0.0 && irradiance.is_finite();
+        if !is_light || !radiance.iter().all(|value| *value >= 0.0) {
             return None;
         }
         up_to_row.iter_mut().for_each(|part| *part /= irradiance);
@@ -73,13 +74,15 @@ impl Field {
     /// Radiance over irradiance, 1/sr, of the light that propagates with `beta`.
     #[inline]
     pub fn radiance(&self, beta: Beta) -> f64 {
-        let after = self.squares.partition_point(|square| *square <= beta.squared());
-        if after == 0 || after == self.squares.len() {
-            // Grazing light itself belongs to the last row.
-            let on_rim = after > 0 && beta.squared() == self.squares[after - 1];
-            return if on_rim { self.row(after - 2)[self.column(beta)] } else { 0.0 };
-        }
-        self.row(after - 1)[self.column(beta)]
+        let square = beta.squared();
+        let row = match self.squares.partition_point(|edge| *edge <= square) {
+            0 => return 0.0,
+            // The last row holds its own end, grazing light.
+            all if all == self.squares.len() && square > self.squares[all - 1] => return 0.0,
+            all if all == self.squares.len() => all - 2,
+            after => after - 1,
+        };
+        self.row(row)[self.column(beta)]
     }
 
     /// The column that sends light of these direction cosines.

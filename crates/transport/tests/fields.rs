@@ -1,4 +1,5 @@
 //! Light from all over the sky: closed forms, other sources that it must equal, and walk against adding.
+#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
 
 mod common;
 #[path = "common/layers.rs"]
