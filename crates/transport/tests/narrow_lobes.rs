@@ -69,7 +69,7 @@ fn mirror([level, swing, speed]: [f64; 3]) -> Base {
 impl Case {
     fn seen(&self, level: u32) -> f64 {
         let mut kernel = Kernel::new(level);
-        kernel.prepare(&self.stack, &[self.view], &[Source::Diffuse, self.beam]);
+        kernel.prepare(&self.stack, &[self.view], &[Source::Diffuse, self.beam.clone()]);
         let estimate = kernel.estimate(&self.stack, 0);
         let [diffuse, beam] = [0, 1].map(|source| common::rho(&estimate, source));
         self.diffuse * diffuse + (1.0 - self.diffuse) * beam
