@@ -182,15 +182,45 @@ const TARGETS: &[Case] = &[
     ),
 ];
 
+/// Of `[metrics]`.
+const METRICS: &[Case] = &[
+    ("[viewer]", "[metrics]\nreference_state = \"wite\"\n[viewer]", (38, 19), &["there is no state `wite`"]),
+    ("[viewer]", "[metrics]\nobserver = \"1960\"\n[viewer]", (38, 12), &["1931", "1964"]),
+    ("[viewer]", "[metrics]\nobserver = 1931\n[viewer]", (38, 12), &["expected"]),
+    ("[viewer]", "[metrics]\ngamut_volume = 1\n[viewer]", (38, 16), &["expected"]),
+    ("[viewer]", "[metrics]\nappearance = { background = 0 }\n[viewer]", (38, 29), &["from 0.01 to 1"]),
+    (
+        "[viewer]",
+        "[metrics]\nappearance = { surround = \"bright\" }\n[viewer]",
+        (38, 27),
+        &["average", "dark"],
+    ),
+    (
+        "[viewer]",
+        "[metrics.appearance]\nadapting_luminance_cd_m2 = 0.0\n[viewer]",
+        (38, 28),
+        &["from 0.01 to 1e6"],
+    ),
+    ("[viewer]", "[metrics]\nobservr = \"1964\"\n[viewer]", (38, 1), &["observer"]),
+];
+
 const NOT_IN_THIS_VERSION: &[Case] =
     &[("[viewer]", "[optimize]\n[viewer]", (37, 2), &["`optimize` is not in this version"])];
 
 #[test]
 fn every_mistake_is_shown_where_it_is() {
     let mut wrong = Vec::new();
-    for (from, to, place, says) in
-        [KEYS_AND_TYPES, RANGES, NAMES_AND_CHOICES, ADVICE, WRITTEN_OTHERWISE, NOT_IN_THIS_VERSION, TARGETS]
-            .concat()
+    for (from, to, place, says) in [
+        KEYS_AND_TYPES,
+        RANGES,
+        NAMES_AND_CHOICES,
+        ADVICE,
+        WRITTEN_OTHERWISE,
+        NOT_IN_THIS_VERSION,
+        TARGETS,
+        METRICS,
+    ]
+    .concat()
     {
         let errors = errors(&changed(&[(from, to)]), &[]);
         let (at, shown) = (errors[0].place.line_column(), errors[0].to_string());

@@ -1,0 +1,113 @@
+//! Metrics that a scenario asks for: the other observer, the gamut's volume, appearance, a reference state.
+
+#![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+
+use papilio_colour::{CORNERS, Corners, Surround, Viewing, Xy, Xyz};
+use papilio_display::result::{RunResult, State};
+use papilio_validation::{run, scenario};
+
+fn indoor(overrides: &[&str]) -> RunResult {
+    run(&scenario("indoor", overrides).unwrap().scene).unwrap()
+}
+
+fn state<'a>(result: &'a RunResult, name: &str) -> &'a State {
+    result.views[0].states.get(name).unwrap()
+}
+
+fn xyz(state: &State) -> Xyz {
+    Xyz { x: state.value.X, y: state.value.Y, z: state.value.Z }
+}
+
+/// Luminance is photometric whoever looks, a perfect white has Y = 1 for both, and colours are others.
+#[test]
+fn the_other_observer_sees_other_colours_and_the_same_luminance() {
+    let [two, ten] = ["1931", "1964"].map(|year| indoor(&[&format!("metrics.observer=\"{year}\"")]));
+    for (name, seen) in two.views[0].states.iter() {
+        let other = state(&ten, name);
+        let (a, b) = (seen.value.luminance_cd_m2, other.value.luminance_cd_m2);
+        assert!((a - b).abs() < 1e-9 * a, "{name}: {a} {b}");
+        assert_eq!(seen.value.reflectance_factor, other.value.reflectance_factor);
+    }
+    let (green, other) = (state(&two, "green"), state(&ten, "green"));
+    assert!((green.value.u_prime.unwrap() - other.value.u_prime.unwrap()).abs() > 1e-3);
+    // D65 of either observer, on whole wavelengths of 5 nm.
+    for (result, x, y) in [(&two, 0.31272, 0.32903), (&ten, 0.31381, 0.33098)] {
+        assert!((result.illuminant.x - x).abs() < 2e-4 && (result.illuminant.y - y).abs() < 2e-4);
+    }
+    let metrics = &ten.views[0].metrics;
+    assert_eq!((metrics.gamut_percent_srgb, metrics.coverage_percent_ebu), (None, None));
+    assert!(metrics.contrast_ratio.is_some() && other.value.hue_rgb.is_none());
+    assert!(other.value.distance_from_d65_uv.is_some());
+    let terms = &other.value.terms;
+    assert!((terms.diffuse + terms.directed[0] + terms.front_reflection - other.value.Y).abs() < 1e-12);
+}
+
+#[test]
+fn the_volume_is_that_of_the_states_and_there_where_asked_for() {
+    assert_eq!(indoor(&[]).views[0].metrics.gamut_volume_cielab, None);
+    let result = indoor(&["metrics.gamut_volume=true"]);
+    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
+    let corners = Corners { xyz: CORNERS.map(|name| xyz(state(&result, name))) };
+    let (view, volume) = (&result.views[0], corners.solid(white).unwrap().volume());
+    let found = view.metrics.gamut_volume_cielab.unwrap();
+    assert!((found / volume - 1.0).abs() < 1e-9, "{found} {volume}");
+    let error = view.discretisation_error.unwrap().gamut_volume_cielab.unwrap();
+    assert!(error > 0.0 && error < 1e-2 * found, "{error}");
+    // Without cyan there is no cube.
+    let fewer = [
+        "display.pixel.default_states=false",
+        "display.pixel.states={ white = { red = 1, green = 1, blue = 1 } }",
+    ];
+    let result = indoor(&[&["metrics.gamut_volume=true"], &fewer[..]].concat());
+    assert_eq!(result.views[0].metrics.gamut_volume_cielab, None);
+}
+
+#[test]
+fn appearance_is_that_of_the_room() {
+    assert!(state(&indoor(&[]), "red").value.cam16.is_none());
+    let result = indoor(&["metrics.appearance={ surround = \"dim\", background = 0.3 }"]);
+    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
+    // 500 lx on the background.
+    let adapting_luminance_cd_m2 = 0.3 * 500.0 / std::f64::consts::PI;
+    let viewing = Viewing { adapting_luminance_cd_m2, background: 0.3, surround: Surround::Dim };
+    for (name, state) in result.views[0].states.iter() {
+        let looks = xyz(state).appearance(white, &viewing).unwrap();
+        let found = state.value.cam16.unwrap();
+        assert!((found.J.unwrap() - looks.lightness).abs() < 1e-6, "{name}");
+        assert!((found.b_prime.unwrap() - looks.uniform[2]).abs() < 1e-6, "{name}");
+    }
+}
+
+#[test]
+fn any_state_may_be_the_reference() {
+    let result = indoor(&["metrics.reference_state=\"green\""]);
+    let green = state(&result, "green").value.metrics;
+    assert_eq!((green.delta_E_2000_from_reference, green.distance_from_reference_uv), (Some(0.0), Some(0.0)));
+    let red = &state(&result, "red").value;
+    let uv = |name: &str| {
+        (state(&result, name).value.u_prime.unwrap(), state(&result, name).value.v_prime.unwrap())
+    };
+    let ((u, v), (gu, gv)) = (uv("red"), uv("green"));
+    assert!((red.metrics.distance_from_reference_uv.unwrap() - (u - gu).hypot(v - gv)).abs() < 1e-12);
+    assert!(red.metrics.delta_E_2000_from_reference.unwrap() > 20.0);
+}
+
+/// What is asked for costs what is not asked for nothing: the other numbers stay, bit by bit.
+#[test]
+fn asking_changes_no_other_number() {
+    let (plain, all) = (indoor(&[]), indoor(&["metrics.gamut_volume=true", "metrics.appearance={}"]));
+    let mut forgotten = all;
+    for view in &mut forgotten.views {
+        for metrics in
+            [Some(&mut view.metrics), Some(&mut view.standard_error), view.discretisation_error.as_mut()]
+        {
+            metrics.unwrap().gamut_volume_cielab = None;
+        }
+        for (_, state) in &mut view.states.0 {
+            let errors = [&mut state.standard_error, state.discretisation_error.as_mut().unwrap()];
+            errors.into_iter().for_each(|values| values.cam16 = None);
+            state.value.cam16 = None;
+        }
+    }
+    assert_eq!(plain, forgotten);
+}
