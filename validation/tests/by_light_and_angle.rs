@@ -5,6 +5,7 @@
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::{Control, reflection};
+use papilio_scenario::preset_names;
 use papilio_validation::{run, scenario};
 
 /// White paint without glass is as bright in any light, from anywhere, and keeps its colour.
@@ -45,6 +46,26 @@ fn paint_is_alike_in_every_light_and_from_everywhere() {
             assert!((luminance / (0.75 * white + 0.25 * black) - 1.0).abs() < 0.01, "{luminance}");
             assert!((view.metrics.text_contrast.unwrap() - 0.57 / 0.61).abs() < 0.01);
             assert_eq!(view.metrics.reading_surrogate_age_50, None);
+        }
+    }
+}
+
+/// The same paint in every preset's light and geometry; in the light of readability tests, its text is that of
+/// so many cd/m2.
+#[test]
+fn paint_is_paint_in_every_preset() {
+    for name in preset_names() {
+        let preset = format!("lighting.preset={name}");
+        let result = run(&scenario("overcast", &[&preset, PAINT[0]]).unwrap().scene).unwrap();
+        let view = &result.views[0];
+        for (state, reflectance) in [("white", 0.6), ("black", 0.03)] {
+            let y = view.states.get(state).unwrap().value.Y;
+            assert!((y - reflectance).abs() < 1e-6, "{name}, {state}: {y}");
+        }
+        if name == "daylight-readability" {
+            let lux = 1e4 + 1e5 * std::f64::consts::FRAC_1_SQRT_2;
+            let expected = (0.75 * 0.6 + 0.25 * 0.03) * lux / std::f64::consts::PI;
+            assert!((view.metrics.text_luminance_cd_m2.unwrap() / expected - 1.0).abs() < 1e-6);
         }
     }
 }

@@ -111,6 +111,7 @@ fn lit(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     lit.lighting.diffuse = share;
     lit.lighting.diffuse_spectrum = light.clone();
     lit.lighting.directed = sources;
+    lit.lighting.environment.clear();
     lit
 }
 

@@ -46,10 +46,14 @@ choice! {
         DaylightReadability = "daylight-readability",
         /// At -40 deg; viewer at 30 deg.
         IecDirectional = "iec-directional",
+        /// A ring at 35 deg, 10 deg wide; viewer at 20 deg.
+        IecRing = "iec-ring",
         /// Diffuse; viewer at 8 deg.
         IecHemispherical = "iec-hemispherical",
         /// Diffuse; viewer at 8 deg.
         D8Included = "d8-included",
+        /// From beyond 13 deg alone; viewer at 8 deg.
+        D8Excluded = "d8-excluded",
         /// At 45 deg; viewer along the normal.
         FortyFive = "45-0",
         /// At 30 deg; viewer along the normal.

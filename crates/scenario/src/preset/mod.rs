@@ -26,8 +26,10 @@ presets!(
     "full-sun",
     "daylight-readability",
     "iec-directional",
+    "iec-ring",
     "iec-hemispherical",
     "d8-included",
+    "d8-excluded",
     "45-0",
     "30-0",
 );
