@@ -5,6 +5,7 @@ use std::fmt;
 use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
+use crate::light::MapProblem;
 use crate::place::{Place, Remark};
 
 /// A file that cannot be used: what is wrong, and where in it.
@@ -177,12 +178,27 @@ pub enum Problem {
     /// No entry gives the refractive index.
     #[error("no `DATA` entry gives the refractive index n")]
     NoIndex,
+    /// Something about a map of light.
+    #[error(transparent)]
+    Map(Box<MapProblem>),
+    /// Something about a luminaire's file.
+    #[error("this is no IES LM-63 file that can be used: {what}")]
+    Ies {
+        /// What is wrong.
+        what: &'static str,
+    },
     /// Something about a BSDF.
     #[error(transparent)]
     Bsdf(Box<BsdfProblem>),
     /// The table or formula makes no sense as optical data.
     #[error(transparent)]
     Spectra(#[from] SpectraError),
+}
+
+impl From<MapProblem> for Problem {
+    fn from(problem: MapProblem) -> Self {
+        Self::Map(Box::new(problem))
+    }
 }
 
 impl From<BsdfProblem> for Problem {
@@ -202,6 +218,7 @@ impl Problem {
     pub fn expected(&self) -> Option<&'static str> {
         Some(match self {
             Self::Bsdf(problem) => return problem.expected(),
+            Self::Map(problem) => return problem.expected(),
             Self::TooFew { .. } => "expected at least two wavelengths",
             Self::TooFewAngles { .. } => "expected at least two angles",
             Self::BadName => GOOD_NAME,
@@ -225,6 +242,7 @@ impl Problem {
     pub fn hint(&self) -> Option<&'static str> {
         Some(match self {
             Self::Bsdf(problem) => return problem.hint(),
+            Self::Map(problem) => return problem.hint(),
             Self::NotUtf8 => "save it as plain text in UTF-8",
             Self::Columns { count, found, .. } if found < count => {
                 "separate the columns with commas, semicolons, tabs or blanks"

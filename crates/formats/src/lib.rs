@@ -5,6 +5,8 @@
 //! | [`read_spectrum`] | two columns: wavelength in nm, value |
 //! | [`read_shares`], [`read_light`] | the same, with the range of shares, or of a light |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
+//! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (told apart by content) |
+//! | [`read_ies`] | luminaires, IES LM-63 type C |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of a panel's states |
@@ -27,8 +29,7 @@
 //! file is written whole or not at all by [`write_file`]. Numbers are written so
 //! that they read back as they were, bit for bit.
 //!
-//! **Out of scope**: light maps. Readers check what a
-//! file says, not what it is for: whether a spectrum covers a grid is the caller's question.
+//! **Out of scope**: what a file is for. Readers check what it says: whether a spectrum covers a grid is the caller's question.
 //!
 //! ```
 //! use papilio_formats::{DataFile, read_index};
@@ -72,7 +73,9 @@ pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
 pub use json::write_json;
-pub use light::read_profile;
+pub use light::{
+    LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
+};
 pub use measured_panel::read_measured_panel;
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use place::{Place, Remark, Spot};

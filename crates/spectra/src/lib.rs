@@ -25,6 +25,7 @@ mod error;
 mod grid;
 mod illuminant;
 mod material;
+mod primaries;
 mod spectrum;
 
 pub use dispersion::Dispersion;
@@ -32,4 +33,5 @@ pub use error::SpectraError;
 pub use grid::Grid;
 pub use illuminant::{daylight, illuminant, illuminant_names, ohno_led, planck};
 pub use material::{material, material_names};
+pub use primaries::srgb_primaries;
 pub use spectrum::{Spectrum, Tabulated, sum_of_products};

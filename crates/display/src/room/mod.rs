@@ -1,16 +1,19 @@
 //! The room and the sky as fields of light over the display.
 //!
 //! - [`profile`]: alike at all azimuths, from a table over inclination;
+//! - [`Panorama`]: a picture of the whole sphere;
 //! - [`Sky`]: the CIE standard general skies;
 //! - [`Pose`]: how the display stands below a sky or in a room.
 //!
 //! Everything here is relative: shares of illuminance and spectra are the scene's.
 
+mod map;
 mod pose;
 mod sky;
 
 use papilio_transport::Field;
 
+pub use map::{Cells, Panorama};
 pub use pose::Pose;
 pub use sky::Sky;
 

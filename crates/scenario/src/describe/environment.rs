@@ -1,7 +1,7 @@
 //! `[[lighting.environment]]`: light from all over the sky or the room.
 
 use super::lighting::LightSpectrum;
-use super::numbers::{Azimuth, Count, Elevation, FieldAngle, Horizon, Share};
+use super::numbers::{Azimuth, Count, Elevation, FieldAngle, Horizon, Metres, Share};
 use crate::grammar::{choice, kinds, table};
 use crate::read::At;
 
@@ -16,6 +16,10 @@ kinds! {
         Profile(Profile) = "profile",
         /// A CIE standard general sky.
         Sky(Sky) = "sky",
+        /// A picture of the whole sphere.
+        Map(Map) = "map",
+        /// A luminaire by its IES file, far away.
+        Luminaire(Luminaire) = "luminaire",
     }
 }
 
@@ -92,5 +96,44 @@ table! {
         tilt_deg: FieldAngle = FieldAngle(0.0),
         /// Reflectance of the ground, 0 to 1: what a tilted display sees below the horizon. Default 0.
         ground_reflectance: Share = Share(0.0),
+    }
+}
+
+table! {
+    /// A picture of the whole sphere, equirectangular, by radiance.
+    Map {
+        /// Share of `illuminance_lx`, 0 to 1.
+        share: Share,
+        /// Relative spectrum of the map's white; none beside a map of wavelengths. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// A Radiance picture (.hdr) or an OpenEXR file (.exr), twice as wide as high.
+        file: String,
+        /// Turns the world counterclockwise, seen from above, degrees. Default 0: an upright display faces the
+        /// middle of the map.
+        rotate_deg: Azimuth = Azimuth(0.0),
+        /// 0: the display lies flat and faces the top of the map; 90: it stands upright. Default 0.
+        tilt_deg: FieldAngle = FieldAngle(0.0),
+    }
+}
+
+table! {
+    /// A luminaire far away: a disc of its opening's size, listed among the directed sources.
+    Luminaire {
+        /// Share of `illuminance_lx`, 0 to 1.
+        share: Share,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// IES LM-63, type C photometry.
+        file: String,
+        /// Elevation of the luminaire above the horizon, as the display sees it, above 0, at most 90 deg.
+        elevation_deg: Elevation,
+        /// Its azimuth, counterclockwise seen from above, from the display's x axis, degrees. Default 0.
+        azimuth_deg: Azimuth = Azimuth(0.0),
+        /// Its distance, m.
+        distance_m: Metres,
+        /// Azimuth of its own plane C = 0, degrees. Default 0.
+        turn_deg: Azimuth = Azimuth(0.0),
+        /// 0: the display lies flat; 90: it stands upright and faces azimuth -90 deg. Default 0.
+        tilt_deg: FieldAngle = FieldAngle(0.0),
     }
 }

@@ -61,7 +61,12 @@ number!(
     { "type": "number", "exclusiveMinimum": -90, "exclusiveMaximum": 90 }
 );
 number!(
-    /// The sun's elevation above the horizon, degrees.
+    /// A distance, m.
+    Metres, "a number above 0, at most 1e6 (m)", |v| v > 0.0 && v <= 1e6,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+);
+number!(
+    /// An elevation above the horizon, degrees.
     Elevation, "a number above 0, at most 90 (degrees above the horizon)", |v| v > 0.0 && v <= 90.0,
     { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
 );

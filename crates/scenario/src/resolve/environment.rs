@@ -1,10 +1,11 @@
 //! Light from all over the sky or the room, as fields.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_display::room::{Pose, Sky, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
-use papilio_formats::read_profile;
+use papilio_formats::{read_ies, read_profile};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -26,6 +27,8 @@ impl describe::Environment {
             Self::Cap(cap) => &cap.share,
             Self::Profile(profile) => &profile.share,
             Self::Sky(sky) => &sky.share,
+            Self::Map(map) => &map.share,
+            Self::Luminaire(lamp) => &lamp.share,
         }
     }
 
@@ -35,12 +38,14 @@ impl describe::Environment {
             Self::Cap(cap) => &cap.spectrum,
             Self::Profile(profile) => &profile.spectrum,
             Self::Sky(sky) => &sky.spectrum,
+            Self::Map(map) => &map.spectrum,
+            Self::Luminaire(lamp) => &lamp.spectrum,
         }
     }
 }
 
 impl Resolver<'_> {
-    /// Number `i` of the environments; a sun's disc becomes one of the directed sources.
+    /// Number `i` of the environments; a sun's disc and a luminaire become directed sources.
     pub(super) fn environment(
         &mut self,
         i: usize,
@@ -51,6 +56,11 @@ impl Resolver<'_> {
         let key = format!("lighting.environment.{i}");
         let spectrum = self.own_light(&format!("{key}.spectrum"), environment.spectrum(), general);
         let field = match environment {
+            describe::Environment::Map(map) => return self.map(&key, map, spectrum),
+            describe::Environment::Luminaire(lamp) => {
+                directed.push(self.luminaire(&key, lamp, spectrum)?);
+                return Some(Environment { parts: Vec::new() });
+            }
             describe::Environment::Ring(ring) => self.ring(ring),
             describe::Environment::Cap(cap) => self.cap(cap),
             describe::Environment::Profile(profile) => self.profile(profile),
@@ -122,6 +132,44 @@ impl Resolver<'_> {
             ));
         }
         field
+    }
+
+    /// A luminaire as a disc of its opening's size in its direction.
+    fn luminaire(
+        &mut self,
+        key: &str,
+        lamp: &At<describe::Luminaire>,
+        spectrum: Option<Spectrum>,
+    ) -> Option<DirectedLight> {
+        let light = self.data(&lamp.file.value, lamp.file.origin, read_ies)?;
+        let pose = Pose { tilt_deg: lamp.tilt_deg.0 };
+        let (theta_deg, phi_deg) = pose.sees([lamp.elevation_deg.0, lamp.azimuth_deg.0]);
+        // What goes towards the display leaves the luminaire this far from its nadir, in the opposite azimuth.
+        let from_nadir_deg = 90.0 - lamp.elevation_deg.0;
+        let intensity = light.intensity(from_nadir_deg, lamp.azimuth_deg.0 + 180.0 - lamp.turn_deg.0);
+        let seen_m2 = light.opening_m2() * from_nadir_deg.to_radians().cos();
+        let radius_deg = (seen_m2 / PI).sqrt().atan2(lamp.distance_m.0).to_degrees();
+        if theta_deg + radius_deg >= 90.0 {
+            let at = lamp.elevation_deg.origin.or_set([lamp.tilt_deg.origin, lamp.azimuth_deg.origin]);
+            self.errors.push(at, Problem::BelowHorizon { theta_deg: theta_deg + radius_deg });
+            return None;
+        }
+        if intensity == 0.0 {
+            self.dark(lamp.file.origin);
+            return None;
+        }
+        let lux = intensity * theta_deg.to_radians().cos() / lamp.distance_m.0.powi(2);
+        self.notes.push(format!(
+            "{key}: the luminaire sends {intensity:.1} cd to the display, {lux:.2} lx there; the share counts, not they"
+        ));
+        Some(DirectedLight {
+            theta_deg,
+            phi_deg,
+            share: lamp.share.0,
+            spectrum: spectrum?,
+            radius_deg: (radius_deg > 0.0).then_some(radius_deg),
+            normal_to_beam: false,
+        })
     }
 
     /// The sun's disc.

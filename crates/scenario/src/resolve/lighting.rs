@@ -1,10 +1,10 @@
 //! The room's light: its sources, and whether their shares make a whole.
 
-use papilio_display::scene::{DirectedLight, Lighting};
+use papilio_display::scene::{DirectedLight, Environment, Lighting};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
-use crate::describe::environment::Environment;
+use crate::describe::environment::Environment as Described;
 use crate::describe::lighting as describe;
 use crate::describe::numbers::Share;
 use crate::problem::Problem;
@@ -31,7 +31,8 @@ impl Resolver<'_> {
             diffuse: lighting.diffuse.map_or(0.0, |share| share.0),
             diffuse_spectrum: general?,
             directed: directed?,
-            environment: environment.into_iter().collect::<Option<_>>()?,
+            // Luminaires are among the directed sources.
+            environment: environment.into_iter().filter(|one| !is_empty(one)).collect::<Option<_>>()?,
         })
     }
 
@@ -71,7 +72,7 @@ impl Resolver<'_> {
                 shares.push((format!("lighting.environment.{i}.{key}"), share.0, share.origin));
             };
             add("share", environment.share());
-            if let Environment::Sky(sky) = &environment.value {
+            if let Described::Sky(sky) = &environment.value {
                 add("sun_share", &sky.sun_share);
             }
         }
@@ -89,4 +90,8 @@ impl Resolver<'_> {
         let (remedy, value) = (shares[mends].0.clone(), needed(mends));
         self.errors.push(shares[wrong].2, Problem::LightShares { sum, remedy, value });
     }
+}
+
+fn is_empty(environment: &Option<Environment>) -> bool {
+    environment.as_ref().is_some_and(|environment| environment.parts.is_empty())
 }

@@ -7,6 +7,7 @@ mod film;
 mod layers;
 mod light;
 mod lighting;
+mod maps;
 mod measure;
 mod measured;
 mod panel;

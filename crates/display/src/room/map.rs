@@ -1,0 +1,220 @@
+//! A picture of the whole sphere as a field over the display.
+//!
+//! # Model
+//! Rows of the picture are even in inclination from the zenith, columns in azimuth, to the right as seen from
+//! inside. At `rotate_deg = 0` its middle is what an upright display faces (azimuth -90 deg, see [`Pose`]); rotation turns
+//! the world counterclockwise seen from above.
+//!
+//! Over a display that lies flat, pixels are cells: nothing is resampled (a rotation by a part of a pixel splits
+//! its light between two). Over a tilted one each pixel is cut into many parts, and each part's
+//! light put into the cell it falls in: the illuminance is kept, single cells are right to a hundredth. Rows near the
+//! normal, where cells are slim, share their light among several of them.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::pose::{Pose, by_inclination};
+
+/// A picture of the whole sphere.
+#[derive(Debug, Clone)]
+pub struct Panorama<'a> {
+    /// Pixels in a row: twice the rows.
+    pub width: usize,
+    /// Rows; even.
+    pub height: usize,
+    /// For each channel the radiances, by rows.
+    pub channels: Vec<&'a [f32]>,
+}
+
+/// Radiances by row of inclination and column of azimuth over the display.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cells {
+    /// Between the rows, degrees.
+    pub edges_deg: Vec<f64>,
+    /// Columns of each row.
+    pub columns: usize,
+    /// For each channel, `[row][column]`.
+    pub channels: Vec<Vec<f64>>,
+}
+
+impl Cells {
+    /// All light of a channel: its integral over solid angle.
+    pub fn light(&self, channel: usize) -> f64 {
+        let rows = self.channels[channel].chunks_exact(self.columns).zip(self.edges_deg.windows(2));
+        let of = |(cells, edges): (&[f64], &[f64])| {
+            (edges[0].to_radians().cos() - edges[1].to_radians().cos()) * cells.iter().sum::<f64>()
+        };
+        rows.map(of).sum::<f64>() * TAU / self.columns as f64
+    }
+}
+
+/// A flat display's cells are no more than these columns; a tilted one has so many, each cut so finely.
+const MOST_FLAT: usize = 1024;
+const TILTED: usize = 512;
+const PARTS: usize = 8;
+
+impl Panorama<'_> {
+    /// All light of a channel, over the whole sphere: its integral over solid angle.
+    pub fn light(&self, channel: usize) -> f64 {
+        let rows = self.channels[channel].chunks_exact(self.width).enumerate();
+        let of = |(row, pixels): (usize, &[f32])| {
+            self.band(row, 1) * pixels.iter().map(|value| f64::from(*value)).sum::<f64>()
+        };
+        rows.map(of).sum::<f64>() * TAU / self.width as f64
+    }
+
+    /// What a display of this pose has above its own plane.
+    pub fn over(&self, pose: Pose, rotate_deg: f64) -> Cells {
+        if pose.tilt_deg == 0.0 { self.over_flat(rotate_deg) } else { self.over_tilted(pose, rotate_deg) }
+    }
+
+    fn over_flat(&self, rotate_deg: f64) -> Cells {
+        let rows = self.height / 2;
+        // Halved until it is small enough; an odd size stays as it is.
+        let mut step = 1;
+        while self.width / step > MOST_FLAT
+            && rows.is_multiple_of(2 * step)
+            && self.width.is_multiple_of(2 * step)
+        {
+            step *= 2;
+        }
+        let (rows, columns) = (rows / step, self.width / step);
+        // Azimuth falls from column to column; a pixel's place is split between two cells.
+        let shift = (90.0 + rotate_deg) / 360.0 * columns as f64;
+        let (whole, part) = (shift.floor(), shift - shift.floor());
+        let channel = |pixels: &&[f32]| {
+            let mut radiance = vec![0.0; rows * columns];
+            for (row, cells) in radiance.chunks_exact_mut(columns).enumerate() {
+                for column in 0..columns {
+                    let value = self.mean(pixels, (row * step, column * step), step);
+                    let cell = |k: f64| (k.rem_euclid(columns as f64) as usize).min(columns - 1);
+                    cells[cell(whole - column as f64 - 1.0)] += (1.0 - part) * value;
+                    cells[cell(whole - column as f64)] += part * value;
+                }
+            }
+            radiance
+        };
+        let edges_deg = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
+        Cells { edges_deg, columns, channels: self.channels.iter().map(channel).collect() }
+    }
+
+    /// The mean of a block of pixels, by solid angle.
+    fn mean(&self, pixels: &[f32], (row, column): (usize, usize), step: usize) -> f64 {
+        let (mut sum, mut area) = (0.0, 0.0);
+        for row in row..row + step {
+            let weight = self.band(row, 1);
+            let pixels = &pixels[row * self.width..][column..column + step];
+            sum += weight * pixels.iter().map(|value| f64::from(*value)).sum::<f64>();
+            area += weight * step as f64;
+        }
+        sum / area
+    }
+
+    /// Solid angle of a row's part over that of a turn.
+    fn band(&self, row: usize, parts: usize) -> f64 {
+        let angle = |row: f64| PI * row / (self.height * parts) as f64;
+        angle(row as f64).cos() - angle(row as f64 + 1.0).cos()
+    }
+
+    fn over_tilted(&self, pose: Pose, rotate_deg: f64) -> Cells {
+        let (rows, columns) = (TILTED / 4, TILTED);
+        let parts = (PARTS * TILTED).div_ceil(self.width).max(2);
+        let (fine_rows, fine_columns) = (self.height * parts, self.width * parts);
+        let mut light = vec![vec![0.0; rows * columns]; self.channels.len()];
+        let turns: Vec<f64> = (0..fine_columns)
+            .map(|column| {
+                let along = (column as f64 + 0.5) / fine_columns as f64;
+                (90.0 + rotate_deg).to_radians() - TAU * along
+            })
+            .collect();
+        for fine_row in 0..fine_rows {
+            let theta = PI * (fine_row as f64 + 0.5) / fine_rows as f64;
+            let solid_angle = self.band(fine_row, parts) * TAU / fine_columns as f64;
+            let start = fine_row / parts * self.width;
+            for (column, turn) in turns.iter().enumerate() {
+                let [x, y, z] = pose.to_display(by_inclination(theta, *turn));
+                if z > 0.0 {
+                    let row = (x.hypot(y).atan2(z) / FRAC_PI_2 * rows as f64) as usize;
+                    let turn = y.atan2(x).rem_euclid(TAU) / TAU;
+                    let cell =
+                        row.min(rows - 1) * columns + ((turn * columns as f64) as usize).min(columns - 1);
+                    for (light, pixels) in light.iter_mut().zip(&self.channels) {
+                        light[cell] += f64::from(pixels[start + column / parts]) * solid_angle * z;
+                    }
+                }
+            }
+        }
+        let edge = |row: usize| FRAC_PI_2 * row as f64 / rows as f64;
+        let rows_of_all = light.iter_mut().flat_map(|light| light.chunks_exact_mut(columns).enumerate());
+        for (row, cells) in rows_of_all {
+            let area = 0.5 * (edge(row + 1).sin().powi(2) - edge(row).sin().powi(2)) * TAU / columns as f64;
+            let middle = (0.5 * (edge(row) + edge(row + 1))).sin();
+            let together = ((1.0 / middle) as usize).next_power_of_two().min(columns / 4);
+            for cells in cells.chunks_mut(together) {
+                let mean = cells.iter().sum::<f64>() / (area * cells.len() as f64);
+                cells.fill(mean);
+            }
+        }
+        Cells { edges_deg: (0..=rows).map(|row| edge(row).to_degrees()).collect(), columns, channels: light }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_optics::Beta;
+    use papilio_transport::Field;
+
+    fn field(cells: Cells) -> (Field, f64) {
+        Field::new(&cells.edges_deg, cells.columns, cells.channels[0].clone()).unwrap()
+    }
+
+    fn map(width: usize, value: impl Fn(usize, usize) -> f32) -> Vec<f32> {
+        (0..width * width / 2).map(|k| value(k / width, k % width)).collect()
+    }
+
+    #[test]
+    fn an_even_map_is_even_over_every_display() {
+        let radiance = vec![2.0; 64 * 32];
+        let map = Panorama { width: 64, height: 32, channels: vec![&radiance] };
+        let flat = map.over(Pose::default(), 17.0);
+        assert!(flat.channels[0].iter().all(|value| (value - 2.0).abs() < 1e-12));
+        for tilt_deg in [30.0, 90.0, 180.0] {
+            let cells = map.over(Pose { tilt_deg }, 17.0);
+            let (worst, irradiance) = (
+                cells.channels[0].iter().map(|value| (value - 2.0).abs()).fold(0.0, f64::max),
+                field(cells.clone()).1,
+            );
+            assert!((irradiance / (2.0 * PI) - 1.0).abs() < 1e-4, "{tilt_deg}: {irradiance}");
+            assert!(worst < 0.2, "{tilt_deg}: {worst}");
+        }
+    }
+
+    /// A bright pixel is where its azimuth and elevation say, whatever the pose, and keeps its light.
+    #[test]
+    fn a_bright_pixel_is_where_it_should_be() {
+        // Row 20 of 64: elevation 90 - 20.5/64 180 = 32.3 deg. Column 32 of 128: a quarter to the left of the middle.
+        let radiance = map(128, |row, column| if (row, column) == (20, 32) { 5.0 } else { 0.0 });
+        let map = Panorama { width: 128, height: 64, channels: vec![&radiance] };
+        let elevation = 90.0 - 20.5 / 64.0 * 180.0;
+        let azimuth = -90.0 + 360.0 * (0.5 - 32.5 / 128.0);
+        let solid_angle = map.band(20, 1) * TAU / 128.0;
+        for (tilt_deg, rotate_deg) in [(0.0, 0.0), (0.0, 100.0), (40.0, -60.0), (90.0, -70.0)] {
+            let pose = Pose { tilt_deg };
+            let (field, irradiance) = field(map.over(pose, rotate_deg));
+            let (theta, phi) = pose.sees([elevation, azimuth + rotate_deg]);
+            let at = field.radiance(Beta::from_source(theta, phi, 1.0));
+            assert!(at > 0.2 / solid_angle, "{tilt_deg} {rotate_deg}: {at}");
+            let truth = 5.0 * solid_angle * theta.to_radians().cos();
+            assert!((irradiance / truth - 1.0).abs() < 3e-3, "{tilt_deg} {rotate_deg}: {irradiance} {truth}");
+        }
+    }
+
+    #[test]
+    fn a_large_map_is_halved_and_keeps_its_light() {
+        let radiance = map(4096, |row, column| ((row * 7 + column * 3) % 11) as f32);
+        let cells =
+            Panorama { width: 4096, height: 2048, channels: vec![&radiance] }.over(Pose::default(), 0.0);
+        assert_eq!((cells.columns, cells.edges_deg.len()), (1024, 257));
+        assert!((field(cells).1 / (5.0 * PI) - 1.0).abs() < 1e-2);
+    }
+}

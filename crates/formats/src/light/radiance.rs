@@ -1,0 +1,151 @@
+//! Radiance pictures (.hdr, .pic): four bytes a pixel, three mantissas and an exponent, in runs.
+//!
+//! G. Ward, *Real pixels*, Graphics Gems II (1991); the file format in Radiance's own manual. `EXPOSURE` and
+//! `COLORCORR` lines multiply; pixels are divided by them.
+
+use super::map::{LightMap, MapChannel, MapColour, check_size};
+use super::problem::MapProblem;
+
+pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
+    let header = Header::read(bytes)?;
+    let Header { width, height, start, scale } = header;
+    let mut input = &bytes[start..];
+    let mut channels: [Vec<f32>; 3] = Default::default();
+    let mut row = vec![[0_u8; 4]; width];
+    for number in 1..=height {
+        scanline(&mut input, &mut row).map_err(|stop| match stop {
+            Stop::End => MapProblem::Truncated { row: number, height },
+            Stop::Run => MapProblem::Run { row: number },
+        })?;
+        for (channel, (values, scale)) in channels.iter_mut().zip(scale).enumerate() {
+            values.extend(row.iter().map(|pixel| (value(pixel[channel], pixel[3]) / scale) as f32));
+        }
+    }
+    let colours = [MapColour::Red, MapColour::Green, MapColour::Blue];
+    let channels = colours.into_iter().zip(channels);
+    let channels = channels.map(|(colour, radiance)| MapChannel { colour, radiance }).collect();
+    Ok(LightMap { width, height, channels })
+}
+
+/// The middle of the mantissa's step, as Radiance has it.
+fn value(mantissa: u8, exponent: u8) -> f64 {
+    if exponent == 0 { 0.0 } else { (f64::from(mantissa) + 0.5) * 2.0_f64.powi(i32::from(exponent) - 136) }
+}
+
+struct Header {
+    width: usize,
+    height: usize,
+    /// Where the pixels begin.
+    start: usize,
+    /// What the pixels were multiplied by.
+    scale: [f64; 3],
+}
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<Self, MapProblem> {
+        let mut scale = [1.0; 3];
+        let mut at = 0;
+        let mut in_lines = true;
+        for number in 1_usize.. {
+            let rest = bytes.get(at..).unwrap_or_default();
+            // No line of a header is longer than this.
+            let end = rest.iter().take(2048).position(|byte| *byte == b'\n');
+            let wrong = |what| MapProblem::Header { line: number, what };
+            let line = end.map(|end| &rest[..end]).ok_or(wrong("it has no end"))?;
+            let line = str::from_utf8(line).map_err(|_| wrong("it is no text"))?.trim_end();
+            at += end.unwrap_or_default() + 1;
+            if !in_lines {
+                let (width, height) = size(line)?;
+                check_size(width, height)?;
+                return Ok(Self { width, height, start: at.min(bytes.len()), scale });
+            }
+            if line.is_empty() {
+                in_lines = false;
+            } else if let Some(format) = line.strip_prefix("FORMAT=") {
+                if format.trim() != "32-bit_rle_rgbe" {
+                    return Err(wrong("its FORMAT is not 32-bit_rle_rgbe"));
+                }
+            } else if let Some(exposure) = line.strip_prefix("EXPOSURE=") {
+                let factor = factors::<1>(exposure).ok_or(wrong("its EXPOSURE is no number above 0"))?;
+                scale.iter_mut().for_each(|scale| *scale *= factor[0]);
+            } else if let Some(correction) = line.strip_prefix("COLORCORR=") {
+                let by =
+                    factors::<3>(correction).ok_or(wrong("its COLORCORR is not three numbers above 0"))?;
+                scale.iter_mut().zip(by).for_each(|(scale, by)| *scale *= by);
+            }
+        }
+        Err(MapProblem::NotAMap)
+    }
+}
+
+fn factors<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+    let numbers: [f64; N] = numbers?.try_into().ok()?;
+    numbers.iter().all(|number| (1e-12..=1e12).contains(number)).then_some(numbers)
+}
+
+fn size(line: &str) -> Result<(usize, usize), MapProblem> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let other = || MapProblem::Orientation { found: line.chars().take(40).collect() };
+    let ["-Y", height, "+X", width] = words[..] else { return Err(other()) };
+    Ok((width.parse().map_err(|_| other())?, height.parse().map_err(|_| other())?))
+}
+
+enum Stop {
+    End,
+    Run,
+}
+
+fn take<'a>(input: &mut &'a [u8], count: usize) -> Result<&'a [u8], Stop> {
+    let (taken, rest) = input.split_at_checked(count).ok_or(Stop::End)?;
+    *input = rest;
+    Ok(taken)
+}
+
+/// One row, in whichever of three codings it has.
+fn scanline(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
+    let begins = input.get(..4).ok_or(Stop::End)?;
+    let in_runs = (8..32768).contains(&row.len())
+        && begins[..2] == [2, 2]
+        && usize::from(begins[2]) << 8 | usize::from(begins[3]) == row.len();
+    if !in_runs {
+        return plain(input, row);
+    }
+    take(input, 4)?;
+    for component in 0..4 {
+        let mut at = 0;
+        while at < row.len() {
+            let count = usize::from(take(input, 1)?[0]);
+            let (count, run) = if count > 128 { (count - 128, true) } else { (count, false) };
+            let pixels = row.get_mut(at..at + count).filter(|pixels| !pixels.is_empty()).ok_or(Stop::Run)?;
+            let bytes = take(input, if run { 1 } else { count })?;
+            for (k, pixel) in pixels.iter_mut().enumerate() {
+                pixel[component] = bytes[if run { 0 } else { k }];
+            }
+            at += count;
+        }
+    }
+    Ok(())
+}
+
+/// Pixel by pixel; 1, 1, 1, n repeats the last one.
+fn plain(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
+    let (mut at, mut shift) = (0, 0);
+    while at < row.len() {
+        let pixel = take(input, 4)?;
+        let pixel = [pixel[0], pixel[1], pixel[2], pixel[3]];
+        if pixel[..3] != [1, 1, 1] {
+            (row[at], at, shift) = (pixel, at + 1, 0);
+            continue;
+        }
+        let before = at.checked_sub(1).map(|k| row[k]).ok_or(Stop::Run)?;
+        let count = usize::from(pixel[3]).checked_shl(shift).ok_or(Stop::Run)?;
+        shift += 8;
+        row.get_mut(at..at.saturating_add(count)).ok_or(Stop::Run)?.fill(before);
+        at += count;
+        if shift > 24 {
+            return Err(Stop::Run);
+        }
+    }
+    Ok(())
+}
