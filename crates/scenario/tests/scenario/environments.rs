@@ -98,3 +98,83 @@ fn a_bad_profile_has_a_place() {
     }
     assert!(GOOD.contains(LAMP));
 }
+
+/// A picture of one colour, plain.
+fn one_colour(pixel: [u8; 4]) -> Vec<u8> {
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n".to_vec();
+    bytes.extend(pixel.repeat(128));
+    bytes
+}
+
+#[test]
+fn a_white_map_is_white_light_from_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("white.hdr"), one_colour([128, 128, 128, 129])).unwrap();
+    for tilt in ["0", "50"] {
+        let text = with(&format!("model = \"map\"\nfile = \"white.hdr\"\ntilt_deg = {tilt}\nshare = 0.5"));
+        let resolved = resolve(&text, folder.path(), &[]).unwrap();
+        let parts = &resolved.scene.lighting.environment[0].parts;
+        assert_eq!(parts.len(), 3);
+        let share: f64 = parts.iter().map(|part| part.share).sum();
+        assert!((share - 0.5).abs() < 1e-12);
+        // The parts by their illuminance are the white: D65 itself.
+        let white = &resolved.scene.lighting.diffuse_spectrum;
+        let observer = papilio_colour::Observer::new(&resolved.scene.grid).unwrap();
+        for bin in 0..white.len() {
+            let scaled = |part: &papilio_display::scene::EnvironmentPart| {
+                part.share * part.spectrum[bin] / observer.luminance(&part.spectrum)
+            };
+            let sum: f64 = parts.iter().map(scaled).sum::<f64>() / 0.5 * observer.luminance(white);
+            assert!((sum / white[bin] - 1.0).abs() < 1e-9, "{tilt}: {sum} {}", white[bin]);
+        }
+        // 128.5/128 W/(m2 sr) from all over: pi 179 lm/W.
+        let lux = std::f64::consts::PI * 179.0 * 128.5 / 128.0;
+        let note = resolved.notes.iter().find(|note| note.contains("by its own numbers")).unwrap();
+        let found: f64 = note.split("makes ").nth(1).unwrap().split(" lx").next().unwrap().parse().unwrap();
+        assert!((found / lux - 1.0).abs() < 2e-4, "{note}");
+        assert!(note.contains("50.0 % of its light comes from below"), "{note}");
+    }
+}
+
+#[test]
+fn maps_and_luminaires_that_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("dark.hdr"), one_colour([0, 0, 0, 0])).unwrap();
+    std::fs::write(folder.path().join("short.hdr"), &one_colour([1, 2, 3, 128])[..90]).unwrap();
+    std::fs::copy(shipped().join("data/synthetic-panel.ies"), folder.path().join("panel.ies")).unwrap();
+    std::fs::write(
+        folder.path().join("bad.ies"),
+        "IESNA:LM-63-2002\nTILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1\n0 90\n0\n1 x\n",
+    )
+    .unwrap();
+    let luminaire = |rest: &str| format!("model = \"luminaire\"\nshare = 0.5\n{rest}");
+    for (environment, wanted) in [
+        ("model = \"map\"\nfile = \"dark.hdr\"\nshare = 0.5".to_owned(), "none of this light falls"),
+        ("model = \"map\"\nfile = \"short.hdr\"\nshare = 0.5".into(), "the file ends in row 1 of 8"),
+        ("model = \"map\"\nfile = \"no.exr\"\nshare = 0.5".into(), "there is no such file"),
+        (luminaire("file = \"bad.ies\"\nelevation_deg = 50\ndistance_m = 2"), "bad.ies:6:3"),
+        (luminaire("file = \"panel.ies\"\nelevation_deg = 2\ndistance_m = 1"), "from the normal"),
+        (luminaire("file = \"panel.ies\"\nelevation_deg = 50"), "`distance_m` is missing"),
+    ] {
+        let error = resolve(&with(&environment), folder.path(), &[]).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{environment}: {error}");
+    }
+}
+
+/// E = I cos/d2: the file's 1200 cd cos^1.5 at 40 deg from its nadir, 2 m away.
+#[test]
+fn a_luminaire_is_a_disc_and_says_its_lux() {
+    let text = with(
+        "model = \"luminaire\"\nfile = \"data/synthetic-panel.ies\"\nelevation_deg = 50\nazimuth_deg = 20\ndistance_m = 2\nshare = 0.5",
+    );
+    let resolved = resolve(&text, &shipped(), &[]).unwrap();
+    let lamp = &resolved.scene.lighting.directed[0];
+    assert!((lamp.theta_deg - 40.0).abs() < 1e-9 && (lamp.phi_deg - 20.0).abs() < 1e-9);
+    let area = 0.36 * 40.0_f64.to_radians().cos();
+    let radius = (area / std::f64::consts::PI).sqrt().atan2(2.0).to_degrees();
+    assert!((lamp.radius_deg.unwrap() - radius).abs() < 1e-9);
+    assert!(resolved.scene.lighting.environment.is_empty());
+    let lux = 804.6 * 40.0_f64.to_radians().cos() / 4.0;
+    let said = format!("804.6 cd to the display, {lux:.2} lx there");
+    assert!(resolved.notes.iter().any(|note| note.contains(&said)), "{:?}", resolved.notes);
+}
