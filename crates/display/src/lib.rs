@@ -85,4 +85,4 @@ pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use error::DisplayError;
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
-pub use run::{Control, Progress, StudyCurve, StudyPoint, brdf, cone, run, study};
+pub use run::{Control, Cost, Progress, StudyCurve, StudyPoint, brdf, cone, cost, run, study};

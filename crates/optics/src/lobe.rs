@@ -38,7 +38,7 @@ pub enum Lobe {
 
 impl Lobe {
     /// Density per unit area of `beta_o`, for light that arrives with `beta_i`.
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, beta_i: Beta, beta_o: Beta) -> f64 {
         match *self {
             Self::KCorrelation { width } => {
@@ -59,7 +59,7 @@ impl Lobe {
     ///
     /// `None` where the lobe has nothing to give (Lambertian, `|beta_i| > 1`). The
     /// direction may lie beyond the medium's disc; the caller knows which disc that is.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, beta_i: Beta, u: [f64; 2]) -> Option<Beta> {
         match *self {
             Self::KCorrelation { width } => {
@@ -106,6 +106,7 @@ impl Lobe {
     }
 
     /// The same of several offsets at once: divisions overlap.
+    #[inline(always)]
     pub fn shares_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
         let width = match *self {
             Self::KCorrelation { width } => width,

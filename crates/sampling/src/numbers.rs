@@ -89,21 +89,54 @@ impl Numbers {
 
     #[inline]
     fn sobol_block(&self, path: u64, block: u32) -> [f64; 4] {
-        let scramble = mix64(self.key ^ mix64((path >> 32) ^ u64::from(block + 1).wrapping_mul(GOLDEN)));
+        let scramble = self.scramble(path, block);
         let point = sobol::point(path as u32, block as usize, scramble as u32);
         let low = mix64(scramble ^ path);
-        let fill = |i: usize| {
-            let bits = (low >> (16 * i)) & 0xffff;
-            (f64::from(point[i]) + (bits as f64 + 0.5) * (-16.0_f64).exp2()) * (-32.0_f64).exp2()
-        };
-        [fill(0), fill(1), fill(2), fill(3)]
+        std::array::from_fn(|k| filled(point[k], low, k))
     }
+
+    /// The first `D` numbers of a block, for `N` paths from this one on: `[number][path]`, the same as
+    /// [`Self::block`] gives one by one.
+    #[inline(always)]
+    pub fn side_by_side<const N: usize, const D: usize>(&self, first: u64, block: u32) -> [[f64; N]; D] {
+        let one_set = first >> 32 == (first + N as u64 - 1) >> 32;
+        let mut numbers = [[0.0; N]; D];
+        if self.sampler != Sampler::Sobol || block >= PLANNED_BLOCKS || !one_set {
+            for k in 0..N {
+                let one = self.block(first + k as u64, block);
+                numbers.iter_mut().zip(one).for_each(|(numbers, number)| numbers[k] = number);
+            }
+            return numbers;
+        }
+        let scramble = self.scramble(first, block);
+        let points = sobol::points::<N, D>(first as u32, block as usize, scramble as u32);
+        let low: [u64; N] = std::array::from_fn(|k| mix64(scramble ^ (first + k as u64)));
+        for (dimension, numbers) in numbers.iter_mut().enumerate() {
+            for k in 0..N {
+                numbers[k] = filled(points[dimension][k], low[k], dimension);
+            }
+        }
+        numbers
+    }
+
+    #[inline(always)]
+    fn scramble(&self, path: u64, block: u32) -> u64 {
+        mix64(self.key ^ mix64((path >> 32) ^ u64::from(block + 1).wrapping_mul(GOLDEN)))
+    }
+}
+
+/// A point's 32 bits with sixteen of the random ones below them.
+#[inline(always)]
+fn filled(point: u32, low: u64, dimension: usize) -> f64 {
+    // No more bits than an i32 has, which all machines turn into numbers side by side.
+    let bits = (low >> (16 * dimension)) as i32 & 0xffff;
+    (f64::from(point) + (f64::from(bits) + 0.5) * (-16.0_f64).exp2()) * (-32.0_f64).exp2()
 }
 
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// SplitMix64's output function at a counter: a bijection that passes BigCrush as a stream.
-#[inline]
+#[inline(always)]
 pub(crate) fn mix64(counter: u64) -> u64 {
     let mut z = counter.wrapping_add(GOLDEN);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -172,6 +205,22 @@ mod tests {
         assert_ne!(numbers.block(5, 0), numbers.block(5 + (1 << 16), 0));
         let mean = (0..(1_u64 << 17)).map(|p| numbers.block(p, 0)[2]).sum::<f64>() / f64::from(1 << 17);
         assert!((mean - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn side_by_side_is_one_by_one() {
+        for sampler in Sampler::ALL {
+            let numbers = Numbers::new(sampler, 9, 2);
+            for first in [0, 48, (1 << 32) - 5] {
+                for block in [0, 3, 4] {
+                    let found = numbers.side_by_side::<16, 3>(first, block);
+                    for k in 0..16 {
+                        let one = numbers.block(first + k as u64, block);
+                        assert_eq!(found.map(|of| of[k]), one[..3]);
+                    }
+                }
+            }
+        }
     }
 
     #[test]

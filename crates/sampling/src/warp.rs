@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 ///
 /// Error of sine and cosine below 3e-16. Knowing the turn, not the angle, makes the
 /// reduction to an eighth of a turn exact and several times as fast as `sin_cos`.
-#[inline]
+#[inline(always)]
 pub fn polar(radius: f64, v: f64) -> (f64, f64) {
     let quarter = (4.0 * v + 0.5) as u32;
     let x = TAU * (v - 0.25 * f64::from(quarter));
@@ -31,7 +31,7 @@ const COS_12: f64 = 1.0 / 479_001_600.0;
 const COS_14: f64 = -1.0 / 87_178_291_200.0;
 const COS_16: f64 = 1.0 / 20_922_789_888_000.0;
 
-#[inline]
+#[inline(always)]
 fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     coefficients.into_iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
@@ -53,12 +53,14 @@ pub fn uniform_disc_density(radius: f64) -> f64 {
 
 /// A unit vector within `half_angle` (radians) of `axis`, uniform in solid angle,
 /// density [`uniform_cone_density`]. `axis` is a unit vector.
+#[inline(always)]
 pub fn uniform_cone(axis: [f64; 3], half_angle: f64, u: [f64; 2]) -> [f64; 3] {
     // 1 - cos without cancellation: fields of a tenth of a degree are the rule.
     deflected(axis, 2.0 * (0.5 * half_angle).sin().powi(2) * u[0], u[1])
 }
 
 /// The unit vector at an angle of this `1 - cos` to the unit vector `axis`, at azimuth `2 pi v`.
+#[inline(always)]
 pub fn deflected(axis: [f64; 3], one_minus_cos: f64, v: f64) -> [f64; 3] {
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     let (x, y) = polar(sin, v);
@@ -73,6 +75,7 @@ pub fn uniform_cone_density(half_angle: f64) -> f64 {
 }
 
 /// Two unit vectors that complete `axis` (Duff et al., JCGT 6:1, 2017).
+#[inline(always)]
 fn frame(axis: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let [x, y, z] = axis;
     let sign = 1.0_f64.copysign(z);

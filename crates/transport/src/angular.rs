@@ -9,6 +9,8 @@
 
 use std::sync::Arc;
 
+use pulp::Arch;
+
 use crate::base::largest;
 use crate::product::add_product;
 use crate::{CosinePanels, Medium};
@@ -174,7 +176,8 @@ impl AngularTable {
         let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
         let mut basis = vec![0.0; width];
         if let Some(index) = medium.constant_index() {
-            self.add_nodes(&self.nodes.stencil(beta_squared, index), 1.0, &mut basis);
+            let stencil = self.nodes.stencil(beta_squared, index);
+            Arch::new().dispatch(|| self.add_nodes(&stencil, &mut basis));
         } else {
             for bin in 0..bins {
                 let stencil = self.nodes.stencil(beta_squared, medium.index()[bin]);
@@ -186,18 +189,10 @@ impl AngularTable {
                 }
             }
         }
-        self.mix(&basis, 1.0, out);
+        Arch::new().dispatch(|| self.mix(&basis, 1.0, out));
     }
 
-    /// The sum of look-ups whose weights were dropped on the nodes; `out` as in [`Self::reflectance`].
-    pub(crate) fn weighted_sum(&self, node_weights: &[f64], out: &mut [f64]) {
-        let width = self.basis_count() * self.common.len();
-        let mut basis = vec![0.0; width];
-        add_product(node_weights, &self.basis, self.nodes.count(), &mut basis);
-        self.mix(&basis, node_weights.iter().sum(), out);
-    }
-
-    /// Several such sums at once; shape `[sum][state][wavelength]`.
+    /// Sums of look-ups whose weights were dropped on the nodes; shape `[sum][state][wavelength]`.
     pub(crate) fn weighted_sums(&self, node_weights: &[&[f64]]) -> Vec<f64> {
         let width = self.basis_count() * self.common.len();
         let mut basis = vec![0.0; node_weights.len() * width];
@@ -207,7 +202,7 @@ impl AngularTable {
         for ((out, basis), weights) in
             sums.chunks_exact_mut(one_sum).zip(basis.chunks_exact(width.max(1))).zip(node_weights)
         {
-            self.mix(basis, weights.iter().sum(), out);
+            Arch::new().dispatch(|| self.mix(basis, weights.iter().sum(), out));
         }
         sums
     }
@@ -250,14 +245,16 @@ impl AngularTable {
         (of_basis + largest(&self.common)).min(1.0)
     }
 
-    fn add_nodes(&self, stencil: &Stencil, scale: f64, basis: &mut [f64]) {
+    #[inline(always)]
+    fn add_nodes(&self, stencil: &Stencil, basis: &mut [f64]) {
         let width = basis.len();
         let nodes = (stencil.first..self.nodes.count()).zip(stencil.weights);
         for (node, weight) in nodes.filter(|(_, weight)| *weight != 0.0) {
-            add_scaled(basis, &self.basis[node * width..][..width], weight * scale);
+            add_scaled(basis, &self.basis[node * width..][..width], weight);
         }
     }
 
+    #[inline(always)]
     fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
         let (bins, count) = (self.common.len(), self.basis_count());
         for (state, row) in out.chunks_exact_mut(bins).enumerate() {
@@ -273,7 +270,7 @@ impl AngularTable {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += v * scale;
@@ -320,7 +317,7 @@ mod tests {
         let table = AngularTable { nodes, basis: basis.into(), mixture, common };
         let medium = Medium::new(vec![1.5; 3].into());
         let mut weights = vec![0.0; 8];
-        let (mut sum, mut one, mut together) = (vec![0.0; 6], vec![0.0; 6], vec![0.0; 6]);
+        let (mut sum, mut one) = (vec![0.0; 6], vec![0.0; 6]);
         for (beta_squared, weight) in [(0.0, 1.0), (0.3, 0.5), (2.2, 2.0)] {
             table.reflectance(beta_squared, &medium, &mut one);
             add_scaled(&mut sum, &one, weight);
@@ -329,11 +326,7 @@ mod tests {
                 weights[stencil.first + k] += w * weight;
             }
         }
-        table.weighted_sum(&weights, &mut together);
-        let twice = table.weighted_sums(&[&[1.0; 8], &weights]);
-        assert!(twice[6..].iter().zip(&together).all(|(a, b)| (a - b).abs() < 1e-12));
-        for (a, b) in sum.iter().zip(&together) {
-            assert!((a - b).abs() < 1e-12);
-        }
+        let both = table.weighted_sums(&[&[1.0; 8], &weights]);
+        assert!(both[6..].iter().zip(&sum).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }

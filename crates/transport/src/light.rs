@@ -46,7 +46,7 @@ impl Cone {
     }
 
     /// A direction of the cone, uniform in solid angle: the direction cosines of light that leaves towards it.
-    #[inline]
+    #[inline(always)]
     pub fn sample_towards(&self, u: [f64; 2]) -> Beta {
         let direction =
             if self.half_angle > 0.0 { warp::uniform_cone(self.axis, self.half_angle, u) } else { self.axis };

@@ -380,7 +380,7 @@ fn thin_slabs_know_their_errors() {
         let mut kernel = Kernel::new(3);
         kernel.prepare(&stack, &[view(10.0)], &sources);
         let truth = rho(&kernel.estimate(&stack, 0), 0);
-        let runs = Runs::new(&stack, 10.0, &sources, 128);
+        let runs = Runs::new(&stack, 10.0, &sources, 64);
         runs.check(&format!("thickness {thickness}"), truth, 0.02, |e| rho(e, 0));
     }
 }

@@ -19,7 +19,7 @@ pub(crate) use adding::Kernels;
 pub use brdf::brdf;
 pub use cone::cone;
 pub(crate) use refine::largest;
-pub use study::{StudyCurve, StudyPoint, study};
+pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Looked, Meter, against_angle};
 use crate::result::{RunResult, SolverReport};

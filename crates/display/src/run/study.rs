@@ -4,10 +4,10 @@ use papilio_sampling::Numbers;
 use papilio_transport::walk::Walk;
 
 use super::Control;
-use super::walk::REPLICATES;
+use super::walk::{REPLICATES, round_size};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};
-use crate::scene::{Sampler, Scene, Strategy};
+use crate::scene::{Sampler, Scene, Stop, Strategy};
 use crate::setup::{Setup, ViewPoint};
 
 /// A sampler with a strategy, and how it came on.
@@ -82,6 +82,64 @@ pub fn study(
     pairs.map(|(sampler, strategy)| study.curve(at, sampler, strategy)).collect()
 }
 
+/// What a scene takes the walk, on one thread, from its first view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// All that does not depend on light or view: tables of the pixel's reflectance among it. Seconds.
+    pub tables_s: f64,
+    /// What is made before the first path: of a guided walk the guide. Seconds.
+    pub setup_s: f64,
+    /// Paths, seconds.
+    pub tracing_s: f64,
+    /// Spectra of all replicates from the sums of the paths, after each round. Seconds.
+    pub spectra_s: f64,
+    /// All replicates together.
+    pub paths: u64,
+}
+
+/// Follows the walk from the scene's first view to the scene's relative error, by rounds as a run would.
+/// `seconds` is a clock.
+///
+/// # Errors
+/// If the scene cannot be, was stopped, or has another aim than a relative error.
+pub fn cost(scene: &Scene, seconds: &dyn Fn() -> f64, control: &Control<'_>) -> Result<Cost, DisplayError> {
+    let Stop::RelativeError { target, every_bin } = scene.solver.stop else {
+        return Err(DisplayError::Interrupted);
+    };
+    let started = seconds();
+    let setup = Setup::new(scene)?;
+    let meter = Meter::new(&setup);
+    let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
+    let tables = seconds();
+    let walk = setup.walk(at, scene.solver.scattering);
+    let mut replicates: Vec<_> = (0..REPLICATES).map(|_| walk.replicate()).collect();
+    let mut cost = Cost {
+        tables_s: tables - started,
+        setup_s: seconds() - tables,
+        tracing_s: 0.0,
+        spectra_s: 0.0,
+        paths: 0,
+    };
+    while !control.stopped() {
+        let started = seconds();
+        let each = round_size(&scene.solver, cost.paths / REPLICATES);
+        for (stream, replicate) in replicates.iter_mut().enumerate() {
+            let numbers = Numbers::new(scene.solver.sampler, scene.solver.seed, stream as u64);
+            walk.trace(replicate, &numbers, each);
+        }
+        let traced = seconds();
+        let estimates = walk.estimates(&replicates);
+        cost.tracing_s += traced - started;
+        cost.spectra_s += seconds() - traced;
+        cost.paths += each * REPLICATES;
+        let samples: Vec<Sample> = estimates.iter().map(|estimate| meter.sample(estimate)).collect();
+        if meter.standard_error(&samples, every_bin) <= target {
+            return Ok(cost);
+        }
+    }
+    Err(DisplayError::Interrupted)
+}
+
 struct Study<'a> {
     setup: &'a Setup,
     meter: Meter<'a>,
@@ -118,7 +176,7 @@ impl Study<'_> {
             }
             transport_s += (self.seconds)() - started;
             let samples: Vec<Sample> =
-                replicates.iter().map(|replicate| self.meter.sample(&walk.estimate(replicate))).collect();
+                walk.estimates(&replicates).iter().map(|estimate| self.meter.sample(estimate)).collect();
             let relative_error = self.meter.standard_error(&samples, false);
             points.push(StudyPoint { paths: each * REPLICATES, transport_s, relative_error });
         }

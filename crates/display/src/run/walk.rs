@@ -13,7 +13,7 @@ use super::{Progress, Run};
 use crate::DisplayError;
 use crate::meter::{Looked, Sample};
 use crate::result::{RunResult, SolverReport, TargetReport};
-use crate::scene::{Stop, Strategy};
+use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
 
 /// Independent replicates of each view; standard errors have one degree of freedom less.
@@ -33,6 +33,16 @@ const MOST_PATHS: u64 = 1 << 31;
 /// Runs a scene, on the threads of the pool that this is called in.
 pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     Runner { run }.run()
+}
+
+/// Paths that the next round adds to each replicate that has `so_far`.
+pub(super) fn round_size(solver: &Solver, so_far: u64) -> u64 {
+    let first = if solver.scattering == Strategy::Guided { FIRST_GUIDED_ROUND } else { FIRST_ROUND };
+    let double = so_far.clamp(first, LARGEST_ROUND);
+    match solver.stop {
+        Stop::Paths(paths) => double.min(paths.div_ceil(REPLICATES) - so_far),
+        Stop::RelativeError { .. } | Stop::Target(_) => double,
+    }
 }
 
 struct Runner<'a> {
@@ -147,9 +157,9 @@ impl<'a> Runner<'a> {
 
     /// Adds a round; false if it was stopped meanwhile, in which case nothing of it counts.
     fn round(&self, work: &mut Work<'_>) -> bool {
-        let each = self.round_size(work.paths / REPLICATES);
+        let each = round_size(&self.run.scene.solver, work.paths / REPLICATES);
         let (walk, number) = (&work.walk, work.number);
-        let samples: Option<Vec<Sample>> = work
+        let traced: Option<()> = work
             .replicates
             .par_iter_mut()
             .enumerate()
@@ -159,7 +169,12 @@ impl<'a> Runner<'a> {
                 self.trace(walk, state, &numbers, each)
             })
             .collect();
-        let Some(samples) = samples else { return false };
+        if traced.is_none() {
+            return false;
+        }
+        let estimates = walk.estimates(&work.replicates);
+        let samples: Vec<Sample> =
+            estimates.par_iter().map(|estimate| self.run.meter.sample(estimate)).collect();
         let every_bin = matches!(self.run.scene.solver.stop, Stop::RelativeError { every_bin: true, .. });
         work.relative_error = self.run.meter.standard_error(&samples, every_bin);
         work.samples = samples;
@@ -168,13 +183,7 @@ impl<'a> Runner<'a> {
     }
 
     /// Traces in pieces, so that a stop is heeded at once.
-    fn trace(
-        &self,
-        walk: &Walk<'_>,
-        replicate: &mut Replicate,
-        numbers: &Numbers,
-        count: u64,
-    ) -> Option<Sample> {
+    fn trace(&self, walk: &Walk<'_>, replicate: &mut Replicate, numbers: &Numbers, count: u64) -> Option<()> {
         let mut left = count;
         while left > 0 {
             if self.run.control.stopped() {
@@ -184,17 +193,7 @@ impl<'a> Runner<'a> {
             walk.trace(replicate, numbers, piece);
             left -= piece;
         }
-        Some(self.run.meter.sample(&walk.estimate(replicate)))
-    }
-
-    /// Paths that the next round adds to each replicate that has `so_far`.
-    fn round_size(&self, so_far: u64) -> u64 {
-        let guided = self.run.scene.solver.scattering == Strategy::Guided;
-        let double = so_far.clamp(if guided { FIRST_GUIDED_ROUND } else { FIRST_ROUND }, LARGEST_ROUND);
-        match self.run.scene.solver.stop {
-            Stop::Paths(paths) => double.min(paths.div_ceil(REPLICATES) - so_far),
-            Stop::RelativeError { .. } | Stop::Target(_) => double,
-        }
+        Some(())
     }
 
     fn is_enough(&self, work: &Work<'_>) -> bool {

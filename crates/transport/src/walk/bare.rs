@@ -90,21 +90,27 @@ impl<'a> Bare<'a> {
         let Tally { sums, room } = tally;
         let mut beta = self.view.sample_towards(numbers.field());
         self.enter(beta, sums, room);
+        let mut u = numbers.beside_field();
         for pass in 0.. {
             self.meet_base(beta, sums, room);
             if !self.specular {
-                let u = numbers.event(pass, 0);
-                self.connect([u[2], u[3]], sums, room);
-                let (x, y) = warp::uniform_disc(self.stack.medium.largest_index(), [u[0], u[1]]);
+                // Points of sources and ways of the base are two techniques: the same numbers serve.
+                self.connect(u, sums, room);
+                let (x, y) = warp::uniform_disc(self.stack.medium.largest_index(), u);
                 beta = Beta { x, y };
                 self.spread(beta, room);
             }
             self.leave(beta, sums, room);
             // Over a mirror the roulette alone is random.
-            let u = if self.specular { numbers.independent(pass) } else { numbers.event(pass, 1)[0] };
-            if self.stack.single_pass || !Self::goes_on(u, sums, room) {
+            let [survival, way @ .., _] = if self.specular {
+                [numbers.independent(pass), 0.5, 0.5, 0.5]
+            } else {
+                numbers.block(1 + pass)
+            };
+            if self.stack.single_pass || !Self::goes_on(survival, sums, room) {
                 return;
             }
+            u = way;
         }
     }
 
@@ -139,7 +145,7 @@ impl<'a> Bare<'a> {
             let Some(target) = Target::sample(source, u) else { continue };
             towards.set(self.stack, target.beta.squared());
             fill(factor, towards.t.iter().zip(self.spread_factors(target.beta)).map(|(t, f)| t * f));
-            add_rows_times(&mut rho.base, carried, factor, target.balanced(scatter, scatter, 0.0));
+            add_rows_times(&mut rho.base, carried, factor, target.balanced(scatter, || scatter, 0.0));
         }
     }
 
@@ -171,7 +177,7 @@ impl<'a> Bare<'a> {
                 (Source::Diffuse, _) => 1.0,
                 (_, Some(target)) if !self.specular => {
                     let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
-                    target.balanced(scatter, scatter, 0.0)
+                    target.balanced(scatter, || scatter, 0.0)
                 }
                 _ => continue,
             };

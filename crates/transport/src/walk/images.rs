@@ -5,7 +5,7 @@
 //! other: points are drawn in the smallest cone that holds the overlap (of a field, in the whole view). Everything that
 //! happens to the light is known in closed form ([`specular_image`]).
 
-use super::Target;
+use super::{PathNumbers, Target};
 use crate::specular::{Image, specular_image};
 use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
 
@@ -54,11 +54,14 @@ impl<'a> Images<'a> {
         Sums(self.seen.iter().map(|_| empty()).collect())
     }
 
-    /// Adds one point of each overlap.
-    pub(super) fn path(&self, u: [f64; 2], sums: &mut Sums) {
-        if !self.mirrors {
-            return;
+    /// Adds a point of each overlap for each path.
+    pub(super) fn paths<'p>(&self, paths: impl Iterator<Item = PathNumbers<'p>>, sums: &mut Sums) {
+        if self.mirrors && !self.seen.is_empty() {
+            paths.for_each(|path| self.path(path.image(), sums));
         }
+    }
+
+    fn path(&self, u: [f64; 2], sums: &mut Sums) {
         for (seen, sum) in self.seen.iter().zip(&mut sums.0) {
             let beta = seen.cone.sample_towards(u);
             // Mirrors keep direction cosines.
@@ -72,13 +75,12 @@ impl<'a> Images<'a> {
     }
 
     /// Adds the mean images to what else is seen of the sources.
-    pub(super) fn add_to(&self, mut estimate: Estimate, sums: &Sums, scale: f64) -> Estimate {
+    pub(super) fn add_to(&self, estimate: &mut Estimate, sums: &Sums, scale: f64) {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
             let rho = &mut estimate.rho[seen.source];
             super::add_scaled(&mut rho.front, &sum.front, scale);
             super::add_scaled(&mut rho.base, &sum.base, scale);
         }
-        estimate
     }
 }
 

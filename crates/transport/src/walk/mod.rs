@@ -53,7 +53,8 @@ use images::Images;
 use layered::Layered;
 pub use strategy::Strategy;
 
-/// Numbers of one path: blocks 0 to 3 serve the field of view and the first pass.
+/// Numbers of one path. Its first blocks are planned ([`PLANNED_BLOCKS`]): those of the first have the
+/// least unevenness, and what tells most belongs there.
 struct PathNumbers<'a> {
     numbers: &'a Numbers,
     path: u64,
@@ -85,10 +86,16 @@ impl PathNumbers<'_> {
         [self.start[2], self.start[3]]
     }
 
+    /// Four numbers; the blocks from 1 to `PLANNED_BLOCKS - 1` are planned ones, others are independent.
+    #[inline]
+    fn block(&self, block: u32) -> [f64; 4] {
+        self.numbers.block(self.path, block)
+    }
+
     /// For what scatterer number `k` does to a source's light: planned ones for the first.
     #[inline]
     fn of_sources(&self, k: u32) -> [f64; 4] {
-        self.numbers.block(self.path, if k == 0 { PLANNED_BLOCKS - 1 } else { u32::MAX - k })
+        self.block(if k == 0 { PLANNED_BLOCKS - 1 } else { u32::MAX - k })
     }
 
     /// A number that is independent from path to path: for a decision that is the only
@@ -96,19 +103,7 @@ impl PathNumbers<'_> {
     /// and hide the error.
     #[inline]
     fn independent(&self, pass: u32) -> f64 {
-        self.numbers.block(self.path, PLANNED_BLOCKS + 3 * pass)[3]
-    }
-
-    /// Independent numbers for the way on after this pass, `kind` 0 or 1.
-    #[inline]
-    fn going_on(&self, pass: u32, kind: u32) -> [f64; 4] {
-        self.numbers.block(self.path, u32::MAX / 2 + 2 * pass + kind)
-    }
-
-    /// Four numbers for event `kind` (0 to 2) of this pass.
-    #[inline]
-    fn event(&self, pass: u32, kind: u32) -> [f64; 4] {
-        self.numbers.block(self.path, 1 + 3 * pass + kind)
+        self.block(PLANNED_BLOCKS + pass)[0]
     }
 }
 
@@ -160,7 +155,7 @@ impl<'a> Walk<'a> {
     pub fn replicate(&self) -> Replicate {
         let tally = match &self.kind {
             Kind::Bare(bare, images) => Tally::Bare(bare.tally(), images.sums()),
-            Kind::Diffused(diffused, images) => Tally::Diffused(diffused.tally(), images.sums()),
+            Kind::Diffused(diffused, images) => Tally::Diffused(Box::new(diffused.tally()), images.sums()),
             Kind::Layered(layered, images) => Tally::Layered(Box::new(layered.tally()), images.sums()),
         };
         Replicate { paths: 0, tally }
@@ -169,40 +164,63 @@ impl<'a> Walk<'a> {
     /// Traces `count` further paths of a replicate. The result depends on the
     /// numbers and the total of paths alone, not on how they are split over calls.
     pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
-        for path in replicate.paths..replicate.paths + count {
-            let numbers = PathNumbers { numbers, path, start: numbers.block(path, 0) };
-            match (&self.kind, &mut replicate.tally) {
-                (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
-                    images.path(numbers.image(), sums);
-                    bare.path(&numbers, tally);
-                }
-                (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
-                    images.path(numbers.image(), sums);
-                    diffused.path(&numbers, tally);
-                }
-                (Kind::Layered(layered, images), Tally::Layered(tally, sums)) => {
-                    images.path(numbers.image(), sums);
-                    layered.path(&numbers, tally);
-                }
-                // A replicate of another walk: its numbers would mean nothing here.
-                _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
+        let paths = replicate.paths..replicate.paths + count;
+        let of = |path| PathNumbers { numbers, path, start: numbers.block(path, 0) };
+        match (&self.kind, &mut replicate.tally) {
+            (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
+                images.paths(paths.clone().map(of), sums);
+                paths.map(of).for_each(|path| bare.path(&path, tally));
             }
+            (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
+                images.paths(paths.clone().map(of), sums);
+                diffused.paths(numbers, paths, tally);
+            }
+            (Kind::Layered(layered, images), Tally::Layered(tally, sums)) => {
+                images.paths(paths.clone().map(of), sums);
+                paths.map(of).for_each(|path| layered.path(&path, tally));
+            }
+            // A replicate of another walk: its numbers would mean nothing here.
+            _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
         }
         replicate.paths += count;
     }
 
     /// The means over a replicate's paths; it must have traced at least one.
     pub fn estimate(&self, replicate: &Replicate) -> Estimate {
-        let scale = 1.0 / replicate.paths as f64;
+        self.estimates(std::slice::from_ref(replicate)).pop().unwrap_or_default()
+    }
+
+    /// The same of several replicates: spectra are formed at once, which takes a fraction of the time.
+    pub fn estimates(&self, replicates: &[Replicate]) -> Vec<Estimate> {
+        let mut means = match &self.kind {
+            Kind::Diffused(diffused, _) => diffused.estimates(&Self::diffused_sums(replicates)),
+            Kind::Bare(..) | Kind::Layered(..) => replicates.iter().map(|one| self.mean(one)).collect(),
+        };
+        let (Kind::Bare(_, images) | Kind::Diffused(_, images) | Kind::Layered(_, images)) = &self.kind;
+        for (mean, replicate) in means.iter_mut().zip(replicates) {
+            let (Tally::Bare(_, sums) | Tally::Diffused(_, sums) | Tally::Layered(_, sums)) =
+                &replicate.tally;
+            images.add_to(mean, sums, replicate.scale());
+        }
+        means
+    }
+
+    fn diffused_sums(replicates: &[Replicate]) -> Vec<(&diffused::Tally, f64)> {
+        let mut sums = Vec::with_capacity(replicates.len());
+        for replicate in replicates {
+            if let Tally::Diffused(tally, _) = &replicate.tally {
+                sums.push((&**tally, replicate.scale()));
+            }
+        }
+        sums
+    }
+
+    /// Without images; nothing for the replicate of another walk.
+    fn mean(&self, replicate: &Replicate) -> Estimate {
         match (&self.kind, &replicate.tally) {
-            (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
-                images.add_to(bare.estimate(tally, scale), sums, scale)
-            }
-            (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
-                images.add_to(diffused.estimate(tally, scale), sums, scale)
-            }
-            (Kind::Layered(layered, images), Tally::Layered(tally, sums)) => {
-                images.add_to(layered.estimate(tally, scale), sums, scale)
+            (Kind::Bare(bare, _), Tally::Bare(tally, _)) => bare.estimate(tally, replicate.scale()),
+            (Kind::Layered(layered, _), Tally::Layered(tally, _)) => {
+                layered.estimate(tally, replicate.scale())
             }
             _ => Estimate::default(),
         }
@@ -221,12 +239,17 @@ impl Replicate {
     pub fn paths(&self) -> u64 {
         self.paths
     }
+
+    /// What makes sums means.
+    fn scale(&self) -> f64 {
+        1.0 / self.paths as f64
+    }
 }
 
 #[derive(Debug, Clone)]
 enum Tally {
     Bare(bare::Tally, images::Sums),
-    Diffused(diffused::Tally, images::Sums),
+    Diffused(Box<diffused::Tally>, images::Sums),
     Layered(Box<layered::Tally>, images::Sums),
 }
 
@@ -246,9 +269,7 @@ impl Target {
     fn sample(source: &Source, u: [f64; 2]) -> Option<Self> {
         match source {
             Source::Diffuse => None,
-            Source::Beam(beta) => {
-                Some(Self { beta: *beta, density: f64::INFINITY, strength: std::f64::consts::PI })
-            }
+            Source::Beam(beta) => Some(Self::beam(*beta)),
             Source::Disc(cone) => Some(Self::on_disc(cone, -cone.sample_towards(u))),
             Source::Field(field) => {
                 let (beta, radiance) = field.sample(u);
@@ -269,6 +290,11 @@ impl Target {
                 (radiance > 0.0).then(|| Self::in_field(beta, radiance))
             }
         }
+    }
+
+    #[inline(always)]
+    fn beam(beta: Beta) -> Self {
+        Self { beta, density: f64::INFINITY, strength: std::f64::consts::PI }
     }
 
     #[inline]
@@ -299,12 +325,12 @@ impl Target {
     ///
     /// Balance heuristic: the integrand over the sum of the three products of densities. The same
     /// value serves whichever technique drew the sample.
-    #[inline]
-    fn balanced(&self, value: f64, pdf: f64, ratio: f64) -> f64 {
+    #[inline(always)]
+    fn balanced(&self, value: f64, pdf: impl FnOnce() -> f64, ratio: f64) -> f64 {
         if self.density.is_infinite() {
             self.strength * value / (1.0 + ratio)
         } else {
-            self.strength * value / (self.density * (1.0 + ratio) + pdf)
+            self.strength * value / (self.density * (1.0 + ratio) + pdf())
         }
     }
 }

@@ -33,28 +33,44 @@ impl Channel {
     #[inline]
     pub(super) fn add(&mut self, light: Reflected<'_>, weight: f64) {
         match light {
-            Reflected::LookUp(stencil) => {
-                let slots = &mut self.nodes[stencil.first..][..Stencil::LEN];
-                slots.iter_mut().zip(stencil.weights).for_each(|(slot, w)| *slot += w * weight);
-            }
+            Reflected::LookUp(stencil) => self.look_up(&stencil, weight),
             Reflected::Spectra(spectra) => add_scaled(&mut self.spectra, spectra, weight),
         }
     }
 
-    /// The whole sum times `scale`; shape `[state][wavelength]`.
-    pub(super) fn sum(&self, base: &Base, scale: f64) -> Vec<f64> {
-        let mut sum = vec![0.0; self.spectra.len()];
-        match &base.reflector {
-            Reflector::Specular(table) => {
-                table.weighted_sum(&self.nodes[..table.nodes.count()], &mut sum);
-            }
-            Reflector::Lambertian(reflectance) => add_scaled(&mut sum, reflectance, self.nodes[0]),
-            // Any layers are over such a base, no panel.
-            Reflector::Scattering(_) => {}
-        }
-        sum.iter_mut().zip(&self.spectra).for_each(|(value, s)| *value = (*value + s) * scale);
-        sum
+    /// Light on its first pass.
+    #[inline]
+    pub(super) fn look_up(&mut self, stencil: &Stencil, weight: f64) {
+        let slots = &mut self.nodes[stencil.first..][..Stencil::LEN];
+        slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
+
+    /// The whole sums of several, each times its scale; shape `[state][wavelength]`.
+    pub(super) fn sums(channels: &[(&Self, f64)], base: &Base) -> Vec<Vec<f64>> {
+        let mut sums: Vec<Vec<f64>> = match &base.reflector {
+            Reflector::Specular(table) => {
+                let nodes: Vec<&[f64]> =
+                    channels.iter().map(|(channel, _)| &channel.nodes[..table.nodes.count()]).collect();
+                let len = (base.states() * base.bins()).max(1);
+                table.weighted_sums(&nodes).chunks_exact(len).map(<[f64]>::to_vec).collect()
+            }
+            Reflector::Lambertian(reflectance) => {
+                channels.iter().map(|(channel, _)| scaled(reflectance, channel.nodes[0])).collect()
+            }
+            // Any layers are over such a base, no panel.
+            Reflector::Scattering(_) => {
+                channels.iter().map(|(channel, _)| scaled(&channel.spectra, 0.0)).collect()
+            }
+        };
+        for (sum, (channel, scale)) in sums.iter_mut().zip(channels) {
+            sum.iter_mut().zip(&channel.spectra).for_each(|(value, s)| *value = (*value + s) * scale);
+        }
+        sums
+    }
+}
+
+fn scaled(values: &[f64], scale: f64) -> Vec<f64> {
+    values.iter().map(|value| value * scale).collect()
 }
 
 /// A sum of light that has yet to meet the base: plain weights on first passes, spectra later.

@@ -3,6 +3,7 @@
 use papilio_optics::Beta;
 
 use super::Diffused;
+use super::together::Group;
 use crate::Source;
 use crate::walk::scale_rows;
 use crate::walk::tally::{Channel, Incident};
@@ -13,6 +14,7 @@ use crate::{Estimate, Ledger, Rho, specular};
 pub(in crate::walk) struct Tally {
     pub(super) sums: Sums,
     pub(super) room: Room,
+    pub(super) group: Group,
 }
 
 #[derive(Debug, Clone)]
@@ -56,50 +58,65 @@ impl Diffused<'_> {
                 from_straight_beam: self.sources.iter().map(|_| Incident::new(len)).collect(),
             },
             room: Room { carried: vec![0.0; len], reflected: vec![0.0; len], backwards: vec![0.0; len] },
+            group: self.group(),
         }
     }
 
-    pub(in crate::walk) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
-        let sums = &tally.sums;
+    /// The means of several replicates, each from its sums and what makes them means.
+    pub(in crate::walk) fn estimates(&self, replicates: &[(&Tally, f64)]) -> Vec<Estimate> {
         let base = &self.stack.base;
-        let reflected = sums.reflected.sum(base, scale);
-        let leaving = sums.leaving.sum(base, scale);
-        let rho = (0..self.sources.len()).map(|i| self.rho(i, sums, &leaving, scale)).collect();
-        let ledger = self.ledger(&sums.entering.sum(scale), &sums.arriving.sum(scale), &reflected, &leaving);
+        let channels = replicates.iter().flat_map(|(tally, scale)| {
+            let Sums { reflected, leaving, from_source, .. } = &tally.sums;
+            let directed = self.directed_only(from_source);
+            [reflected, leaving].into_iter().chain(directed).map(|channel| (channel, *scale))
+        });
+        let spectra = Channel::sums(&channels.collect::<Vec<_>>(), base);
+        let of_one = spectra.chunks_exact(2 + self.directed_only(self.sources).count());
+        replicates
+            .iter()
+            .zip(of_one)
+            .map(|((tally, scale), sums)| self.estimate(&tally.sums, sums, *scale))
+            .collect()
+    }
+
+    /// Of what there is for each source, that of the directed ones.
+    fn directed_only<'s, T>(&'s self, of_source: &'s [T]) -> impl Iterator<Item = &'s T> {
+        let directed = |(source, of): (&Source, &'s T)| (*source != Source::Diffuse).then_some(of);
+        self.sources.iter().zip(of_source).filter_map(directed)
+    }
+
+    /// `spectra`: reflected, leaving, and by directed source.
+    fn estimate(&self, sums: &Sums, spectra: &[Vec<f64>], scale: f64) -> Estimate {
+        let (reflected, leaving) = (&spectra[0], &spectra[1]);
+        let mut from_source = spectra[2..].iter();
+        let mut next = || from_source.next().cloned().unwrap_or_default();
+        let of_source = |(i, source): (usize, &Source)| {
+            let mut base = match source {
+                Source::Diffuse => leaving.clone(),
+                Source::Beam(beam) => self.beam_light(*beam, &sums.from_straight_beam[i], next(), scale),
+                Source::Disc(_) | Source::Field(_) => next(),
+            };
+            scale_rows(&mut base, &self.through);
+            let front = match source {
+                Source::Diffuse => self.stack.front.reflectance_above.to_vec(),
+                _ => vec![0.0; self.through.len()],
+            };
+            Rho { base, front }
+        };
+        let rho = self.sources.iter().enumerate().map(of_source).collect();
+        let ledger = self.ledger(&sums.entering.sum(scale), &sums.arriving.sum(scale), reflected, leaving);
         Estimate { rho, ledger }
     }
 
-    /// Reflectance factor under source `i` alone.
-    fn rho(&self, i: usize, sums: &Sums, leaving: &[f64], scale: f64) -> Rho {
-        let front = &self.stack.front;
-        let through: Vec<f64> = front
-            .transmittance
-            .iter()
-            .zip(self.diffuser.transmittance.iter())
-            .map(|(t, diffuser)| (t * diffuser).powi(2))
-            .collect();
-        let mut base = match &self.sources[i] {
-            Source::Diffuse => leaving.to_vec(),
-            Source::Beam(beam) => self.beam_light(i, *beam, sums, scale),
-            Source::Disc(_) | Source::Field(_) => sums.from_source[i].sum(&self.stack.base, scale),
-        };
-        let front = match &self.sources[i] {
-            Source::Diffuse => front.reflectance_above.to_vec(),
-            _ => vec![0.0; through.len()],
-        };
-        scale_rows(&mut base, &through);
-        Rho { base, front }
-    }
-
     /// A beam's light reaches the diffuser also by way of its own specular round trips.
-    fn beam_light(&self, i: usize, beam: Beta, sums: &Sums, scale: f64) -> Vec<f64> {
-        let mut base = sums.from_source[i].sum(&self.stack.base, scale);
+    fn beam_light(&self, beam: Beta, before: &Incident, connected: Vec<f64>, scale: f64) -> Vec<f64> {
+        let mut base = connected;
         if self.straight() == 0.0 || !self.specular {
             return base;
         }
         let mut r = vec![0.0; base.len()];
         self.reflectance(beam, &mut r);
-        let before = sums.from_straight_beam[i].sum(scale);
+        let before = before.sum(scale);
         let round_trips = specular::round_trips(self.stack, self.diffuser, &r);
         for (k, value) in base.iter_mut().enumerate() {
             *value = (*value + self.straight() * r[k] * before[k]) * round_trips[k];
@@ -110,18 +127,38 @@ impl Diffused<'_> {
     fn ledger(&self, entering: &[f64], arriving: &[f64], reflected: &[f64], leaving: &[f64]) -> Ledger {
         let mut ledger = Ledger::zeros(entering.len());
         let (front, inactive) = (&self.stack.front, &self.stack.base.inactive_absorptance);
-        for k in 0..entering.len() {
-            let bin = k % inactive.len();
-            let (flat, diffuser) = (front.at(bin), self.diffuser.transmittance[bin]);
-            // Shares at the diffuser's upper and lower side.
-            let (above, below) = (flat.t, flat.t * diffuser);
-            let up = below * diffuser * leaving[k];
-            ledger.inactive[k] = below * arriving[k] * inactive[bin];
-            ledger.pixel[k] = below * (arriving[k] - reflected[k]) - ledger.inactive[k];
-            ledger.diffuser[k] = above * entering[k] - below * arriving[k] + below * reflected[k] - up;
-            ledger.returned[k] = flat.above + up * flat.t;
-            ledger.front[k] = 1.0 - flat.t - flat.above + up * (1.0 - flat.t - flat.below);
-            ledger.unaccounted[k] = up * flat.below - above * (entering[k] - 1.0);
+        // Rows of one length each: nothing is left to be checked at every wavelength.
+        let bins = inactive.len();
+        let [t, r_above, r_below] =
+            [&front.transmittance, &front.reflectance_above, &front.reflectance_below].map(|of| &of[..bins]);
+        let (diffuser, inactive) = (&self.diffuser.transmittance[..bins], &inactive[..bins]);
+        for state in (0..entering.len()).step_by(bins.max(1)) {
+            let at = state..state + bins;
+            let [entering, arriving, reflected, leaving] =
+                [entering, arriving, reflected, leaving].map(|of| &of[at.clone()][..bins]);
+            let Ledger {
+                returned,
+                front,
+                diffuser: by_diffuser,
+                pixel,
+                inactive: by_inactive,
+                unaccounted,
+                ..
+            } = &mut ledger;
+            let [returned, front, by_diffuser, pixel, by_inactive, unaccounted] =
+                [returned, front, by_diffuser, pixel, by_inactive, unaccounted]
+                    .map(|of| &mut of[at.clone()][..bins]);
+            for k in 0..bins {
+                // Shares at the diffuser's upper and lower side.
+                let (above, below) = (t[k], t[k] * diffuser[k]);
+                let up = below * diffuser[k] * leaving[k];
+                by_inactive[k] = below * arriving[k] * inactive[k];
+                pixel[k] = below * (arriving[k] - reflected[k]) - by_inactive[k];
+                by_diffuser[k] = above * entering[k] - below * arriving[k] + below * reflected[k] - up;
+                returned[k] = r_above[k] + up * t[k];
+                front[k] = 1.0 - t[k] - r_above[k] + up * (1.0 - t[k] - r_below[k]);
+                unaccounted[k] = up * r_below[k] - above * (entering[k] - 1.0);
+            }
         }
         ledger
     }

@@ -9,9 +9,12 @@
 mod books;
 mod first;
 mod sources;
+mod together;
+
+use std::ops::Range;
 
 use papilio_optics::Beta;
-use papilio_sampling::warp;
+use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
 
 use super::strategy::Drawing;
 use super::tally::Reflected;
@@ -40,6 +43,8 @@ pub(super) struct Diffused<'a> {
     survival: f64,
     /// `T^2 r / survival`, per wavelength.
     between_passes: Vec<f64>,
+    /// `t^2 T^2`, per wavelength.
+    through: Vec<f64>,
     /// The base is a mirror.
     specular: bool,
     /// There are beams or discs.
@@ -90,6 +95,8 @@ impl<'a> Diffused<'a> {
         let survival = wanted.clamp(least, MOST_SURVIVAL);
         let between_passes =
             sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
+        let through =
+            stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         let discs = sources.iter().any(Source::has_radiance);
         let drawing = Drawing::new(strategy, diffuser.lobe, stack.medium.largest_index(), sources);
@@ -102,6 +109,7 @@ impl<'a> Diffused<'a> {
             sources,
             survival,
             between_passes,
+            through: through.to_vec(),
             specular,
             directed,
             discs,
@@ -111,20 +119,33 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
-        let Tally { sums, room } = tally;
-        let mut beta = self.view.sample_towards(numbers.field());
-        // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
-        let mut carries = self.stack.medium.constant_index().is_none();
-        if carries {
-            room.carried.fill(1.0);
+    /// Traces these paths.
+    pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
+        if self.goes_together() {
+            return self.paths_together(numbers, paths, tally);
         }
-        let (mut scattered, mut weight) = (false, 1.0);
-        for pass in 0.. {
+        for path in paths {
+            self.path(&PathNumbers { numbers, path, start: numbers.block(path, 0) }, tally);
+        }
+    }
+
+    fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
+        let beta = self.view.sample_towards(numbers.field());
+        // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
+        let carries = self.stack.medium.constant_index().is_none();
+        if carries {
+            tally.room.carried.fill(1.0);
+        }
+        self.passes(0, Downward { beta, weight: 1.0, carries, scattered: false }, numbers, tally);
+    }
+
+    /// All passes from this one on.
+    fn passes(&self, from: u32, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Tally) {
+        let Tally { sums, room, .. } = tally;
+        for pass in from.. {
             let numbers = PassNumbers::new(numbers, pass, self);
-            let light = Downward { beta, weight, carries, scattered };
             let Some(out) = self.pass(light, &numbers, sums, room) else { return };
-            (beta, weight, scattered, carries) = (out.beta, out.weight, out.scattered, true);
+            light = out.as_light();
         }
     }
 
@@ -187,18 +208,9 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// For the way on: down and up through the diffuser. Over a mirror the first pass has planned ones to spare.
-    fn going_on(&self, numbers: &PassNumbers<'_>) -> [f64; 4] {
-        if self.specular && numbers.pass == 0 {
-            numbers.path.event(0, 1)
-        } else {
-            numbers.path.going_on(numbers.pass, 0)
-        }
-    }
-
     /// A further direction below the diffuser.
     fn through_anew(&self, light: Downward, numbers: &PassNumbers<'_>) -> Option<Below> {
-        let [u, v, ..] = self.going_on(numbers);
+        let [u, v, ..] = numbers.going_on();
         let n = self.stack.medium.largest_index();
         let (beta, drawn, straight) = self.through(&self.drawing, light.beta, n, [u, v])?;
         Some(Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight })
@@ -208,11 +220,11 @@ impl<'a> Diffused<'a> {
     /// in a direction of its own: that of what is seen may be guided.
     fn go_on(&self, light: Downward, down: Below, numbers: &PassNumbers<'_>, room: &mut Room) -> Option<Out> {
         let n = self.stack.medium.largest_index();
-        let [.., u, v] = self.going_on(numbers);
+        let [.., u, v] = numbers.going_on();
         let up = if self.specular {
             down.beta
         } else {
-            let [base @ .., _, _] = numbers.path.going_on(numbers.pass, 1);
+            let base = numbers.base_going_on();
             let (x, y) = warp::uniform_disc(n, base);
             Beta { x, y }
         };
@@ -355,8 +367,13 @@ impl<'a> Diffused<'a> {
 
     #[inline]
     fn look_up(&self, base: Beta) -> Stencil {
+        self.look_up_at(base.squared())
+    }
+
+    #[inline]
+    fn look_up_at(&self, squared: f64) -> Stencil {
         match (&self.stack.base.reflector, self.stack.medium.constant_index()) {
-            (Reflector::Specular(table), Some(index)) => table.nodes.stencil(base.squared(), index),
+            (Reflector::Specular(table), Some(index)) => table.nodes.stencil(squared, index),
             _ => Stencil::ONLY_NODE,
         }
     }
@@ -412,21 +429,44 @@ struct PassNumbers<'a> {
 impl<'a> PassNumbers<'a> {
     #[inline]
     fn new(numbers: &'a PathNumbers<'a>, pass: u32, walk: &Diffused<'_>) -> Self {
-        let a = numbers.event(pass, 0);
-        let b = if walk.specular && pass == 0 { [0.5; 4] } else { numbers.event(pass, 1) };
-        let c = if walk.directed { numbers.event(pass, 2) } else { [0.5; 4] };
-        // The point of the field and the first direction are four coordinates of one point.
-        let (down, survival) = if pass == 0 { (numbers.beside_field(), a[0]) } else { ([a[0], a[1]], b[2]) };
-        Self {
-            path: numbers,
-            pass,
-            down,
-            up: [a[2], a[3]],
-            base: [b[0], b[1]],
-            survival,
-            on_source: [c[0], c[1]],
-            backwards: [c[2], c[3]],
+        if pass == 0 {
+            return Self::planned(numbers, walk);
         }
+        let [down @ .., a, b] = numbers.block(Self::of_pass(pass));
+        let [base @ .., survival, _] = numbers.block(Self::of_pass(pass) + 1);
+        let [on_source @ .., d, e] =
+            if walk.directed { numbers.block(Self::of_pass(pass) + 2) } else { [0.5; 4] };
+        Self { path: numbers, pass, down, up: [a, b], base, survival, on_source, backwards: [d, e] }
+    }
+
+    /// Those of the first pass. A direction drawn from either end is two techniques, whose errors do not
+    /// depend on each other's numbers: the same, best ones serve.
+    #[inline]
+    fn planned(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
+        let down = numbers.beside_field();
+        let [of_base @ .., on_source, beside] =
+            if walk.discs || !walk.specular { numbers.block(1) } else { [0.5; 4] };
+        let [survival, _, last @ ..] = numbers.block(PLANNED_BLOCKS - 1);
+        let (up, backwards) = if walk.specular { (of_base, down) } else { (last, of_base) };
+        let on_source = [on_source, beside];
+        Self { path: numbers, pass: 0, down, up, base: of_base, survival, on_source, backwards }
+    }
+
+    /// The first of the blocks of a pass after the first, five for each.
+    #[inline]
+    fn of_pass(pass: u32) -> u32 {
+        PLANNED_BLOCKS + 5 * pass
+    }
+
+    /// For the way on: down and up through the diffuser.
+    fn going_on(&self) -> [f64; 4] {
+        self.path.block(if self.pass == 0 { 2 } else { Self::of_pass(self.pass) + 3 })
+    }
+
+    /// For the way on: off a Lambertian base.
+    fn base_going_on(&self) -> [f64; 2] {
+        let [base @ .., _, _] = self.path.block(Self::of_pass(self.pass) + 4);
+        base
     }
 }
 
@@ -447,6 +487,13 @@ struct Out {
     beta: Beta,
     weight: f64,
     scattered: bool,
+}
+
+impl Out {
+    /// On its way down again, by now with spectra.
+    fn as_light(self) -> Downward {
+        Downward { beta: self.beta, weight: self.weight, carries: true, scattered: self.scattered }
+    }
 }
 
 /// How a base spreads light, for wavelengths whose medium has a smaller disc than the largest.

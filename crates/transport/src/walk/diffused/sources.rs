@@ -93,7 +93,7 @@ impl Diffused<'_> {
     /// with which the path chose `beta`, infinite if the source's side does not.
     fn towards(&self, target: Target, beta: Beta, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
-        let pdf = self.density_out(beta, target.beta);
+        let pdf = || self.density_out(beta, target.beta);
         target.balanced((1.0 - self.straight()) * lobe, pdf, lobe / forward)
     }
 

@@ -91,7 +91,7 @@ impl Draws<'_> {
         self.count = self.count.saturating_add(1);
         // One planned block belongs to the sources.
         let block = if self.count < PLANNED_BLOCKS - 1 { self.count } else { self.count.saturating_add(1) };
-        self.numbers.numbers.block(self.numbers.path, block)
+        self.numbers.block(block)
     }
 
     /// The highest probability with which the path may go on.

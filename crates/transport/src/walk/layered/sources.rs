@@ -163,8 +163,10 @@ impl Lamp {
     pub(super) fn weight(&self, turned: Turned, rival: f64) -> f64 {
         let Turned { value, pdf, back } = turned;
         match self.drawn {
-            None => self.target.balanced(value, pdf, back / rival),
-            Some([drawn, back]) if pdf > 0.0 => value / pdf * self.target.balanced(drawn, back, drawn / pdf),
+            None => self.target.balanced(value, || pdf, back / rival),
+            Some([drawn, back]) if pdf > 0.0 => {
+                value / pdf * self.target.balanced(drawn, || back, drawn / pdf)
+            }
             Some(_) => 0.0,
         }
     }
@@ -241,7 +243,7 @@ pub(super) fn meet_discs(
     for (source, sum) in sources.iter().zip(&mut sums.from_source) {
         if let Some(target) = Target::at(source, sent.beta) {
             let back = if sent.rival.is_finite() { sent.back } else { 0.0 };
-            let weight = target.balanced(sent.density, sent.density, back / sent.rival);
+            let weight = target.balanced(sent.density, || sent.density, back / sent.rival);
             sum.add_share(light, share, rising, weight);
         }
     }

@@ -1,0 +1,185 @@
+//! What transport alone takes the walk, on one core: `cargo bench -p papilio-validation --bench transport`.
+//!
+//! A line for each scenario: CPU time, median of 21 runs, to .1 % in every bin of every state, and to .1 % in Y of
+//! one state alone. Paths and the spectra from them are transport; tables of the pixel's
+//! reflectance and what is made before the first path stand beside it. Then what this machine could do at
+//! most, for what a path of the first pass takes under diffuse light.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark")]
+
+use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::scene::Stop;
+use papilio_display::{Control, Cost, cost};
+use papilio_sampling::{Numbers, Sampler};
+use papilio_validation::walked;
+use pulp::{Arch, Simd, WithSimd};
+
+const RUNS: u64 = 21;
+
+const ONE_STATE: &str = "display.pixel.states={ white = { red = 1.0, green = 1.0, blue = 1.0 } }";
+const NO_OTHERS: &str = "display.pixel.default_states=false";
+
+fn main() {
+    println!(
+        "{:<10}{:<8}{:<22}{:>9}{:>12}{:>12}{:>11}{:>11}{:>11}{:>11}",
+        "", "", "", "paths", "transport", "tracing", "spectra", "set-up", "tables", "ns a path"
+    );
+    for name in ["overcast", "indoor", "sunny"] {
+        for strategy in ["kernel", "guided"] {
+            let scattering = format!("solver.scattering={strategy}");
+            line(name, strategy, "every bin of 8 states", true, &[&scattering]);
+            line(name, strategy, "Y of one state", false, &[&scattering, ONE_STATE, NO_OTHERS]);
+        }
+    }
+    bounds();
+}
+
+/// What a path takes at least: numbers (field, direction, roulette), multiplications and additions (counted in
+/// the source; a division or root as one), and bytes that the sums of two channels move.
+const NUMBERS: usize = 5;
+const OPERATIONS: f64 = 330.0;
+const BYTES: f64 = 2.0 * 16.0 * 16.0;
+
+/// Nanoseconds that a path takes if nothing but this bounded it.
+fn bounds() {
+    let numbers = best(|| Arch::new().dispatch(Draws)) / DRAWS as f64;
+    let multiply_adds = best(|| Arch::new().dispatch(MultiplyAdds)) / Arch::new().dispatch(Lanes);
+    let bytes = vec![1.0; 1 << 16];
+    let reads = best(|| Arch::new().dispatch(Reads(&bytes)));
+    let ns = |seconds: f64| 1e9 * seconds;
+    println!("\nat the least, ns a path, if nothing else took any time:");
+    println!("  {NUMBERS} numbers of Sobol points                  {:>8.2}", ns(numbers));
+    println!(
+        "  {OPERATIONS} operations, as multiply-adds          {:>8.2}",
+        ns(0.5 * OPERATIONS * multiply_adds)
+    );
+    println!(
+        "  {BYTES} bytes, as reads from the second cache  {:>8.2}",
+        ns(BYTES * reads / 8.0 / (1 << 16) as f64)
+    );
+}
+
+/// The least seconds of many runs.
+fn best(mut work: impl FnMut() -> f64) -> f64 {
+    let run = |_| {
+        let started = cpu_seconds();
+        black_box(work());
+        cpu_seconds() - started
+    };
+    (0..200).map(run).fold(f64::INFINITY, f64::min)
+}
+
+const DRAWS: u64 = 1 << 14;
+
+struct Draws;
+
+impl WithSimd for Draws {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let mut sums = [0.0; 16];
+        for first in (0..DRAWS).step_by(16) {
+            let direction = numbers.side_by_side::<16, 4>(first, 0);
+            let roulette = numbers.side_by_side::<16, 1>(first, 3);
+            for of in direction.iter().chain(&roulette) {
+                sums.iter_mut().zip(of).for_each(|(sum, number)| *sum += number);
+            }
+        }
+        sums.iter().sum()
+    }
+}
+
+/// Multiply-adds that [`MultiplyAdds`] does.
+struct Lanes;
+
+impl WithSimd for Lanes {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        (CHAINS * ROUNDS * S::F64_LANES) as f64
+    }
+}
+
+/// Multiply-adds under way at a time, and how often each goes on.
+const CHAINS: usize = 12;
+const ROUNDS: usize = 1 << 15;
+
+struct MultiplyAdds;
+
+impl WithSimd for MultiplyAdds {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let factor = simd.splat_f64s(black_box(0.999));
+        let mut sums = [simd.splat_f64s(black_box(1.0)); CHAINS];
+        for _ in 0..ROUNDS {
+            for sum in &mut sums {
+                *sum = simd.mul_add_f64s(*sum, factor, factor);
+            }
+        }
+        sums.iter().map(|sum| simd.reduce_sum_f64s(*sum)).sum()
+    }
+}
+
+/// Half a mebibyte.
+struct Reads<'a>(&'a [f64]);
+
+impl WithSimd for Reads<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let mut sums = [0.0; 64];
+        for chunk in self.0.chunks_exact(64) {
+            sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value);
+        }
+        sums.iter().sum()
+    }
+}
+
+fn line(name: &str, strategy: &str, aim: &str, every_bin: bool, overrides: &[&str]) {
+    let mut scene = walked(name, overrides).unwrap().scene;
+    scene.solver.stop = Stop::RelativeError { target: 0.001, every_bin };
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let costs: Vec<Cost> = (0..RUNS)
+        .map(|seed| {
+            // Whether a round is enough is partly chance.
+            scene.solver.seed = seed;
+            cost(&scene, &cpu_seconds, &control).unwrap()
+        })
+        .collect();
+    let ms = |of: &dyn Fn(&Cost) -> f64| {
+        let mut values: Vec<f64> = costs.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        1e3 * values[values.len() / 2]
+    };
+    println!(
+        "{name:<10}{strategy:<8}{aim:<22}{:>9.0}{:>9.2} ms{:>9.2} ms{:>8.2} ms{:>8.2} ms{:>8.2} ms{:>11.0}",
+        1e-3 * ms(&|cost| cost.paths as f64),
+        ms(&|cost| cost.tracing_s + cost.spectra_s),
+        ms(&|cost| cost.tracing_s),
+        ms(&|cost| cost.spectra_s),
+        ms(&|cost| cost.setup_s),
+        ms(&|cost| cost.tables_s),
+        1e6 * ms(&|cost| cost.tracing_s / cost.paths as f64),
+    );
+}
+
+/// CPU time of this thread, where the system tells.
+#[cfg(unix)]
+fn cpu_seconds() -> f64 {
+    let time = nix::time::clock_gettime(nix::time::ClockId::CLOCK_THREAD_CPUTIME_ID).unwrap();
+    time.tv_sec() as f64 + 1e-9 * time.tv_nsec() as f64
+}
+
+#[cfg(not(unix))]
+fn cpu_seconds() -> f64 {
+    static START: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
+    START.elapsed().as_secs_f64()
+}
