@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use pulp::Arch;
+use papilio_optics::wide;
 
 use crate::base::largest;
 use crate::product::add_product;
@@ -177,7 +177,10 @@ impl AngularTable {
         let mut basis = vec![0.0; width];
         if let Some(index) = medium.constant_index() {
             let stencil = self.nodes.stencil(beta_squared, index);
-            Arch::new().dispatch(|| self.add_nodes(&stencil, &mut basis));
+            wide(
+                #[inline(always)]
+                || self.add_nodes(&stencil, &mut basis),
+            );
         } else {
             for bin in 0..bins {
                 let stencil = self.nodes.stencil(beta_squared, medium.index()[bin]);
@@ -189,7 +192,10 @@ impl AngularTable {
                 }
             }
         }
-        Arch::new().dispatch(|| self.mix(&basis, 1.0, out));
+        wide(
+            #[inline(always)]
+            || self.mix(&basis, 1.0, out),
+        );
     }
 
     /// Sums of look-ups whose weights were dropped on the nodes; shape `[sum][state][wavelength]`.
@@ -202,7 +208,10 @@ impl AngularTable {
         for ((out, basis), weights) in
             sums.chunks_exact_mut(one_sum).zip(basis.chunks_exact(width.max(1))).zip(node_weights)
         {
-            Arch::new().dispatch(|| self.mix(basis, weights.iter().sum(), out));
+            wide(
+                #[inline(always)]
+                || self.mix(basis, weights.iter().sum(), out),
+            );
         }
         sums
     }

@@ -154,7 +154,7 @@ impl<'a> Walk<'a> {
     /// An empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> Replicate {
         let tally = match &self.kind {
-            Kind::Bare(bare, images) => Tally::Bare(bare.tally(), images.sums()),
+            Kind::Bare(bare, images) => Tally::Bare(Box::new(bare.tally()), images.sums()),
             Kind::Diffused(diffused, images) => Tally::Diffused(Box::new(diffused.tally()), images.sums()),
             Kind::Layered(layered, images) => Tally::Layered(Box::new(layered.tally()), images.sums()),
         };
@@ -248,7 +248,7 @@ impl Replicate {
 
 #[derive(Debug, Clone)]
 enum Tally {
-    Bare(bare::Tally, images::Sums),
+    Bare(Box<bare::Tally>, images::Sums),
     Diffused(Box<diffused::Tally>, images::Sums),
     Layered(Box<layered::Tally>, images::Sums),
 }
