@@ -120,6 +120,9 @@ pub(crate) struct SweepRun {
     /// Write each figure as PNG, too
     #[arg(long)]
     pub(crate) png: bool,
+    /// Write the table as Parquet, too
+    #[arg(long)]
+    pub(crate) parquet: bool,
     /// Worker threads [default: one for each processor]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -137,6 +140,9 @@ pub(crate) struct SweepMerge {
     /// Write each figure as PNG, too
     #[arg(long)]
     pub(crate) png: bool,
+    /// Write the table as Parquet, too
+    #[arg(long)]
+    pub(crate) parquet: bool,
 }
 
 #[derive(Debug, Args)]

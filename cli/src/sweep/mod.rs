@@ -16,7 +16,9 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::{Control, DisplayError};
-use papilio_formats::{SweepHead, SweepHeadAxis, SweepPoint, sweep_value, write_file, write_sweep_csv};
+use papilio_formats::{
+    SweepHead, SweepHeadAxis, SweepPoint, sweep_parquet, sweep_value, write_file, write_sweep_csv,
+};
 use papilio_scenario::Sweep;
 
 use self::journal::Journal;
@@ -68,7 +70,7 @@ fn run(arguments: &SweepRun) -> Result<(), Failure> {
         return Ok(());
     }
     let refs: Vec<&SweepPoint> = known.iter().collect();
-    finish(&folder, &head, &refs, arguments.png)
+    finish(&folder, &head, &refs, Also { png: arguments.png, parquet: arguments.parquet })
 }
 
 /// Joins the journals of parts into the sweep's table and figures.
@@ -109,15 +111,27 @@ fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
     output::check(out)?;
     output::make_folder(out)?;
     let points: Vec<&SweepPoint> = (0..head.points()).filter_map(|point| points.get(&point)).collect();
-    finish(out, &head, &points, arguments.png)
+    finish(out, &head, &points, Also { png: arguments.png, parquet: arguments.parquet })
+}
+
+/// What is written besides the table and its figures as SVG.
+#[derive(Debug, Clone, Copy)]
+struct Also {
+    png: bool,
+    parquet: bool,
 }
 
 /// The table, the figures, and what the terminal shows of them.
-fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], png: bool) -> Result<(), Failure> {
+fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], also: Also) -> Result<(), Failure> {
     let names = interrupt::whole(|| -> Result<Vec<String>, Failure> {
         write_file(&folder.join("sweep.csv"), |out| write_sweep_csv(out, head, points))?;
         let mut names = vec!["sweep.csv".to_owned()];
-        names.extend(draw::figures(folder, head, points, png)?);
+        if also.parquet {
+            let bytes = sweep_parquet(head, points)?;
+            write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
+            names.push("sweep.parquet".to_owned());
+        }
+        names.extend(draw::figures(folder, head, points, also.png)?);
         Ok(names)
     })?;
     let mut stdout = anstream::stdout().lock();

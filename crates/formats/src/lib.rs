@@ -61,6 +61,7 @@ mod rows;
 mod spectrum;
 mod study;
 mod sweep;
+mod sweep_parquet;
 
 pub use audit::{AuditFile, FitFile};
 pub use bsdf::{
@@ -87,3 +88,4 @@ pub use sweep::{
     LARGEST_JOURNAL, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, read_sweep, sweep_value,
     write_sweep_csv, write_sweep_line,
 };
+pub use sweep_parquet::sweep_parquet;

@@ -180,17 +180,7 @@ pub fn write_sweep_line(mut out: impl Write, line: &impl Serialize) -> io::Resul
 /// Those of `out`.
 pub fn write_sweep_csv(out: impl Write, head: &SweepHead, points: &[&SweepPoint]) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    let mut columns: Vec<&str> = Vec::new();
-    for point in points {
-        // Points have the same columns, mostly.
-        if !point.columns.iter().map(String::as_str).eq(columns.iter().copied()) {
-            for name in &point.columns {
-                if !columns.contains(&name.as_str()) {
-                    columns.push(name);
-                }
-            }
-        }
-    }
+    let columns = columns(points);
     let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(String::as_str);
     csv.write_record(["point"].into_iter().chain(keys).chain(columns.iter().copied()))?;
     for (number, point) in points.iter().enumerate() {
@@ -207,6 +197,22 @@ pub fn write_sweep_csv(out: impl Write, head: &SweepHead, points: &[&SweepPoint]
     csv.flush()
 }
 
+/// The columns of all points, in the order in which they first come.
+pub(crate) fn columns<'a>(points: &[&'a SweepPoint]) -> Vec<&'a str> {
+    let mut columns: Vec<&str> = Vec::new();
+    for point in points {
+        // Points have the same columns, mostly.
+        if !point.columns.iter().map(String::as_str).eq(columns.iter().copied()) {
+            for name in &point.columns {
+                if !columns.contains(&name.as_str()) {
+                    columns.push(name);
+                }
+            }
+        }
+    }
+    columns
+}
+
 /// A swept value as it stands in a cell: a string as it is, everything else as JSON.
 pub fn sweep_value(value: &Value) -> String {
     match value {
@@ -219,11 +225,11 @@ pub fn sweep_value(value: &Value) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use serde_json::json;
 
-    fn head() -> SweepHead {
+    pub(crate) fn head() -> SweepHead {
         let axis = |key: &str, values: &[f64]| SweepHeadAxis {
             keys: vec![key.to_owned()],
             values: values.iter().map(|value| vec![json!(value)]).collect(),
@@ -236,7 +242,7 @@ mod tests {
         }
     }
 
-    fn point(number: usize) -> SweepPoint {
+    pub(crate) fn point(number: usize) -> SweepPoint {
         SweepPoint {
             point: Some(number),
             hash: number.to_string(),

@@ -1,0 +1,140 @@
+//! `sweep.parquet`: what `sweep.csv` holds, in typed columns.
+//!
+//! Apache Parquet, one row group, not compressed. `point` is a 64-bit integer, `state` a string; a swept key is a
+//! double if all its values are numbers, otherwise a string; every other column is a double, null where the CSV
+//! is empty.
+
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use serde_json::Value;
+
+use crate::sweep::{SweepHead, SweepPoint, columns, sweep_value};
+
+/// A column and what it holds.
+enum Column {
+    Integers(Vec<i64>),
+    Numbers(Vec<Option<f64>>),
+    Texts(Vec<String>),
+}
+
+/// The bytes of `sweep.parquet`; `points` are all of them, in order.
+///
+/// # Errors
+/// If a table cannot be in this format: two columns of one name.
+pub fn sweep_parquet(head: &SweepHead, points: &[&SweepPoint]) -> Result<Vec<u8>, std::io::Error> {
+    let table = table(head, points);
+    written(&table).map_err(std::io::Error::other)
+}
+
+/// The columns of `sweep.csv`.
+fn table(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, Column)> {
+    let rows = || {
+        points.iter().enumerate().flat_map(|(k, point)| point.rows.iter().map(move |row| (k, *point, row)))
+    };
+    let mut table = vec![("point".to_owned(), Column::Integers(rows().map(|(k, ..)| k as i64).collect()))];
+    let keys = head.axes.iter().flat_map(|axis| &axis.keys);
+    for (i, key) in keys.enumerate() {
+        let at: Vec<Value> = (0..points.len())
+            .map(|k| head.swept(k).nth(i).map_or(Value::Null, |(_, value)| value.clone()))
+            .collect();
+        let column = if at.iter().all(Value::is_number) {
+            Column::Numbers(rows().map(|(k, ..)| at[k].as_f64()).collect())
+        } else {
+            Column::Texts(rows().map(|(k, ..)| sweep_value(&at[k])).collect())
+        };
+        table.push((key.clone(), column));
+    }
+    for name in columns(points) {
+        let cells = rows().map(|(_, point, row)| {
+            let at = point.columns.iter().position(|own| own == name);
+            at.and_then(|at| row.get(at)).map_or("", String::as_str)
+        });
+        let column = if name == "state" {
+            Column::Texts(cells.map(str::to_owned).collect())
+        } else {
+            Column::Numbers(cells.map(|cell| cell.parse().ok()).collect())
+        };
+        table.push((name.to_owned(), column));
+    }
+    table
+}
+
+fn written(table: &[(String, Column)]) -> Result<Vec<u8>, ParquetError> {
+    let fields: Result<Vec<_>, _> =
+        table.iter().map(|(name, column)| column.field(name).map(Arc::new)).collect();
+    let schema = Type::group_type_builder("sweep").with_fields(fields?).build()?;
+    let properties = Arc::new(WriterProperties::builder().build());
+    let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), properties)?;
+    let mut group = writer.next_row_group()?;
+    for (_, column) in table {
+        let Some(mut out) = group.next_column()? else { break };
+        match column {
+            Column::Integers(values) => {
+                out.typed::<Int64Type>().write_batch(values, None, None)?;
+            }
+            Column::Texts(values) => {
+                let values: Vec<ByteArray> = values.iter().map(|text| text.as_str().into()).collect();
+                out.typed::<ByteArrayType>().write_batch(&values, None, None)?;
+            }
+            Column::Numbers(values) => {
+                let there: Vec<f64> = values.iter().copied().flatten().collect();
+                let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+                out.typed::<DoubleType>().write_batch(&there, Some(&levels), None)?;
+            }
+        }
+        out.close()?;
+    }
+    group.close()?;
+    writer.into_inner()
+}
+
+impl Column {
+    fn field(&self, name: &str) -> Result<Type, ParquetError> {
+        let (kind, logical, repetition) = match self {
+            Self::Integers(_) => (PhysicalType::INT64, None, Repetition::REQUIRED),
+            Self::Numbers(_) => (PhysicalType::DOUBLE, None, Repetition::OPTIONAL),
+            Self::Texts(_) => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED),
+        };
+        Type::primitive_type_builder(name, kind)
+            .with_repetition(repetition)
+            .with_logical_type(logical)
+            .build()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::tests::{head, point};
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::{Field, RowAccessor};
+
+    /// Two roads: what is read back is what the journal holds.
+    #[test]
+    fn it_reads_back() {
+        let points: Vec<SweepPoint> = (0..6).map(point).collect();
+        let refs: Vec<&SweepPoint> = points.iter().collect();
+        let bytes = sweep_parquet(&head(), &refs).unwrap();
+        let path = tempfile::tempdir().unwrap();
+        let file = path.path().join("s.parquet");
+        std::fs::write(&file, bytes).unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(&file).unwrap()).unwrap();
+        let rows: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 12);
+        let last = &rows[11];
+        let names: Vec<&str> = last.get_column_iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["point", "a", "b", "state", "Y", "contrast_ratio"]);
+        assert_eq!(
+            (last.get_long(0).unwrap(), last.get_double(1).unwrap(), last.get_double(2).unwrap()),
+            (5, 2.0, 0.3)
+        );
+        assert_eq!((last.get_string(3).unwrap().as_str(), last.get_double(4).unwrap()), ("black", 0.05));
+        assert!(matches!(rows[0].get_column_iter().nth(5).unwrap().1, Field::Double(_)));
+    }
+}
