@@ -76,23 +76,27 @@ impl Sky {
         // b < 0: the exponential goes to 0 at the horizon.
         let gradation = 1.0 + a * (b / sin).exp();
         let [elevation, azimuth] = self.sun.unwrap_or([90.0, 0.0]);
-        let cos = direction.iter().zip(by_elevation(elevation, azimuth)).map(|(x, y)| x * y).sum::<f64>();
-        let chi = cos.clamp(-1.0, 1.0).acos();
-        gradation * (1.0 + c * ((d * chi).exp() - (d * FRAC_PI_2).exp()) + e * cos * cos)
+        let apart = direction.iter().zip(by_elevation(elevation, azimuth)).map(|(x, y)| (x - y).powi(2));
+        // By half the chord: an arc cosine loses half of the digits next to the sun.
+        let chi = 2.0 * (0.5 * apart.sum::<f64>().sqrt()).min(1.0).asin();
+        gradation * (1.0 + c * ((d * chi).exp() - (d * FRAC_PI_2).exp()) + e * chi.cos().powi(2))
     }
 
     /// Illuminance of the horizontal ground, for a luminance of 1 at the zenith.
     pub fn horizontal_illuminance(&self) -> f64 {
-        let cells = |k: usize, count: usize| (k as f64 + 0.5) / count as f64;
+        let rows = 2 * ROWS;
+        let edge = |row: usize| FRAC_PI_2 * row as f64 / rows as f64;
         let mut sum = 0.0;
-        for row in 0..2 * ROWS {
-            // Even in sin^2: each cell has the same area of direction cosines.
-            let theta = cells(row, 2 * ROWS).sqrt().asin();
+        for row in 0..rows {
+            // A ring's share of all direction cosines.
+            let share = edge(row + 1).sin().powi(2) - edge(row).sin().powi(2);
+            let theta = 0.5 * (edge(row) + edge(row + 1));
             for column in 0..COLUMNS {
-                sum += self.luminance(by_inclination(theta, 2.0 * PI * cells(column, COLUMNS)));
+                let phi = 2.0 * PI * (column as f64 + 0.5) / COLUMNS as f64;
+                sum += share * self.luminance(by_inclination(theta, phi));
             }
         }
-        PI * sum / (2 * ROWS * COLUMNS) as f64
+        PI * sum / COLUMNS as f64
     }
 
     /// What a display sees of sky and ground; `None` if that is dark.
