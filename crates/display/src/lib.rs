@@ -33,6 +33,7 @@
 //!         diffuse_spectrum: illuminant("D65", &grid)?,
 //!         directed: vec![],
 //!         environment: vec![],
+//!         front_light: None,
 //!     },
 //!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, distance_mm: 500.0 },
 //!     metrics: Metrics::default(),

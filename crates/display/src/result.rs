@@ -180,6 +180,9 @@ pub struct Terms {
     /// From each environment, by way of the pixel.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub environment: Vec<f64>,
+    /// From the front light, all that is seen of it, what leaks upwards included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub front_light: Option<f64>,
     /// From any light, mirrored before it met the pixel.
     pub front_reflection: f64,
 }

@@ -328,6 +328,22 @@ pub struct Lighting {
     pub directed: Vec<DirectedLight>,
     /// Light from all over the sky or the room.
     pub environment: Vec<Environment>,
+    /// Light from a guide below the front of screen.
+    pub front_light: Option<FrontLight>,
+}
+
+/// A light guide below the front of screen and above all else, itself clear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrontLight {
+    /// What it sends down, lx on the layer below the front of screen; beside the room's illuminance.
+    pub illuminance_lx: f64,
+    /// Relative spectrum.
+    pub spectrum: Spectrum,
+    /// Directions of what it sends down, as if they came from a sky; `None`: diffuse. Other than diffuse needs an
+    /// ordinary panel with a diffuser.
+    pub field: Option<Arc<Field>>,
+    /// What it sends up, diffusely, over what it sends down.
+    pub upward_over_downward: f64,
 }
 
 /// Light from all over the sky or the room.

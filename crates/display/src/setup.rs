@@ -23,7 +23,8 @@ pub(crate) struct Setup {
     /// What the reflectances in the stack's base belong to, if they are a film's.
     film: Option<FilmKey>,
     pub(crate) stack: Stack,
-    /// The diffuse light first, then the directed ones in the scene's order, then the parts of each environment.
+    /// The diffuse light first, then the directed ones in the scene's order, then the parts of each environment,
+    /// then the front light.
     pub(crate) lights: Vec<Light>,
     pub(crate) sources: Vec<Source>,
     pub(crate) views: Vec<ViewPoint>,
@@ -266,6 +267,11 @@ fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError
             lights.push(light(1 + lighting.directed.len() + i, part.share, &part.spectrum)?);
         }
     }
+    if let Some(guide) = &lighting.front_light {
+        let irradiance = observer.scale_to_illuminance(&guide.spectrum, guide.illuminance_lx)?;
+        let term = 1 + lighting.directed.len() + lighting.environment.len();
+        lights.push(Light { irradiance, illuminance_lx: guide.illuminance_lx, term });
+    }
     Ok(lights)
 }
 
@@ -281,6 +287,9 @@ fn sources(scene: &Scene, index: f64) -> Result<Vec<Source>, DisplayError> {
     }
     let parts = scene.lighting.environment.iter().flat_map(|environment| &environment.parts);
     sources.extend(parts.map(|part| Source::Field(part.field.clone())));
+    if let Some(guide) = &scene.lighting.front_light {
+        sources.push(guide.field.clone().map_or(Source::Diffuse, Source::Field));
+    }
     Ok(sources)
 }
 

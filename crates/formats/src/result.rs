@@ -202,6 +202,7 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
     let directed = v.terms.directed.iter().enumerate().map(|(i, y)| (format!("Y_directed_{i}"), Some(*y)));
     let environment =
         v.terms.environment.iter().enumerate().map(|(i, y)| (format!("Y_environment_{i}"), Some(*y)));
+    let front_light = v.terms.front_light.map(|y| ("Y_front_light".to_owned(), Some(y)));
     let specular = v.specular.iter().enumerate().map(|(i, y)| (format!("specular_{i}"), Some(*y)));
     fixed
         .into_iter()
@@ -211,6 +212,7 @@ fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
         .chain(alone)
         .chain(directed)
         .chain(environment)
+        .chain(front_light)
         .chain(specular)
         .collect()
 }

@@ -38,6 +38,7 @@ fn values(start: f64) -> StateValues {
             diffuse: start,
             directed: vec![1.0, start],
             environment: vec![],
+            front_light: None,
             front_reflection: 0.0,
         },
         specular: vec![0.04, 0.0],

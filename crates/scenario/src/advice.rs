@@ -138,6 +138,7 @@ impl Problem {
                 format!("leave it out: `{key}` is a key of {}", of.join(" and "))
             }
             Self::BesideLayers { layer, .. } => format!("make it a layer, {layer}, or leave it out"),
+            Self::NoLobeBelow => "leave `distribution` out: a diffuse front light lies over any layers".to_owned(),
             Self::NeedsPanel { instead, .. } => format!("use {instead}"),
             Self::SheetAtFace => "put what is below it in between: a face such as { kind = \"fresnel\" } leaves \
                                   the sheet in the medium above, a { kind = \"medium\" } of the same index around it"

@@ -369,6 +369,9 @@ pub enum Problem {
         /// Its inclination in the display's frame.
         theta_deg: f64,
     },
+    /// A front light's distribution over something else than a lobe.
+    #[error("a distribution of the front light needs a panel whose diffuser is a lobe")]
+    NoLobeBelow,
     /// An environment without light over the display.
     #[error("none of this light falls on the display")]
     DarkField,

@@ -6,21 +6,24 @@
 
 mod angle;
 mod colours;
+mod front_light;
 mod levels;
 mod metrics;
 mod replicates;
 mod sample;
 mod view;
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use papilio_colour::{Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
-use papilio_transport::Estimate;
+use papilio_transport::{Estimate, Rho};
 
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
 pub(crate) use angle::{Looked, against_angle};
+use front_light::BelowFront;
 use metrics::{Reference, Sight, ViewScalars};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
@@ -35,6 +38,8 @@ pub(crate) struct Meter<'a> {
     white_xyz: Xyz,
     /// For each light alone.
     lights: Vec<Weights>,
+    /// The last of them, if it is a front light.
+    below_front: Option<BelowFront>,
     /// Y of the perfect white in each light of a result, which may be several of these.
     luminous: Vec<f64>,
 }
@@ -55,13 +60,16 @@ impl<'a> Meter<'a> {
     pub(crate) fn new(setup: &'a Setup) -> Self {
         let grid = setup.scene.grid;
         let mut white = vec![0.0; grid.len()];
-        for light in &setup.lights {
+        let below_front = BelowFront::new(&setup.scene, &setup.stack);
+        // The reference white sees the room's light alone.
+        let ambient = &setup.lights[..setup.lights.len() - usize::from(below_front.is_some())];
+        for light in ambient {
             white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
         }
         let terms = setup.lights.last().map_or(0, |light| light.term + 1);
         let layout = Layout { states: setup.states.len(), bins: grid.len(), terms };
         let white_xyz = setup.seen_by().xyz(&white);
-        let total: f64 = setup.lights.iter().map(|light| light.illuminance_lx).sum();
+        let total: f64 = ambient.iter().map(|light| light.illuminance_lx).sum();
         let weights = |light: &Light| {
             let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
             let over_white =
@@ -72,7 +80,7 @@ impl<'a> Meter<'a> {
         let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
         let mut luminous = vec![0.0; terms];
         lights.iter().for_each(|light| luminous[light.term] += light.xyz[1].iter().sum::<f64>());
-        Self { setup, grid, layout, white, white_xyz, lights, luminous }
+        Self { setup, grid, layout, white, white_xyz, lights, below_front, luminous }
     }
 
     /// ybar at each wavelength, nm.
@@ -85,11 +93,24 @@ impl<'a> Meter<'a> {
         sum_of_products(&sample.0[self.layout.radiance(state)], self.y_bar())
     }
 
+    fn is_front_light(&self, light: &Weights) -> bool {
+        self.below_front.is_some() && light.term + 1 == self.layout.terms
+    }
+
+    /// What is seen of each light, the front light as it is below the front of screen.
+    fn seen_of<'e>(&self, estimate: &'e Estimate) -> impl Iterator<Item = Cow<'e, Rho>> {
+        let last = estimate.rho.len().saturating_sub(1);
+        estimate.rho.iter().enumerate().map(move |(k, rho)| match &self.below_front {
+            Some(guide) if k == last => Cow::Owned(guide.seen(rho, &estimate.rho[0])),
+            _ => Cow::Borrowed(rho),
+        })
+    }
+
     /// An estimate as a sample.
     pub(crate) fn sample(&self, estimate: &Estimate) -> Sample {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
-        for (light, rho) in self.lights.iter().zip(&estimate.rho) {
+        for (light, rho) in self.lights.iter().zip(self.seen_of(estimate)) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
                 let base = &rho.base[state * layout.bins..][..layout.bins];
@@ -100,7 +121,12 @@ impl<'a> Meter<'a> {
                 factor.zip(both).for_each(|(sum, rho)| *sum += light.share * rho);
                 let from_pixel = sum_of_products(base, &light.xyz[1]);
                 sample[layout.terms(state).start + light.term] += from_pixel;
-                sample[layout.front_term(state)] += from_front;
+                let mirrored = if self.is_front_light(light) {
+                    layout.terms(state).start + light.term
+                } else {
+                    layout.front_term(state)
+                };
+                sample[mirrored] += from_front;
                 let luminous = self.luminous[light.term];
                 if luminous > 0.0 {
                     sample[layout.alone(state).start + light.term] += (from_pixel + from_front) / luminous;

@@ -86,7 +86,8 @@ impl Meter<'_> {
         let linear = &numbers.linear.0;
         let scalars: &Scalars = &numbers.scalars.states[state];
         let terms = &linear[self.layout.terms(state)];
-        let directed = self.setup.scene.lighting.directed.len();
+        let lighting = &self.setup.scene.lighting;
+        let (directed, environments) = (lighting.directed.len(), lighting.environment.len());
         let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
         let alone = |light: usize| {
             let there = self.luminous[light] > 0.0;
@@ -116,11 +117,12 @@ impl Meter<'_> {
             cam16: scalars.cam16,
             R_hemi: alone(0),
             R_dir: (1..=directed).map(alone).collect(),
-            R_environment: (1 + directed..self.layout.terms).map(alone).collect(),
+            R_environment: (1 + directed..1 + directed + environments).map(alone).collect(),
             terms: Terms {
                 diffuse: terms[0],
                 directed: terms[1..][..directed].to_vec(),
-                environment: terms[1 + directed..].to_vec(),
+                environment: terms[1 + directed..][..environments].to_vec(),
+                front_light: terms.get(1 + directed + environments).copied(),
                 front_reflection: linear[self.layout.front_term(state)],
             },
             specular,

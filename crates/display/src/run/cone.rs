@@ -311,8 +311,14 @@ mod tests {
         let looks = |directed: &[DirectedLight]| {
             let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]), vec![]);
             let directed = directed.to_vec();
-            let light =
-                Lighting { illuminance_lx: 1.0, diffuse: 0.0, diffuse_spectrum, directed, environment };
+            let light = Lighting {
+                illuminance_lx: 1.0,
+                diffuse: 0.0,
+                diffuse_spectrum,
+                directed,
+                environment,
+                front_light: None,
+            };
             alike(&[0.0, 90.0, 180.0, 270.0], &light)
         };
         assert_eq!(looks(&[]), [0, 0, 0, 0]);

@@ -166,7 +166,13 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         R_hemi: Some(xyz.y),
         R_dir: vec![],
         R_environment: vec![],
-        terms: Terms { diffuse: xyz.y, directed: vec![], environment: vec![], front_reflection: 0.0 },
+        terms: Terms {
+            diffuse: xyz.y,
+            directed: vec![],
+            environment: vec![],
+            front_light: None,
+            front_reflection: 0.0,
+        },
         specular: vec![],
     };
     let scaled = |share: f64| StateValues {

@@ -2,14 +2,14 @@
 
 use super::environment::Environment;
 use super::numbers::{
-    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Lux, Share, Wavelength, Weight,
+    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, Share, Wavelength, Weight,
 };
 use crate::grammar::{choice, forms, table};
 use crate::read::At;
 
 table! {
     /// The room's light; all shares sum to 1.
-    Lighting later ["front_light"] {
+    Lighting {
         /// "indoor", "office", "iec-directional", ...: fills lighting and viewer; keys that are given override it. Default: none.
         preset: Option<Preset>,
         /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx. Default 500.
@@ -22,6 +22,23 @@ table! {
         directed: Vec<At<Directed>> = Vec::new(),
         /// Light from many directions at once: rings, skies. Default: none.
         environment: Vec<At<Environment>> = Vec::new(),
+        /// A light guide below the front of screen. Default: none.
+        front_light: Option<FrontLight>,
+    }
+}
+
+table! {
+    /// A clear light guide below the front of screen and above all other layers.
+    FrontLight {
+        /// What it sends down, lx on the layer below the front of screen, beside `illuminance_lx`.
+        illuminance_lx: Lux,
+        /// Relative spectrum. Default: that of the lighting.
+        spectrum: Option<LightSpectrum>,
+        /// Directions of what it sends down: two columns, inclination in degrees (0 to 90, rising) and relative radiance,
+        /// alike at all azimuths; over an ordinary panel's diffuser alone. Default: diffuse.
+        distribution: Option<String>,
+        /// Share of all its light that it sends up, diffusely: 0 to .99. Default 0.
+        upward_leak: Leak = Leak(0.0),
     }
 }
 

@@ -61,6 +61,11 @@ number!(
     { "type": "number", "exclusiveMinimum": -90, "exclusiveMaximum": 90 }
 );
 number!(
+    /// The share of a light guide's light that goes up.
+    Leak, "a number from 0 to .99", |v| (0.0..=0.99).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 0.99 }
+);
+number!(
     /// A distance, m.
     Metres, "a number above 0, at most 1e6 (m)", |v| v > 0.0 && v <= 1e6,
     { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }

@@ -1,6 +1,10 @@
 //! The room's light: its sources, and whether their shares make a whole.
 
-use papilio_display::scene::{DirectedLight, Environment, Lighting};
+use std::sync::Arc;
+
+use papilio_display::room::profile;
+use papilio_display::scene::{DirectedLight, Environment, FrontLight, Lighting};
+use papilio_formats::read_profile;
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -26,13 +30,44 @@ impl Resolver<'_> {
         let environment: Vec<_> =
             environments.map(|(i, one)| self.environment(i, one, general.as_ref(), &mut suns)).collect();
         directed.iter_mut().for_each(|directed| directed.append(&mut suns));
+        let front_light = match &lighting.front_light.value {
+            Some(guide) => Some(self.front_light(guide, general.as_ref())?),
+            None => None,
+        };
         Some(Lighting {
+            front_light,
             illuminance_lx: lighting.illuminance_lx.0,
             diffuse: lighting.diffuse.map_or(0.0, |share| share.0),
             diffuse_spectrum: general?,
             directed: directed?,
             // Luminaires are among the directed sources.
             environment: environment.into_iter().filter(|one| !is_empty(one)).collect::<Option<_>>()?,
+        })
+    }
+
+    fn front_light(
+        &mut self,
+        guide: &describe::FrontLight,
+        general: Option<&Spectrum>,
+    ) -> Option<FrontLight> {
+        let spectrum = self.own_light("lighting.front_light.spectrum", &guide.spectrum, general);
+        let field = match &guide.distribution.value {
+            Some(name) => {
+                let points = self.data(name, guide.distribution.origin, read_profile)?;
+                let field = profile(&points);
+                if field.is_none() {
+                    self.errors.push(guide.distribution.origin, Problem::DarkField);
+                }
+                Some(Arc::new(field?))
+            }
+            None => None,
+        };
+        let up = guide.upward_leak.0;
+        Some(FrontLight {
+            illuminance_lx: guide.illuminance_lx.0,
+            spectrum: spectrum?,
+            field,
+            upward_over_downward: up / (1.0 - up),
         })
     }
 

@@ -139,8 +139,18 @@ impl Resolver<'_> {
         Some((medium, surface))
     }
 
+    /// A front light of a given distribution is mirrored by the front of screen alone: a lobe has to lie below.
+    fn check_front_light(&mut self, file: &File, scene: &Scene) {
+        let Some(guide) = &file.lighting.front_light.value else { return };
+        let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
+        if guide.distribution.value.is_some() && !over_lobe {
+            self.errors.push(guide.distribution.origin, Problem::NoLobeBelow);
+        }
+    }
+
     /// Angles that are not in air, and one pass alone, are for the ordinary panel.
     pub(super) fn check_panel(&mut self, file: &File, scene: &Scene) {
+        self.check_front_light(file, scene);
         let Layers::General(_) = scene.display.layers else {
             return self.check_angles(file, scene);
         };

@@ -1,0 +1,55 @@
+//! What is seen of a light guide below the front of screen, from what is seen of the same light above it.
+//!
+//! The front is alike at all angles, so light that falls on the layer below it goes the same ways wherever it came
+//! from: a guide of E lx there is ambient light of E/t, t the front's transmittance, less what the front itself
+//! mirrors of that. For one component of reflectance R and absorptance A that is the factor 1/(1 - R - A) which light gains that crosses
+//! the front once instead of twice. What leaks upwards is a veil of t times its luminance, and what the front sends back of it
+//! is diffuse light on the panel.
+
+use papilio_transport::{Front, Interface, Rho, Stack};
+
+use crate::scene::{FrontLight, Scene};
+
+/// A front light and the front above it.
+#[derive(Debug)]
+pub(super) struct BelowFront {
+    front: Front,
+    is_diffuse: bool,
+    leak: f64,
+}
+
+impl BelowFront {
+    pub(super) fn new(scene: &Scene, stack: &Stack) -> Option<Self> {
+        let FrontLight { field, upward_over_downward, .. } = scene.lighting.front_light.as_ref()?;
+        let front = match stack {
+            Stack::Panel(panel) => panel.front.clone(),
+            Stack::Layered(layered) => {
+                let sheets = layered.layers.iter().map_while(|layer| match &layer.interface {
+                    Interface::Sheet { reflectance, absorptance } => Some((&**reflectance, &**absorptance)),
+                    _ => None,
+                });
+                Front::exact(scene.grid.len(), sheets)
+            }
+        };
+        Some(Self { front, is_diffuse: field.is_none(), leak: *upward_over_downward })
+    }
+
+    /// Of what is seen of its light above the front, and of diffuse light.
+    pub(super) fn seen(&self, of_it: &Rho, of_diffuse: &Rho) -> Rho {
+        let Front { transmittance, reflectance_above, reflectance_below } = &self.front;
+        let bins = transmittance.len();
+        let share = |bin: usize| if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
+        let sent_back = |bin: usize| self.leak * reflectance_below[bin];
+        let base = of_it.base.iter().zip(&of_diffuse.base).enumerate().map(|(k, (it, diffuse))| {
+            let bin = k % bins;
+            share(bin) * (it + sent_back(bin) * diffuse)
+        });
+        let front = (0..bins).map(|bin| {
+            let diffuse = of_diffuse.front[bin] - reflectance_above[bin];
+            // Other light than diffuse is mirrored by the front alone: a panel's diffuser reflects nothing.
+            let it = if self.is_diffuse { diffuse } else { 0.0 };
+            share(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
+        });
+        Rho { base: base.collect(), front: front.collect() }
+    }
+}
