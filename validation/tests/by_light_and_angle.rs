@@ -4,6 +4,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use papilio_colour::Observer;
 use papilio_display::{Control, reflection};
 use papilio_scenario::preset_names;
 use papilio_validation::{run, scenario};
@@ -92,6 +93,33 @@ fn y_is_made_of_the_reflectances_by_light() {
         let v = &state.value;
         let together = 0.5 * v.R_hemi.unwrap() + 0.5 * v.R_dir[0].unwrap();
         assert!((v.Y - together).abs() < 1e-12, "{name}: {together}");
+    }
+}
+
+/// The same at each wavelength: the reflectance factor is the mean of those by light, weighted by its light; and their
+/// luminous means are `R_hemi` and `R_dir`.
+#[test]
+fn spectra_by_light_make_the_reflectance_factor() {
+    let asked =
+        ["metrics.spectra_by_light=true", "lighting.directed.0.spectrum=A", "lighting.directed.0.share=0.3"];
+    let set = [&asked[..], &["lighting.diffuse=0.7"]].concat();
+    let resolved = scenario("indoor", &set).unwrap();
+    let result = run(&resolved.scene).unwrap();
+    let white = &result.illuminant.radiance_of_white;
+    let observer = Observer::new(&resolved.scene.grid).unwrap();
+    let lamp = observer.scale_to_illuminance(&resolved.scene.lighting.directed[0].spectrum, 150.0).unwrap();
+    for (name, state) in result.views[0].states.iter() {
+        let by_light = state.value.by_light.as_ref().unwrap();
+        let (hemi, dir) = (by_light.R_hemi.as_ref().unwrap(), by_light.R_dir[0].as_ref().unwrap());
+        for (bin, white) in white.iter().enumerate() {
+            let share = lamp[bin] / std::f64::consts::PI / white;
+            let mean = share * dir[bin] + (1.0 - share) * hemi[bin];
+            assert!((mean - state.value.reflectance_factor[bin]).abs() < 1e-12, "{name}, {bin}");
+        }
+        let lit: Vec<f64> = dir.iter().zip(lamp.iter()).map(|(rho, light)| rho * light).collect();
+        let luminous = observer.luminance(&lit) / 150.0;
+        assert!((luminous - state.value.R_dir[0].unwrap()).abs() < 1e-12, "{name}: {luminous}");
+        assert_eq!(state.discretisation_error.as_ref().unwrap().by_light.as_ref().unwrap().R_dir.len(), 1);
     }
 }
 

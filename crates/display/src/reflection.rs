@@ -74,11 +74,14 @@ pub fn reflection(
     theta_deg.iter().map(one).collect()
 }
 
-/// All light together, relative.
+/// All of the room's light together, relative; an even spectrum where there is none.
 fn mixture(scene: &Scene) -> Result<Spectrum, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let mut room = scene.clone();
+    room.lighting.front_light = None;
+    let setup = Setup::new(&room)?;
     let nothing = Spectrum::constant(&scene.grid, 0.0);
-    Ok(setup.lights.iter().fold(nothing, |sum, light| sum.zip_map(&light.irradiance, |a, b| a + b)))
+    let sum = setup.lights.iter().fold(nothing, |sum, light| sum.zip_map(&light.irradiance, |a, b| a + b));
+    Ok(if sum.max() > 0.0 { sum } else { Spectrum::constant(&scene.grid, 1.0) })
 }
 
 /// The display seen from `theta`, in diffuse light, under a disc in the mirror direction, and under beams.
@@ -108,10 +111,12 @@ fn lit(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
         .extend(around.filter(|at| at.0 > 0.0 || at.1 == 0.0).map(|(theta, phi)| source(theta, phi, None)));
     let share = 1.0 / (sources.len() + 1) as f64;
     sources.iter_mut().for_each(|source| source.share = share);
+    lit.lighting.illuminance_lx = 1.0;
     lit.lighting.diffuse = share;
     lit.lighting.diffuse_spectrum = light.clone();
     lit.lighting.directed = sources;
     lit.lighting.environment.clear();
+    lit.lighting.front_light = None;
     lit
 }
 

@@ -164,10 +164,27 @@ pub struct StateValues {
     /// The same in each environment alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub R_environment: Vec<Option<f64>>,
+    /// Reflectance factors under each light alone, where `metrics.spectra_by_light` asks for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_light: Option<SpectraByLight>,
     /// The parts of Y by light; they sum to Y.
     pub terms: Terms,
     /// Luminance of each directed source's mirror image over that of the source, wherever it is seen.
     pub specular: Vec<f64>,
+}
+
+/// Reflectance factors under each light alone, front reflection included (Feng 2012, eq. 3-1); null where
+/// there is none of it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the letters of the equation")]
+pub struct SpectraByLight {
+    /// Under the diffuse light.
+    pub R_hemi: Option<Vec<f64>>,
+    /// Under each directed source.
+    pub R_dir: Vec<Option<Vec<f64>>>,
+    /// Under each environment.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub R_environment: Vec<Option<Vec<f64>>>,
 }
 
 /// The parts of Y by light (Feng 2012, eq. 3-1).

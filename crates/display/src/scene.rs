@@ -41,6 +41,8 @@ pub struct Metrics {
     pub observer: Standard,
     /// Name of the state that the others are compared with; nothing is if there is no such state.
     pub reference_state: String,
+    /// Whether reflectance factors under each light alone are wanted.
+    pub spectra_by_light: bool,
     /// Whether the gamut's volume is wanted.
     pub gamut_volume: bool,
     /// Viewing conditions, if colour appearance is wanted.
@@ -63,6 +65,7 @@ impl Default for Metrics {
         Self {
             observer: Standard::Cie1931,
             reference_state: "white".to_owned(),
+            spectra_by_light: false,
             gamut_volume: false,
             appearance: None,
         }

@@ -63,31 +63,54 @@ pub(crate) fn state_table(result: &RunResult) -> (Vec<String>, Vec<Vec<String>>)
 /// Those of `out`.
 pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    let without_noise = result.views.iter().any(|view| view.discretisation_error.is_some());
-    let of_both = ["radiance", "reflectance_factor"].into_iter().flat_map(|title| {
-        let errors = if without_noise { &["", "_se", "_de"][..] } else { &["", "_se"] };
-        errors.iter().map(move |error| format!("{title}{error}"))
-    });
-    let places = ["theta_deg", "phi_deg", "state", "wavelength_nm"].map(str::to_owned);
-    csv.write_record(places.into_iter().chain(of_both))?;
+    let mut header_is_there = false;
     for view in &result.views {
         let angles = [view.theta_deg.to_string(), view.phi_deg.to_string()];
         for (name, state) in view.states.iter() {
-            let all = [Some(&state.value), Some(&state.standard_error), state.discretisation_error.as_ref()];
-            let all = || all.into_iter().flatten();
-            let columns: Vec<&[f64]> = all()
-                .map(|values| values.radiance.as_slice())
-                .chain(all().map(|values| values.reflectance_factor.as_slice()))
-                .collect();
+            let columns = spectra(state);
+            if !header_is_there {
+                let places = ["theta_deg", "phi_deg", "state", "wavelength_nm"].map(str::to_owned);
+                csv.write_record(places.iter().chain(columns.iter().map(|(title, _)| title)))?;
+                header_is_there = true;
+            }
             for (i, nm) in result.wavelength_nm.iter().enumerate() {
-                let numbers: Vec<String> =
-                    columns.iter().map(|column| cell(column.get(i).copied())).collect();
+                let numbers = columns.iter().map(|(_, column)| cell(column.get(i).copied()));
                 let start = [angles[0].clone(), angles[1].clone(), name.to_owned(), nm.to_string()];
-                csv.write_record(start.iter().chain(&numbers))?;
+                csv.write_record(start.into_iter().chain(numbers))?;
             }
         }
     }
     csv.flush()
+}
+
+/// Spectra of a state, each followed by its errors: `radiance`, `radiance_se`, ...
+fn spectra(state: &State) -> Vec<(String, &[f64])> {
+    let all = [
+        ("", Some(&state.value)),
+        ("_se", Some(&state.standard_error)),
+        ("_de", state.discretisation_error.as_ref()),
+    ];
+    let all = all.map(|(end, values)| (end, values.map(spectra_of).unwrap_or_default()));
+    let interleaved = (0..all[0].1.len()).flat_map(|k| {
+        let one = all.iter().filter_map(move |(end, spectra)| Some((end, spectra.get(k)?)));
+        one.map(|(end, (title, spectrum))| (format!("{title}{end}"), *spectrum))
+    });
+    interleaved.collect()
+}
+
+fn spectra_of(values: &StateValues) -> Vec<(String, &[f64])> {
+    let mut all = vec![
+        ("radiance".to_owned(), &values.radiance[..]),
+        ("reflectance_factor".to_owned(), &values.reflectance_factor),
+    ];
+    if let Some(by_light) = &values.by_light {
+        all.push(("R_hemi".to_owned(), by_light.R_hemi.as_deref().unwrap_or_default()));
+        for (title, group) in [("R_dir", &by_light.R_dir), ("R_environment", &by_light.R_environment)] {
+            let spectra = group.iter().map(|one| one.as_deref().unwrap_or_default()).enumerate();
+            all.extend(spectra.map(|(i, spectrum)| (format!("{title}_{i}"), spectrum)));
+        }
+    }
+    all
 }
 
 /// Writes `reflection.csv`: how each state reflects a beam, by inclination.

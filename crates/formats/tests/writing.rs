@@ -31,6 +31,7 @@ fn values(start: f64) -> StateValues {
         hue_rgb: Some([10.0, 20.0, 30.0]),
         metrics: StateMetrics { u_star: Some(start), ..StateMetrics::default() },
         cam16: None,
+        by_light: None,
         R_hemi: None,
         R_dir: vec![None, Some(start)],
         R_environment: vec![],

@@ -54,6 +54,8 @@ struct Weights {
     share: f64,
     /// The part of Y that it counts in.
     term: usize,
+    /// Its share of that part's light, shape `[wavelength]`; empty unless spectra by light are wanted.
+    within: Vec<f64>,
 }
 
 impl<'a> Meter<'a> {
@@ -67,7 +69,8 @@ impl<'a> Meter<'a> {
             white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
         }
         let terms = setup.lights.last().map_or(0, |light| light.term + 1);
-        let layout = Layout { states: setup.states.len(), bins: grid.len(), terms };
+        let by_light = setup.scene.metrics.spectra_by_light;
+        let layout = Layout { states: setup.states.len(), bins: grid.len(), terms, by_light };
         let white_xyz = setup.seen_by().xyz(&white);
         let total: f64 = ambient.iter().map(|light| light.illuminance_lx).sum();
         let weights = |light: &Light| {
@@ -75,7 +78,8 @@ impl<'a> Meter<'a> {
             let over_white =
                 |bar: &[f64]| radiance.iter().zip(bar).map(|(l, bar)| l * bar / white_xyz.y).collect();
             let xyz: [Vec<f64>; 3] = setup.seen_by().weights().map(over_white);
-            Weights { xyz, radiance, share: light.illuminance_lx / total, term: light.term }
+            let within = if by_light { within(setup, light) } else { Vec::new() };
+            Weights { xyz, radiance, share: light.illuminance_lx / total, term: light.term, within }
         };
         let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
         let mut luminous = vec![0.0; terms];
@@ -127,6 +131,9 @@ impl<'a> Meter<'a> {
                     layout.front_term(state)
                 };
                 sample[mirrored] += from_front;
+                let alone = sample[layout.spectrum_alone(state, light.term)].iter_mut().zip(&light.within);
+                let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
+                alone.zip(both).for_each(|((sum, within), rho)| *sum += within * rho);
                 let luminous = self.luminous[light.term];
                 if luminous > 0.0 {
                     sample[layout.alone(state).start + light.term] += (from_pixel + from_front) / luminous;
@@ -222,6 +229,21 @@ impl<'a> Meter<'a> {
             .map(|s| lights.iter().zip(images).map(|pair| one(s, pair)).collect())
             .collect()
     }
+}
+
+/// A light's share of the light of its part of Y; by illuminance at wavelengths that none of it has.
+fn within(setup: &Setup, light: &Light) -> Vec<f64> {
+    let part = || setup.lights.iter().filter(|other| other.term == light.term);
+    let lux: f64 = part().map(|other| other.illuminance_lx).sum();
+    let share = |(bin, own): (usize, &f64)| {
+        let all: f64 = part().map(|other| other.irradiance[bin]).sum();
+        match (all > 0.0, lux > 0.0) {
+            (true, _) => own / all,
+            (false, true) => light.illuminance_lx / lux,
+            (false, false) => 0.0,
+        }
+    };
+    light.irradiance.iter().enumerate().map(share).collect()
 }
 
 fn over(xyz: Xyz, y: f64) -> Xyz {

@@ -60,6 +60,8 @@ pub(crate) struct Layout {
     pub(crate) bins: usize,
     /// Parts of Y by light.
     pub(crate) terms: usize,
+    /// Whether the spectrum under each light alone is kept.
+    pub(crate) by_light: bool,
 }
 
 impl Layout {
@@ -67,7 +69,8 @@ impl Layout {
     pub(crate) const LEDGER: usize = 7;
 
     fn per_state(&self) -> usize {
-        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER
+        let alone = if self.by_light { self.terms * self.bins } else { 0 };
+        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER + alone
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -108,6 +111,13 @@ impl Layout {
         let start = self.alone(state).end;
         start..start + Self::LEDGER
     }
+
+    /// The reflectance factor under one light alone; empty unless it is kept.
+    pub(crate) fn spectrum_alone(&self, state: usize, term: usize) -> Range<usize> {
+        let bins = if self.by_light { self.bins } else { 0 };
+        let start = self.ledger(state).end + term * bins;
+        start..start + bins
+    }
 }
 
 #[cfg(test)]
@@ -116,15 +126,18 @@ mod tests {
 
     #[test]
     fn the_layout_has_no_overlaps_and_no_holes() {
-        let layout = Layout { states: 3, bins: 5, terms: 2 };
-        let mut used = vec![0; layout.len()];
-        for state in 0..3 {
-            let spectra = [layout.radiance(state), layout.factor(state)];
-            let numbers = [layout.terms(state), layout.alone(state), layout.ledger(state)];
-            let all = spectra.into_iter().chain(numbers).flatten().chain([layout.front_term(state)]);
-            all.for_each(|k| used[k] += 1);
+        for by_light in [false, true] {
+            let layout = Layout { states: 3, bins: 5, terms: 2, by_light };
+            let mut used = vec![0; layout.len()];
+            for state in 0..3 {
+                let spectra = [layout.radiance(state), layout.factor(state)];
+                let alone = [0, 1].map(|term| layout.spectrum_alone(state, term));
+                let numbers = [layout.terms(state), layout.alone(state), layout.ledger(state)];
+                let all = spectra.into_iter().chain(alone).chain(numbers).flatten();
+                all.chain([layout.front_term(state)]).for_each(|k| used[k] += 1);
+            }
+            assert!(used.iter().all(|count| *count == 1));
         }
-        assert!(used.iter().all(|count| *count == 1));
     }
 
     #[test]

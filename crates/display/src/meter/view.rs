@@ -3,7 +3,7 @@
 use super::Meter;
 use super::metrics::{PRIMARIES, Scalars, ViewScalars, three};
 use super::sample::Sample;
-use crate::result::{Absorbed, Ledger, LedgerError, Named, State, StateValues, Terms, View};
+use crate::result::{Absorbed, Ledger, LedgerError, Named, SpectraByLight, State, StateValues, Terms, View};
 use crate::setup::ViewPoint;
 
 /// A spectrum whose extremes differ by less than this many of its largest error is flat.
@@ -93,6 +93,10 @@ impl Meter<'_> {
             let there = self.luminous[light] > 0.0;
             there.then(|| linear[self.layout.alone(state)][light])
         };
+        let spectrum = |light: usize| {
+            let there = self.luminous[light] > 0.0;
+            there.then(|| linear[self.layout.spectrum_alone(state, light)].to_vec())
+        };
         StateValues {
             radiance: linear[self.layout.radiance(state)].to_vec(),
             reflectance_factor: self.reflectance_factor(state, linear),
@@ -118,6 +122,11 @@ impl Meter<'_> {
             R_hemi: alone(0),
             R_dir: (1..=directed).map(alone).collect(),
             R_environment: (1 + directed..1 + directed + environments).map(alone).collect(),
+            by_light: self.layout.by_light.then(|| SpectraByLight {
+                R_hemi: spectrum(0),
+                R_dir: (1..=directed).map(spectrum).collect(),
+                R_environment: (1 + directed..1 + directed + environments).map(spectrum).collect(),
+            }),
             terms: Terms {
                 diffuse: terms[0],
                 directed: terms[1..][..directed].to_vec(),

@@ -163,6 +163,7 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         hue_rgb: xyz.hue_rgb(),
         metrics: StateMetrics::default(),
         cam16: None,
+        by_light: None,
         R_hemi: Some(xyz.y),
         R_dir: vec![],
         R_environment: vec![],

@@ -11,6 +11,8 @@ table! {
         observer: Observer = Observer::Cie1931,
         /// Name of the state that the others are compared with. Default "white".
         reference_state: Option<String>,
+        /// Whether to keep the reflectance factors under each light alone. Default false.
+        spectra_by_light: bool = false,
         /// Whether to find the volume of the gamut in CIELAB, and its rings. Default false.
         gamut_volume: bool = false,
         /// Viewing conditions: also say what the states look like (CIECAM16). Default: none.

@@ -151,6 +151,7 @@ impl Resolver<'_> {
                 metrics::Observer::Cie1931 => scene::Standard::Cie1931,
                 metrics::Observer::Cie1964 => scene::Standard::Cie1964,
             },
+            spectra_by_light: asked.spectra_by_light.value,
             gamut_volume: asked.gamut_volume.value,
             appearance: asked.appearance.value.as_ref().map(appearance),
             ..scene::Metrics::default()

@@ -6,17 +6,18 @@
 //! What has no counterpart is left out, and said so.
 //! **Source.** Feng 2012, figures 5.6 (spectra) and 5.7 (gamuts); differences are CIEDE2000 and u'v' distances.
 
-use papilio_colour::{
-    ColourError, GamutReference, Observer, Standard, UvPrime, Xyz, coverage_percent, gamut_percent, peak_nm,
-};
-use papilio_spectra::{Grid, SpectraError, Tabulated};
+mod pairs;
+mod views;
+
+use papilio_colour::{Standard, Xyz};
+use papilio_spectra::{Grid, Tabulated};
 use serde::Serialize;
+
+use pairs::{Pair, pair};
+use views::{not_measured, together};
 
 /// Views further away from a measured direction are not those that were measured, degrees.
 pub const NEAREST_DEG: f64 = 1.0;
-
-/// Where colours are decided: a spectrum that covers less has colours of its range only, nm.
-const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
 
 /// What a run reported, as far as it can be compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,7 +181,6 @@ pub struct ViewComparison {
     /// Mean over red, green and blue of the peak simulated less the peak measured, nm.
     pub average_peak_difference_nm: Option<f64>,
 }
-
 /// Compares what was measured with what was simulated.
 ///
 /// # Errors
@@ -211,212 +211,11 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
     let views = views.collect();
     Ok(Comparison { views, left_out, states: pairs.into_iter().map(|pair| pair.comparison).collect() })
 }
-
-/// A comparison and the view that it is of.
-struct Pair {
-    view: usize,
-    comparison: StateComparison,
-}
-
-/// The simulated state of a measured one, compared with it; or why there is none.
-fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, String> {
-    let Measured { state, theta_deg, phi_deg, quantity } = measured;
-    let what = format!("measured `{state}` at theta {theta_deg} deg, phi {phi_deg} deg");
-    let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], [*theta_deg, *phi_deg]);
-    let nearest = simulated.views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-    let (index, view) = nearest
-        .filter(|(_, view)| away(view) <= NEAREST_DEG)
-        .ok_or_else(|| format!("{what}: no view of the result is within {NEAREST_DEG} deg"))?;
-    let known = view.states.iter().find(|(name, ..)| name == state);
-    let (_, factor, xyz) = known.ok_or_else(|| format!("{what}: the result has no such state"))?;
-    let compared = match quantity {
-        Quantity::Xyz(measured) => simulated.colours(*xyz, *measured),
-        Quantity::Spectrum(spectrum) => simulated.spectra(factor, spectrum),
-    };
-    let (colours, spectrum) = compared.map_err(|reason| format!("{what}: {reason}"))?;
-    let [(simulated_xyz, simulated), (measured_xyz, measured)] = colours;
-    let comparison = StateComparison {
-        state: state.clone(),
-        theta_deg: view.theta_deg,
-        phi_deg: view.phi_deg,
-        delta_E_2000: lab(&simulated).zip(lab(&measured)).map(|(a, b)| a.delta_e_2000(b)),
-        distance_uv: simulated_xyz.uv_prime().zip(measured_xyz.uv_prime()).map(|(a, b)| a.distance(b)),
-        difference_Y: simulated.Y - measured.Y,
-        simulated,
-        measured,
-        spectrum,
-    };
-    Ok(Pair { view: index, comparison })
-}
-
-type Colours = [(Xyz, Colour); 2];
-
-impl Simulated {
-    fn colours(
-        &self,
-        simulated: Xyz,
-        measured: Xyz,
-    ) -> Result<(Colours, Option<SpectrumComparison>), Unequal> {
-        let observer = Observer::of(self.observer, &self.grid)?;
-        let white = observer.xyz(&self.radiance_of_white);
-        let white = white * (1.0 / white.y);
-        Ok(([simulated, measured].map(|xyz| (xyz, colour(xyz, white, None))), None))
-    }
-
-    /// Both spectra over the wavelengths that both have.
-    fn spectra(
-        &self,
-        simulated: &[f64],
-        measured: &Tabulated,
-    ) -> Result<(Colours, Option<SpectrumComparison>), Unequal> {
-        let (from, to) = measured.range_nm();
-        let inside = |i: &usize| (from..=to).contains(&self.grid.wavelength_nm(*i));
-        let inside: Vec<usize> = (0..self.grid.len()).filter(inside).collect();
-        let (Some(&first), Some(&last)) = (inside.first(), inside.last()) else {
-            return Err(Unequal::NoCommonRange { from, to });
-        };
-        let common =
-            Grid::new(self.grid.wavelength_nm(first), self.grid.wavelength_nm(last), self.grid.step_nm())
-                .map_err(|_| Unequal::NoCommonRange { from, to })?;
-        let (simulated, measured) = (&simulated[first..=last], measured.on(&common)?);
-        let light = &self.radiance_of_white[first..=last];
-        let observer = Observer::of(self.observer, &common)?;
-        let white = observer.xyz(light);
-        let seen = |factor: &[f64]| {
-            let radiance: Vec<f64> = factor.iter().zip(light).map(|(rho, light)| rho * light).collect();
-            let xyz = observer.xyz(&radiance) * (1.0 / white.y);
-            (xyz, colour(xyz, white * (1.0 / white.y), peak_nm(&common, factor)))
-        };
-        let colours = [simulated, &*measured].map(seen);
-        Ok((colours, Some(differences(&common, simulated, &measured))))
-    }
-}
-
-/// Why two spectra cannot be compared.
-#[derive(Debug, thiserror::Error)]
-enum Unequal {
-    #[error("its wavelengths, {from} to {to} nm, do not meet those of the result")]
-    NoCommonRange { from: f64, to: f64 },
-    #[error(transparent)]
-    Spectra(#[from] SpectraError),
-    #[error(transparent)]
-    Colour(#[from] ColourError),
-}
-
-fn differences(grid: &Grid, simulated: &[f64], measured: &[f64]) -> SpectrumComparison {
-    let differences: Vec<f64> = simulated.iter().zip(measured).map(|(a, b)| a - b).collect();
-    let count = differences.len() as f64;
-    let largest = (0..differences.len())
-        .fold(0, |best, i| if differences[i].abs() > differences[best].abs() { i } else { best });
-    SpectrumComparison {
-        wavelength_nm: grid.wavelengths_nm(),
-        simulated: simulated.to_vec(),
-        measured: measured.to_vec(),
-        mean_difference: differences.iter().sum::<f64>() / count,
-        rms_difference: (differences.iter().map(|d| d * d).sum::<f64>() / count).sqrt(),
-        largest_difference: differences[largest],
-        largest_at_nm: grid.wavelength_nm(largest),
-    }
-}
-
-fn colour(xyz: Xyz, white: Xyz, peak_nm: Option<f64>) -> Colour {
-    let (uv, lab) = (xyz.uv_prime(), xyz.lab(white));
-    Colour {
-        X: xyz.x,
-        Y: xyz.y,
-        Z: xyz.z,
-        u_prime: uv.map(|c| c.u),
-        v_prime: uv.map(|c| c.v),
-        L_star: lab.map(|c| c.l),
-        a_star: lab.map(|c| c.a),
-        b_star: lab.map(|c| c.b),
-        contrast: None,
-        peak_nm,
-    }
-}
-
-fn lab(colour: &Colour) -> Option<papilio_colour::Lab> {
-    Some(papilio_colour::Lab { l: colour.L_star?, a: colour.a_star?, b: colour.b_star? })
-}
-
-/// The metrics of a view's states together; fills in their contrasts.
-fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
-    let named = |pairs: &[&mut Pair], name: &str| {
-        pairs.iter().find(|pair| pair.comparison.state == name).map(|pair| pair.comparison.clone())
-    };
-    let black = named(&pairs, "black");
-    let contrast = |y: f64, side: Side| {
-        black.as_ref().map(|black| side(black).Y).filter(|black| *black > 0.0).map(|black| y / black)
-    };
-    for pair in &mut pairs {
-        let one = &mut pair.comparison;
-        one.simulated.contrast = contrast(one.simulated.Y, SIDES[0]);
-        one.measured.contrast = contrast(one.measured.Y, SIDES[1]);
-    }
-    let primaries = ["red", "green", "blue"].map(|name| named(&pairs, name));
-    let triangle = |side: Side| -> Option<[UvPrime; 3]> {
-        let [r, g, b] = primaries.each_ref().map(|one| {
-            let colour = side(one.as_ref()?);
-            Some(UvPrime { u: colour.u_prime?, v: colour.v_prime? })
-        });
-        Some([r?, g?, b?])
-    };
-    let area = |reference| SIDES.map(|side| triangle(side).map(|uv| gamut_percent(uv, reference)));
-    let [r, g, b] = primaries.each_ref().map(|one| {
-        let one = one.as_ref()?;
-        Some(one.simulated.peak_nm? - one.measured.peak_nm?)
-    });
-    let white = named(&pairs, "white");
-    ViewComparison {
-        theta_deg: pairs[0].comparison.theta_deg,
-        phi_deg: pairs[0].comparison.phi_deg,
-        contrast_ratio: SIDES.map(|side| contrast(side(white.as_ref()?).Y, side)),
-        gamut_percent_srgb: area(GamutReference::Srgb),
-        gamut_percent_ebu: area(GamutReference::Ebu),
-        coverage_percent_srgb: SIDES
-            .map(|side| triangle(side).map(|uv| coverage_percent(uv, GamutReference::Srgb))),
-        average_peak_difference_nm: r.zip(g).zip(b).map(|((r, g), b)| (r + g + b) / 3.0),
-    }
-}
-
-/// Simulated states that were not measured in a view that was, and spectra that are short.
-fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<String> {
-    let mut reasons = Vec::new();
-    for (v, view) in simulated.views.iter().enumerate() {
-        let measured = |name: &str| pairs.iter().any(|pair| pair.view == v && pair.comparison.state == name);
-        let missing: Vec<&str> =
-            view.states.iter().map(|(name, ..)| name.as_str()).filter(|name| !measured(name)).collect();
-        if !missing.is_empty() && missing.len() < view.states.len() {
-            let (theta, phi) = (view.theta_deg, view.phi_deg);
-            reasons.push(format!("not measured at theta {theta} deg, phi {phi} deg: {}", missing.join(", ")));
-        }
-    }
-    let short = pairs.iter().filter_map(|pair| {
-        let spectrum = pair.comparison.spectrum.as_ref()?;
-        let (from, to) = (spectrum.wavelength_nm.first()?, spectrum.wavelength_nm.last()?);
-        (*from > LUMINOUS_NM.0 || *to < LUMINOUS_NM.1).then(|| {
-            let (state, theta) = (&pair.comparison.state, pair.comparison.theta_deg);
-            format!("`{state}` at theta {theta} deg: colours are taken over {from} to {to} nm alone")
-        })
-    });
-    reasons.extend(short);
-    reasons
-}
-
-/// The angle between two directions, degrees.
-fn between(one: [f64; 2], other: [f64; 2]) -> f64 {
-    let vector = |[theta, phi]: [f64; 2]| {
-        let ((sin, cos), (sin_phi, cos_phi)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
-        [sin * cos_phi, sin * sin_phi, cos]
-    };
-    let ([ax, ay, az], [bx, by, bz]) = (vector(one), vector(other));
-    let cross = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
-    let sine = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
-    sine.atan2(ax * bx + ay * by + az * bz).to_degrees()
-}
-
 #[cfg(test)]
 mod tests {
+    use papilio_colour::Observer;
+
+    use super::pairs::between;
     use super::*;
 
     fn simulated() -> Simulated {

@@ -1,0 +1,146 @@
+//! A measured state and the simulated one that it is held to.
+
+use papilio_colour::{ColourError, Lab, Observer, Xyz, peak_nm};
+use papilio_spectra::{Grid, SpectraError, Tabulated};
+
+use super::{
+    Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedView, SpectrumComparison, StateComparison,
+};
+
+/// A comparison and the view that it is of.
+pub(super) struct Pair {
+    pub(super) view: usize,
+    pub(super) comparison: StateComparison,
+}
+
+/// The simulated state of a measured one, compared with it; or why there is none.
+pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, String> {
+    let Measured { state, theta_deg, phi_deg, quantity } = measured;
+    let what = format!("measured `{state}` at theta {theta_deg} deg, phi {phi_deg} deg");
+    let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], [*theta_deg, *phi_deg]);
+    let nearest = simulated.views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+    let (index, view) = nearest
+        .filter(|(_, view)| away(view) <= NEAREST_DEG)
+        .ok_or_else(|| format!("{what}: no view of the result is within {NEAREST_DEG} deg"))?;
+    let known = view.states.iter().find(|(name, ..)| name == state);
+    let (_, factor, xyz) = known.ok_or_else(|| format!("{what}: the result has no such state"))?;
+    let compared = match quantity {
+        Quantity::Xyz(measured) => simulated.colours(*xyz, *measured),
+        Quantity::Spectrum(spectrum) => simulated.spectra(factor, spectrum),
+    };
+    let (colours, spectrum) = compared.map_err(|reason| format!("{what}: {reason}"))?;
+    let [(simulated_xyz, simulated), (measured_xyz, measured)] = colours;
+    let comparison = StateComparison {
+        state: state.clone(),
+        theta_deg: view.theta_deg,
+        phi_deg: view.phi_deg,
+        delta_E_2000: lab(&simulated).zip(lab(&measured)).map(|(a, b)| a.delta_e_2000(b)),
+        distance_uv: simulated_xyz.uv_prime().zip(measured_xyz.uv_prime()).map(|(a, b)| a.distance(b)),
+        difference_Y: simulated.Y - measured.Y,
+        simulated,
+        measured,
+        spectrum,
+    };
+    Ok(Pair { view: index, comparison })
+}
+
+type Colours = [(Xyz, Colour); 2];
+
+impl Simulated {
+    fn colours(
+        &self,
+        simulated: Xyz,
+        measured: Xyz,
+    ) -> Result<(Colours, Option<SpectrumComparison>), Unequal> {
+        let observer = Observer::of(self.observer, &self.grid)?;
+        let white = observer.xyz(&self.radiance_of_white);
+        let white = white * (1.0 / white.y);
+        Ok(([simulated, measured].map(|xyz| (xyz, colour(xyz, white, None))), None))
+    }
+
+    /// Both spectra over the wavelengths that both have.
+    fn spectra(
+        &self,
+        simulated: &[f64],
+        measured: &Tabulated,
+    ) -> Result<(Colours, Option<SpectrumComparison>), Unequal> {
+        let (from, to) = measured.range_nm();
+        let inside = |i: &usize| (from..=to).contains(&self.grid.wavelength_nm(*i));
+        let inside: Vec<usize> = (0..self.grid.len()).filter(inside).collect();
+        let (Some(&first), Some(&last)) = (inside.first(), inside.last()) else {
+            return Err(Unequal::NoCommonRange { from, to });
+        };
+        let common =
+            Grid::new(self.grid.wavelength_nm(first), self.grid.wavelength_nm(last), self.grid.step_nm())
+                .map_err(|_| Unequal::NoCommonRange { from, to })?;
+        let (simulated, measured) = (&simulated[first..=last], measured.on(&common)?);
+        let light = &self.radiance_of_white[first..=last];
+        let observer = Observer::of(self.observer, &common)?;
+        let white = observer.xyz(light);
+        let seen = |factor: &[f64]| {
+            let radiance: Vec<f64> = factor.iter().zip(light).map(|(rho, light)| rho * light).collect();
+            let xyz = observer.xyz(&radiance) * (1.0 / white.y);
+            (xyz, colour(xyz, white * (1.0 / white.y), peak_nm(&common, factor)))
+        };
+        let colours = [simulated, &*measured].map(seen);
+        Ok((colours, Some(differences(&common, simulated, &measured))))
+    }
+}
+
+/// Why two spectra cannot be compared.
+#[derive(Debug, thiserror::Error)]
+enum Unequal {
+    #[error("its wavelengths, {from} to {to} nm, do not meet those of the result")]
+    NoCommonRange { from: f64, to: f64 },
+    #[error(transparent)]
+    Spectra(#[from] SpectraError),
+    #[error(transparent)]
+    Colour(#[from] ColourError),
+}
+
+fn differences(grid: &Grid, simulated: &[f64], measured: &[f64]) -> SpectrumComparison {
+    let differences: Vec<f64> = simulated.iter().zip(measured).map(|(a, b)| a - b).collect();
+    let count = differences.len() as f64;
+    let largest = (0..differences.len())
+        .fold(0, |best, i| if differences[i].abs() > differences[best].abs() { i } else { best });
+    SpectrumComparison {
+        wavelength_nm: grid.wavelengths_nm(),
+        simulated: simulated.to_vec(),
+        measured: measured.to_vec(),
+        mean_difference: differences.iter().sum::<f64>() / count,
+        rms_difference: (differences.iter().map(|d| d * d).sum::<f64>() / count).sqrt(),
+        largest_difference: differences[largest],
+        largest_at_nm: grid.wavelength_nm(largest),
+    }
+}
+
+fn colour(xyz: Xyz, white: Xyz, peak_nm: Option<f64>) -> Colour {
+    let (uv, lab) = (xyz.uv_prime(), xyz.lab(white));
+    Colour {
+        X: xyz.x,
+        Y: xyz.y,
+        Z: xyz.z,
+        u_prime: uv.map(|c| c.u),
+        v_prime: uv.map(|c| c.v),
+        L_star: lab.map(|c| c.l),
+        a_star: lab.map(|c| c.a),
+        b_star: lab.map(|c| c.b),
+        contrast: None,
+        peak_nm,
+    }
+}
+
+fn lab(colour: &Colour) -> Option<Lab> {
+    Some(Lab { l: colour.L_star?, a: colour.a_star?, b: colour.b_star? })
+}
+/// The angle between two directions, degrees.
+pub(super) fn between(one: [f64; 2], other: [f64; 2]) -> f64 {
+    let vector = |[theta, phi]: [f64; 2]| {
+        let ((sin, cos), (sin_phi, cos_phi)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
+        [sin * cos_phi, sin * sin_phi, cos]
+    };
+    let ([ax, ay, az], [bx, by, bz]) = (vector(one), vector(other));
+    let cross = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
+    let sine = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+    sine.atan2(ax * bx + ay * by + az * bz).to_degrees()
+}

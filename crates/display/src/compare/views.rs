@@ -1,0 +1,71 @@
+//! The states of a view together, simulated and measured; and what has no counterpart.
+
+use papilio_colour::{GamutReference, UvPrime, coverage_percent, gamut_percent};
+
+use super::pairs::Pair;
+use super::{SIDES, Side, Simulated, ViewComparison};
+
+/// Where colours are decided: a spectrum that covers less has colours of its range only, nm.
+const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
+/// The metrics of a view's states together; fills in their contrasts.
+pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
+    let named = |pairs: &[&mut Pair], name: &str| {
+        pairs.iter().find(|pair| pair.comparison.state == name).map(|pair| pair.comparison.clone())
+    };
+    let black = named(&pairs, "black");
+    let contrast = |y: f64, side: Side| {
+        black.as_ref().map(|black| side(black).Y).filter(|black| *black > 0.0).map(|black| y / black)
+    };
+    for pair in &mut pairs {
+        let one = &mut pair.comparison;
+        one.simulated.contrast = contrast(one.simulated.Y, SIDES[0]);
+        one.measured.contrast = contrast(one.measured.Y, SIDES[1]);
+    }
+    let primaries = ["red", "green", "blue"].map(|name| named(&pairs, name));
+    let triangle = |side: Side| -> Option<[UvPrime; 3]> {
+        let [r, g, b] = primaries.each_ref().map(|one| {
+            let colour = side(one.as_ref()?);
+            Some(UvPrime { u: colour.u_prime?, v: colour.v_prime? })
+        });
+        Some([r?, g?, b?])
+    };
+    let area = |reference| SIDES.map(|side| triangle(side).map(|uv| gamut_percent(uv, reference)));
+    let [r, g, b] = primaries.each_ref().map(|one| {
+        let one = one.as_ref()?;
+        Some(one.simulated.peak_nm? - one.measured.peak_nm?)
+    });
+    let white = named(&pairs, "white");
+    ViewComparison {
+        theta_deg: pairs[0].comparison.theta_deg,
+        phi_deg: pairs[0].comparison.phi_deg,
+        contrast_ratio: SIDES.map(|side| contrast(side(white.as_ref()?).Y, side)),
+        gamut_percent_srgb: area(GamutReference::Srgb),
+        gamut_percent_ebu: area(GamutReference::Ebu),
+        coverage_percent_srgb: SIDES
+            .map(|side| triangle(side).map(|uv| coverage_percent(uv, GamutReference::Srgb))),
+        average_peak_difference_nm: r.zip(g).zip(b).map(|((r, g), b)| (r + g + b) / 3.0),
+    }
+}
+/// Simulated states that were not measured in a view that was, and spectra that are short.
+pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<String> {
+    let mut reasons = Vec::new();
+    for (v, view) in simulated.views.iter().enumerate() {
+        let measured = |name: &str| pairs.iter().any(|pair| pair.view == v && pair.comparison.state == name);
+        let missing: Vec<&str> =
+            view.states.iter().map(|(name, ..)| name.as_str()).filter(|name| !measured(name)).collect();
+        if !missing.is_empty() && missing.len() < view.states.len() {
+            let (theta, phi) = (view.theta_deg, view.phi_deg);
+            reasons.push(format!("not measured at theta {theta} deg, phi {phi} deg: {}", missing.join(", ")));
+        }
+    }
+    let short = pairs.iter().filter_map(|pair| {
+        let spectrum = pair.comparison.spectrum.as_ref()?;
+        let (from, to) = (spectrum.wavelength_nm.first()?, spectrum.wavelength_nm.last()?);
+        (*from > LUMINOUS_NM.0 || *to < LUMINOUS_NM.1).then(|| {
+            let (state, theta) = (&pair.comparison.state, pair.comparison.theta_deg);
+            format!("`{state}` at theta {theta} deg: colours are taken over {from} to {to} nm alone")
+        })
+    });
+    reasons.extend(short);
+    reasons
+}
