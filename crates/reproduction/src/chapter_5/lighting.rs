@@ -159,31 +159,56 @@ pub(super) fn haze(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
 
 /// Figures 5.18 and 5.19.
 pub(super) fn front_light(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
-    const RGB_LED: &str = "lighting.spectrum=[{ led_nm = 630, width_nm = 20 }, \
-                           { led_nm = 525, width_nm = 35, weight = 0.5636 }, \
+    const RGB_LED: &str = "[{ led_nm = 630, width_nm = 20 }, { led_nm = 525, width_nm = 35, weight = 0.5636 }, \
                            { led_nm = 460, width_nm = 25, weight = 0.5506 }]";
-    let front = "display.front=[]";
-    let run = |spectrum: &str| bench.run("overcast", &[front, spectrum]);
-    let (rgb, white, d65) = (run(RGB_LED)?, run("lighting.spectrum=LED-B5")?, run("lighting.spectrum=D65")?);
-    let shown = [("RGB LED", first(&rgb)), ("white LED", first(&white)), ("D65", first(&d65))];
-    let mut table = Table::new(&["front light", "gamut, % of sRGB", "u\u{2032} of red", "v\u{2032} of red"]);
-    for (name, view) in &shown {
+    const WHITE_LED: &str = "\"LED-B5\"";
+    let run = |room_lx: f64, spectrum: Option<&str>| {
+        let room = format!("lighting.illuminance_lx={room_lx}");
+        let guide = spectrum.map(|spectrum| {
+            format!("lighting.front_light={{ illuminance_lx = 500, spectrum = {spectrum} }}")
+        });
+        let set: Vec<&str> = std::iter::once(room.as_str()).chain(guide.as_deref()).collect();
+        bench.run("overcast", &set)
+    };
+    // A ten thousandth of the guide's light: none that counts.
+    let (alone, dim) = (0.05, 100.0);
+    let all = [
+        ("room alone", run(dim, None)?),
+        ("white LED alone", run(alone, Some(WHITE_LED))?),
+        ("RGB LED alone", run(alone, Some(RGB_LED))?),
+        ("white LED and room", run(dim, Some(WHITE_LED))?),
+        ("RGB LED and room", run(dim, Some(RGB_LED))?),
+    ];
+    let mut table = Table::new(&[
+        "light",
+        "gamut, % of sRGB",
+        "u\u{2032} of red",
+        "v\u{2032} of red",
+        "contrast ratio",
+        "white, cd/m\u{b2}",
+    ]);
+    for (name, result) in &all {
+        let view = first(result);
         let cells = [
             view.metrics.gamut_percent_srgb.unwrap_or(f64::NAN),
             of(view, "red", |v| v.u_prime),
             of(view, "red", |v| v.v_prime),
+            view.metrics.contrast_ratio.unwrap_or(f64::NAN),
+            of(view, "white", |v| Some(v.luminance_cd_m2)),
         ];
         table.row(std::iter::once((*name).to_owned()).chain(cells.map(|value| number(value, 3))));
     }
+    let shown: Vec<(&str, &View)> = all[..3].iter().map(|(name, result)| (*name, first(result))).collect();
     Ok(Section::new("figure-5-19", "Figures 5.18 and 5.19: auxiliary lighting of different SPDs")
         .figure(
-            gamuts(&shown, "Front light alone, haze 78, at 8 deg"),
-            "A front light below the front of screen that shines evenly is diffuse light that passes the front once: \
-             alone, its colours are those of diffuse light without a front.",
+            gamuts(&shown, "Haze 78, at 8 deg"),
+            "A front light below the front of screen (.5 % reflectance, 1 % absorptance), which its light passes once, \
+             500 lx on the diffuser; the room 100 lx of diffuse D65.",
         )
         .table(table)
         .say(
             "The thesis: an RGB LED front light has a larger gamut than a white LED, and a much more saturated red. So it \
-             has here (LED models: three of Ohno 2005 at 630, 525 and 460 nm, balanced to D65; CIE LED-B5).",
+             has here, also mixed with the room's light (LED models: three of Ohno 2005 at 630, 525 and 460 nm, balanced to \
+             D65; CIE LED-B5). The room's reflection by the front lowers gamut and contrast; a front light has none.",
         ))
 }
