@@ -147,9 +147,7 @@ impl Kernel {
             let (Some([lobe, wider]), Some(group)) = (closed, self.sources[i].groups.first()) else {
                 continue;
             };
-            // A field is seen about the mirror direction, under a lobe that is narrow.
-            let source = if let Source::Field(_) = self.sources[i].source { view } else { group.axis };
-            let [of_view, of_source] = [view, source].map(|point| straight.reflectance_at(point));
+            let [of_view, of_source] = [view, group.axis].map(|point| straight.reflectance_at(point));
             for (k, value) in orders.directed[i].iter_mut().enumerate() {
                 let g = straight.sent_back[k % straight.sent_back.len()];
                 let sent_back = g * (of_view[k] * of_source[k]).sqrt();

@@ -269,15 +269,18 @@ impl Kernel {
             let points: Vec<Point> =
                 rings.iter().flat_map(|ring| ring.part(sign).points().collect::<Vec<_>>()).collect();
             let axis = Point {
-                beta: Beta { x: rings.first().map_or(0.0, |ring| ring.radius), y: 0.0 },
+                beta: Beta { x: rings.get(rings.len() / 2).map_or(0.0, |ring| ring.radius), y: 0.0 },
                 weight: 1.0,
             };
             Bundle { axis, points, odd }
         };
         let parts: &[bool] = if field.is_ring() { &[false] } else { &[false, true] };
         let together = self.diffuser.straight_through == 0.0 || self.table.is_none();
-        let size = if together { rings.len().max(1) } else { 1 };
-        rings.chunks(size).flat_map(|rings| parts.iter().map(move |odd| bundle(rings, *odd))).collect()
+        // Rings close together see the same reflectance.
+        let span = if together { f64::INFINITY } else { SMOOTH / (self.digits - 3.0) };
+        let place = |ring: &Ring| (ring.radius / span).floor();
+        let close = rings.chunk_by(|one, next| place(one) == place(next));
+        close.flat_map(|rings| parts.iter().map(move |odd| bundle(rings, *odd))).collect()
     }
 
     fn groups(&self, bundles: &[Bundle], is_view: bool) -> Vec<Vec<Group>> {
@@ -356,10 +359,14 @@ impl Kernel {
             let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
                 _ => {
-                    let both = |(other, b): (&Group, &Bundle)| {
-                        let closed = recycling.closed(self.diffuser.lobe, &bundle.points, &b.points);
-                        (recycling.between(&group, other), closed)
+                    // A field is as smooth as the wider lobes that may stand for the diffuser's.
+                    let is_field = matches!(light.source, Source::Field(_));
+                    let closed = |b: &Bundle| {
+                        (!is_field)
+                            .then(|| recycling.closed(self.diffuser.lobe, &bundle.points, &b.points))
+                            .flatten()
                     };
+                    let both = |(other, b): (&Group, &Bundle)| (recycling.between(&group, other), closed(b));
                     light.recycled[index].iter().zip(&light.groups).map(both).collect()
                 }
             };
