@@ -40,7 +40,7 @@ pub(crate) enum Command {
     /// Files of measured scattering: look into them, convert them
     #[command(subcommand)]
     Diffuser(Diffuser),
-    /// Compute a scenario at every point of its [sweep], resumably: sweep.csv and figures
+    /// Compute a scenario at every point of its `[sweep]`, resumably: sweep.csv and figures
     #[command(after_help = "Example: papilio sweep scenarios/sweep.toml\n\n\
                       What is done is kept: the same command goes on after a kill, and computes only what is new in a\n\
                       sweep that was changed.")]
@@ -105,7 +105,7 @@ pub(crate) enum SweepCommand {
 #[derive(Debug, Args)]
 pub(crate) struct SweepRun {
     // Those of `ScenarioArguments`: flattened twice, clap would not find them beside a subcommand.
-    /// The scenario (TOML), with a [sweep]
+    /// The scenario (TOML), with a `[sweep]`
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/ and the name of FILE]
