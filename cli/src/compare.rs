@@ -43,7 +43,18 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         output::announce(&folder, &names);
     }
     all.left_out.iter().for_each(|reason| say(&format!("note: {reason}")));
+    if looks_like_percent(&all) {
+        say(
+            &"warning: what was measured is about a hundred times what was simulated: is it in per cent? Shares of 1 are compared",
+        );
+    }
     Ok(())
+}
+
+/// Whether every state's Y is measured a hundred times too large, as numbers in per cent are: by a factor of 20 to 500.
+fn looks_like_percent(all: &Comparison) -> bool {
+    let ratios = all.states.iter().map(|one| one.measured.Y / one.simulated.Y);
+    !all.states.is_empty() && ratios.into_iter().all(|ratio| (20.0..500.0).contains(&ratio))
 }
 
 /// A folder stands for the `result.json` in it.
@@ -57,6 +68,8 @@ fn open(path: &Path) -> Result<DataFile, Failure> {
 
 fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
+    // Figures of an earlier comparison would be mistaken for those of this one.
+    output::remove(folder, |name| name.starts_with("compared-") || name == "comparison-spectra.csv")?;
     let mut names = vec!["comparison.csv".to_owned(), "comparison.json".to_owned()];
     write_file(&folder.join("comparison.csv"), |out| write_comparison(out, all))?;
     write_file(&folder.join("comparison.json"), |out| write_json(out, all))?;

@@ -52,9 +52,14 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
 /// new ones they would be mistaken for them.
 fn make(folder: &Path) -> Result<(), Failure> {
     make_folder(folder)?;
+    remove(folder, is_figure_or_cone)
+}
+
+/// Takes files of an earlier command out of a folder.
+pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(), Failure> {
     let why = |error| Failure::Input(format!("cannot tidy the folder {}: {error}", folder.display()));
     for entry in std::fs::read_dir(folder).map_err(why)?.flatten() {
-        if entry.file_name().to_str().is_some_and(is_figure_or_cone) {
+        if entry.file_name().to_str().is_some_and(&is_old) {
             std::fs::remove_file(entry.path()).map_err(why)?;
         }
     }

@@ -104,3 +104,38 @@ fn wrong_input_is_said_and_writes_nothing() {
     }
     assert!(!out.exists());
 }
+
+/// Per cent for shares of 1 is what users mistake most, and contrast and gamut do not show it. Figures of an
+/// earlier comparison do not stay.
+#[test]
+fn per_cent_is_noticed_and_old_figures_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, out) = (folder.path().join("run"), folder.path().join("compare"));
+    run_into(&run);
+    let states = fs::read_to_string(run.join("states.csv")).unwrap();
+    let mut lines = states.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    let mut shares = String::from("theta_deg,phi_deg,state,X,Y,Z\n");
+    let mut percent = shares.clone();
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = ["theta_deg", "phi_deg", "state"].map(|name| cells[at(name)]).join(",");
+        let xyz = ["X", "Y", "Z"].map(|name| cells[at(name)].parse::<f64>().unwrap());
+        for (text, factor) in [(&mut shares, 1.0), (&mut percent, 100.0)] {
+            let [x, y, z] = xyz.map(|value| factor * value);
+            text.push_str(&format!("{place},{x},{y},{z}\n"));
+        }
+    }
+    let file = folder.path().join("measured.csv");
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("compared-gamuts_theta60_phi0.svg"), "old").unwrap();
+    for (text, warns) in [(percent, true), (shares, false)] {
+        fs::write(&file, text).unwrap();
+        let output = compare(&run, &file, &[Path::new("--out"), &out]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.contains("per cent"), warns, "{said}");
+    }
+    assert!(!out.join("compared-gamuts_theta60_phi0.svg").exists());
+}

@@ -121,7 +121,7 @@ fn a_point_is_a_run() {
 #[test]
 fn a_killed_sweep_goes_on() {
     // Slow points: a busy machine looks rarely, and must find the sweep amid its work.
-    let slow = ["--set", "solver.method=walk", "--set", "solver.relative_error=0.001"];
+    let slow = ["--set", "solver.method=walk", "--set", "solver.relative_error=0.0005"];
     let expected = undisturbed_with(&slow);
     let (_folder, file, out) = place(SCENARIO);
     let journal = Path::new(&out).join("sweep.jsonl");
@@ -137,7 +137,7 @@ fn a_killed_sweep_goes_on() {
             .spawn()
             .unwrap();
         number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        let mut patience = (number >> 56) / 2;
+        let mut patience = (number >> 56) / 32;
         // Not a clock: how far the sweep is decides, and a little chance.
         loop {
             let done = fs::read(&journal).map_or(0, |bytes| whole(&bytes));
@@ -160,7 +160,7 @@ fn a_killed_sweep_goes_on() {
         amid += usize::from((1..15).contains(&before));
         assert!(kills < 100);
     }
-    assert!(amid >= 3, "it was killed {kills} times, {amid} of them with something done");
+    assert!(amid >= 2, "it was killed {kills} times, {amid} of them with something done");
     same(&files(Path::new(&out)), &expected);
     // With all of it there, nothing is computed.
     let output = papilio(&[&["sweep", &file, "--out", &out], &slow[..]].concat());
@@ -236,7 +236,7 @@ fn wrong_sweeps_say_where_and_compute_nothing() {
         ),
         ("[0, 10, 20]", "[0, 10, 95]", "s.toml:24:28", "out of range"),
         ("[0, 10, 20]", "[0, 10]", "s.toml:25:10", "has 3 values"),
-        ("[0, 10, 20]", "[]", "s.toml:24:20", "at least one value"),
+        ("[0, 10, 20]", "[]", "s.toml:24:20", "at least one item"),
         ("[0, 10, 20]", "5", "s.toml:24:20", "a list of values"),
         ("count = 5", "step = -1", "s.toml:22:67", "do not lead from 6 to 14"),
         ("count = 5", "count = 5, step = 2", "s.toml:22:39", "more than one"),

@@ -25,6 +25,8 @@ pub struct Scenario {
     file: File,
     folder: PathBuf,
     sources: Sources,
+    /// What looked wrong before anything was looked up.
+    warnings: Vec<String>,
 }
 
 /// A scenario that can be computed.
@@ -69,17 +71,21 @@ impl Scenario {
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let (root, sources) = parse(text, name, overrides)?;
-        let root = assemble(root, &sources, &[])?;
-        Self::read(root, folder.to_owned(), sources)
+        let assembled = assemble(root, &sources, &[])?;
+        Self::read(assembled, folder.to_owned(), sources)
     }
 
     /// A scenario from its tree, to which nothing is to be added.
-    pub(crate) fn read(root: Node, folder: PathBuf, sources: Sources) -> Result<Self, ScenarioErrors> {
+    pub(crate) fn read(
+        assembled: Assembled,
+        folder: PathBuf,
+        sources: Sources,
+    ) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
-        let file = File::read(&root, &mut errors);
+        let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        Ok(Self { file, folder, sources })
+        Ok(Self { file, folder, sources, warnings: assembled.warnings })
     }
 
     /// Looks up what [`papilio diffuser measure`](VirtualMeasurement) needs: the display's diffuser and `[measure]`.
@@ -109,7 +115,7 @@ impl Scenario {
         Ok(Resolved {
             scene,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
-            warnings,
+            warnings: [self.warnings.clone(), warnings].concat(),
             notes,
             canonical,
             hash,
@@ -132,19 +138,34 @@ pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<(Nod
     Ok((root, sources))
 }
 
+/// A tree to which nothing is to be added.
+pub(crate) struct Assembled {
+    pub(crate) root: Node,
+    /// What looked wrong on the way.
+    pub(crate) warnings: Vec<String>,
+}
+
 /// The tree with its preset, each `--set`, and a sweep's values at one point.
 pub(crate) fn assemble(
     mut root: Node,
     sources: &Sources,
     swept: &[(&Swept, &Node)],
-) -> Result<Node, ScenarioErrors> {
+) -> Result<Assembled, ScenarioErrors> {
     let mut errors = Errors::default();
-    // The preset comes first, so that other keys can change what it gives.
+    // The preset comes first, so that other keys can change what it gives; and once more, for a whole table that
+    // was set and names one.
     set::apply(&mut root, sources, swept, true, &mut errors);
-    preset::expand(&mut root, &mut errors);
-    set::apply(&mut root, sources, swept, false, &mut errors);
+    let at_first = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;
-    Ok(root)
+    set::apply(&mut root, sources, swept, false, &mut errors);
+    let at_last = preset::expand(&mut root, &mut errors);
+    errors.check(sources)?;
+    let idle = preset::named(&root).filter(|_| !at_first && !at_last);
+    let warnings = idle.map(|name| {
+        format!("the preset \"{name}\" changes nothing: the scenario gives all of its keys, and those count")
+    });
+    let warnings = warnings.into_iter().collect();
+    Ok(Assembled { root, warnings })
 }
 
 /// The same value with the keys of its objects sorted, whatever the map keeps.

@@ -68,7 +68,7 @@ impl Sweep {
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let (mut root, sources) = parse(text, name, overrides)?;
-        let assembled = assemble(root.clone(), &sources, &[])?;
+        let assembled = assemble(root.clone(), &sources, &[])?.root;
         let mut errors = Errors::default();
         let read = match assembled.get("sweep") {
             Some(node) => Described::read(node, &mut errors),
@@ -153,8 +153,8 @@ impl Sweep {
     /// # Errors
     /// As [`Scenario::load`]; a value's place is where `[sweep]` gives it.
     pub fn scenario(&self, point: usize) -> Result<Scenario, ScenarioErrors> {
-        let root = assemble(self.root.clone(), &self.sources, &self.at(point))?;
-        Scenario::read(root, self.folder.clone(), self.sources.clone())
+        let assembled = assemble(self.root.clone(), &self.sources, &self.at(point))?;
+        Scenario::read(assembled, self.folder.clone(), self.sources.clone())
     }
 
     /// One point for every value of every axis, the others at their first: enough to find what is wrong with a

@@ -120,15 +120,21 @@ impl Node {
         }
     }
 
-    /// Takes every key of `other` that is missing here, all the way down; arrays count as one value.
-    pub(crate) fn fill_from(&mut self, other: Self) {
-        let (Value::Table(mine), Value::Table(theirs)) = (&mut self.value, other.value) else { return };
+    /// Takes every key of `other` that is missing here, all the way down; arrays count as one value. True if there
+    /// was one.
+    pub(crate) fn fill_from(&mut self, other: Self) -> bool {
+        let (Value::Table(mine), Value::Table(theirs)) = (&mut self.value, other.value) else { return false };
+        let mut any = false;
         for entry in theirs {
             match mine.iter_mut().find(|own| own.key == entry.key) {
-                Some(own) => own.node.fill_from(entry.node),
-                None => mine.push(entry),
+                Some(own) => any |= own.node.fill_from(entry.node),
+                None => {
+                    any = true;
+                    mine.push(entry);
+                }
             }
         }
+        any
     }
 
     /// What kind of value it is, in words.

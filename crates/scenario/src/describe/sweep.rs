@@ -122,7 +122,8 @@ fn take(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors)
         return None;
     }
     if values.is_empty() {
-        return entry.node.wrong_type("a list of at least one value", errors);
+        errors.push(entry.node.origin, Problem::EmptyList);
+        return None;
     }
     swept.push(Swept { path, origin, values });
     Some(())

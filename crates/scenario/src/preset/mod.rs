@@ -49,22 +49,32 @@ pub fn new_scenario(name: &str) -> Option<String> {
     Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{DISPLAY}"))
 }
 
-/// Fills in what the preset gives and the scenario does not, if it names one.
-pub(crate) fn expand(root: &mut Node, errors: &mut Errors) {
+/// Fills in what the preset gives and the scenario does not, if it names one; true if that was anything.
+pub(crate) fn expand(root: &mut Node, errors: &mut Errors) -> bool {
     let mut named = Some(&*root);
     for key in PRESET_PATH.split('.') {
         named = named.and_then(|node| node.get(key));
     }
-    let Some(Node { origin, value: Value::Text(name) }) = named else { return };
+    let Some(Node { origin, value: Value::Text(name) }) = named else { return false };
     match PRESETS.iter().find(|(known, _)| known == name) {
         Some((_, text)) => {
             let preset = Node::parse_document(text, &mut Errors::default()).moved_to(*origin);
-            root.fill_from(preset);
+            root.fill_from(preset)
         }
         None => {
             let choices = preset_names().map(str::to_owned).collect();
             errors.push(*origin, Problem::UnknownChoice { found: name.clone(), choices });
+            false
         }
+    }
+}
+
+/// The preset that is named, if one is.
+pub(crate) fn named(root: &Node) -> Option<&str> {
+    let node = PRESET_PATH.split('.').try_fold(root, |node, key| node.get(key))?;
+    match &node.value {
+        Value::Text(name) => Some(name),
+        _ => None,
     }
 }
 

@@ -15,6 +15,27 @@ fn film(scene: &Scene) -> &papilio_display::scene::FilmPixel {
     film
 }
 
+/// A preset counts in a whole table that is set, as it does in one that stands in the file.
+#[test]
+fn a_set_table_may_name_a_preset() {
+    let table = set(&["lighting={ preset = \"sunny\" }"]).scene.lighting;
+    assert_eq!((table.illuminance_lx, table.diffuse, table.directed[0].theta_deg), (1e5, 0.2, -35.0));
+    let with_own = set(&["lighting={ preset = \"sunny\", illuminance_lx = 7 }"]).scene.lighting;
+    assert_eq!((with_own.illuminance_lx, with_own.diffuse), (7.0, 0.2));
+}
+
+#[test]
+fn a_preset_that_changes_nothing_is_said() {
+    let warns = |text: &str, sets: &[&str]| {
+        let resolved = resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"));
+        resolved.warnings.iter().any(|warning| warning.contains("changes nothing"))
+    };
+    let indoor = std::fs::read_to_string(shipped().join("indoor.toml")).unwrap();
+    assert!(warns(&indoor, &["lighting.preset=sunny"]));
+    assert!(!warns(&indoor, &[]));
+    assert!(!warns(&indoor, &["lighting={ preset = \"sunny\" }"]));
+}
+
 #[test]
 fn set_changes_and_makes_keys() {
     let resolved = set(&[
