@@ -81,10 +81,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
-    /// Worker threads [default: one for each processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]
@@ -123,10 +121,8 @@ pub(crate) struct SweepRun {
     /// Write the table as Parquet, too
     #[arg(long)]
     pub(crate) parquet: bool,
-    /// Worker threads [default: one for each processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]
@@ -150,10 +146,8 @@ pub(crate) struct Validate {
     /// Folder for the report and its scenarios [default: out/validate]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Worker threads [default: one for each processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 /// `K/N` with 1 <= K <= N.
@@ -188,10 +182,8 @@ pub(crate) struct Brdf {
     /// Step of all directions, degrees
     #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = step)]
     pub(crate) step: f64,
-    /// Worker threads [default: one for each processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]
@@ -269,10 +261,8 @@ pub(crate) struct Steps {
     /// A scenario to hold it to, drawn besides
     #[arg(long, value_name = "FILE")]
     pub(crate) beside: Option<PathBuf>,
-    /// Worker threads [default: one for each processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]
@@ -435,6 +425,14 @@ pub(crate) enum Angles {
     Air,
     /// In the glass above the pixel
     Glass,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Workers {
+    /// Worker threads [default: one for each processor]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
 }
 
 #[derive(Debug, Args)]

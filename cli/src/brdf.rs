@@ -23,10 +23,11 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let grid = grid(arguments.step, &resolved.scene)?;
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
     output::check(&folder)?;
-    let table =
-        with_progress(arguments.threads, |control| papilio_display::brdf(&resolved.scene, grid, control))?;
+    let table = with_progress(arguments.workers.threads, |control| {
+        papilio_display::brdf(&resolved.scene, grid, control)
+    })?;
     let table = table.ok_or(Failure::Interrupted("nothing is written"))?;
-    let split = with_progress(arguments.threads, |control| {
+    let split = with_progress(arguments.workers.threads, |control| {
         papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
     })?;
     let split = split.ok_or(Failure::Interrupted("nothing is written"))?;

@@ -18,11 +18,11 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
     let out = folder(arguments)?;
     let started = Instant::now();
-    let mut result = compute(&resolved, arguments.threads)?;
+    let mut result = compute(&resolved, arguments.workers.threads)?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let cone = if arguments.cone && !result.solver.interrupted {
-        survey(&resolved.scene, arguments.threads)?
+        survey(&resolved.scene, arguments.workers.threads)?
     } else {
         None
     };

@@ -8,7 +8,6 @@ use papilio_display::scene::{Sampler, Strategy};
 use papilio_display::{StudyCurve, StudyPoint, study};
 use papilio_figures::{ErrorCurve, ErrorPanel, accuracy, png, point_sets};
 use papilio_formats::{write_file, write_study};
-use papilio_sampling::Numbers;
 use papilio_sampling::table_4_1::Way;
 use papilio_scenario::Scenario;
 
@@ -145,13 +144,8 @@ fn panels(curves: &[&StudyCurve], name: impl Fn(&StudyCurve) -> &'static str) ->
 
 /// The first pair of coordinates of every sampler: a set as it comes at once (its second octave).
 fn sets() -> Vec<(&'static str, Vec<[f64; 2]>)> {
-    let of = |sampler: Sampler| {
-        let numbers = Numbers::new(sampler, 0, 0);
-        let point = |path| {
-            let [u, v, ..] = numbers.block(path, 0);
-            [u, v]
-        };
-        (sampler.name(), (POINTS..2 * POINTS).map(point).collect())
-    };
-    Sampler::ALL.into_iter().map(of).collect()
+    Sampler::ALL
+        .into_iter()
+        .map(|sampler| (sampler.name(), sampler.first_pairs(POINTS..2 * POINTS)))
+        .collect()
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use papilio_display::{Control, DisplayError};
 use papilio_formats::write_file;
-use papilio_reproduction::{Report, ReproductionError, reproduce};
+use papilio_reproduction::{ReproductionError, reproduce};
 
 use crate::arguments::Validate;
 use crate::{Failure, interrupt, output, say};
@@ -16,8 +16,11 @@ pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
     output::make_folder(&folder)?;
     interrupt::heed();
     let started = Instant::now();
-    let control =
-        Control { threads: arguments.threads.map(usize::from), progress: &|_| {}, stop: &interrupt::STOP };
+    let control = Control {
+        threads: arguments.workers.threads.map(usize::from),
+        progress: &|_| {},
+        stop: &interrupt::STOP,
+    };
     let report = match reproduce(&folder.join("scenarios"), &control) {
         Err(ReproductionError::Display(DisplayError::Interrupted)) => {
             return Err(Failure::Interrupted("no report is written"));
@@ -25,8 +28,7 @@ pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
         other => other?,
     };
     write_file(&folder.join("report.html"), |out| out.write_all(report.html().as_bytes()))?;
-    let Report { sections, .. } = &report;
-    say(&format!("{} tables and figures in {:.1} s", sections.len(), started.elapsed().as_secs_f64()));
+    say(&format!("{} tables and figures in {:.1} s", report.sections.len(), started.elapsed().as_secs_f64()));
     say(&format!("wrote {}: report.html, scenarios/", folder.display()));
     Ok(())
 }

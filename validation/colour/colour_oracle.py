@@ -13,6 +13,7 @@ appearance.csv: CIECAM16 (CIE 248:2022) J, C and CAM16-UCS J', a', b' of colours
 gamuts.csv: displays by the X, Y, Z of black, red, green, yellow, blue, magenta, cyan, white: area and coverage of
 references in u'v' (the common area by scipy, as an intersection of half-planes), the CIELAB volume of
 their 602 surface colours against D65 (the triangles' tetrahedra), and that of the colours' convex hull.
+primaries.csv: the reflectances of red, green and blue of Mallett and Yuksel 2019.
 """
 
 import pathlib
@@ -177,11 +178,19 @@ def gamuts():
         yield [name, *corners.ravel().tolist(), *(repr(float(v)) for v in (*percent, *solid(corners)))]
 
 
+def primaries():
+    yield ["nm", "red", "green", "blue"]
+    basis = colour.recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
+    for nm, row in zip(basis.wavelengths, basis.values):
+        yield [int(nm), *(repr(float(v)) for v in row)]
+
+
 def tables():
     yield "surfaces.csv", list(surfaces()), 1e-9
     yield "differences.csv", list(differences()), 1e-9
     yield "appearance.csv", list(appearance()), 1e-9
     yield "gamuts.csv", list(gamuts()), 1e-8
+    yield "primaries.csv", list(primaries()), 1e-9
 
 
 if __name__ == "__main__":

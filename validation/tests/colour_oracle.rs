@@ -108,3 +108,18 @@ fn gamuts_are_as_large_and_cover_as_much() {
         assert!(ours < hull, "{}: {ours} {hull}", row[0]);
     }
 }
+
+/// Ours have five decimals, and blue is what red and green leave.
+#[test]
+fn primaries_are_those_of_colour_science() {
+    let [red, green, blue] = papilio_spectra::srgb_primaries(&Grid::new(380.0, 780.0, 5.0).unwrap()).unwrap();
+    let all: Vec<_> = rows(include_str!("../colour/primaries.csv")).collect();
+    assert_eq!(all.len(), 81);
+    for (k, row) in all.iter().enumerate() {
+        let theirs = numbers(row);
+        assert_eq!(theirs[0], 380.0 + 5.0 * k as f64);
+        for (ours, theirs) in [red[k], green[k], blue[k]].into_iter().zip(&theirs[1..]) {
+            assert!((ours - theirs).abs() < 2e-5, "{row:?}: {ours}");
+        }
+    }
+}

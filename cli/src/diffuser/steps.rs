@@ -32,7 +32,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let out = scenario.out.clone().unwrap_or_else(|| scenario.default_out());
     output::check(&out)?;
     let base = Scenario::load(&scenario.file, &scenario.set)?.resolve()?;
-    let compute = |resolved: &Resolved| run::compute(resolved, arguments.threads);
+    let compute = |resolved: &Resolved| run::compute(resolved, arguments.workers.threads);
     let mut variants = vec![Variant { name: "as described".to_owned(), key: None, result: compute(&base)? }];
     for (key, off, name) in taken(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();

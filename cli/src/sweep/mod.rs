@@ -16,9 +16,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::{Control, DisplayError};
-use papilio_formats::{
-    SweepHead, SweepHeadAxis, SweepPoint, sweep_parquet, sweep_value, write_file, write_sweep_csv,
-};
+use papilio_formats::{SweepHead, SweepPoint, sweep_parquet, sweep_value, write_file, write_sweep_csv};
 use papilio_scenario::Sweep;
 
 use self::journal::Journal;
@@ -48,12 +46,12 @@ fn run(arguments: &SweepRun) -> Result<(), Failure> {
     let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));
     output::check(&folder)?;
     output::make_folder(&folder)?;
-    let head = head(&sweep, &arguments.file);
+    let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
     let mut journal = Journal::open(&folder, &journal::name(arguments.shard), head.clone())?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..sweep.len()).filter(|point| point % n == k - 1).collect();
     let started = Instant::now();
-    let done = compute(&sweep, &mine, &mut journal, arguments.threads)?;
+    let done = compute(&sweep, &head, &mine, &mut journal, arguments.workers.threads)?;
     let computed = done.values().filter(|done| done.computed).count();
     let points: Vec<(usize, String)> = done.into_iter().map(|(point, done)| (point, done.hash)).collect();
     if points.len() < mine.len() {
@@ -163,19 +161,6 @@ fn listed(head: &SweepHead, points: &[&SweepPoint]) -> String {
     report::table(&rows) + &rest
 }
 
-fn head(sweep: &Sweep, file: &Path) -> SweepHead {
-    let axis = |axis: papilio_scenario::SweepAxis<'_>| SweepHeadAxis {
-        keys: axis.keys.into_iter().map(str::to_owned).collect(),
-        values: axis.values,
-    };
-    SweepHead {
-        papilio: env!("CARGO_PKG_VERSION").to_owned(),
-        title: Some(sweep.title().map_or_else(|| report::file_title(file), str::to_owned)),
-        axes: sweep.axes().into_iter().map(axis).collect(),
-        figures: sweep.figures().map(str::to_owned).collect(),
-    }
-}
-
 /// A point that is done.
 struct Done {
     hash: String,
@@ -189,6 +174,7 @@ type Found = Result<(usize, String, Option<SweepPoint>), Failure>;
 /// Computes what is not known yet, and keeps it; ends early if interrupted. The points that are done, by number.
 fn compute(
     sweep: &Sweep,
+    head: &SweepHead,
     points: &[usize],
     journal: &mut Journal,
     threads: Option<u16>,
@@ -209,7 +195,7 @@ fn compute(
             scope.spawn(move || {
                 while !stop.load(Ordering::Relaxed) && !interrupt::STOP.load(Ordering::Relaxed) {
                     let Some(&point) = points.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    match at(sweep, point, known, threads / workers) {
+                    match at(sweep, head, point, known, threads / workers) {
                         Ok(None) => break,
                         Ok(Some(found)) => drop(sender.send(Ok(found))),
                         Err(failure) => drop(sender.send(Err(failure))),
@@ -236,11 +222,13 @@ fn compute(
 /// Computes a point unless it is known; `None` if interrupted.
 fn at(
     sweep: &Sweep,
+    head: &SweepHead,
     point: usize,
     known: &HashSet<String>,
     threads: usize,
 ) -> Result<Option<(usize, String, Option<SweepPoint>)>, Failure> {
-    let resolved = sweep.scenario(point)?.resolve()?;
+    let resolved = sweep.scenario(point).and_then(|scenario| scenario.resolve());
+    let resolved = resolved.map_err(|errors| failed_at(head, point, &errors))?;
     if known.contains(&resolved.hash) {
         return Ok(Some((point, resolved.hash, None)));
     }
@@ -253,12 +241,16 @@ fn at(
             Ok(Some((point, resolved.hash, Some(kept))))
         }
         Err(DisplayError::Interrupted) => Ok(None),
-        Err(error) => {
-            let swept: Vec<String> =
-                sweep.values(point).iter().map(|(key, value)| format!("{key} = {value}")).collect();
-            Err(Failure::Input(format!("{error}\n  = note: at {}", swept.join(", "))))
-        }
+        Err(error) => Err(failed_at(head, point, &error)),
     }
+}
+
+/// What is wrong at a point, and which point that is.
+fn failed_at(head: &SweepHead, point: usize, error: &dyn std::fmt::Display) -> Failure {
+    let (error, swept) = (error.to_string(), head.swept(point));
+    let swept: Vec<String> = swept.map(|(key, value)| format!("{key} = {}", sweep_value(value))).collect();
+    let said = error.strip_prefix("error: ").unwrap_or(&error);
+    Failure::Input(format!("{said}\n  = note: at {}", swept.join(", ")))
 }
 
 /// Keeps what was found. The first point also tells whether there is what is to be drawn.

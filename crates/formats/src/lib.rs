@@ -85,7 +85,7 @@ pub use result_read::{ReadResult, read_result};
 pub use spectrum::{read_light, read_shares, read_spectrum};
 pub use study::write_study;
 pub use sweep::{
-    LARGEST_JOURNAL, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, read_sweep, sweep_value,
-    write_sweep_csv, write_sweep_line,
+    LARGEST_JOURNAL, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, read_sweep, sweep_place,
+    sweep_value, write_sweep_csv, write_sweep_line,
 };
 pub use sweep_parquet::sweep_parquet;

@@ -63,26 +63,27 @@ impl SweepHead {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
 
-    /// Where a point lies on each axis.
-    pub fn place(&self, point: usize) -> Vec<usize> {
-        let mut rest = point;
-        let on = |axis: &SweepHeadAxis| {
-            let at = rest % axis.values.len().max(1);
-            rest /= axis.values.len().max(1);
-            at
-        };
-        let mut place: Vec<usize> = self.axes.iter().rev().map(on).collect();
-        place.reverse();
-        place
-    }
-
     /// Every key with its value at a point.
     pub fn swept(&self, point: usize) -> impl Iterator<Item = (&str, &Value)> {
-        let at = self.axes.iter().zip(self.place(point));
+        let lengths: Vec<usize> = self.axes.iter().map(|axis| axis.values.len()).collect();
+        let at = self.axes.iter().zip(sweep_place(&lengths, point));
         at.flat_map(|(axis, at)| {
             axis.keys.iter().map(String::as_str).zip(axis.values.get(at).into_iter().flatten())
         })
     }
+}
+
+/// Where a point of a sweep lies on each of its axes of these lengths: the last one is the fastest.
+pub fn sweep_place(lengths: &[usize], point: usize) -> Vec<usize> {
+    let mut rest = point;
+    let on = |length: &usize| {
+        let at = rest % length.max(&1);
+        rest /= length.max(&1);
+        at
+    };
+    let mut place: Vec<usize> = lengths.iter().rev().map(on).collect();
+    place.reverse();
+    place
 }
 
 impl SweepPoint {

@@ -125,14 +125,7 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
 /// Figure 4.2.
 fn sets() -> Section {
     const POINTS: u64 = 256;
-    let of = |sampler: Sampler| {
-        let numbers = Numbers::new(sampler, 0, 0);
-        let point = |path| {
-            let [u, v, ..] = numbers.block(path, 0);
-            [u, v]
-        };
-        (sampler.name(), (POINTS..2 * POINTS).map(point).collect())
-    };
+    let of = |sampler: Sampler| (sampler.name(), sampler.first_pairs(POINTS..2 * POINTS));
     let sets: Vec<(&str, Vec<[f64; 2]>)> = Sampler::ALL.into_iter().map(of).collect();
     Section::new("figure-4-2", "Figure 4.2: random spatial samples from different sampling methods")
         .figure(point_sets(&sets, "256 points"), "The first pair of coordinates that paths draw from.")

@@ -40,7 +40,6 @@ const SHIPPED: &[(&str, &[u8])] = shipped![
     "sunny.toml",
     "overcast.toml",
     "sampling.toml",
-    "measured-bare.toml",
     "measured-diffused.toml",
     "measured-truth.toml",
     "measured-h65.toml",

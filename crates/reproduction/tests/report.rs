@@ -119,3 +119,37 @@ fn the_page_needs_nothing_else() {
         }
     }
 }
+
+/// What the report says in words beside its tables.
+#[test]
+fn the_words_fit_the_numbers() {
+    for row in &tables("table-5-1")[0].rows {
+        let off = || number(row[5].trim_end_matches('%'));
+        match (row[0].as_str(), row[1].as_str()) {
+            ("X" | "Y" | "Z", "white" | "red" | "green" | "blue") => assert!(off().abs() < 12.5, "{row:?}"),
+            ("Z", "black") => assert!(off() > 25.0, "{row:?}"),
+            ("Gamut, % of EBU", _) => {
+                assert!(number(&row[6]) < number(&row[2]) && number(&row[7]) < number(&row[2]), "{row:?}");
+            }
+            _ => {}
+        }
+    }
+    let k = &tables("figure-3-12")[0].rows;
+    assert!(number(&k[0][3]).abs() < 1.0 && k.iter().all(|row| row[0] == "red" || number(&row[5]) < -5.0));
+    let ward = tables("figure-4-5")[0];
+    assert!(ward.rows.len() == 2 && ward.rows.iter().all(|row| number(&row[3]) < 1.0));
+    for row in &tables("figure-5-6")[0].rows {
+        assert!(number(&row[2]) < number(&row[1]), "{row:?}");
+    }
+    let falls: Vec<f64> = tables("figure-5-8")[0].rows.iter().map(|row| number(&row[3])).collect();
+    let [bare_in_glass, bare_in_air, diffused, _] = falls[..] else { panic!("{falls:?}") };
+    assert!(bare_in_glass > diffused && diffused > bare_in_air, "{falls:?}");
+    // A blue shift near the normal; a red one at 20 deg, of tens of nm where two conventions meet alone.
+    let shifts = &tables("figure-5-13")[0].rows;
+    assert!(shifts.iter().all(|row| number(&row[1]) < 0.0), "{shifts:?}");
+    let at_20: Vec<f64> = shifts.iter().map(|row| number(&row[3])).collect();
+    assert!(at_20[0] > 30.0 && at_20[1..].iter().all(|nm| nm.abs() < 10.0), "{at_20:?}");
+    for row in &tables("figure-2-17")[0].rows {
+        assert!((number(&row[1]) - 1.0).abs() < 1e-5 && (number(&row[2]) - number(&row[0])).abs() < 2e-5);
+    }
+}

@@ -6,6 +6,8 @@
 //! random low bits, so that the numbers are uniform on the whole open interval.
 //! The other two kinds are pairs of coordinates: `strata`.
 
+use std::ops::Range;
+
 use crate::{sobol, strata};
 
 /// Where uniform numbers come from.
@@ -33,6 +35,16 @@ impl Sampler {
             Self::Sobol => "sobol",
             Self::BestCandidate => "best-candidate",
         }
+    }
+
+    /// The first two numbers of these paths, for a figure of the set.
+    pub fn first_pairs(self, paths: Range<u64>) -> Vec<[f64; 2]> {
+        let numbers = Numbers::new(self, 0, 0);
+        let pair = |path| {
+            let [u, v, ..] = numbers.block(path, 0);
+            [u, v]
+        };
+        paths.map(pair).collect()
     }
 }
 

@@ -68,4 +68,4 @@ pub use problem::Problem;
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
-pub use sweep::{Sweep, SweepAxis};
+pub use sweep::Sweep;

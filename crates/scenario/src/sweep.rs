@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use papilio_formats::DataFile;
+use papilio_formats::{DataFile, SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::{Value, json};
 
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
@@ -23,25 +23,6 @@ pub struct Sweep {
     axes: Vec<Axis>,
     figures: Vec<At<String>>,
     title: Option<String>,
-}
-
-/// An axis of a sweep: its keys, and their values together at each of its points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SweepAxis<'a> {
-    /// Dotted paths, as of `--set`.
-    pub keys: Vec<&'a str>,
-    /// For each point the value of each key.
-    pub values: Vec<Vec<Value>>,
-}
-
-impl<'a> SweepAxis<'a> {
-    fn of(axis: &'a Axis) -> Self {
-        let at = |at: usize| axis.0.iter().map(|swept| swept.values[at].to_json()).collect();
-        Self {
-            keys: axis.0.iter().map(|swept| swept.path.as_str()).collect(),
-            values: (0..axis.len()).map(at).collect(),
-        }
-    }
 }
 
 impl Sweep {
@@ -98,19 +79,21 @@ impl Sweep {
         self.axes.iter().map(Axis::len).product()
     }
 
-    /// The axes, the slowest first.
-    pub fn axes(&self) -> Vec<SweepAxis<'_>> {
-        self.axes.iter().map(SweepAxis::of).collect()
-    }
-
-    /// The scenario's title.
-    pub fn title(&self) -> Option<&str> {
-        self.title.as_deref()
-    }
-
-    /// The metrics that are to be drawn.
-    pub fn figures(&self) -> impl Iterator<Item = &str> {
-        self.figures.iter().map(|name| name.as_str())
+    /// What a journal begins with, written by this version of the program; `name`: the title of a scenario without one.
+    pub fn head(&self, papilio: &str, name: &str) -> SweepHead {
+        let axis = |axis: &Axis| {
+            let at = |at: usize| axis.0.iter().map(|swept| swept.values[at].to_json()).collect();
+            SweepHeadAxis {
+                keys: axis.0.iter().map(|swept| swept.path.clone()).collect(),
+                values: (0..axis.len()).map(at).collect(),
+            }
+        };
+        SweepHead {
+            papilio: papilio.to_owned(),
+            title: Some(self.title.clone().unwrap_or_else(|| name.to_owned())),
+            axes: self.axes.iter().map(axis).collect(),
+            figures: self.figures.iter().map(|name| name.value.clone()).collect(),
+        }
     }
 
     /// Nothing, if results have all metrics that are to be drawn: `known`.
@@ -124,28 +107,6 @@ impl Sweep {
             errors.push(name.origin, problem);
         }
         errors.check(&self.sources)
-    }
-
-    /// Where a point lies on each axis.
-    pub fn place(&self, point: usize) -> Vec<usize> {
-        let mut rest = point;
-        let mut place: Vec<usize> = self
-            .axes
-            .iter()
-            .rev()
-            .map(|axis| {
-                let at = rest % axis.len();
-                rest /= axis.len();
-                at
-            })
-            .collect();
-        place.reverse();
-        place
-    }
-
-    /// What is swept at a point: every key with its value.
-    pub fn values(&self, point: usize) -> Vec<(&str, Value)> {
-        self.at(point).into_iter().map(|(swept, node)| (swept.path.as_str(), node.to_json())).collect()
     }
 
     /// The scenario at a point.
@@ -170,7 +131,8 @@ impl Sweep {
     }
 
     fn at(&self, point: usize) -> Vec<(&Swept, &Node)> {
-        let place = self.place(point);
+        let lengths: Vec<usize> = self.axes.iter().map(Axis::len).collect();
+        let place = sweep_place(&lengths, point);
         let swept = self.axes.iter().zip(place);
         swept.flat_map(|(axis, at)| axis.0.iter().map(move |swept| (swept, &swept.values[at]))).collect()
     }

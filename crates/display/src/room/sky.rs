@@ -12,7 +12,8 @@
 //!
 //! # Source
 //! ISO 15469:2004 / CIE S 011/E:2003, *Spatial distribution of daylight: CIE standard general sky*, eqs. 1-7 and
-//! table 1; R. Kittler, R. Perez, S. Darula, *A new generation of sky standards*, Lux Europa 1997.
+//! table 1; R. Kittler, R. Perez, S. Darula, *A new generation of sky standards*, Lux Europa 1997; the numbers are
+//! those of S. Darula, R. Kittler, *CIE general sky standard defining luminance distributions*, eSim 2002.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

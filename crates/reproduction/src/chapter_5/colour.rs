@@ -66,7 +66,9 @@ struct Row {
 
 /// The difference itself.
 fn apart(theirs: f64, ours: f64) -> String {
-    format!("{:+.2e}", ours - theirs).parse::<f64>().map_or_else(|_| "-".to_owned(), |d| number(d, 2))
+    let difference = ours - theirs;
+    let sign = if difference > 0.0 { "+" } else { "" };
+    format!("{sign}{}", number(difference, 2))
 }
 
 const ROWS: [Row; 10] = [

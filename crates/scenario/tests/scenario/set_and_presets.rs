@@ -144,7 +144,24 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
     assert_eq!(seen(&preset("indoor", "", &[])), (0.5, Some((-20.0, 0.5)), 8.0));
     assert_eq!(seen(&preset("sunny", "", &[])), (0.2, Some((-35.0, 0.8)), 20.0));
     assert_eq!(seen(&preset("overcast", "", &[])), (1.0, None, 8.0));
-    assert_eq!(preset_names().take(3).collect::<Vec<_>>(), ["indoor", "sunny", "overcast"]);
+    let names = [
+        "indoor",
+        "sunny",
+        "overcast",
+        "living-room",
+        "office",
+        "daylight",
+        "full-sun",
+        "daylight-readability",
+        "iec-directional",
+        "iec-ring",
+        "iec-hemispherical",
+        "d8-included",
+        "d8-excluded",
+        "45-0",
+        "30-0",
+    ];
+    assert_eq!(preset_names().collect::<Vec<_>>(), names);
     assert_eq!(seen(&preset("iec-directional", "", &[])), (0.0, Some((-40.0, 1.0)), 30.0));
     assert_eq!(seen(&preset("45-0", "", &[])), (0.0, Some((45.0, 1.0)), 0.0));
 
