@@ -102,7 +102,7 @@ pub(crate) enum SweepCommand {
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepRun {
-    // Those of `ScenarioArguments`: flattened twice, clap would not find them beside a subcommand.
+    // Those of `ScenarioArguments` and `Workers`: flattened twice, clap would not find them beside a subcommand.
     /// The scenario (TOML), with a `[sweep]`
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
@@ -121,8 +121,10 @@ pub(crate) struct SweepRun {
     /// Write the table as Parquet, too
     #[arg(long)]
     pub(crate) parquet: bool,
-    #[command(flatten)]
-    pub(crate) workers: Workers,
+    /// Worker threads [default: one for each processor]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
 }
 
 #[derive(Debug, Args)]

@@ -51,7 +51,7 @@ fn run(arguments: &SweepRun) -> Result<(), Failure> {
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..sweep.len()).filter(|point| point % n == k - 1).collect();
     let started = Instant::now();
-    let done = compute(&sweep, &head, &mine, &mut journal, arguments.workers.threads)?;
+    let done = compute(&sweep, &head, &mine, &mut journal, arguments.threads)?;
     let computed = done.values().filter(|done| done.computed).count();
     let points: Vec<(usize, String)> = done.into_iter().map(|(point, done)| (point, done.hash)).collect();
     if points.len() < mine.len() {
