@@ -154,7 +154,7 @@ fn displayed(scene: &Scene) -> impl FnMut() -> Numbers {
         let result = run_on(scene, Some(1))?;
         let state = &result.views[0].states.iter().next().ok_or("no state")?.1;
         let values = &state.value;
-        Ok(values.reflectance_factor.iter().copied().chain([values.Y]).collect())
+        Ok(values.reflectance_factor.iter().flatten().copied().chain([values.Y]).collect())
     }
 }
 

@@ -36,7 +36,7 @@ fn a_diffuser_lowers_reflectance_and_gamut_and_shifts_to_the_blue() {
     assert!(gamut(&with) < gamut(&without) - 5.0, "{} {}", gamut(&with), gamut(&without));
     for name in ["white", "red", "green", "blue"] {
         let (diffused, bare) = (&state(&with, name).unwrap().value, &state(&without, name).unwrap().value);
-        let (diffused, bare) = (peak(&diffused.reflectance_factor), peak(&bare.reflectance_factor));
+        let [diffused, bare] = [diffused, bare].map(|state| peak(state.reflectance_factor.as_ref().unwrap()));
         assert!(diffused.1 < 0.95 * bare.1, "{name}: {diffused:?} {bare:?}");
         assert!(diffused.0 < bare.0, "{name}: {diffused:?} {bare:?}");
     }

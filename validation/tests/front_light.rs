@@ -12,11 +12,19 @@ const PIXEL: &str =
 const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.08\ntransmittance = 0.9\nstraight_through = 0.1\n";
 const SOLVERS: [&str; 2] = ["relative_error = 1e-5", "method = \"walk\"\npaths = 4096"];
 
+fn scenario(display: &str, lighting: &str, solver: &str) -> String {
+    format!(
+        "[spectrum]\nstep_nm = 20\n{display}{PIXEL}[lighting]\n{lighting}\n[viewer]\ntheta_deg = 8\n[solver]\n{solver}\n"
+    )
+}
+
+/// In a room of 500 lx.
 fn run(display: &str, lighting: &str, solver: &str) -> RunResult {
-    let text = format!(
-        "[spectrum]\nstep_nm = 20\n{display}{PIXEL}[lighting]\nilluminance_lx = 500\n{lighting}\n[viewer]\ntheta_deg = 8\n\
-         [solver]\n{solver}\n"
-    );
+    run_in(display, &format!("illuminance_lx = 500\n{lighting}"), solver)
+}
+
+fn run_in(display: &str, lighting: &str, solver: &str) -> RunResult {
+    let text = scenario(display, lighting, solver);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
     let scenario = Scenario::from_text(&text, "light.toml", &folder, &[]).unwrap();
     papilio_validation::run(&scenario.resolve().unwrap().scene).unwrap()
@@ -102,6 +110,74 @@ fn over_any_layers_a_front_that_absorbs_is_crossed_once() {
     near("layers", white(&below).terms.front_light.unwrap(), 0.8 * white(&bare).Y, 1e-6);
 }
 
+/// Alone over a Lambertian panel without a face: of E on it comes back R E, which the front passes once and sends back in part, round
+/// after round: Y = t R/(1 - R r) against a perfect white in the guide's light.
+#[test]
+fn alone_it_is_a_closed_form() {
+    const PAPER: &str =
+        "[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 0.8\n[display.glass]\nindex = 1\n";
+    let dark = "diffuse = 0\n[lighting.front_light]\nilluminance_lx = 300\nspectrum = \"LED-B5\"\n";
+    for solver in SOLVERS {
+        let alone = run_in(&[FRONT, PAPER].concat(), dark, solver);
+        for (state, reflectance) in [("white", 0.6), ("black", 0.05)] {
+            let value = &alone.views[0].states.get(state).unwrap().value;
+            let panel = 0.8 * reflectance * 0.8;
+            let y = 0.97 * panel / (1.0 - 0.02 * panel);
+            near(state, value.Y, y, 2e-3);
+            near(state, value.luminance_cd_m2, y * 300.0 / std::f64::consts::PI, 2e-3);
+            near("all of Y", value.terms.front_light.unwrap(), value.Y, 1e-12);
+            assert_eq!(value.R_hemi, None);
+            assert_eq!((&value.reflectance_factor, value.peak_nm), (&None, None));
+        }
+        // L* a* b* are those of a screen whose white is white, u'v' those of the light.
+        let white = white(&alone);
+        let lab = [white.L_star, white.a_star, white.b_star].map(Option::unwrap);
+        assert!((lab[0] - 100.0).abs() < 1e-9 && lab[1].abs() < 1e-9 && lab[2].abs() < 1e-9, "{lab:?}");
+        near("u'", white.u_prime.unwrap(), alone.illuminant.u_prime, 1e-9);
+        near("contrast", alone.views[0].metrics.contrast_ratio.unwrap(), 12.0, 0.02);
+    }
+}
+
+/// Of light that is weak enough, the room's is none.
+#[test]
+fn a_dark_room_is_the_limit_of_a_dim_one() {
+    let guide = "[lighting.front_light]\nilluminance_lx = 500\nupward_leak = 0.1\n";
+    let panel = [FRONT, LOBE].concat();
+    let alone = run_in(&panel, guide, SOLVERS[0]);
+    let dim = run_in(&panel, &format!("illuminance_lx = 1e-6\n{guide}"), SOLVERS[0]);
+    for (state, value) in alone.views[0].states.iter() {
+        let dim = &dim.views[0].states.get(state).unwrap().value;
+        near(state, value.value.luminance_cd_m2, dim.luminance_cd_m2, 1e-8);
+        near(state, value.value.contrast.unwrap(), dim.contrast.unwrap(), 1e-8);
+    }
+    assert!(dim.views[0].states.get("white").unwrap().value.reflectance_factor.is_some());
+}
+
+/// A guide by its IES file: one that shines by Lambert's law is diffuse.
+#[test]
+fn a_distribution_may_be_an_ies_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: Vec<f64> = (0..=90).map(f64::from).collect();
+    let line = |f: &dyn Fn(f64) -> f64| rows.iter().map(|v| f(*v).to_string()).collect::<Vec<_>>().join(" ");
+    let candela = line(&|theta| 100.0 * theta.to_radians().cos().max(0.0));
+    let file = format!(
+        "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 91 1 1 2 0.1 0.1 0\n1 1 1\n{}\n0\n{candela}\n",
+        line(&|v| v)
+    );
+    std::fs::write(folder.path().join("guide.ies"), file).unwrap();
+    let guide = |more: &str| {
+        let text = scenario(
+            &[FRONT, LOBE].concat(),
+            &format!("[lighting.front_light]\nilluminance_lx = 500\n{more}"),
+            SOLVERS[0],
+        );
+        let scenario = Scenario::from_text(&text, "light.toml", folder.path(), &[]).unwrap();
+        papilio_validation::run(&scenario.resolve().unwrap().scene).unwrap()
+    };
+    let (diffuse, file) = (guide(""), guide("distribution = \"guide.ies\"\n"));
+    near("ies", white(&file).Y, white(&diffuse).Y, 1e-4);
+}
+
 #[test]
 fn what_is_refused() {
     let errors = |display: &str, lighting: &str| {
@@ -111,6 +187,9 @@ fn what_is_refused() {
         scenario.and_then(|scenario| scenario.resolve()).unwrap_err().to_string()
     };
     let guide = "illuminance_lx = 100\ndistribution = \"data/synthetic-room.csv\"";
+    let dark = format!("{PIXEL}[lighting]\nilluminance_lx = 0\n");
+    let dark = Scenario::from_text(&dark, "light.toml", Path::new(""), &[]).unwrap().resolve().unwrap_err();
+    assert!(dark.to_string().contains("only beside a front light"), "{dark}");
     for (display, lighting, wanted) in [
         ("", guide, "needs a panel whose diffuser is a lobe"),
         (LOBE, "illuminance_lx = 0", "out of range"),

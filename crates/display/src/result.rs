@@ -57,7 +57,7 @@ pub struct TargetReport {
     pub paths_for_a_tenth: [f64; 2],
 }
 
-/// A perfect white under the scene's ambient light.
+/// A perfect white under the scene's ambient light; under the front light where that is all the light.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Illuminant {
     /// Its spectral radiance, W/(m2 sr nm).
@@ -112,8 +112,9 @@ pub struct State {
 pub struct StateValues {
     /// Spectral radiance, W/(m2 sr nm).
     pub radiance: Vec<f64>,
-    /// Radiance over that of the perfect white; where the light is dark, by the sources' shares of illuminance.
-    pub reflectance_factor: Vec<f64>,
+    /// Radiance over that of the perfect white; where the light is dark, by the sources' shares of illuminance. Null where the
+    /// front light is all the light: no light falls on the display that it could reflect.
+    pub reflectance_factor: Option<Vec<f64>>,
     /// Relative tristimulus value.
     pub X: f64,
     /// Relative tristimulus value: the luminous reflectance factor.
@@ -130,7 +131,8 @@ pub struct StateValues {
     pub u_prime: Option<f64>,
     /// CIE 1976 v'.
     pub v_prime: Option<f64>,
-    /// CIELAB lightness, against the illuminant's white (null in a light without X, Y or Z).
+    /// CIELAB lightness, against the illuminant's white (null in a light without X, Y or Z); against the screen's own white
+    /// state, seen from the same direction, where the front light is all the light. So are all colours and differences that need a white.
     pub L_star: Option<f64>,
     /// CIELAB a*.
     pub a_star: Option<f64>,

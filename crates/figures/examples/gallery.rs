@@ -49,7 +49,8 @@ fn scan() -> String {
     let states = ["red", "green", "blue"].map(str::to_owned);
     let spectra =
         states.iter().flat_map(|name| run.views.iter().filter_map(move |view| view.states.get(name)));
-    let reflectance: Vec<f64> = spectra.flat_map(|state| state.value.reflectance_factor.clone()).collect();
+    let reflectance: Vec<f64> =
+        spectra.flat_map(|state| state.value.reflectance_factor.clone().unwrap_or_default()).collect();
     let (theta_deg, wavelength_nm) = (&theta_deg, &run.wavelength_nm);
     let scan =
         PixelScan { states: &states, medium: "air", theta_deg, wavelength_nm, reflectance: &reflectance };

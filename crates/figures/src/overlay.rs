@@ -27,7 +27,7 @@ pub fn spectra_over(variants: &[(&str, &RunResult)], title: &str) -> String {
         variants.iter().filter_map(|(_, result)| Some((*result, result.views.first()?))).collect();
     let names = names(view);
     let spectrum = |view: &View, name: &str| {
-        view.states.get(name).map(|state| state.value.reflectance_factor.clone()).unwrap_or_default()
+        view.states.get(name).and_then(|state| state.value.reflectance_factor.clone()).unwrap_or_default()
     };
     let all = seen.iter().flat_map(|(_, view)| names.iter().flat_map(|name| spectrum(view, name)));
     let y = Axis::covering(all.chain([0.0]), 6, "Reflectance factor");

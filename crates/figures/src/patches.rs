@@ -4,7 +4,7 @@ use papilio_display::result::{RunResult, State, View};
 
 use crate::paint::Paint;
 use crate::panel::SMALL;
-use crate::style::{INK, SOFT, caption, fixed, percent};
+use crate::style::{INK, SOFT, caption, fixed, is_self_lit, percent};
 use crate::svg::{Anchor, Point, Svg, Text, shortened};
 
 /// Patches in a row, at most.
@@ -17,7 +17,8 @@ const CAPTIONS: f64 = 76.0;
 /// The page's white is a perfect white in the same light (carried to D65 by a
 /// Bradford adaptation), so a patch is as dark against the page as the state is
 /// against paper in the room. If a state is brighter than a screen can show, all
-/// are dimmed alike, and the figure says by how much. Colours that no screen
+/// are dimmed alike, and the figure says by how much. Where the front light is all the light, the page is as white as the
+/// display's white. Colours that no screen
 /// shows are clipped.
 pub fn patches(result: &RunResult, view: &View, title: &str) -> String {
     let count = view.states.iter().count().max(1);
@@ -25,10 +26,11 @@ pub fn patches(result: &RunResult, view: &View, title: &str) -> String {
     let below = 20.0 + height(view, side);
     let mut svg = Svg::new(width.max(420.0), below + 20.0).titled(&caption(title, view));
     draw(&mut svg, result, view, (20.0, 20.0), side);
-    let note = Paint::of(result, view).dimmed().map_or_else(
-        || "The page's white is a perfect white in the same light.".to_owned(),
-        |dimmed| format!("Brighter than a perfect white in the same light: {dimmed}."),
-    );
+    let note = match Paint::of(result, view).dimmed() {
+        _ if is_self_lit(view) => "The page's white is the display's own.".to_owned(),
+        None => "The page's white is a perfect white in the same light.".to_owned(),
+        Some(dimmed) => format!("Brighter than a perfect white in the same light: {dimmed}."),
+    };
     svg.text((20.0, below + 6.0), &note, Text::new(11.0, SOFT));
     svg.finish()
 }

@@ -1,14 +1,17 @@
-//! Reflectance factor of every state against wavelength.
+//! Reflectance factor of every state against wavelength; of a display that is lit by its front light alone, radiance.
 
-use papilio_display::result::{RunResult, View};
+use papilio_display::result::{RunResult, StateValues, View};
 
 use crate::axis::Axis;
 use crate::labels::{EndLabel, end_labels};
 use crate::panel::Panel;
-use crate::style::{caption, state_stroke};
+use crate::style::{caption, is_self_lit, state_stroke};
 use crate::svg::{Point, Svg};
 
-/// Reflectance factors of all states of a view, with a band of one standard
+/// The axis of radiances.
+const RADIANCE: &str = "Radiance (mW/(m\u{b2} sr nm))";
+
+/// Reflectance factors of all states of a view (radiances where there are none), with a band of one standard
 /// error where it is wider than a line.
 pub fn spectra(result: &RunResult, view: &View, title: &str) -> String {
     let mut svg = Svg::new(760.0, 440.0).titled(&caption(title, view));
@@ -19,15 +22,16 @@ pub fn spectra(result: &RunResult, view: &View, title: &str) -> String {
 /// The same in a rectangle of a page; labels need 150 px to its right.
 pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, size: Point) {
     let nm = &result.wavelength_nm;
-    let all = view.states.iter().flat_map(|(_, state)| state.value.reflectance_factor.iter().copied());
+    let all = view.states.iter().flat_map(|(_, state)| seen(&state.value));
+    let title = if is_self_lit(view) { RADIANCE } else { "Reflectance factor" };
     let x = Axis::between(nm, 8, "Wavelength (nm)");
-    let panel = Panel { origin, size, x, y: Axis::covering(all.chain([0.0]), 6, "Reflectance factor") };
+    let panel = Panel { origin, size, x, y: Axis::covering(all.chain([0.0]), 6, title) };
     panel.draw(svg);
     let (mut labels, mut banded) = (vec![], false);
     for (i, (name, state)) in view.states.iter().enumerate() {
-        let (stroke, values) = (state_stroke(name, i), &state.value.reflectance_factor);
-        banded |= panel.error_band(svg, nm, values, &state.standard_error.reflectance_factor, &stroke);
-        let points = panel.points(nm, values);
+        let (stroke, values) = (state_stroke(name, i), seen(&state.value));
+        banded |= panel.error_band(svg, nm, &values, &seen(&state.standard_error), &stroke);
+        let points = panel.points(nm, &values);
         svg.polyline(&points, &stroke);
         if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
             labels.push(EndLabel { end, text: name.to_owned(), stroke });
@@ -37,4 +41,12 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
         panel.note(svg, "bands: \u{b1} one standard error");
     }
     end_labels(svg, &panel, labels);
+}
+
+/// A state's spectrum in the unit of the axis.
+fn seen(values: &StateValues) -> Vec<f64> {
+    match &values.reflectance_factor {
+        Some(factor) => factor.clone(),
+        None => values.radiance.iter().map(|radiance| 1e3 * radiance).collect(),
+    }
 }

@@ -91,6 +91,11 @@ pub(crate) fn joined(parts: &[&str]) -> String {
     parts.join("   \u{b7}   ")
 }
 
+/// True if the front light is all the light of a view.
+pub(crate) fn is_self_lit(view: &View) -> bool {
+    view.states.iter().any(|(_, state)| state.value.reflectance_factor.is_none())
+}
+
 /// What stands above the figure of a view.
 pub(crate) fn caption(title: &str, view: &View) -> String {
     joined(&[title, &format!("viewed {}", seen_at(view))])

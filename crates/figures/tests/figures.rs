@@ -138,24 +138,26 @@ fn missing_and_broken_numbers_are_left_out() {
     let none =
         with_values(&run, |v| (v.x, v.y, v.u_prime, v.v_prime, v.peak_nm) = (None, None, None, None, None));
     let nan = with_values(&run, |v| {
-        v.reflectance_factor.fill(f64::NAN);
+        v.reflectance_factor.iter_mut().flatten().for_each(|r| *r = f64::NAN);
         (v.X, v.Y, v.Z, v.L_star) = (f64::NAN, f64::INFINITY, f64::NAN, Some(f64::NAN));
         (v.u_prime, v.v_prime, v.peak_nm) = (Some(f64::NAN), Some(f64::INFINITY), Some(f64::NEG_INFINITY));
     });
     let zero = with_values(&run, |v| {
-        v.reflectance_factor.fill(0.0);
+        v.reflectance_factor.iter_mut().flatten().for_each(|r| *r = 0.0);
         (v.X, v.Y, v.Z) = (0.0, 0.0, 0.0);
     });
     let noise = with_values(&run, |v| {
         v.reflectance_factor
             .iter_mut()
+            .flatten()
             .enumerate()
             .for_each(|(i, r)| *r = if i % 2 == 0 { -1e-4 } else { 1e-4 });
         (v.X, v.Y, v.Z, v.u_prime) = (-1e-5, -1e-5, 1e-5, Some(-4.0));
     });
-    let huge = with_values(&run, |v| v.reflectance_factor.fill(1e300));
-    let short = with_values(&run, |v| v.reflectance_factor.truncate(3));
-    for run in [none, nan, zero, noise, huge, short] {
+    let huge = with_values(&run, |v| v.reflectance_factor.iter_mut().flatten().for_each(|r| *r = 1e300));
+    let short = with_values(&run, |v| v.reflectance_factor.iter_mut().for_each(|all| all.truncate(3)));
+    let self_lit = with_values(&run, |v| v.reflectance_factor = None);
+    for run in [none, nan, zero, noise, huge, short, self_lit] {
         for svg in all(&run) {
             texts(&svg);
         }

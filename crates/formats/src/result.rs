@@ -101,7 +101,7 @@ fn spectra(state: &State) -> Vec<(String, &[f64])> {
 fn spectra_of(values: &StateValues) -> Vec<(String, &[f64])> {
     let mut all = vec![
         ("radiance".to_owned(), &values.radiance[..]),
-        ("reflectance_factor".to_owned(), &values.reflectance_factor),
+        ("reflectance_factor".to_owned(), values.reflectance_factor.as_deref().unwrap_or_default()),
     ];
     if let Some(by_light) = &values.by_light {
         all.push(("R_hemi".to_owned(), by_light.R_hemi.as_deref().unwrap_or_default()));

@@ -56,7 +56,7 @@ struct View {
 #[derive(Deserialize)]
 #[allow(non_snake_case, reason = "as in result.json")]
 struct State {
-    reflectance_factor: Vec<f64>,
+    reflectance_factor: Option<Vec<f64>>,
     X: f64,
     Y: f64,
     Z: f64,
@@ -100,8 +100,11 @@ fn simulated(read: File) -> Result<ReadResult, &'static str> {
     }
     let fits = |spectrum: &[f64]| spectrum.len() == nm.len();
     let spectra = read.views.iter().flat_map(|view| view.states.values());
-    let mut spectra = spectra.map(|state| state.reflectance_factor.as_slice());
-    if !fits(&read.illuminant.radiance_of_white) || !spectra.all(fits) {
+    let factors: Option<Vec<&[f64]>> = spectra.map(|state| state.reflectance_factor.as_deref()).collect();
+    let Some(factors) = factors else {
+        return Err("its front light is all its light, so that it has no reflectance factors to compare");
+    };
+    if !fits(&read.illuminant.radiance_of_white) || !factors.into_iter().all(fits) {
         return Err("its spectra have not as many values as there are wavelengths");
     }
     if !read.illuminant.radiance_of_white.iter().any(|value| *value > 0.0) {
@@ -111,7 +114,7 @@ fn simulated(read: File) -> Result<ReadResult, &'static str> {
         return Err("it has no views");
     }
     let state = |(name, state): (String, State)| {
-        (name, state.reflectance_factor, Xyz { x: state.X, y: state.Y, z: state.Z })
+        (name, state.reflectance_factor.unwrap_or_default(), Xyz { x: state.X, y: state.Y, z: state.Z })
     };
     let views = read.views.into_iter().map(|View { theta_deg, phi_deg, states }| SimulatedView {
         theta_deg,

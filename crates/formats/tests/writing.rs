@@ -11,7 +11,7 @@ use papilio_formats::{ResultFile, write_json, write_spectra, write_states};
 fn values(start: f64) -> StateValues {
     StateValues {
         radiance: vec![start, start / 3.0],
-        reflectance_factor: vec![start / 7.0, f64::NAN],
+        reflectance_factor: Some(vec![start / 7.0, f64::NAN]),
         X: start,
         Y: start + 1.0,
         Z: start + 2.0,

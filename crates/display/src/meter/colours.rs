@@ -36,7 +36,7 @@ impl Meter<'_> {
                 uv_shift: uv.zip(from).map(|(uv, from)| UvPrime::distance(uv, from)),
             }
         };
-        let together = self.reference().together(colours);
+        let together = self.reference(&[]).together(colours);
         ConeView {
             contrast_ratio: together.contrast_ratio,
             gamut_percent_srgb: together.gamut_percent_srgb,

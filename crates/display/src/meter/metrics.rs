@@ -41,9 +41,8 @@ pub(crate) const PRIMARIES: [&str; 3] = ["red", "green", "blue"];
 /// What metrics are measured against.
 pub(crate) struct Reference<'a> {
     pub(crate) names: &'a [String],
-    /// The perfect white: relative (Y = 1), and its luminance in cd/m2.
-    pub(crate) white: Xyz,
-    pub(crate) white_luminance: f64,
+    /// The white, relative as X, Y and Z are, and its luminance in cd/m2; `None` where there is none.
+    pub(crate) white: Option<(Xyz, f64)>,
     pub(crate) asked: &'a Metrics,
 }
 
@@ -74,8 +73,8 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    fn new(xyz: Xyz, white: Xyz) -> Self {
-        Self { uv: xyz.uv_prime(), lab: xyz.lab(white) }
+    fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
+        Self { uv: xyz.uv_prime(), lab: white.and_then(|white| xyz.lab(white)) }
     }
 
     pub(crate) fn of(state: &Scalars) -> Self {
@@ -96,10 +95,11 @@ impl Reference<'_> {
     /// All metrics but those that compare views.
     pub(crate) fn view(&self, sights: &[Sight]) -> ViewScalars {
         let xyz: Vec<Xyz> = sights.iter().map(|sight| sight.xyz).collect();
-        let colours: Vec<Seen> = xyz.iter().map(|xyz| Seen::new(*xyz, self.white)).collect();
+        let white = self.white.map(|(xyz, _)| xyz);
+        let colours: Vec<Seen> = xyz.iter().map(|xyz| Seen::new(*xyz, white)).collect();
         let beside = Beside {
             black: self.at("black").map(|black| xyz[black].y),
-            white: Seen::new(self.white, self.white),
+            white: white.map_or(Seen { uv: None, lab: None }, |xyz| Seen::new(xyz, white)),
             state: self.at(&self.asked.reference_state).map(|state| colours[state]),
             viewing: self.viewing(),
         };
@@ -149,11 +149,12 @@ impl Reference<'_> {
 
     /// Volume of the gamut, if all its corners are there.
     fn volume(&self, xyz: &[Xyz]) -> Option<f64> {
-        let mut corners = [self.white; 8];
+        let (white, _) = self.white?;
+        let mut corners = [white; 8];
         for (corner, name) in corners.iter_mut().zip(CORNERS) {
             *corner = xyz[self.at(name)?];
         }
-        Some(Corners { xyz: corners }.solid(self.white)?.volume())
+        Some(Corners { xyz: corners }.solid(white)?.volume())
     }
 
     /// Where a state stands.
@@ -163,7 +164,7 @@ impl Reference<'_> {
 
     fn viewing(&self) -> Option<Viewing> {
         let Appearance { adapting_luminance_cd_m2, background, surround } = self.asked.appearance?;
-        let of_background = background * self.white_luminance;
+        let of_background = background * self.white?.1;
         let adapting_luminance_cd_m2 = adapting_luminance_cd_m2.unwrap_or(of_background);
         Some(Viewing { adapting_luminance_cd_m2, background, surround })
     }
@@ -196,7 +197,10 @@ impl Reference<'_> {
                 peak_shift_nm: sight.peak_nm.zip(sight.bare_peak_nm).map(|(peak, bare)| peak - bare),
                 ..StateMetrics::default()
             },
-            cam16: beside.viewing.map(|viewing| cam16(xyz.appearance(self.white, &viewing))),
+            cam16: beside
+                .viewing
+                .zip(self.white)
+                .map(|(viewing, (white, _))| cam16(xyz.appearance(white, &viewing))),
         }
     }
 }
@@ -316,7 +320,7 @@ mod tests {
         let white = Xyz { x: 0.95, y: 1.0, z: 1.09 };
         let names = ["white".to_owned(), "orange".to_owned()];
         let asked = Metrics { gamut_volume: true, ..Metrics::default() };
-        let reference = Reference { names: &names, white, white_luminance: 100.0, asked: &asked };
+        let reference = Reference { names: &names, white: Some((white, 100.0)), asked: &asked };
         let seen = |xyz: Xyz| Sight {
             xyz,
             luminance_cd_m2: 100.0 * xyz.y,

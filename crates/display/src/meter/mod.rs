@@ -33,13 +33,16 @@ pub(crate) struct Meter<'a> {
     setup: &'a Setup,
     grid: Grid,
     layout: Layout,
-    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr).
+    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr): in the room's light, or in that of a front
+    /// light where it is alone.
     white: Vec<f64>,
     white_xyz: Xyz,
     /// For each light alone.
     lights: Vec<Weights>,
     /// The last of them, if it is a front light.
     below_front: Option<BelowFront>,
+    /// Whether it is all the light there is.
+    is_self_lit: bool,
     /// Y of the perfect white in each light of a result, which may be several of these.
     luminous: Vec<f64>,
 }
@@ -63,16 +66,18 @@ impl<'a> Meter<'a> {
         let grid = setup.scene.grid;
         let mut white = vec![0.0; grid.len()];
         let below_front = BelowFront::new(&setup.scene, &setup.stack);
-        // The reference white sees the room's light alone.
-        let ambient = &setup.lights[..setup.lights.len() - usize::from(below_front.is_some())];
-        for light in ambient {
+        // The reference white sees the room's light alone, if there is any.
+        let (room, guide) = setup.lights.split_at(setup.lights.len() - usize::from(below_front.is_some()));
+        let is_self_lit = !guide.is_empty() && room.iter().all(|light| light.illuminance_lx == 0.0);
+        let reference = if is_self_lit { guide } else { room };
+        for light in reference {
             white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
         }
         let terms = setup.lights.last().map_or(0, |light| light.term + 1);
         let by_light = setup.scene.metrics.spectra_by_light;
         let layout = Layout { states: setup.states.len(), bins: grid.len(), terms, by_light };
         let white_xyz = setup.seen_by().xyz(&white);
-        let total: f64 = ambient.iter().map(|light| light.illuminance_lx).sum();
+        let total: f64 = reference.iter().map(|light| light.illuminance_lx).sum();
         let weights = |light: &Light| {
             let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
             let over_white =
@@ -84,7 +89,7 @@ impl<'a> Meter<'a> {
         let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
         let mut luminous = vec![0.0; terms];
         lights.iter().for_each(|light| luminous[light.term] += light.xyz[1].iter().sum::<f64>());
-        Self { setup, grid, layout, white, white_xyz, lights, below_front, luminous }
+        Self { setup, grid, layout, white, white_xyz, lights, below_front, is_self_lit, luminous }
     }
 
     /// ybar at each wavelength, nm.
@@ -183,12 +188,14 @@ impl<'a> Meter<'a> {
             Sight {
                 xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
                 luminance_cd_m2: self.setup.observer.luminance(radiance),
-                peak_nm: peak_nm(&self.grid, &self.reflectance_factor(state, &mean.0)),
+                peak_nm: self
+                    .reflectance_factor(state, &mean.0)
+                    .and_then(|factor| peak_nm(&self.grid, &factor)),
                 bare_peak_nm: bare[state],
             }
         };
         let sights: Vec<Sight> = (0..self.layout.states).map(seen).collect();
-        self.reference().view(&sights)
+        self.reference(&sights).view(&sights)
     }
 
     /// Where each state of the pixel alone peaks in the direction of a view.
@@ -200,20 +207,25 @@ impl<'a> Meter<'a> {
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
     }
 
-    fn reference(&self) -> Reference<'_> {
-        Reference {
-            names: &self.setup.states,
-            white: over(self.white_xyz, self.white_xyz.y),
-            white_luminance: self.setup.observer.luminance(&self.white),
-            asked: &self.setup.scene.metrics,
-        }
+    /// What the states, `sights`, are measured against: a perfect white, or the screen's own where the front light is alone.
+    fn reference(&self, sights: &[Sight]) -> Reference<'_> {
+        let names = &self.setup.states;
+        let paper = (over(self.white_xyz, self.white_xyz.y), self.setup.observer.luminance(&self.white));
+        let own = || {
+            let white = sights.get(names.iter().position(|name| name == "white")?)?;
+            Some((white.xyz, white.luminance_cd_m2))
+        };
+        let white = if self.is_self_lit { own() } else { Some(paper) };
+        Reference { names, white, asked: &self.setup.scene.metrics }
     }
 
-    /// Also of standard errors: both radiance and factor are linear in light.
-    fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Vec<f64> {
+    /// Also of standard errors: both radiance and factor are linear in light. `None` where no light falls on the display.
+    fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Option<Vec<f64>> {
         let (radiance, by_share) = (&linear[self.layout.radiance(state)], &linear[self.layout.factor(state)]);
         let bins = radiance.iter().zip(by_share).zip(&self.white);
-        bins.map(|((l, share), white)| if *white > 0.0 { l / white } else { *share }).collect()
+        let factor =
+            || bins.map(|((l, share), white)| if *white > 0.0 { l / white } else { *share }).collect();
+        (!self.is_self_lit).then(factor)
     }
 
     /// Luminance factors of the directed sources' images, shape `[state][light]`.

@@ -71,8 +71,11 @@ impl Meter<'_> {
 
     /// A spectrum that varies by no more than its own error has no peak.
     fn is_flat(&self, state: usize, value: &Numbers, errors: &Numbers) -> bool {
-        let [factor, error] =
-            [value, errors].map(|numbers| self.reflectance_factor(state, &numbers.linear.0));
+        let [Some(factor), Some(error)] =
+            [value, errors].map(|numbers| self.reflectance_factor(state, &numbers.linear.0))
+        else {
+            return true;
+        };
         let (mut least, mut most, mut noise) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
         for (bin, (factor, error)) in factor.into_iter().zip(error).enumerate() {
             if (400.0..=700.0).contains(&self.grid.wavelength_nm(bin)) {

@@ -143,7 +143,7 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
     let (xy, uv) = (xyz.chromaticity().unwrap(), xyz.uv_prime().unwrap());
     let value = StateValues {
         radiance: radiance.to_vec(),
-        reflectance_factor: reflectance.to_vec(),
+        reflectance_factor: Some(reflectance.to_vec()),
         X: xyz.x,
         Y: xyz.y,
         Z: xyz.z,
@@ -177,7 +177,10 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         specular: vec![],
     };
     let scaled = |share: f64| StateValues {
-        reflectance_factor: value.reflectance_factor.iter().map(|v| share * v).collect(),
+        reflectance_factor: value
+            .reflectance_factor
+            .as_ref()
+            .map(|factor| factor.iter().map(|v| share * v).collect()),
         radiance: value.radiance.iter().map(|v| share * v).collect(),
         Y: share * value.Y,
         u_prime: value.u_prime.map(|u| 0.3 * share * u),

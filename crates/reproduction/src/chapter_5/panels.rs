@@ -82,7 +82,8 @@ pub(super) fn spectra(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let mut table = Table::new(&["largest reflectance factor", "bare", "diffused", "diffused, unrefracted"]);
     for (state, _) in PRIMARIES {
         let largest = |result: &RunResult| {
-            let values = first(result).states.get(state).map(|state| &state.value.reflectance_factor);
+            let values =
+                first(result).states.get(state).and_then(|state| state.value.reflectance_factor.as_ref());
             let values = values.into_iter().flatten().zip(&result.wavelength_nm);
             values.filter(|(_, nm)| **nm >= 400.0).map(|(value, _)| *value).fold(0.0, f64::max)
         };

@@ -2,7 +2,8 @@
 
 use super::environment::Environment;
 use super::numbers::{
-    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, Share, Wavelength, Weight,
+    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, RoomLux, Share, Wavelength,
+    Weight,
 };
 use crate::grammar::{choice, forms, table};
 use crate::read::At;
@@ -12,8 +13,9 @@ table! {
     Lighting {
         /// "indoor", "office", "iec-directional", ...: fills lighting and viewer; keys that are given override it. Default: none.
         preset: Option<Preset>,
-        /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx. Default 500.
-        illuminance_lx: Lux = Lux(500.0),
+        /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx, or 0 beside a front light. Default 500, or
+        /// 0 where a front light is all the light that is given.
+        illuminance_lx: Option<RoomLux>,
         /// Relative spectrum of all light that has none of its own. Default "D65".
         spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
         /// Share that comes alike from the whole hemisphere, 0 to 1. Default 1, or 0 where other light is given.
@@ -35,7 +37,8 @@ table! {
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Directions of what it sends down: two columns, inclination in degrees (0 to 90, rising) and relative radiance,
-        /// alike at all azimuths; over an ordinary panel's diffuser alone. Default: diffuse.
+        /// alike at all azimuths; or an IES file (.ies), its nadir the display's normal and its plane C = 0 along x. Over an
+        /// ordinary panel's diffuser alone. Default: diffuse.
         distribution: Option<String>,
         /// Share of all its light that it sends up, diffusely: 0 to .99. Default 0.
         upward_leak: Leak = Leak(0.0),
@@ -126,10 +129,13 @@ table! {
 }
 
 impl Lighting {
-    /// Fills in `diffuse`, and forgets the preset, which has done its work.
+    /// Fills in `illuminance_lx` and `diffuse`, and forgets the preset, which has done its work.
     pub(super) fn complete(&mut self) {
         self.preset.value = None;
-        let alone = if self.directed.is_empty() && self.environment.is_empty() { 1.0 } else { 0.0 };
-        self.diffuse.value.get_or_insert(Share(alone));
+        let no_other = self.directed.is_empty() && self.environment.is_empty();
+        let no_diffuse = self.diffuse.is_none_or(|share| share.0 == 0.0);
+        let is_dark = self.front_light.is_some() && no_other && no_diffuse;
+        self.illuminance_lx.value.get_or_insert(RoomLux(if is_dark { 0.0 } else { 500.0 }));
+        self.diffuse.value.get_or_insert(Share(if no_other { 1.0 } else { 0.0 }));
     }
 }

@@ -126,6 +126,11 @@ number!(
     { "type": "number", "minimum": 1e-6, "maximum": 1e9 }
 );
 number!(
+    /// The illuminance of a room, which may be dark, lx.
+    RoomLux, "a number from 1e-6 to 1e9 (lx), or 0 beside a front light", |v| v == 0.0 || (1e-6..=1e9).contains(&v),
+    { "type": "number", "minimum": 0, "maximum": 1e9 }
+);
+number!(
     /// A luminance that an eye is adapted to, cd/m2.
     AdaptingLuminance, "a number from 0.01 to 1e6 (cd/m2)", |v| (0.01..=1e6).contains(&v),
     { "type": "number", "minimum": 0.01, "maximum": 1e6 }

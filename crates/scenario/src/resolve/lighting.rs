@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use papilio_display::room::profile;
-use papilio_display::scene::{DirectedLight, Environment, FrontLight, Lighting};
-use papilio_formats::read_profile;
+use papilio_display::room::{luminous_sheet, profile};
+use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
+use papilio_formats::{read_ies, read_profile};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -19,7 +19,12 @@ impl Resolver<'_> {
     pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
         self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
         self.limit(&lighting.environment, "environments", lighting.environment.len(), 64)?;
-        self.check_shares(lighting);
+        let illuminance_lx = lighting.illuminance_lx.map_or(0.0, |lux| lux.0);
+        if illuminance_lx > 0.0 {
+            self.check_shares(lighting);
+        } else {
+            self.check_front_light_alone(lighting);
+        }
         let general = self.light("lighting.spectrum", &lighting.spectrum);
         let sources = lighting.directed.iter().enumerate();
         let directed: Vec<_> =
@@ -36,7 +41,7 @@ impl Resolver<'_> {
         };
         Some(Lighting {
             front_light,
-            illuminance_lx: lighting.illuminance_lx.0,
+            illuminance_lx,
             diffuse: lighting.diffuse.map_or(0.0, |share| share.0),
             diffuse_spectrum: general?,
             directed: directed?,
@@ -52,14 +57,7 @@ impl Resolver<'_> {
     ) -> Option<FrontLight> {
         let spectrum = self.own_light("lighting.front_light.spectrum", &guide.spectrum, general);
         let field = match &guide.distribution.value {
-            Some(name) => {
-                let points = self.data(name, guide.distribution.origin, read_profile)?;
-                let field = profile(&points);
-                if field.is_none() {
-                    self.errors.push(guide.distribution.origin, Problem::DarkField);
-                }
-                Some(Arc::new(field?))
-            }
+            Some(name) => Some(Arc::new(self.distribution(name, guide.distribution.origin)?)),
             None => None,
         };
         let up = guide.upward_leak.0;
@@ -69,6 +67,39 @@ impl Resolver<'_> {
             field,
             upward_over_downward: up / (1.0 - up),
         })
+    }
+
+    /// Directions of what a front light sends down.
+    fn distribution(&mut self, name: &str, origin: Origin) -> Option<Field> {
+        let field = if name.to_ascii_lowercase().ends_with(".ies") {
+            let light = self.data(name, origin, read_ies)?;
+            if light.intensity(180.0, 0.0) > 0.0 || light.intensity(135.0, 0.0) > 0.0 {
+                self.notes.push(format!(
+                    "lighting.front_light: what {name} sends up is left out; upward_leak says how much there is of it"
+                ));
+            }
+            luminous_sheet(|theta_deg, phi_deg| light.intensity(theta_deg, phi_deg))
+        } else {
+            profile(&self.data(name, origin, read_profile)?)
+        };
+        if field.is_none() {
+            self.errors.push(origin, Problem::DarkField);
+        }
+        field
+    }
+
+    /// A dark room needs a front light, and numbers mean something else in it.
+    fn check_front_light_alone(&mut self, lighting: &At<describe::Lighting>) {
+        if lighting.front_light.is_none() {
+            let expected = "a number from 1e-6 to 1e9 (lx): only beside a front light may a room be dark";
+            self.errors.push(lighting.illuminance_lx.origin, Problem::OutOfRange { value: 0.0, expected });
+            return;
+        }
+        self.notes.push(
+            "the front light is all the light there is: there are no reflectance factors, X, Y and Z are relative to a perfect \
+             white that it lights, L* a* b* to the screen's own white"
+                .to_owned(),
+        );
     }
 
     fn directed(
