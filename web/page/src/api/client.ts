@@ -1,0 +1,98 @@
+// The server's answers. A refusal carries the command line's own words, each at the key that it concerns.
+
+import type { Edit, Live, Named, Problem } from "./types.ts";
+
+const BASE = "api/v1";
+
+/** Why a request was not answered. */
+export class Refused extends Error {
+  constructor(readonly status: number, readonly problems: readonly Problem[]) {
+    super(problems.map((problem) => problem.message).join("; "));
+  }
+}
+
+let token = "";
+/** The token that a server beyond loopback asks for. */
+export const useToken = (given: string): void => void (token = given);
+
+const headers = (more: Record<string, string> = {}): Record<string, string> =>
+  token ? { ...more, Authorization: `Bearer ${token}` } : more;
+
+async function refusal(response: Response): Promise<Refused> {
+  const text = await response.text();
+  try {
+    const { errors } = JSON.parse(text) as { errors?: Problem[] };
+    if (errors?.length) return new Refused(response.status, errors);
+  } catch {
+    // Not the server's own words: a proxy's, say.
+  }
+  return new Refused(response.status, [{ message: text.trim().slice(0, 400) || `The server answered ${response.status}.` }]);
+}
+
+async function send(path: string, init: RequestInit): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(`${BASE}/${path}`, init);
+  } catch (why) {
+    if (init.signal?.aborted) throw why;
+    throw new Refused(0, [{ message: "Papilio does not answer.", hint: "Is `papilio serve` still running? What you change is kept here." }]);
+  }
+  if (!response.ok) throw await refusal(response);
+  return response;
+}
+
+export const get = async <T>(path: string): Promise<T> => (await send(path, { headers: headers() })).json() as Promise<T>;
+
+const posting = (body: unknown, signal?: AbortSignal): RequestInit => ({
+  method: "POST",
+  headers: headers({ "Content-Type": "application/json" }),
+  body: JSON.stringify(body),
+  ...(signal ? { signal } : {}),
+});
+
+export const post = async <T>(path: string, body: unknown, signal?: AbortSignal): Promise<T> =>
+  (await send(path, posting(body, signal))).json() as Promise<T>;
+
+export const postForBlob = async (path: string, body: unknown, signal?: AbortSignal): Promise<Blob> =>
+  (await send(path, posting(body, signal))).blob();
+
+/** A scenario and the files that it names, as every request that computes carries them. */
+export interface Work {
+  scenario: string;
+  files: Record<string, string>;
+}
+
+export const live = (work: Work, edits: readonly Edit[], signal: AbortSignal): Promise<Live> =>
+  post("live", { ...work, edits }, signal);
+
+export const schema = (): Promise<unknown> => get("schema");
+export const list = (what: "presets" | "examples"): Promise<Named[]> => get(what);
+export const named = (what: "presets" | "examples", name: string): Promise<{ scenario: string }> =>
+  get(`${what}/${encodeURIComponent(name)}`);
+
+/** A file's bytes, for its audit. */
+export async function upload<T>(name: string, bytes: Blob): Promise<T> {
+  const init = { method: "POST", headers: headers({ "Content-Type": "application/octet-stream" }), body: bytes };
+  return (await send(`files?name=${encodeURIComponent(name)}`, init)).json() as Promise<T>;
+}
+
+/** Events of a long work as they come; aborting the signal ends the work on the server, too. */
+export async function* events(path: string, body: unknown, signal: AbortSignal): AsyncGenerator<{ event: string; data: unknown }> {
+  const response = await send(path, posting(body, signal));
+  if (!response.body) return;
+  const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+  let held = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    held += value;
+    const parts = held.split("\n\n");
+    held = parts.pop() ?? "";
+    for (const part of parts) {
+      const lines = part.split("\n");
+      const of = (key: string) => lines.filter((line) => line.startsWith(key)).map((line) => line.slice(key.length).trim());
+      const data = of("data:").join("\n");
+      if (data) yield { event: of("event:")[0] ?? "message", data: JSON.parse(data) as unknown };
+    }
+  }
+}

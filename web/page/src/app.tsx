@@ -1,0 +1,69 @@
+// The page: the design on the left (drawing and fields, or its TOML), what it shows on the right.
+
+import { useSignal } from "@preact/signals";
+
+import { Section } from "./drawing/section.tsx";
+import { FieldsPanel, Toolbar } from "./panels/editor.tsx";
+import { Header } from "./panels/header.tsx";
+import { LedgerPanel } from "./panels/ledger.tsx";
+import { Readability } from "./panels/readability.tsx";
+import { Source } from "./panels/source.tsx";
+import { Summary } from "./panels/summary.tsx";
+import { StatesTable } from "./panels/table.tsx";
+import { Notes } from "./panels/notes.tsx";
+import { Tabs } from "./panels/tabs.tsx";
+import { Views } from "./panels/views.tsx";
+import { Welcome } from "./panels/welcome.tsx";
+import { Chromaticity } from "./plots/chromaticity.tsx";
+import { Patches } from "./plots/patches.tsx";
+import { Spectra } from "./plots/spectra.tsx";
+import { answer, busy } from "./state/design.ts";
+import { openTab } from "./state/tab.ts";
+
+function Design() {
+  const source = useSignal(false);
+  return (
+    <section class="design" aria-label="Design">
+      <div class="switch" role="group" aria-label="Show the design as">
+        <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>Drawing</button>
+        <button type="button" aria-pressed={source.value} onClick={() => (source.value = true)}>TOML</button>
+        <Toolbar />
+      </div>
+      {source.value ? <Source /> : <><Section /><FieldsPanel /></>}
+    </section>
+  );
+}
+
+const TABS = [
+  { id: "states", name: "States", body: () => <StatesTable /> },
+  { id: "energy", name: "Energy", body: () => <LedgerPanel /> },
+  { id: "reading", name: "Reading", body: () => <Readability /> },
+];
+
+function Picture() {
+  return (
+    <main class={busy.value ? "picture busy" : "picture"} aria-busy={busy.value} aria-label="What the display shows">
+      <div class="top">
+        <Summary />
+        <Views />
+      </div>
+      <Patches />
+      <div class="plots">
+        <Chromaticity />
+        <Spectra />
+      </div>
+      <Tabs tabs={TABS} open={openTab} />
+      <Notes />
+    </main>
+  );
+}
+
+export function App() {
+  return (
+    <>
+      <Header />
+      <Welcome />
+      {answer.value ? <div class="bench"><Design /><Picture /></div> : <p class="starting" role="status">Computing…</p>}
+    </>
+  );
+}

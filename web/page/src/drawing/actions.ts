@@ -1,0 +1,123 @@
+// What is done with the drawing's parts: add, remove, move up or down. A panel that its ordinary keys
+// cannot state becomes a list of free layers, which mean the same.
+
+import type { Edit } from "../api/types.ts";
+import { at, listAt, numberAt, split, type Table } from "../model/json.ts";
+import { without } from "../model/shares.ts";
+import { freed, layers, MODELS, STARTERS } from "../model/stack.ts";
+import { fields, selected } from "../state/design.ts";
+import { edit } from "../state/live.ts";
+
+/** The list and place of a path that ends in a number. */
+function entry(path: string): { list: string; index: number } | null {
+  const [list, key] = split(path);
+  return /^\d+$/.test(key) ? { list, index: Number(key) } : null;
+}
+
+/** Adds a layer below the one that is chosen. */
+export function addLayer(kind: string): void {
+  const starter = STARTERS[kind];
+  if (!starter) return;
+  const all = fields.value;
+  const free = listAt(all, "display.layers");
+  const here = entry(selected.value);
+  if (free.length > 0) {
+    const index = here?.list === "display.layers" ? here.index + 1 : 0;
+    edit([{ op: "insert", path: "display.layers", index, value: starter }]);
+    selected.value = `display.layers.${index}`;
+  } else if (kind === "sheet") {
+    const { kind: _, ...value } = starter;
+    const index = here?.list === "display.front" ? here.index + 1 : listAt(all, "display.front").length;
+    edit([{ op: "insert", path: "display.front", index, value }]);
+    selected.value = `display.front.${index}`;
+  } else if (kind === "diffuser" && at(all, "display.diffuser") === undefined) {
+    edit([{ op: "set", path: "display.diffuser", value: MODELS["display.diffuser"]!["k-correlation"] }]);
+    selected.value = "display.diffuser";
+  } else {
+    const guides = at(all, "lighting.front_light") === undefined ? 0 : 1;
+    const place = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
+    edit(freeing(freed(all), Math.max(0, place), starter));
+    selected.value = `display.layers.${Math.max(0, place)}`;
+  }
+}
+
+/** The edits that state the panel as free layers, with one more. */
+function freeing(list: Table[], place: number, starter: Table): Edit[] {
+  const gone = ["display.front", "display.diffuser", "display.glass"].filter((path) => at(fields.value, path) !== undefined);
+  const all = [...list.slice(0, place), starter, ...list.slice(place)];
+  return [...gone.map((path): Edit => ({ op: "remove", path })), { op: "set", path: "display.layers", value: all }];
+}
+
+/** Adds a film below the one that is chosen. */
+export function addFilm(): void {
+  const here = entry(selected.value);
+  const index = here?.list === "display.pixel.film" ? here.index + 1 : 0;
+  edit([{ op: "insert", path: "display.pixel.film", index, value: { material: "SiO2", thickness_nm: 20 } }]);
+  selected.value = `display.pixel.film.${index}`;
+}
+
+/** A new source takes a fifth of the light from the others. */
+const NEW_SHARE = 0.2;
+
+export function addLight(kind: string): void {
+  const all = fields.value;
+  if (kind === "front light") {
+    edit([{ op: "set", path: "lighting.front_light", value: { illuminance_lx: 100 } }]);
+    selected.value = "lighting.front_light";
+    return;
+  }
+  const list = kind === "directed" ? "lighting.directed" : "lighting.environment";
+  const index = listAt(all, list).length;
+  const value = kind === "directed" ? { theta_deg: 30, share: NEW_SHARE } : { ...MODELS["environment"]![kind], share: NEW_SHARE };
+  edit([...shrunk(1 - NEW_SHARE), { op: "insert", path: list, index, value }]);
+  selected.value = `${list}.${index}`;
+}
+
+/** All shares of the light times a factor. */
+function shrunk(factor: number): Edit[] {
+  const all = fields.value;
+  const rounded = (value: number) => Math.round(value * factor * 1e6) / 1e6;
+  const edits: Edit[] = [];
+  for (const kind of ["directed", "environment"]) {
+    listAt(all, `lighting.${kind}`).forEach((_, i) => {
+      for (const key of ["share", "sun_share"]) {
+        const path = `lighting.${kind}.${i}.${key}`;
+        const value = numberAt(all, path);
+        if (value !== undefined) edits.push({ op: "set", path, value: rounded(value) });
+      }
+    });
+  }
+  const sum = edits.reduce((total, e) => total + (e.op === "set" ? Number(e.value) : 0), 0);
+  return [{ op: "set", path: "lighting.diffuse", value: Math.round((factor - sum) * 1e6) / 1e6 }, ...edits];
+}
+
+export function canRemove(): boolean {
+  const path = selected.value;
+  const layer = layers(fields.value).find((one) => one.path === path);
+  if (layer) return layer.removable;
+  if (path.startsWith("display.pixel.film.")) return at(fields.value, `${path}.thickness_nm`) !== "gap";
+  return /^lighting\.(directed|environment)\.\d+$/.test(path);
+}
+
+export function removeSelected(): void {
+  if (!canRemove()) return;
+  const path = selected.value;
+  const light = /^lighting\.(directed|environment)\.\d+$/.test(path);
+  edit(light ? without(fields.value, path) : [{ op: "remove", path }]);
+  const here = entry(path);
+  selected.value = light ? "lighting" : here && here.index > 0 ? `${here.list}.${here.index - 1}` : (layers(fields.value)[0]?.path ?? "display.pixel");
+}
+
+export function canMove(by: number): boolean {
+  const here = entry(selected.value);
+  if (!here || here.list.startsWith("lighting")) return false;
+  const to = here.index + by;
+  return to >= 0 && to < listAt(fields.value, here.list).length;
+}
+
+export function moveSelected(by: number): void {
+  const here = entry(selected.value);
+  if (!here || !canMove(by)) return;
+  edit([{ op: "move", path: here.list, from: here.index, to: here.index + by }]);
+  selected.value = `${here.list}.${here.index + by}`;
+}

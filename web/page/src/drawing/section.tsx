@@ -1,0 +1,200 @@
+// The display cut open: the room above it, then its layers from the front of screen down to the pixel's
+// mirror, not to scale. Every layer is a button; what is chosen is edited beside the drawing.
+
+import { useEffect, useRef } from "preact/hooks";
+
+import { NONE, plain } from "../model/format.ts";
+import { at, join, listAt, textAt, type Json } from "../model/json.ts";
+import { drives, gaps, subPixels } from "../model/drive.ts";
+import { films, layers, material, type Film, type Layer, type Look } from "../model/stack.ts";
+import { answer, fields, selected, shownState, states } from "../state/design.ts";
+import { painted } from "../model/colour.ts";
+import { moveSelected, removeSelected } from "./actions.ts";
+import { CENTRE, Dome } from "./dome.tsx";
+
+const LEFT = 14;
+const WIDTH = 432;
+const HEIGHTS: Record<Look, number> = { sheet: 19, guide: 19, diffuser: 30, slab: 36, medium: 34, face: 17, coating: 19, rough: 20 };
+const FILM = 18;
+/** Height of the largest gap. */
+const GAP = 52;
+const MIRROR = 16;
+
+/** A part of the drawing that is chosen by click, Enter or Space. */
+function Part({ path, name, children, y }: { path: string; name: string; children: preact.ComponentChildren; y: number }) {
+  const chosen = selected.value === path;
+  const press = (event: KeyboardEvent) => {
+    if (event.key === "Enter" || event.key === " ") selected.value = path;
+    else if (event.key === "Delete" || event.key === "Backspace") removeSelected();
+    else if (event.altKey && event.key === "ArrowUp") moveSelected(-1);
+    else if (event.altKey && event.key === "ArrowDown") moveSelected(1);
+    else if (event.key === "ArrowUp" || event.key === "ArrowDown") neighbour(event.currentTarget as Element, event.key === "ArrowUp" ? -1 : 1);
+    else return;
+    event.preventDefault();
+  };
+  return (
+    <g
+      class={chosen ? "part chosen" : "part"} role="button" tabIndex={0} aria-pressed={chosen} aria-label={name} data-part={path}
+      transform={`translate(0 ${y})`} onClick={() => (selected.value = path)} onKeyDown={press}
+    >
+      {children}
+    </g>
+  );
+}
+
+/** The focus goes to the next part up or down. */
+function neighbour(from: Element, by: number): void {
+  const parts = [...(from.closest("svg")?.querySelectorAll<SVGElement>("[data-part]") ?? [])];
+  parts[parts.indexOf(from as SVGElement) + by]?.focus();
+}
+
+/** Letters inside a band, its name on the left and what it is on the right. */
+function Words({ name, note, height }: { name: string; note: string; height: number }) {
+  return (
+    <>
+      <text class="name" x={LEFT + 9} y={height / 2 + 4}>{name}</text>
+      <text class="note" x={LEFT + WIDTH - 9} y={height / 2 + 4} text-anchor="end">{note}</text>
+    </>
+  );
+}
+
+function Band({ layer, y }: { layer: Layer; y: number }) {
+  const height = HEIGHTS[layer.look];
+  const air = layer.name === "Air gap";
+  return (
+    <Part path={layer.path} name={`${layer.name} ${layer.note}`} y={y}>
+      <rect class={`band ${air ? "air" : layer.look}`} x={LEFT} width={WIDTH} height={height} />
+      {(layer.look === "diffuser" || layer.look === "slab") && <rect class="grain" x={LEFT} width={WIDTH} height={height} fill={`url(#grain-${layer.look})`} />}
+      {layer.look === "rough" && <path class="rough-line" d={zigzag(height)} />}
+      <Words name={layer.name} note={layer.note} height={height} />
+    </Part>
+  );
+}
+
+function zigzag(height: number): string {
+  const teeth = Array.from({ length: 73 }, (_, i) => `${LEFT + i * 6} ${height - (i % 2 === 0 ? 1 : 4)}`);
+  return `M${teeth.join("L")}`;
+}
+
+const METALS = /^(Al|Cr|W|Ni|Ti|Au|Ag)(:|$)/;
+
+function FilmBand({ film, y }: { film: Film; y: number }) {
+  const metal = METALS.test(film.material) || film.material.includes(" k ");
+  return (
+    <Part path={film.path} name={`Film, ${film.material}, ${film.thickness} nm`} y={y}>
+      <rect class={metal ? "band film metal" : "band film"} x={LEFT} width={WIDTH} height={FILM} />
+      <Words name={film.material} note={`${plain(film.thickness ?? 0, 5)} nm`} height={FILM} />
+    </Part>
+  );
+}
+
+/** The gap and the mirrors below it, each sub-pixel as wide as its area and as deep as its gap in the shown state. */
+function Gaps({ y, film, below }: { y: number; film: Film; below: string }) {
+  const all = fields.value;
+  const state = shownState.value;
+  const drive = drives(all, state);
+  const names = subPixels(all);
+  const area = (name: string) => Number(at(all, join("display.pixel.area", name)) ?? 0);
+  const sum = names.reduce((total, name) => total + area(name), 0) || 1;
+  const parts = names.flatMap((name) => gaps(all, name, drive.get(name) ?? 0).map((part) => ({ name, ...part })));
+  const deepest = Math.max(1, ...names.flatMap((name) => [Number(at(all, join("display.pixel.gap_nm", name)) ?? 0)]), ...parts.map(({ gap }) => gap));
+  let x = LEFT;
+  return (
+    <Part path={film.path} name={`Gap, ${names.join(", ")}, in the state ${state}`} y={y}>
+      <rect class="band gap" x={LEFT} width={WIDTH} height={GAP + MIRROR + 6} />
+      {parts.map(({ name, part, gap }, i) => {
+        const width = (WIDTH * area(name) * part) / sum;
+        const from = x;
+        x += width;
+        const depth = (GAP * gap) / deepest;
+        const driven = gap > (Number(at(all, "display.pixel.gap_nm.dark")) || 0);
+        return (
+          <g key={i} transform={`translate(${from.toFixed(2)} 0)`}>
+            <rect class="cavity" width={Math.max(0, width - 2)} x="1" height={depth} fill={driven ? stateColour(name) : "#15171c"} />
+            <rect class="mirror-block" width={Math.max(0, width - 2)} x="1" y={depth} height={MIRROR} />
+            {width > 46 && <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">{width > 84 ? `${name} ${plain(gap, 4)}` : plain(gap, 4)}</text>}
+          </g>
+        );
+      })}
+      {below && <title>{below}</title>}
+    </Part>
+  );
+}
+
+/** The colour that the display shows in the state of a sub-pixel's name, for its cavity. */
+function stateColour(name: string): string {
+  const found = states.value.find(([state]) => state === name)?.[1];
+  const light = answer.value?.result.illuminant;
+  if (!found || !light) return "#8899aa";
+  return painted([[found.X, found.Y, found.Z]], [light.x, light.y]).colours[0]!;
+}
+
+function PixelParts({ top }: { top: number }) {
+  const all = fields.value;
+  const model = textAt(all, "display.pixel.model") ?? "";
+  if (model !== "film") {
+    const note = model === "uniform" ? textAt(all, "display.pixel.kind") : material(at(all, "display.pixel.file") as Json);
+    return (
+      <Part path="display.pixel" name={`Pixel, ${model}`} y={top}>
+        <rect class="band block" x={LEFT} width={WIDTH} height={44} />
+        <Words name={`Pixel: ${model}`} note={note ?? NONE} height={44} />
+      </Part>
+    );
+  }
+  let y = top;
+  const rows = films(all).map((film) => {
+    const here = y;
+    y += film.thickness === null ? GAP + MIRROR + 6 : FILM;
+    return film.thickness === null ? <Gaps key={film.path} film={film} y={here} below="" /> : <FilmBand key={film.path} film={film} y={here} />;
+  });
+  return (
+    <>
+      {rows}
+      <Part path="display.pixel" name={`Pixel, mirror of ${material(at(all, "display.pixel.substrate"))}`} y={y}>
+        <rect class="band metal substrate" x={LEFT} width={WIDTH} height={22} />
+        <Words name={`${material(at(all, "display.pixel.substrate"))} mirror`} note={`fill factor ${plain(Number(at(all, "display.pixel.fill_factor") ?? 1))}`} height={22} />
+      </Part>
+    </>
+  );
+}
+
+function pixelHeight(): number {
+  if (textAt(fields.value, "display.pixel.model") !== "film") return 44;
+  const rows = listAt(fields.value, "display.pixel.film");
+  return rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAP + MIRROR + 6 : FILM), 0) + 22;
+}
+
+/** Grains of a diffuser and particles of a slab. */
+function Patterns() {
+  return (
+    <defs>
+      <pattern id="grain-diffuser" width="14" height="10" patternUnits="userSpaceOnUse">
+        <circle cx="3" cy="3" r="1" /><circle cx="10" cy="7" r="1" />
+      </pattern>
+      <pattern id="grain-slab" width="22" height="18" patternUnits="userSpaceOnUse">
+        <circle cx="5" cy="5" r="2.2" /><circle cx="16" cy="9" r="1.6" /><circle cx="8" cy="14" r="1.4" />
+      </pattern>
+    </defs>
+  );
+}
+
+export function Section() {
+  const stack = layers(fields.value);
+  const svg = useRef<SVGSVGElement>(null);
+  const top = CENTRE.y + 10;
+  const tops = stack.map((_, i) => top + stack.slice(0, i).reduce((sum, layer) => sum + HEIGHTS[layer.look] + 1, 0));
+  const bottom = top + stack.reduce((sum, layer) => sum + HEIGHTS[layer.look] + 1, 0);
+  const height = bottom + pixelHeight() + 6;
+  useEffect(() => {
+    const known = svg.current?.querySelector(`[data-part="${CSS.escape(selected.value)}"]`);
+    if (!known && selected.value.startsWith("display.")) selected.value = stack[0]?.path ?? "display.pixel";
+  });
+  return (
+    <svg ref={svg} class="section" viewBox={`0 0 460 ${height}`} role="group" aria-label="The display, its light and its viewer">
+      <Patterns />
+      <Dome />
+      {stack.map((layer, i) => <Band key={layer.path} layer={layer} y={tops[i]!} />)}
+      <PixelParts top={bottom} />
+    </svg>
+  );
+}

@@ -1,0 +1,152 @@
+// The fields of one table of the scenario, made from its schema: required keys, those that are set, and the
+// rest to be added. Each field has its label, unit, range and a line of help, and shows its errors.
+
+import { useSignal } from "@preact/signals";
+
+import { problems } from "../state/design.ts";
+import { fields, problemsAt, schema } from "../state/design.ts";
+import { edit, set } from "../state/live.ts";
+import { at, isTable, join, split, tableAt, type Json } from "../model/json.ts";
+import { help, label, unit, type Found } from "../model/schema.ts";
+import { MODELS } from "../model/stack.ts";
+import { Choice } from "./choice.tsx";
+import { Editor } from "./editor.tsx";
+
+/** A table at a path, without the keys that are shown elsewhere. */
+export function Form({ path, except = [], only }: { path: string; except?: string[]; only?: string[] }) {
+  const found = schema.value?.find(path, fields.value);
+  if (!found || !schema.value) return null;
+  const value = tableAt(fields.value, path);
+  const wanted = (key: string) => !except.includes(key) && (only?.includes(key) ?? true) && !isNested(found, key, value);
+  const { shown, more } = schema.value.keys(found.node, value);
+  return (
+    <>
+      <Model path={path} found={found} value={value} />
+      {shown.filter(wanted).map((key) => <Field key={join(path, key)} path={join(path, key)} />)}
+      <More path={path} keys={more.filter(wanted)} />
+    </>
+  );
+}
+
+/** Lists of tables have a place of their own in the drawing. */
+function isNested(found: Found, key: string, value: Json): boolean {
+  const node = schema.value!.chosen(found.node, value).properties?.[key];
+  if (!node) return true;
+  const { node: inner } = schema.value!.follow(node);
+  return inner.type === "array" && inner.items !== undefined && schema.value!.follow(inner.items).node.type === "object";
+}
+
+/** What chooses between alternatives: `model` or `kind`. */
+function Model({ path, found, value }: { path: string; found: Found; value: Json }) {
+  const which = schema.value?.discriminator(found.node);
+  if (!which) return null;
+  const now = String(at(value, which.key) ?? "");
+  const starters = MODELS[path] ?? MODELS[path.replace(/^.*\.(environment)\.\d+$/, "$1")] ?? {};
+  const values = which.values.filter((name) => name === now || starters[name]);
+  if (values.length < 2) return null;
+  const choose = (name: string) => {
+    const kept = isTable(value) && value["share"] !== undefined ? { share: value["share"] } : {};
+    set(path, { ...starters[name], ...kept }, "");
+  };
+  return (
+    <div class="field">
+      <label for={`f-${path}-model`}>{label(which.key)}</label>
+      <Choice id={`f-${path}-model`} value={now} options={values} change={choose} />
+      <p class="help">{(which.help.get(now) ?? "").replaceAll("`", "")}</p>
+    </div>
+  );
+}
+
+/** One field, by its path. */
+export function Field({ path, name, bare = false }: { path: string; name?: string; bare?: boolean }) {
+  const found = schema.value?.find(path, fields.value);
+  if (!found) return null;
+  const [, key] = split(path);
+  const value = at(fields.value, path);
+  const wrong = problemsAt(path);
+  const text = name ?? label(key);
+  const id = `f-${path}`;
+  if (isMap(found)) return <MapOf path={path} found={found} name={text} />;
+  return (
+    <div class={wrong.length > 0 ? "field wrong" : "field"} data-path={path}>
+      <label for={id}>{text}</label>
+      <Editor id={id} path={path} found={found} value={value} name={text} unit={unit(key)} invalid={wrong.length > 0} />
+      {!bare && <p class="help" id={`${id}-help`}>{help(found.node)}</p>}
+      {wrong.map((problem) => (
+        <p class="error" role="alert" key={problem.message}>
+          {problem.message}
+          {problem.expected && <span>. Expected {problem.expected}</span>}
+          {problem.hint && <span class="hint">{problem.hint}</span>}
+        </p>
+      ))}
+    </div>
+  );
+}
+
+const isMap = ({ node }: Found): boolean => typeof node.additionalProperties === "object" && !node.properties;
+
+/** A table whose keys are free names: areas, gaps, reflectances of states. */
+function MapOf({ path, found, name }: { path: string; found: Found; name: string }) {
+  const entries = Object.keys(tableAt(fields.value, path));
+  if (typeof found.node.additionalProperties === "object" && entries.some((key) => isTable(at(fields.value, join(path, key))))) return null;
+  const wrong = problemsAt(path);
+  return (
+    <fieldset class="map" data-path={path}>
+      <legend>{name}{unit(split(path)[1]) && <small> {unit(split(path)[1])}</small>}</legend>
+      <p class="help">{help(found.node)}</p>
+      {entries.map((key) => <Field key={key} path={join(path, key)} name={key} bare />)}
+      {wrong.map((problem) => <p class="error" role="alert" key={problem.message}>{problem.message} {problem.hint}</p>)}
+    </fieldset>
+  );
+}
+
+/** Keys that are not set: each is added with its default or the least that is allowed. */
+function More({ path, keys }: { path: string; keys: string[] }) {
+  const open = useSignal(false);
+  if (keys.length === 0) return null;
+  const add = (key: string) => edit([{ op: "set", path: join(path, key), value: start(join(path, key)) }]);
+  return (
+    <details class="more" open={open.value} onToggle={(event) => (open.value = event.currentTarget.open)}>
+      <summary>{keys.length} more {keys.length === 1 ? "key" : "keys"}</summary>
+      {open.value && keys.map((key) => (
+        <div class="field" key={key}>
+          <button type="button" class="quiet" onClick={() => add(key)}>Set {label(key).toLowerCase()}</button>
+          <p class="help">{help(schema.value?.find(join(path, key), fields.value)?.node ?? {})}</p>
+        </div>
+      ))}
+    </details>
+  );
+}
+
+/** A first value for a key that was not set. */
+function start(path: string): Json {
+  const found = schema.value?.find(path, fields.value);
+  const node = found?.node ?? {};
+  if (node.default !== undefined) return node.default;
+  if (node.enum) return node.enum[0] ?? "";
+  if (node.type === "boolean") return true;
+  if (found?.def === "MaterialSpec") return 1.5;
+  if (found?.def === "ShareSpectrum") return path.endsWith("ransmittance") ? 0.9 : 0;
+  if (found?.def === "LightSpectrum") return "D65";
+  if (found?.def === "FrontLight") return { illuminance_lx: 100 };
+  if (node.type === "object") return {};
+  if (node.type === "string") return "";
+  const { min, max } = { min: node.minimum ?? node.exclusiveMinimum ?? 0, max: node.maximum ?? node.exclusiveMaximum ?? 1 };
+  return min > 0 ? min : max <= 1 ? (min + max) / 2 : Math.min(1, max);
+}
+
+/** Problems that no field on screen can show. */
+export function Elsewhere() {
+  const loose = problems.value.filter((problem) => !problem.path || !document.querySelector(`[data-path="${CSS.escape(problem.path)}"]`));
+  return loose.length === 0 ? null : (
+    <>
+      {loose.map((problem) => (
+        <p class="error" role="alert" key={problem.message}>
+          {problem.line ? `Line ${problem.line}, column ${problem.column ?? 1}: ` : ""}{problem.message}
+          {problem.expected && <span>. Expected {problem.expected}</span>}
+          {problem.hint && <span class="hint">{problem.hint}</span>}
+        </p>
+      ))}
+    </>
+  );
+}

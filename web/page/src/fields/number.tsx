@@ -1,0 +1,82 @@
+// A number with its unit: a slider over the useful span, and a box that takes everything allowed.
+// While it is being typed in, the box keeps what was typed; refused values stay, beside their reason.
+
+import { useSignal } from "@preact/signals";
+
+import { plain } from "../model/format.ts";
+import type { Limits } from "../model/schema.ts";
+import { position, span, valueAt } from "../model/span.ts";
+
+interface Props {
+  id: string;
+  name: string;
+  /** The key that the number stands under, which knows the useful span. */
+  of: string;
+  unit: string;
+  value: number | undefined;
+  limits: Limits;
+  /** What stands in an empty box. */
+  placeholder?: string;
+  integer?: boolean;
+  invalid: boolean;
+  describedBy: string;
+  change: (value: number) => void;
+}
+
+/** Positions of a slider from end to end. */
+const STEPS = 1000;
+
+export function NumberField(props: Props) {
+  const { id, name, of, unit, value, limits, invalid, describedBy, change } = props;
+  const typed = useSignal<string | null>(null);
+  const scale = span(of, limits, value ?? (limits.min > 0 ? limits.min : 0));
+  const shown = typed.value ?? (value === undefined ? "" : plain(value, 10).replace("−", "-"));
+  const take = (text: string) => {
+    typed.value = text;
+    const number = Number(text.replace(",", "."));
+    if (text.trim() !== "" && Number.isFinite(number)) change(number);
+  };
+  const slide = (at: number) => {
+    const moved = valueAt(scale, at / STEPS);
+    change(props.integer ? Math.round(moved) : moved);
+  };
+  const nudge = (event: KeyboardEvent) => {
+    const sign = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
+    if (sign === 0 || value === undefined) return;
+    event.preventDefault();
+    const size = scale.log ? Math.abs(value) * 0.01 : Math.max(scale.step, 10 ** Math.floor(Math.log10(Math.abs(value) || 1) - 1));
+    typed.value = null;
+    change(Number((value + sign * (props.integer ? 1 : size) * (event.shiftKey ? 10 : 1)).toPrecision(8)));
+  };
+  return (
+    <div class="number">
+      <input
+        type="range"
+        min={0}
+        max={STEPS}
+        step={1}
+        value={Math.round(position(scale, value ?? scale.min) * STEPS)}
+        aria-label={`${name}, slider`}
+        aria-valuetext={`${plain(value ?? scale.min)} ${unit}`}
+        onInput={(event) => slide(Number(event.currentTarget.value))}
+        ref={(input) => input?.style.setProperty("--part", `${100 * position(scale, value ?? scale.min)}%`)}
+      />
+      <span class="box">
+        <input
+          id={id}
+          inputMode="decimal"
+          autocomplete="off"
+          spellcheck={false}
+          value={shown}
+          placeholder={props.placeholder ?? ""}
+          aria-invalid={invalid}
+          aria-describedby={describedBy}
+          onInput={(event) => take(event.currentTarget.value)}
+          onKeyDown={nudge}
+          onBlur={() => (typed.value = null)}
+        />
+        {unit && <span class="unit">{unit}</span>}
+      </span>
+    </div>
+  );
+}

@@ -1,0 +1,67 @@
+// Starts the page: what was on screen at the last visit, or what a link holds, or a working example.
+
+import { effect } from "@preact/signals";
+import { render } from "preact";
+
+import * as api from "./api/client.ts";
+import { App } from "./app.tsx";
+import { Schema, type Node } from "./model/schema.ts";
+import { acceptDrops } from "./panels/drop.tsx";
+import { redo, undo } from "./panels/header.tsx";
+import { schema, text } from "./state/design.ts";
+import { recallFiles } from "./state/files.ts";
+import { recallDesign, rememberDesign } from "./state/keep.ts";
+import { unpacked } from "./state/link.ts";
+import { replace } from "./state/live.ts";
+import { fillShelf } from "./state/shelf.ts";
+import { followTheme } from "./state/theme.ts";
+import { history as steps } from "./state/undo.ts";
+import "./style/page.css";
+
+/** The example of a first visit. */
+const FIRST = "indoor";
+
+/** The token of a server beyond loopback comes in the fragment, and does not stay in the address. */
+function takeToken(): void {
+  const given = /(?:^#|&)token=([^&]+)/.exec(location.hash)?.[1];
+  if (given) {
+    sessionStorage.setItem("papilio.token", decodeURIComponent(given));
+    history.replaceState(null, "", location.hash.replace(/&?token=[^&]+/, "").replace(/^#&?$/, "") || location.pathname);
+  }
+  api.useToken(sessionStorage.getItem("papilio.token") ?? "");
+}
+
+async function firstText(): Promise<string> {
+  const linked = await unpacked(location.hash).catch(() => null);
+  return linked ?? recallDesign()?.text ?? (await api.named("examples", FIRST)).scenario;
+}
+
+function keys(event: KeyboardEvent): void {
+  const typing = event.target instanceof HTMLTextAreaElement || (event.target instanceof HTMLInputElement && event.target.type === "text");
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || typing) return;
+  const key = event.key.toLowerCase();
+  if (key === "z" && !event.shiftKey) undo();
+  else if (key === "y" || (key === "z" && event.shiftKey)) redo();
+  else return;
+  event.preventDefault();
+}
+
+async function start(): Promise<void> {
+  followTheme();
+  takeToken();
+  acceptDrops();
+  addEventListener("keydown", keys);
+  render(<App />, document.getElementById("page")!);
+  const [grammar, first] = await Promise.all([api.schema(), firstText(), fillShelf()]);
+  schema.value = new Schema(grammar as Node);
+  await recallFiles();
+  const past = recallDesign()?.past ?? [];
+  if (past.length > 0) steps.value = { ...steps.value, past };
+  replace(first);
+  addEventListener("hashchange", () => void unpacked(location.hash).then((linked) => linked !== null && replace(linked)));
+  effect(() => {
+    if (text.value) rememberDesign({ text: text.value, past: steps.value.past.slice(-20), pinned: null });
+  });
+}
+
+void start();

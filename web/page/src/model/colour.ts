@@ -1,0 +1,61 @@
+// Colours for a screen: XYZ relative to the room's white, carried to D65 by a Bradford adaptation, to sRGB.
+// The same as crates/figures' paint: a screen's white stands for a perfect white in the same light, and
+// where a state is brighter than that, all are dimmed alike.
+
+export type Triple = readonly [number, number, number];
+
+const BRADFORD: readonly Triple[] = [
+  [0.8951, 0.2664, -0.1614],
+  [-0.7502, 1.7135, 0.0367],
+  [0.0389, -0.0685, 1.0296],
+];
+const BRADFORD_INVERSE: readonly Triple[] = [
+  [0.9869929, -0.1470543, 0.1599627],
+  [0.4323053, 0.5183603, 0.0492912],
+  [-0.0085287, 0.0400428, 0.9684867],
+];
+const TO_SRGB: readonly Triple[] = [
+  [3.2404542, -1.5371385, -0.4985314],
+  [-0.969266, 1.8760108, 0.041556],
+  [0.0556434, -0.2040259, 1.0572252],
+];
+const D65: Triple = [0.95047, 1, 1.08883];
+/** A channel less than this above 1 is not seen to be clipped. */
+const CLIPPED = 1.005;
+
+const times = (matrix: readonly Triple[], [x, y, z]: Triple): Triple =>
+  matrix.map((row) => row[0] * x + row[1] * y + row[2] * z) as unknown as Triple;
+
+/** Linear sRGB, not clipped, of XYZ seen against D65. */
+export const linearSrgb = (xyz: Triple): Triple => times(TO_SRGB, xyz);
+
+/** XYZ seen in light of white chromaticity x, y, as they would look in D65. */
+function adapted(xyz: Triple, [x, y]: readonly [number, number]): Triple {
+  const white = times(BRADFORD, [x / y, 1, (1 - x - y) / y]);
+  const target = times(BRADFORD, D65);
+  const cones = times(BRADFORD, xyz);
+  return times(BRADFORD_INVERSE, cones.map((cone, i) => (cone * target[i]!) / white[i]!) as unknown as Triple);
+}
+
+const encoded = (linear: number): number => {
+  const c = Math.min(1, Math.max(0, linear));
+  return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
+};
+
+/** A hex colour of linear sRGB, clipped. */
+export const hex = (linear: Triple): string =>
+  "#" + linear.map((c) => Math.round(255 * encoded(c)).toString(16).padStart(2, "0")).join("");
+
+/** Colours of some states in one light, and by what they were dimmed (1: not). */
+export function painted(states: readonly Triple[], white: readonly [number, number]): { colours: string[]; divisor: number } {
+  const channels = states.map((xyz) => linearSrgb(adapted(xyz, white)));
+  const brightest = Math.max(0, ...channels.flat().filter(Number.isFinite));
+  const divisor = brightest > CLIPPED ? brightest : 1;
+  return { colours: channels.map((c) => hex(c.map((part) => part / divisor) as unknown as Triple)), divisor };
+}
+
+/** Whether dark letters are read on a colour better than light ones. */
+export function isLight(colour: string): boolean {
+  const part = (at: number) => (parseInt(colour.slice(at, at + 2), 16) / 255) ** 2.2;
+  return 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5) > 0.25;
+}

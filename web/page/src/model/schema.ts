@@ -1,0 +1,125 @@
+// The scenario's JSON Schema, read for forms: what stands at a path, its unit, range, default and help.
+// Where keys depend on `model` or `kind`, the values say which alternative holds.
+
+import { isTable, type Json, type Table } from "./json.ts";
+
+export interface Node {
+  readonly $ref?: string;
+  readonly type?: string;
+  readonly const?: Json;
+  readonly enum?: Json[];
+  readonly description?: string;
+  readonly default?: Json;
+  readonly minimum?: number;
+  readonly maximum?: number;
+  readonly exclusiveMinimum?: number;
+  readonly exclusiveMaximum?: number;
+  readonly items?: Node;
+  readonly properties?: Record<string, Node>;
+  readonly additionalProperties?: Node | boolean;
+  readonly required?: string[];
+  readonly oneOf?: Node[];
+  readonly anyOf?: Node[];
+  readonly $defs?: Record<string, Node>;
+}
+
+/** A node with its reference followed; `def` is the name it went by, which chooses an editor. */
+export interface Found {
+  readonly node: Node;
+  readonly def: string;
+}
+
+export class Schema {
+  constructor(private readonly root: Node) {}
+
+  /** A node without its reference; what is said beside the reference goes first. */
+  follow(node: Node): Found {
+    if (!node.$ref) return { node, def: "" };
+    const def = node.$ref.replace("#/$defs/", "");
+    const { $ref: _, ...beside } = node;
+    return { node: { ...this.root.$defs?.[def], ...beside }, def };
+  }
+
+  /** The alternative that a table's constants choose; the node itself where there is none. */
+  chosen(node: Node, value: Json | undefined): Node {
+    const table = isTable(value) ? value : {};
+    const fits = (one: Node) =>
+      Object.entries(one.properties ?? {}).every(([key, { const: fixed }]) => fixed === undefined || fixed === table[key]);
+    return node.oneOf?.map((one) => this.follow(one).node).find(fits) ?? node;
+  }
+
+  /** The key and the values that choose between alternatives, or null. */
+  discriminator(node: Node): { key: string; values: string[]; help: Map<string, string> } | null {
+    const ones = node.oneOf?.map((one) => this.follow(one).node) ?? [];
+    const key = Object.entries(ones[0]?.properties ?? {}).find(([, p]) => p.const !== undefined)?.[0];
+    if (key === undefined) return null;
+    const help = new Map(ones.map((one) => [String(one.properties?.[key]?.const), one.description ?? ""]));
+    return { key, values: [...help.keys()], help };
+  }
+
+  /** What stands at a path, given the values on the way. */
+  find(path: string, values: Json): Found | null {
+    let found: Found = { node: this.root, def: "" };
+    let here: Json | undefined = values;
+    for (const key of path === "" ? [] : path.split(".")) {
+      const next = this.step(this.chosen(found.node, here), key);
+      if (!next) return null;
+      found = this.follow(next);
+      here = Array.isArray(here) ? here[Number(key)] : isTable(here) ? here[key] : undefined;
+    }
+    return found;
+  }
+
+  private step(node: Node, key: string): Node | null {
+    if (node.items && /^\d+$/.test(key)) return node.items;
+    const named = node.properties?.[key];
+    if (named) return named;
+    return typeof node.additionalProperties === "object" ? node.additionalProperties : null;
+  }
+
+  /** The keys of a table in the order of a form: required ones, those that are set, the others. */
+  keys(node: Node, value: Table): { shown: string[]; more: string[] } {
+    const chosen = this.chosen(node, value);
+    const fixed = this.discriminator(node)?.key;
+    const all = Object.keys(chosen.properties ?? {}).filter((key) => key !== fixed);
+    const needed = new Set(chosen.required ?? []);
+    const there = (key: string) => needed.has(key) || value[key] !== undefined;
+    const rank = (key: string) => (needed.has(key) ? 0 : 1);
+    return {
+      shown: all.filter(there).sort((a, b) => rank(a) - rank(b)),
+      more: all.filter((key) => !there(key)),
+    };
+  }
+}
+
+const UNITS: readonly (readonly [string, string])[] = [
+  ["_cd_m2", "cd/m²"], ["_nm", "nm"], ["_mm", "mm"], ["_deg", "°"], ["_lx", "lx"], ["_m", "m"], ["_K", "K"],
+];
+
+const NAMES: Record<string, string> = {
+  theta_deg: "Inclination θ", phi_deg: "Azimuth φ", share: "Share of light", diffuse: "Diffuse share",
+  n: "n", k: "k", gap_nm: "Gap", area: "Area", index: "Index", field_deg: "Field", radius_deg: "Angular radius",
+  led_nm: "LED peak", planck_K: "Black body", daylight_K: "Daylight", range_nm: "Range", step_nm: "Step",
+};
+
+export const unit = (key: string): string => UNITS.find(([end]) => key.endsWith(end))?.[1] ?? "";
+
+/** A key as a label: `total_transmittance` reads "Total transmittance". */
+export function label(key: string): string {
+  const end = UNITS.find(([suffix]) => key.endsWith(suffix))?.[0] ?? "";
+  const words = key.slice(0, key.length - end.length).replaceAll("_", " ");
+  return NAMES[key] ?? words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** The help of a field as one or two plain sentences: no back quotes. */
+export const help = (node: Node): string => (node.description ?? "").replaceAll("`", "");
+
+export interface Limits {
+  readonly min: number;
+  readonly max: number;
+}
+
+export const limits = (node: Node): Limits => ({
+  min: node.minimum ?? node.exclusiveMinimum ?? -Infinity,
+  max: node.maximum ?? node.exclusiveMaximum ?? Infinity,
+});

@@ -1,0 +1,60 @@
+// The span of a slider: what is allowed reaches from 0 to a million nanometres, what is useful does not.
+// The number beside the slider takes everything that is allowed.
+
+import type { Limits } from "./schema.ts";
+
+export interface Span {
+  readonly min: number;
+  readonly max: number;
+  readonly step: number;
+  /** Equal ratios instead of equal differences. */
+  readonly log: boolean;
+}
+
+const USEFUL: Record<string, Span> = {
+  thickness_nm: { min: 0, max: 200, step: 0.1, log: false },
+  gap_nm: { min: 0, max: 500, step: 0.1, log: false },
+  illuminance_lx: { min: 1, max: 200_000, step: 0, log: true },
+  thickness_mm: { min: 0.01, max: 20, step: 0, log: true },
+  optical_thickness: { min: 0.01, max: 200, step: 0, log: true },
+  width: { min: 0.003, max: 3, step: 0, log: true },
+  field_deg: { min: 0, max: 20, step: 0.1, log: false },
+  distance_mm: { min: 100, max: 5000, step: 10, log: false },
+  distance_m: { min: 0.3, max: 30, step: 0, log: true },
+  index: { min: 1, max: 3, step: 0.005, log: false },
+  n: { min: 0.05, max: 5, step: 0.005, log: false },
+  k: { min: 0, max: 8, step: 0.005, log: false },
+  step_nm: { min: 1, max: 20, step: 1, log: false },
+  relative_error: { min: 1e-4, max: 1e-1, step: 0, log: true },
+  radius_deg: { min: 0.1, max: 30, step: 0.1, log: false },
+  daylight_K: { min: 4000, max: 12000, step: 50, log: false },
+  planck_K: { min: 1500, max: 12000, step: 50, log: false },
+  led_nm: { min: 380, max: 780, step: 1, log: false },
+  width_nm: { min: 5, max: 100, step: 1, log: false },
+  adapting_luminance_cd_m2: { min: 1, max: 1000, step: 0, log: true },
+};
+
+/** The span for a key; it widens to hold the value. */
+export function span(key: string, limits: Limits, value: number): Span {
+  const width = limits.max - limits.min;
+  const all: Span = { min: limits.min, max: limits.max, step: width <= 2 ? 0.001 : width <= 200 ? 0.1 : 0.5, log: false };
+  const useful = USEFUL[key] ?? (Number.isFinite(width) && width <= 720 ? all : { min: 0, max: 10, step: 0.01, log: false });
+  return {
+    ...useful,
+    min: Math.max(limits.min, Math.min(useful.min, value)),
+    max: Math.min(limits.max, value > useful.max ? 2 * value : useful.max),
+  };
+}
+
+/** Where a value lies along a slider, 0 to 1. */
+export function position({ min, max, log }: Span, value: number): number {
+  const share = log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min);
+  return Math.min(1, Math.max(0, Number.isFinite(share) ? share : 0));
+}
+
+/** The value at a position, rounded to the step, or to three digits on a logarithmic slider. */
+export function valueAt({ min, max, step, log }: Span, share: number): number {
+  if (log) return Number((min * (max / min) ** share).toPrecision(3));
+  const raw = min + share * (max - min);
+  return Number(Math.min(max, Math.max(min, Math.round(raw / step) * step)).toPrecision(8));
+}

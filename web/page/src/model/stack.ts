@@ -1,0 +1,137 @@
+// The display as a list of layers from top to bottom, whichever way the scenario states it.
+
+import { at, isTable, join, listAt, tableAt, textAt, type Json, type Table } from "./json.ts";
+import { plain } from "./format.ts";
+import { label } from "./schema.ts";
+
+/** How a layer is drawn. */
+export type Look = "sheet" | "diffuser" | "slab" | "medium" | "face" | "coating" | "rough" | "guide";
+
+export interface Layer {
+  readonly path: string;
+  readonly look: Look;
+  readonly name: string;
+  readonly note: string;
+  /** The list that it is an entry of, and its place there; null for a table of its own. */
+  readonly list: string | null;
+  readonly index: number;
+  readonly removable: boolean;
+}
+
+export interface Film {
+  readonly path: string;
+  readonly material: string;
+  /** nm, or null for the gap. */
+  readonly thickness: number | null;
+}
+
+/** A material in a few letters. */
+export function material(value: Json | undefined): string {
+  if (typeof value === "number") return `n ${plain(value)}`;
+  if (isTable(value)) return `n ${plain(Number(value["n"] ?? 1))}${value["k"] ? ` k ${plain(Number(value["k"]))}` : ""}`;
+  return typeof value === "string" ? (value.split("/").at(-1) ?? value) : "–";
+}
+
+const share = (value: Json | undefined): string => (typeof value === "number" ? plain(value, 4) : material(value));
+
+/** What is said of a layer beside its name. */
+function note(table: Table): string {
+  const say = (key: string, name = label(key).toLowerCase()) => (table[key] === undefined ? [] : [`${name} ${share(table[key])}`]);
+  const kind = table["kind"];
+  const model = textAt(table, "model");
+  if (kind === "sheet" || (kind === undefined && (table["reflectance"] !== undefined || table["absorptance"] !== undefined)))
+    return [...say("reflectance", "R"), ...say("absorptance", "A")].join(", ");
+  if (kind === "coating") return `${listAt(table, "film").length} films`;
+  if (kind === "rough") return say("alpha", "α").join("");
+  if (kind === "slab" || model === "slab") return [...say("optical_thickness", "τ"), ...say("anisotropy", "g")].join(", ");
+  if (model === "measured") return material(table["file"]);
+  if (model) return [...say("haze"), ...say("width", "b"), ...say("alpha", "α")].join(", ") || model;
+  return [material(table["index"]), ...say("internal_transmittance", "T"), ...say("thickness_mm", "mm")].join(", ");
+}
+
+const NAMES: Record<string, readonly [string, Look]> = {
+  medium: ["Medium", "medium"], slab: ["Particles", "slab"], fresnel: ["Bare face", "face"], coated: ["Coated face", "face"],
+  coating: ["Coating", "coating"], rough: ["Rough face", "rough"], diffuser: ["Diffuser", "diffuser"], sheet: ["Sheet", "sheet"],
+};
+
+function entry(list: string, index: number, value: Json): Layer {
+  const table = isTable(value) ? value : {};
+  const [name, look] = NAMES[textAt(table, "kind") ?? ""] ?? ["Front", "sheet" as Look];
+  const air = textAt(table, "kind") === "medium" && table["index"] === "air";
+  return { path: join(list, index), look, name: air ? "Air gap" : name, note: air ? "" : note(table), list, index, removable: true };
+}
+
+const own = (path: string, look: Look, name: string, words: string, removable: boolean): Layer =>
+  ({ path, look, name, note: words, list: null, index: 0, removable });
+
+/** The layers over the pixel, top to bottom. */
+export function layers(fields: Json): Layer[] {
+  const guide = at(fields, "lighting.front_light");
+  const guides = isTable(guide) ? [own("lighting.front_light", "guide", "Front light", `${plain(Number(guide["illuminance_lx"]))} lx`, true)] : [];
+  const free = listAt(fields, "display.layers");
+  if (free.length > 0) return [...guides, ...free.map((value, i) => entry("display.layers", i, value))];
+  const fronts = listAt(fields, "display.front").map((value, i) => entry("display.front", i, value));
+  const glass = tableAt(fields, "display.glass");
+  const diffuser = at(fields, "display.diffuser");
+  const top = isTable(diffuser)
+    ? own("display.diffuser", diffuser["model"] === "slab" ? "slab" : "diffuser", diffuser["model"] === "slab" ? "Particles" : "Diffuser", note(diffuser), true)
+    : own("display.glass", "face", glass["surface"] === "fresnel" ? "Bare face" : "Coated face", "", false);
+  return [...fronts, ...guides, top, own("display.glass", "medium", "Glass", note(glass), false)];
+}
+
+export function films(fields: Json): Film[] {
+  return listAt(fields, "display.pixel.film").map((value, i) => {
+    const thickness = at(value, "thickness_nm");
+    return { path: `display.pixel.film.${i}`, material: material(at(value, "material")), thickness: typeof thickness === "number" ? thickness : null };
+  });
+}
+
+/** What an ordinary panel looks like as a list of free layers. */
+export function freed(fields: Json): Table[] {
+  const fronts = listAt(fields, "display.front").map((value) => ({ kind: "sheet", ...(value as Table) }));
+  const { surface, ...glass } = tableAt(fields, "display.glass");
+  const diffuser = at(fields, "display.diffuser");
+  const { model, ...rest } = isTable(diffuser) ? diffuser : {};
+  const top: Table = !isTable(diffuser) ? { kind: surface ?? "coated" } : model === "slab" ? { kind: "slab", ...rest } : { kind: "diffuser", model: model!, ...rest };
+  return [...fronts, top, { kind: "medium", index: 1.5, ...glass }];
+}
+
+/** New layers, each with values that compute. */
+export const STARTERS: Record<string, Table> = {
+  sheet: { kind: "sheet", reflectance: 0.005, absorptance: 0.01 },
+  diffuser: { kind: "diffuser", model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },
+  medium: { kind: "medium", index: 1.5 },
+  "air gap": { kind: "medium", index: "air" },
+  coating: { kind: "coating", film: [{ material: "MgF2", thickness_nm: 99.6 }] },
+  rough: { kind: "rough", alpha: 0.1 },
+  slab: { kind: "slab", optical_thickness: 2, anisotropy: 0.8, index: 1.5 },
+  coated: { kind: "coated" },
+  fresnel: { kind: "fresnel" },
+};
+
+/** Models of a diffuser, a pixel or a light, each with values that compute. */
+export const MODELS: Record<string, Record<string, Table>> = {
+  "display.diffuser": {
+    "k-correlation": { model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },
+    lambertian: { model: "lambertian", total_transmittance: 0.5 },
+    ward: { model: "ward", alpha: 0.1, total_transmittance: 0.9 },
+    slab: { model: "slab", optical_thickness: 2, anisotropy: 0.8 },
+  },
+  "display.pixel": {
+    film: {
+      model: "film", substrate: "Al", fill_factor: 0.873,
+      area: { red: 0.493, green: 0.381, blue: 0.126 },
+      gap_nm: { red: 275.9, green: 192.3, blue: 137.8, dark: 20 },
+      film: [
+        { material: "Si3N4", thickness_nm: 55.9 }, { material: "Cr:Johnson", thickness_nm: 12.15 },
+        { material: "SiO2", thickness_nm: 38.6 }, { material: "AlOx", thickness_nm: 9 }, { material: "air", thickness_nm: "gap" },
+      ],
+    },
+    uniform: { model: "uniform", kind: "lambertian", reflectance: { white: 0.5, black: 0.02 } },
+  },
+  environment: {
+    ring: { model: "ring", theta_deg: 35, width_deg: 10 },
+    cap: { model: "cap", from_deg: 0, to_deg: 30 },
+    sky: { model: "sky", number: 1 },
+  },
+};

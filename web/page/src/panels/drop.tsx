@@ -1,0 +1,33 @@
+// Files that come onto the page: scenarios are opened, everything else is sent to be audited.
+
+import { add } from "../state/files.ts";
+import { replace } from "../state/live.ts";
+import { openTab } from "../state/tab.ts";
+
+/** A scenario longer than this is none, bytes. */
+const LONGEST = 256 * 1024;
+
+export async function take(given: readonly File[]): Promise<void> {
+  for (const file of given) {
+    if (file.name.endsWith(".toml") && file.size <= LONGEST) replace(await file.text());
+    else {
+      openTab.value = "files";
+      await add(file.name, file);
+    }
+  }
+}
+
+/** Takes what is dropped anywhere on the page. */
+export function acceptDrops(): void {
+  const page = document.documentElement;
+  addEventListener("dragover", (event) => {
+    event.preventDefault();
+    page.classList.add("dropping");
+  });
+  addEventListener("dragleave", (event) => event.relatedTarget === null && page.classList.remove("dropping"));
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    page.classList.remove("dropping");
+    void take([...(event.dataTransfer?.files ?? [])]);
+  });
+}

@@ -1,0 +1,107 @@
+// The fields of what is chosen in the drawing, under its name and its key in the scenario.
+
+
+import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
+import { Elsewhere, Field, Form } from "../fields/form.tsx";
+import { films, layers, STARTERS } from "../model/stack.ts";
+import { draft, fields, pending, problems, selected } from "../state/design.ts";
+import { putBack, set } from "../state/live.ts";
+import { at, textAt } from "../model/json.ts";
+import { StatesEditor } from "./states.tsx";
+import { PRESETS } from "../state/shelf.ts";
+
+/** What a path is called. */
+function nameOf(path: string): string {
+  const layer = layers(fields.value).find((one) => one.path === path);
+  const film = films(fields.value).find((one) => one.path === path);
+  if (layer) return layer.name;
+  if (film) return film.thickness === null ? "Gap" : `Film of ${film.material}`;
+  if (path.startsWith("lighting.directed.")) return `Light ${Number(path.split(".")[2]) + 1}`;
+  if (path.startsWith("lighting.environment.")) return `Surround ${Number(path.split(".")[2]) + 1}`;
+  const names: Record<string, string> = {
+    "display.pixel": "Pixel", "display.pixel.states": "Drive states", lighting: "Room light", viewer: "Viewer", computing: "Computing",
+  };
+  return names[path] ?? path;
+}
+
+const CHIPS = ["display.pixel", "display.pixel.states", "lighting", "viewer", "computing"];
+
+/** A menu of things to add; it shows its own name. */
+function Add({ name, options, add }: { name: string; options: readonly string[]; add: (what: string) => void }) {
+  return (
+    <select class="add" aria-label={name} value="" onChange={(event) => { add(event.currentTarget.value); event.currentTarget.value = ""; }}>
+      <option value="">{name}</option>
+      {options.map((option) => <option key={option} value={option}>{option}</option>)}
+    </select>
+  );
+}
+
+export function Toolbar() {
+  const film = textAt(fields.value, "display.pixel.model") === "film";
+  return (
+    <div class="toolbar" role="toolbar" aria-label="Parts of the display">
+      <Add name="Add layer" options={[...Object.keys(STARTERS), ...(film ? ["film of the pixel"] : [])]} add={(what) => (what === "film of the pixel" ? addFilm() : addLayer(what))} />
+      <Add name="Add light" options={["directed", "ring", "cap", "sky", ...(at(fields.value, "lighting.front_light") ? [] : ["front light"])]} add={addLight} />
+      <button type="button" disabled={!canMove(-1)} onClick={() => moveSelected(-1)} title="Up (Alt + arrow up)">Up</button>
+      <button type="button" disabled={!canMove(1)} onClick={() => moveSelected(1)} title="Down (Alt + arrow down)">Down</button>
+      <button type="button" disabled={!canRemove()} onClick={removeSelected} title="Remove (Delete)">Remove</button>
+    </div>
+  );
+}
+
+/** What was refused, and the way back. */
+function Refusal() {
+  if (problems.value.length === 0) return null;
+  const waiting = pending.value.length + (draft.value === null ? 0 : 1);
+  return (
+    <div class="refusal">
+      <p><b>{waiting > 0 ? "Not applied yet." : "Not computed."}</b> The picture shows the last design that computes.</p>
+      <Elsewhere />
+      {waiting > 0 && <button type="button" onClick={putBack}>Put it back</button>}
+    </div>
+  );
+}
+
+function Fields({ path }: { path: string }) {
+  if (path === "display.pixel.states") return <StatesEditor />;
+  if (path === "display.pixel") return <Form path={path} except={["film", "states"]} />;
+  if (path === "viewer") return <Form path="viewer" />;
+  if (path === "lighting") return <><Presets /><Form path="lighting" except={["preset", "directed", "environment", "front_light"]} /></>;
+  if (path === "computing") return <><h3>Solver</h3><Form path="solver" except={["target"]} /><h3>Wavelengths</h3><Form path="spectrum" /><h3>Metrics</h3><Form path="metrics" /></>;
+  const gap = at(fields.value, `${path}.thickness_nm`) === "gap";
+  return <><Form path={path} />{gap && <Field path="display.pixel.gap_nm" />}</>;
+}
+
+/** A preset fills room and viewer. */
+function Presets() {
+  const now = textAt(fields.value, "lighting.preset") ?? "";
+  return (
+    <div class="field">
+      <label for="f-preset">Preset</label>
+      <select id="f-preset" value={now} onChange={(event) => event.currentTarget.value && set("lighting", { preset: event.currentTarget.value }, "")}>
+        <option value="">choose a room or a standard's geometry</option>
+        {PRESETS.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
+      </select>
+      <p class="help">Fills lighting and viewer; what you change afterwards overrides it.</p>
+    </div>
+  );
+}
+
+export function FieldsPanel() {
+  const path = selected.value;
+  return (
+    <section class="editor" aria-label="Fields of what is chosen">
+      <nav class="chips" aria-label="Parts of the scenario">
+        {CHIPS.map((chip) => (
+          <button type="button" key={chip} aria-pressed={path === chip} onClick={() => (selected.value = chip)}>{nameOf(chip)}</button>
+        ))}
+      </nav>
+      <header>
+        <h2>{nameOf(path)}</h2>
+        <code>{path === "computing" ? "solver, spectrum, metrics" : path}</code>
+      </header>
+      <Refusal />
+      <Fields path={path} />
+    </section>
+  );
+}

@@ -1,0 +1,84 @@
+// What is done with the design as a whole: its name, undo, examples, open, save, link, pin, run.
+
+import { signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+
+import { named } from "../api/client.ts";
+import { fields, text, title } from "../state/design.ts";
+import { edit, replace, set } from "../state/live.ts";
+import { packed } from "../state/link.ts";
+import { pin, pinned, unpin } from "../state/pin.ts";
+import { EXAMPLES } from "../state/shelf.ts";
+import { openTab } from "../state/tab.ts";
+import { theme, type Theme } from "../state/theme.ts";
+import { canRedo, canUndo, redone, undone } from "../state/undo.ts";
+import { at } from "../model/json.ts";
+import { save } from "./save.ts";
+import { take } from "./drop.tsx";
+
+/** What was just done, for eyes and screen readers. */
+export const said = signal("");
+
+const step = (whole: string | null): void => {
+  if (whole !== null) replace(whole);
+};
+export const undo = (): void => step(undone());
+export const redo = (): void => step(redone());
+
+/** A file's name for the design. */
+export const fileName = (): string => title.value.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "scenario";
+
+async function copyLink(): Promise<void> {
+  const fragment = await packed(text.value);
+  history.replaceState(null, "", `#${fragment}`);
+  try {
+    await navigator.clipboard.writeText(location.href);
+    said.value = "The link is copied; it holds the whole scenario.";
+  } catch {
+    said.value = "The address now holds the whole scenario.";
+  }
+}
+
+async function openExample(name: string): Promise<void> {
+  if (name) replace((await named("examples", name)).scenario);
+}
+
+function Mark() {
+  return (
+    <svg class="logo" viewBox="0 0 32 32" aria-hidden="true">
+      <path d="M15 15C9 3 2 4 3 10c.6 4 5 6 11 6.500C8 17 5 20 6 24c1.500 4 7 4 9.500-6Z" class="wing-a" />
+      <path d="M17 15C23 3 30 4 29 10c-.6 4-5 6-11 6.500 6 .5 9 3.500 8 7.500-1.500 4-7 4-9.500-6Z" class="wing-b" />
+    </svg>
+  );
+}
+
+const THEMES: readonly Theme[] = ["system", "light", "dark"];
+
+export function Header() {
+  const chooser = useRef<HTMLInputElement>(null);
+  const retitle = (name: string) => (name === "" && at(fields.value, "title") !== undefined ? edit([{ op: "remove", path: "title" }]) : set("title", name));
+  return (
+    <header class="head">
+      <h1><Mark />Papilio</h1>
+      <input class="title" aria-label="Title of the design" value={title.value} onChange={(event) => retitle(event.currentTarget.value)} spellcheck={false} />
+      <div class="tools">
+        <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">Undo</button>
+        <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">Redo</button>
+        <select aria-label="Examples" value="" onChange={(event) => { void openExample(event.currentTarget.value); event.currentTarget.value = ""; }}>
+          <option value="">Examples</option>
+          {EXAMPLES.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
+        </select>
+        <button type="button" onClick={() => chooser.current?.click()} title="A scenario, or a measured file">Open</button>
+        <input ref={chooser} class="hidden" type="file" multiple tabIndex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+        <button type="button" onClick={() => save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }))}>Save</button>
+        <button type="button" onClick={() => void copyLink()}>Link</button>
+        <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : pin())}>{pinned.value ? "Unpin" : "Pin"}</button>
+        <button type="button" class="run" onClick={() => (openTab.value = "walk")}>Run</button>
+        <select aria-label="Colours of the page" value={theme.value} onChange={(event) => (theme.value = event.currentTarget.value as Theme)}>
+          {THEMES.map((one) => <option key={one} value={one}>{one}</option>)}
+        </select>
+      </div>
+      <p class="said" role="status">{said.value}</p>
+    </header>
+  );
+}

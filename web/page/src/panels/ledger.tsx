@@ -1,0 +1,56 @@
+// Where the light goes: for each state, luminous shares of a beam that enters from the view direction.
+
+import type { Ledger } from "../api/types.ts";
+import { fixed, withError } from "../model/format.ts";
+import { view } from "../state/design.ts";
+
+const PARTS = ["returned", "front", "diffuser", "glass", "pixel", "inactive", "unaccounted"] as const;
+type Part = (typeof PARTS)[number];
+
+const share = (ledger: Pick<Ledger, "returned" | "absorbed" | "unaccounted">, part: Part): number =>
+  part === "returned" || part === "unaccounted" ? ledger[part] : (ledger.absorbed[part] ?? 0);
+
+/** A state's shares as one bar; each part has its own hatch, and its number in the table below. */
+function Bar({ name, ledger }: { name: string; ledger: Ledger }) {
+  let from = 0;
+  return (
+    <svg class="ledger-bar" viewBox="0 0 1000 26" preserveAspectRatio="none" role="img" aria-label={`${name}: ${fixed(100 * ledger.returned, 1)} per cent returns`}>
+      {PARTS.map((part) => {
+        const width = Math.max(0, 1000 * share(ledger, part));
+        const x = from;
+        from += width;
+        return <rect key={part} class={`share ${part}`} x={x} width={width} height="26" />;
+      })}
+    </svg>
+  );
+}
+
+export function LedgerPanel() {
+  const all = Object.entries(view.value?.ledger ?? {});
+  const used = PARTS.filter((part) => all.some(([, ledger]) => Math.abs(share(ledger, part)) > 5e-7));
+  return (
+    <>
+      <div class="scroll" tabIndex={0} role="region" aria-label="Energy ledger">
+        <table class="numbers ledger">
+          <thead>
+            <tr>
+              <th scope="col">state</th>
+              <th scope="col" class="bar-head">a beam from the view direction</th>
+              {used.map((part) => <th scope="col" key={part}><span class={`chip share ${part}`} />{part === "returned" ? "returns" : part} %</th>)}
+            </tr>
+          </thead>
+          <tbody>
+            {all.map(([name, ledger]) => (
+              <tr key={name}>
+                <th scope="row">{name}</th>
+                <td class="bar-cell"><Bar name={name} ledger={ledger} /></td>
+                {used.map((part) => <td key={part}>{withError(100 * share(ledger, part), 100 * share(ledger.standard_error, part), 2)}</td>)}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      <p class="remark">Luminous shares of a unit beam of the room's light that enters from where the viewer is; what does not return is absorbed in that part.</p>
+    </>
+  );
+}

@@ -1,0 +1,25 @@
+// The scenario's own text. What is typed is read as it is typed; a mistake is shown with its line.
+
+import { useEffect, useRef } from "preact/hooks";
+
+import { Elsewhere } from "../fields/form.tsx";
+import { draft, problems, text } from "../state/design.ts";
+import { replace } from "../state/live.ts";
+
+export function Source() {
+  const area = useRef<HTMLTextAreaElement>(null);
+  const shown = draft.value ?? text.value;
+  useEffect(() => {
+    if (area.current && area.current.value !== shown && document.activeElement !== area.current) area.current.value = shown;
+  }, [shown]);
+  return (
+    <div class="source">
+      <label for="source">The scenario, as <code>papilio run</code> takes it</label>
+      <textarea
+        id="source" ref={area} spellcheck={false} defaultValue={shown} aria-invalid={problems.value.length > 0} aria-describedby="source-errors"
+        onInput={(event) => replace(event.currentTarget.value, "source")}
+      />
+      <div id="source-errors"><Elsewhere /></div>
+    </div>
+  );
+}

@@ -1,0 +1,20 @@
+// Which view is shown, where the viewer has several.
+
+import { degrees } from "../model/format.ts";
+import { result, showView, view, viewIndex } from "../state/design.ts";
+
+export function Views() {
+  const all = result.value?.views ?? [];
+  const now = view.value;
+  if (!now) return null;
+  const name = (theta: number, phi: number) => `${degrees(theta)}${phi === 0 ? "" : `, azimuth ${degrees(phi)}`}`;
+  if (all.length < 2) return <p class="views">seen from {name(now.theta_deg, now.phi_deg)}</p>;
+  return (
+    <p class="views">
+      <label for="view">seen from</label>{" "}
+      <select id="view" value={String(viewIndex.value)} onChange={(event) => showView(Number(event.currentTarget.value))}>
+        {all.map((one, i) => <option key={i} value={String(i)}>{name(one.theta_deg, one.phi_deg)}</option>)}
+      </select>
+    </p>
+  );
+}

@@ -1,0 +1,181 @@
+// The u'v' diagram: spectral locus, sRGB and EBU, the display's gamut, its states and its light; the pinned
+// design's gamut dashed beside it.
+
+import { useComputed } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+
+import type { View } from "../api/types.ts";
+import { hex, linearSrgb, type Triple } from "../model/colour.ts";
+import { fixed, withError } from "../model/format.ts";
+import { EBU, LOCUS, NAMED_NM, SRGB } from "../model/locus.ts";
+import { result, shownState, states, view } from "../state/design.ts";
+import { pinned, pinnedView } from "../state/pin.ts";
+import { dark } from "../state/theme.ts";
+import { useColours } from "./patches.tsx";
+import { placed } from "./place.ts";
+
+/** px per unit of u' and v', and the place of the origin. */
+const SCALE = 640;
+const LEFT = 56;
+const BOTTOM = 406;
+const WIDTH = 474;
+const HEIGHT = 444;
+
+type Uv = readonly [number, number];
+const x = (u: number): number => LEFT + SCALE * u;
+const y = (v: number): number => BOTTOM - SCALE * v;
+const path = (points: readonly Uv[], close = true): string =>
+  points.map(([u, v], i) => `${i ? "L" : "M"}${x(u).toFixed(2)} ${y(v).toFixed(2)}`).join("") + (close ? "Z" : "");
+
+const OUTLINE = path(LOCUS.map(([, u, v]) => [u, v]));
+
+/** The screen's most luminous colour of a chromaticity, part `tint` of it on the ground. */
+function colourAt(u: number, v: number, tint: number, ground: number): string {
+  const cx = (9 * u) / (6 * u - 16 * v + 12);
+  const cy = (4 * v) / (6 * u - 16 * v + 12);
+  const linear = linearSrgb([cx / cy, 1, (1 - cx - cy) / cy]).map((c) => Math.max(0, c));
+  const most = Math.max(1e-9, ...linear);
+  const mixed = linear.map((c) => ground * (1 - tint) + tint * (c / most) ** (1 / 2.2));
+  return hex(mixed.map((c) => c ** 2.2) as unknown as Triple);
+}
+
+/** The tinted inside of the locus, painted once for each theme. */
+function Tint() {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const night = dark.value;
+  useEffect(() => {
+    const context = canvas.current?.getContext("2d");
+    if (!context) return;
+    const ratio = 2;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, WIDTH, HEIGHT);
+    context.save();
+    context.clip(new Path2D(OUTLINE));
+    const cell = 4;
+    for (let px = LEFT; px < WIDTH; px += cell) {
+      for (let py = 0; py < BOTTOM; py += cell) {
+        const [u, v] = [(px + cell / 2 - LEFT) / SCALE, (BOTTOM - py - cell / 2) / SCALE];
+        if (v <= 0.001) continue;
+        context.fillStyle = colourAt(u, v, night ? 0.42 : 0.3, night ? 0.08 : 1);
+        context.fillRect(px, py, cell + 0.5, cell + 0.5);
+      }
+    }
+    context.restore();
+  }, [night]);
+  return <canvas ref={canvas} width={2 * WIDTH} height={2 * HEIGHT} aria-hidden="true" />;
+}
+
+/** A wavelength beside the locus, outside. */
+function Wavelength({ nm }: { nm: number }) {
+  const i = LOCUS.findIndex(([at]) => at === nm);
+  const [before, here, after] = [LOCUS[i - 1], LOCUS[i], LOCUS[i + 1]];
+  if (!before || !here || !after) return null;
+  const [dx, dy] = [x(after[1]) - x(before[1]), y(after[2]) - y(before[2])];
+  const length = Math.hypot(dx, dy);
+  const [ox, oy] = [dy / length, -dx / length];
+  const [px, py] = [x(here[1]), y(here[2])];
+  const anchor = ox < -0.5 ? "end" : ox > 0.5 ? "start" : "middle";
+  return (
+    <>
+      <path class="axis" d={`M${px} ${py}L${px + 5 * ox} ${py + 5 * oy}`} />
+      <text class="scale" x={px + 9 * ox} y={py + 9 * oy + 4 + 4 * oy} text-anchor={anchor}>{nm}</text>
+    </>
+  );
+}
+
+function Axes() {
+  const [us, vs] = [[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6]];
+  return (
+    <g aria-hidden="true">
+      {us.map((u) => <path key={u} class="grid" d={`M${x(u)} ${y(0)}V${y(0.62)}`} />)}
+      {vs.map((v) => <path key={v} class="grid" d={`M${x(0) - 14} ${y(v)}H${x(0.64)}`} />)}
+      <path class="axis" d={`M${x(0) - 14} ${y(0)}H${x(0.64)}`} />
+      {us.map((u) => <text key={u} class="scale" x={x(u)} y={y(0) + 17} text-anchor="middle">{u.toFixed(1)}</text>)}
+      {vs.slice(1).map((v) => <text key={v} class="scale" x={x(0) - 20} y={y(v) + 4} text-anchor="end">{v.toFixed(1)}</text>)}
+      <text class="scale" x={x(0.32)} y={HEIGHT - 4} text-anchor="middle">u′</text>
+      <text class="scale" x={6} y={y(0.31)}>v′</text>
+      {NAMED_NM.map((nm) => <Wavelength key={nm} nm={nm} />)}
+    </g>
+  );
+}
+
+export function gamut(of: View | null): Uv[] | null {
+  const corners = ["red", "green", "blue"].map((name): Uv | null => {
+    const state = of?.states[name];
+    return state && state.u_prime !== null && state.v_prime !== null ? [state.u_prime, state.v_prime] : null;
+  });
+  return corners.every((corner) => corner !== null) ? (corners as Uv[]) : null;
+}
+
+/** Discs in the states' colours with their names, crosses where a standard error is seen. */
+function Marks() {
+  const colours = useColours().value.colours;
+  const light = result.value?.illuminant;
+  const shown = states.value.flatMap(([name, s]) => (s.u_prime !== null && s.v_prime !== null && Math.abs(s.u_prime) < 0.7 && Math.abs(s.v_prime) < 0.7 ? [{ name, u: s.u_prime, v: s.v_prime, se: s.standard_error }] : []));
+  const points = [...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) })), ...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : [])];
+  const names = placed(points);
+  return (
+    <g>
+      {light && <path class="light-mark" d={`M${x(light.u_prime) - 6} ${y(light.v_prime)}h12m-6 -6v12`} />}
+      {shown.map(({ name, u, v, se }) => (
+        <g key={name}>
+          {SCALE * ((se.u_prime ?? 0) + (se.v_prime ?? 0)) > 2 && (
+            <path class="se" d={`M${x(u - (se.u_prime ?? 0))} ${y(v)}H${x(u + (se.u_prime ?? 0))}M${x(u)} ${y(v - (se.v_prime ?? 0))}V${y(v + (se.v_prime ?? 0))}`} />
+          )}
+          <circle class={name === shownState.value ? "mark chosen" : "mark"} cx={x(u)} cy={y(v)} r={name === shownState.value ? 7 : 6} fill={colours.get(name) ?? "#888888"}>
+            <title>{`${name}: u′ ${fixed(u, 4)}, v′ ${fixed(v, 4)}`}</title>
+          </circle>
+        </g>
+      ))}
+      {names.map(({ name, x: nx, y: ny, anchor, from }) => (
+        <g key={name} class="mark-name">
+          {from && <path class="leader" d={`M${from[0]} ${from[1]}L${from[2]} ${from[3]}`} />}
+          <text x={nx} y={ny} text-anchor={anchor}>{name}</text>
+        </g>
+      ))}
+    </g>
+  );
+}
+
+function Key() {
+  const now = view.value;
+  const line = (text: string, kind: string, at: number) => (
+    <g transform={`translate(${x(0.39)} ${y(0.145) + 18 * at})`} key={kind}>
+      <path class={kind} d="M0 -4H24" />
+      <text class="key" x="31">{text}</text>
+    </g>
+  );
+  const percent = (key: "gamut_percent_srgb" | "gamut_percent_ebu", of: string) =>
+    now?.[key] === null || !now ? of : `${withError(now[key], now.standard_error[key], 1)} % of ${of}`;
+  return (
+    <g>
+      {gamut(now) && line("display", "own", 0)}
+      {line(percent("gamut_percent_srgb", "sRGB"), "srgb", 1)}
+      {line(percent("gamut_percent_ebu", "EBU"), "ebu", 2)}
+      {gamut(pinnedView.value) && line(`pinned, ${fixed(pinnedView.value?.gamut_percent_srgb, 1)} %`, "pinned-line", 3)}
+    </g>
+  );
+}
+
+export function Chromaticity() {
+  const own = useComputed(() => gamut(view.value));
+  const before = useComputed(() => (pinned.value ? gamut(pinnedView.value) : null));
+  return (
+    <figure class="chromaticity">
+      <figcaption>Chromaticity <small>u′v′, CIE 1976</small></figcaption>
+      <div class="canvas">
+        <Tint />
+        <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table">
+          <Axes />
+          <path class="locus" d={OUTLINE} />
+          <path class="srgb" d={path(SRGB)} />
+          <path class="ebu" d={path(EBU)} />
+          {before.value && <path class="pinned-line" d={path(before.value)} />}
+          {own.value && <path class="own" d={path(own.value)} />}
+          <Marks />
+          <Key />
+        </svg>
+      </div>
+    </figure>
+  );
+}

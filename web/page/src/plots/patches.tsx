@@ -1,0 +1,62 @@
+// The states as colour patches, as a reader would see them: the lightest grey of the patches' ground stands
+// for a perfect white in the same light. A pinned design shows in the lower part of each patch.
+
+import { useComputed } from "@preact/signals";
+
+import type { StateResult, View, Result } from "../api/types.ts";
+import { isLight, painted } from "../model/colour.ts";
+import { fixed, withError } from "../model/format.ts";
+import { result, selected, shownState, states, view } from "../state/design.ts";
+import { pinned, pinnedView } from "../state/pin.ts";
+
+/** Colours of a view's states by name, and by what they were dimmed. */
+export function coloursOf(result: Result | null, view: View | null): { colours: Map<string, string>; divisor: number } {
+  if (!result || !view) return { colours: new Map(), divisor: 1 };
+  const all = Object.entries(view.states);
+  const { colours, divisor } = painted(all.map(([, s]) => [s.X, s.Y, s.Z] as const), [result.illuminant.x, result.illuminant.y]);
+  return { colours: new Map(all.map(([name], i) => [name, colours[i]!])), divisor };
+}
+
+export const useColours = () => useComputed(() => coloursOf(result.value, view.value));
+
+function Patch({ name, state, colour, before }: { name: string; state: StateResult; colour: string; before: string | undefined }) {
+  const chosen = shownState.value === name;
+  const choose = () => {
+    shownState.value = name;
+    if (chosen) selected.value = "display.pixel.states";
+  };
+  return (
+    <button
+      type="button" class={chosen ? "patch chosen" : "patch"} aria-pressed={chosen} onClick={choose}
+      aria-label={`${name}: lightness ${fixed(state.L_star, 1)}, luminous reflectance ${fixed(100 * state.Y, 1)} per cent`}
+    >
+      <span class={isLight(colour) ? "swatch light" : "swatch"} ref={(e) => e?.style.setProperty("background-color", colour)}>
+        {before && <span class="before" ref={(e) => e?.style.setProperty("background-color", before)} />}
+      </span>
+      <b>{name}</b>
+      <span>L* {fixed(state.L_star, 1)}</span>
+      <span>Y {withError(100 * state.Y, 100 * state.standard_error.Y, 1)} %</span>
+    </button>
+  );
+}
+
+export function Patches() {
+  const now = useColours();
+  const before = useComputed(() => coloursOf(pinned.value?.result ?? null, pinnedView.value).colours);
+  const { colours, divisor } = now.value;
+  return (
+    <section class="patches" aria-label="States as colour patches">
+      <div class="row">
+        {states.value.map(([name, state]) => (
+          <Patch key={name} name={name} state={state} colour={colours.get(name) ?? "#888888"} before={before.value.get(name)} />
+        ))}
+      </div>
+      {(divisor > 1 || pinned.value) && (
+        <p class="remark">
+          {divisor > 1 && `Brighter than a screen can show: drawn at 1/${divisor.toFixed(divisor < 2 ? 2 : 1)}. `}
+          {pinned.value && "The lower strip of each patch is the pinned design."}
+        </p>
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,53 @@
+// Places for the names of points, so that names touch neither each other nor other points.
+
+export interface Named {
+  readonly name: string;
+  readonly x: number;
+  readonly y: number;
+}
+
+export interface Placed extends Named {
+  readonly anchor: "start" | "end" | "middle";
+  /** A leader from the point, where the name stands apart. */
+  readonly from: readonly [number, number, number, number] | null;
+}
+
+interface Box {
+  left: number;
+  top: number;
+  right: number;
+  bottom: number;
+}
+
+const LETTER = 6.3;
+const overlap = (a: Box, b: Box): number =>
+  Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
+
+/** A name at a distance in one of eight directions. */
+function candidate(point: Named, angle: number, distance: number): { placed: Placed; box: Box } {
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const [px, py] = [point.x + distance * c, point.y + distance * s];
+  const width = LETTER * point.name.length;
+  const anchor = c > 0.4 ? "start" : c < -0.4 ? "end" : "middle";
+  const left = anchor === "start" ? px : anchor === "end" ? px - width : px - width / 2;
+  const from = distance > 14 ? ([point.x + 7 * c, point.y + 7 * s, point.x + (distance - 3) * c, point.y + (distance - 3) * s] as const) : null;
+  return { placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from }, box: { left, right: left + width, top: py - 6 + 3 * s, bottom: py + 6 + 3 * s } };
+}
+
+export function placed(points: readonly Named[]): Placed[] {
+  const marks: Box[] = points.map(({ x, y }) => ({ left: x - 7, right: x + 7, top: y - 7, bottom: y + 7 }));
+  const taken: Box[] = [];
+  return points.map((point) => {
+    let best: { placed: Placed; box: Box; cost: number } | null = null;
+    for (const distance of [10, 22, 34]) {
+      for (let turn = 0; turn < 8; turn++) {
+        const one = candidate(point, (turn * Math.PI) / 4, distance);
+        const crowd = [...marks, ...taken].reduce((sum, box) => sum + overlap(one.box, box), 0);
+        const cost = crowd * 10 + distance + (turn === 0 ? 0 : turn === 4 ? 1 : 2) + (one.box.left < 60 ? 200 : 0);
+        if (!best || cost < best.cost) best = { ...one, cost };
+      }
+    }
+    taken.push(best!.box);
+    return best!.placed;
+  });
+}

@@ -1,0 +1,65 @@
+// Edits of a scenario: how they merge while they wait for the server, and what they do to its fields
+// in the meantime. The TOML itself is edited by the server, which keeps comments and order.
+
+import type { Edit } from "../api/types.ts";
+import { at, isTable, split, type Json } from "../model/json.ts";
+
+/**
+ * `more` after `edits`: a key that is set again takes the newer value alone, as long as nothing was
+ * inserted, removed or moved in between.
+ */
+export function merged(edits: readonly Edit[], more: readonly Edit[]): Edit[] {
+  const all = [...edits];
+  for (const edit of more) {
+    const barrier = all.findLastIndex((earlier) => earlier.op !== "set");
+    const same = edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && e.path === edit.path) : -1;
+    if (same >= 0) all.splice(same, 1);
+    all.push(edit);
+  }
+  return all;
+}
+
+/** The fields after some edits. */
+export function edited(fields: Json, edits: readonly Edit[]): Json {
+  if (edits.length === 0) return fields;
+  const copy = structuredClone(fields);
+  for (const edit of edits) apply(copy, edit);
+  return copy;
+}
+
+function apply(root: Json, edit: Edit): void {
+  if (edit.op === "set") {
+    const [parent, key] = split(edit.path);
+    put(reach(root, parent), key, edit.value as Json);
+  } else if (edit.op === "remove") {
+    const [parent, key] = split(edit.path);
+    const holder = at(root, parent);
+    if (Array.isArray(holder)) holder.splice(Number(key), 1);
+    else if (isTable(holder)) delete holder[key];
+  } else {
+    const list = at(root, edit.path);
+    if (edit.op === "insert") {
+      if (Array.isArray(list)) list.splice(edit.index ?? list.length, 0, edit.value as Json);
+      else put(reach(root, split(edit.path)[0]), split(edit.path)[1], [edit.value as Json]);
+    } else if (Array.isArray(list)) {
+      list.splice(edit.to, 0, ...list.splice(edit.from, 1));
+    }
+  }
+}
+
+/** The table or list at a path, made where there is none. */
+function reach(root: Json, path: string): Json {
+  let here = root;
+  for (const key of path === "" ? [] : path.split(".")) {
+    const next = at(here, key);
+    if (next === undefined || next === null || typeof next !== "object") put(here, key, {});
+    here = at(here, key) as Json;
+  }
+  return here;
+}
+
+function put(holder: Json, key: string, value: Json): void {
+  const kept = structuredClone(value);
+  if (Array.isArray(holder)) holder[Number(key)] = kept;
+  else if (isTable(holder)) holder[key] = kept;
+}

@@ -1,0 +1,104 @@
+// From a movement to a new picture: one request is on its way, the newest value waits, nothing queues.
+// A request that has become slow is dropped as soon as something newer waits; the server then stops its work.
+
+import { batch } from "@preact/signals";
+
+import * as api from "../api/client.ts";
+import type { Edit } from "../api/types.ts";
+import { answer, busy, draft, pending, problems, text } from "./design.ts";
+import { merged } from "./edits.ts";
+import { fileIds, sendAgain } from "./files.ts";
+import { accepted } from "./undo.ts";
+
+/** A request older than this, and than twice what the last one took, gives way to a newer value, ms. */
+const PATIENCE_MS = 250;
+/** Waiting longer than this is shown, ms. */
+const SHOWN_MS = 300;
+
+let running = false;
+let dirty = false;
+let gesture = "";
+let lastTook = 0;
+let flight: { abort: AbortController; since: number } | null = null;
+
+/** Changes keys; `name` is the gesture that undo takes as one step. */
+export function edit(edits: readonly Edit[], name = ""): void {
+  pending.value = merged(pending.value, edits);
+  gesture = name;
+  kick();
+}
+
+export const set = (path: string, value: unknown, name = path): void => edit([{ op: "set", path, value }], name);
+
+/** Puts a whole text in the place of the present one. */
+export function replace(whole: string, name = ""): void {
+  batch(() => {
+    pending.value = [];
+    draft.value = whole;
+  });
+  gesture = name;
+  kick();
+}
+
+/** Drops what was refused. */
+export function putBack(): void {
+  batch(() => {
+    pending.value = [];
+    draft.value = null;
+    problems.value = [];
+  });
+  kick();
+}
+
+/** Asks again, nothing having changed here: after a file came back, say. */
+export function kick(): void {
+  dirty = true;
+  if (!running) void run();
+  else if (flight && performance.now() - flight.since > patience()) flight.abort.abort();
+}
+
+const patience = (): number => Math.max(PATIENCE_MS, 2 * lastTook);
+
+async function run(): Promise<void> {
+  running = true;
+  while (dirty) {
+    dirty = false;
+    await once();
+  }
+  running = false;
+}
+
+async function once(): Promise<void> {
+  const sent = pending.value;
+  const base = draft.value;
+  const name = gesture;
+  const abort = new AbortController();
+  const since = performance.now();
+  flight = { abort, since };
+  const slow = setTimeout(() => (busy.value = true), SHOWN_MS);
+  const impatient = setTimeout(() => dirty && abort.abort(), patience());
+  try {
+    const live = await api.live({ scenario: base ?? text.value, files: fileIds.value }, sent, abort.signal);
+    lastTook = performance.now() - since;
+    if (draft.value !== base) return;
+    batch(() => {
+      text.value = live.scenario;
+      draft.value = null;
+      answer.value = live;
+      pending.value = pending.value.filter((edit) => !sent.includes(edit));
+      problems.value = [];
+      accepted(live.scenario, name);
+    });
+  } catch (why) {
+    if (abort.signal.aborted) return;
+    if (why instanceof api.Refused) {
+      if (await sendAgain(why)) dirty = true;
+      else problems.value = why.problems;
+    } else throw why;
+  } finally {
+    clearTimeout(slow);
+    clearTimeout(impatient);
+    flight = null;
+    if (!dirty) busy.value = false;
+  }
+}

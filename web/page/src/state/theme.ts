@@ -1,0 +1,23 @@
+// Light or dark: what the system prefers, unless it was chosen here.
+
+import { computed, effect, signal } from "@preact/signals";
+
+import { recall, remember } from "./keep.ts";
+
+export type Theme = "system" | "light" | "dark";
+
+const KEY = "papilio.theme";
+const prefers = matchMedia("(prefers-color-scheme: dark)");
+const system = signal(prefers.matches);
+
+export const theme = signal<Theme>(recall<Theme>(KEY) ?? "system");
+export const dark = computed(() => (theme.value === "system" ? system.value : theme.value === "dark"));
+
+/** Keeps the document's theme as it should be. */
+export function followTheme(): void {
+  prefers.addEventListener("change", () => (system.value = prefers.matches));
+  effect(() => {
+    document.documentElement.dataset["theme"] = dark.value ? "dark" : "light";
+    if (recall<Theme>(KEY) !== theme.value) remember(KEY, theme.value);
+  });
+}

@@ -1,0 +1,25 @@
+// Undo and redo of the design, as signals over the pure history.
+
+import { computed, signal } from "@preact/signals";
+
+import { begin, record, redo as forward, undo as back, type History } from "./history.ts";
+
+export const history = signal<History>(begin(""));
+export const canUndo = computed(() => history.value.past.length > 0);
+export const canRedo = computed(() => history.value.future.length > 0);
+
+/** A text that the server took; the first one is where undo ends. */
+export function accepted(text: string, gesture: string): void {
+  const first = history.value.present === "";
+  history.value = first ? begin(text) : record(history.value, text, gesture, Date.now());
+}
+
+const stepped = (next: History): string | null => {
+  if (next === history.value) return null;
+  history.value = next;
+  return next.present;
+};
+
+/** The text to go back to, or null. */
+export const undone = (): string | null => stepped(back(history.value));
+export const redone = (): string | null => stepped(forward(history.value));
