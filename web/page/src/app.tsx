@@ -3,7 +3,11 @@
 import { useSignal } from "@preact/signals";
 
 import { Section } from "./drawing/section.tsx";
-import { FieldsPanel, Toolbar } from "./panels/editor.tsx";
+import { AnglesPanel } from "./panels/angles.tsx";
+import { ComparePanel } from "./panels/compare.tsx";
+import { ConePanel } from "./panels/cone.tsx";
+import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
+import { FilesPanel } from "./panels/files.tsx";
 import { Header } from "./panels/header.tsx";
 import { LedgerPanel } from "./panels/ledger.tsx";
 import { Readability } from "./panels/readability.tsx";
@@ -11,8 +15,10 @@ import { Source } from "./panels/source.tsx";
 import { Summary } from "./panels/summary.tsx";
 import { StatesTable } from "./panels/table.tsx";
 import { Notes } from "./panels/notes.tsx";
+import { SweepPanel } from "./panels/sweep.tsx";
 import { Tabs } from "./panels/tabs.tsx";
 import { Views } from "./panels/views.tsx";
+import { WalkPanel } from "./panels/walk.tsx";
 import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
@@ -27,17 +33,23 @@ function Design() {
       <div class="switch" role="group" aria-label="Show the design as">
         <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>Drawing</button>
         <button type="button" aria-pressed={source.value} onClick={() => (source.value = true)}>TOML</button>
-        <Toolbar />
+        <Room />
       </div>
-      {source.value ? <Source /> : <><Section /><FieldsPanel /></>}
+      {source.value ? <Source /> : <><Section /><Toolbar /><FieldsPanel /></>}
     </section>
   );
 }
 
 const TABS = [
   { id: "states", name: "States", body: () => <StatesTable /> },
+  { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
+  { id: "cone", name: "All directions", body: () => <ConePanel /> },
   { id: "energy", name: "Energy", body: () => <LedgerPanel /> },
   { id: "reading", name: "Reading", body: () => <Readability /> },
+  { id: "walk", name: "Walk", body: () => <WalkPanel /> },
+  { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
+  { id: "compare", name: "Compare", body: () => <ComparePanel /> },
+  { id: "files", name: "Files", body: () => <FilesPanel /> },
 ];
 
 function Picture() {

@@ -34,3 +34,8 @@ export interface Live { scenario: string; fields: unknown; result: Result; warni
 export interface Named { name: string; summary: string }
 export interface Figure { name: string; svg: string }
 export interface Upload { id: string; name: string; kind: string; words: string[]; figures: Figure[]; edits: { label: string; edits: Edit[] }[] }
+export interface Angles { theta_deg: number[]; phi_deg: number; metrics: Record<string, Num[]>; states: Record<string, Record<string, Num[]>> }
+export interface Cone { figures: Figure[] }
+export interface WalkState { name: string; view: number; Y: number; Y_se: number; live_Y: number; z: number | null }
+export interface WalkProgress { paths: number; seconds: number; relative_error: number; states: WalkState[] }
+export interface SweepPoint { index: number; of: number; values: Record<string, unknown>; metrics: Record<string, Num> }

@@ -84,7 +84,8 @@ export class Schema {
     const all = Object.keys(chosen.properties ?? {}).filter((key) => key !== fixed);
     const needed = new Set(chosen.required ?? []);
     const there = (key: string) => needed.has(key) || value[key] !== undefined;
-    const rank = (key: string) => (needed.has(key) ? 0 : 1);
+    // Keys that have a default matter less than those that were given without one.
+    const rank = (key: string) => (needed.has(key) ? 0 : this.follow(chosen.properties![key]!).node.default === undefined ? 1 : 2);
     return {
       shown: all.filter(there).sort((a, b) => rank(a) - rank(b)),
       more: all.filter((key) => !there(key)),

@@ -36,6 +36,17 @@ function Add({ name, options, add }: { name: string; options: readonly string[];
   );
 }
 
+/** A room or a standard's geometry, which fills lighting and viewer. */
+export function Room() {
+  const now = textAt(fields.value, "lighting.preset") ?? "";
+  return (
+    <select class="room" aria-label="Room preset" value={now} onChange={(event) => event.currentTarget.value && set("lighting", { preset: event.currentTarget.value }, "")}>
+      <option value="">Room or standard</option>
+      {PRESETS.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
+    </select>
+  );
+}
+
 export function Toolbar() {
   const film = textAt(fields.value, "display.pixel.model") === "film";
   return (
@@ -66,25 +77,10 @@ function Fields({ path }: { path: string }) {
   if (path === "display.pixel.states") return <StatesEditor />;
   if (path === "display.pixel") return <Form path={path} except={["film", "states"]} />;
   if (path === "viewer") return <Form path="viewer" />;
-  if (path === "lighting") return <><Presets /><Form path="lighting" except={["preset", "directed", "environment", "front_light"]} /></>;
+  if (path === "lighting") return <Form path="lighting" except={["preset", "directed", "environment", "front_light"]} />;
   if (path === "computing") return <><h3>Solver</h3><Form path="solver" except={["target"]} /><h3>Wavelengths</h3><Form path="spectrum" /><h3>Metrics</h3><Form path="metrics" /></>;
   const gap = at(fields.value, `${path}.thickness_nm`) === "gap";
   return <><Form path={path} />{gap && <Field path="display.pixel.gap_nm" />}</>;
-}
-
-/** A preset fills room and viewer. */
-function Presets() {
-  const now = textAt(fields.value, "lighting.preset") ?? "";
-  return (
-    <div class="field">
-      <label for="f-preset">Preset</label>
-      <select id="f-preset" value={now} onChange={(event) => event.currentTarget.value && set("lighting", { preset: event.currentTarget.value }, "")}>
-        <option value="">choose a room or a standard's geometry</option>
-        {PRESETS.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
-      </select>
-      <p class="help">Fills lighting and viewer; what you change afterwards overrides it.</p>
-    </div>
-  );
 }
 
 export function FieldsPanel() {

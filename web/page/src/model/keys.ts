@@ -1,0 +1,24 @@
+// All numbers of a scenario that a sweep can vary, by path, and what differs between two scenarios.
+
+import { isTable, join, type Json } from "./json.ts";
+
+const skipped = /^(solver|inputs|sweep|measure|spectrum)(\.|$)/;
+
+/** Every leaf of a value with its path. */
+export function leaves(value: Json, path = ""): [string, Json][] {
+  if (skipped.test(path)) return [];
+  if (Array.isArray(value)) return value.flatMap((one, i) => leaves(one, join(path, i)));
+  if (isTable(value)) return Object.entries(value).flatMap(([key, one]) => leaves(one, join(path, key)));
+  return [[path, value]];
+}
+
+export const numbers = (fields: Json): [string, number][] =>
+  leaves(fields).filter((leaf): leaf is [string, number] => typeof leaf[1] === "number");
+
+/** Keys whose values differ, with both. */
+export function differences(before: Json, now: Json): { path: string; before: Json | undefined; now: Json | undefined }[] {
+  const [old, fresh] = [new Map(leaves(before)), new Map(leaves(now))];
+  return [...new Set([...old.keys(), ...fresh.keys()])]
+    .filter((path) => old.get(path) !== fresh.get(path))
+    .map((path) => ({ path, before: old.get(path), now: fresh.get(path) }));
+}

@@ -1,0 +1,97 @@
+// Two designs side by side: which keys differ, and what that does to every state.
+
+import { Fragment } from "preact";
+
+import type { StateResult } from "../api/types.ts";
+import { digits, fixed, NONE, signed } from "../model/format.ts";
+import { differences } from "../model/keys.ts";
+import { isTable, type Json } from "../model/json.ts";
+import { coloursOf } from "../plots/patches.tsx";
+import { result, selected, states, text, title, view } from "../state/design.ts";
+import { replace } from "../state/live.ts";
+import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
+
+const shown = (value: Json | undefined): string => (value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value));
+
+/** The part of the drawing that a key belongs to. */
+const partOf = (path: string): string => /^(display\.(?:front|layers)\.\d+|display\.pixel\.film\.\d+|display\.\w+|lighting\.\w+\.\d+|lighting|viewer)/.exec(path)?.[0] ?? "computing";
+
+function Keys() {
+  const changed = differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json);
+  if (changed.length === 0) return <p class="remark">No key differs yet: change the design, and the differences appear here.</p>;
+  return (
+    <table class="numbers">
+      <thead><tr><th scope="col">key</th><th scope="col">pinned</th><th scope="col">now</th></tr></thead>
+      <tbody>
+        {changed.slice(0, 60).map(({ path, before, now }) => (
+          <tr key={path}>
+            <th scope="row"><button type="button" class="key-link" onClick={() => (selected.value = partOf(path))}><code>{path}</code></button></th>
+            <td>{shown(before)}</td><td>{shown(now)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+/** The colour difference of 1976: the distance in CIELAB. */
+function distance(a: StateResult, b: StateResult): number | null {
+  const parts = (["L_star", "a_star", "b_star"] as const).map((key) => (a[key] === null || b[key] === null ? null : a[key] - b[key]));
+  return parts.some((part) => part === null) ? null : Math.hypot(...(parts as number[]));
+}
+
+function Colours() {
+  const now = coloursOf(result.value, view.value).colours;
+  const before = coloursOf(pinned.value!.result, pinnedView.value).colours;
+  return (
+    <div class="side-by-side">
+      {states.value.map(([name, state]) => {
+        const was = pinnedView.value?.states[name];
+        return (
+          <Fragment key={name}>
+            <span>{name}</span>
+            <span class="swatch half" ref={(e) => e?.style.setProperty("background-color", before.get(name) ?? "")} title="pinned" />
+            <span class="swatch half" ref={(e) => e?.style.setProperty("background-color", now.get(name) ?? "")} title="now" />
+            <span>Y {was ? `${fixed(100 * was.Y, 1)} → ${fixed(100 * state.Y, 1)} %` : NONE}</span>
+            <span>ΔL* {was ? signed((state.L_star ?? NaN) - (was.L_star ?? NaN), 1) : NONE}</span>
+            <span>ΔE*ab {was ? fixed(distance(state, was), 1) : NONE}</span>
+          </Fragment>
+        );
+      })}
+    </div>
+  );
+}
+
+function swap(): void {
+  const before = pinned.value;
+  if (!before) return;
+  pin();
+  replace(before.text);
+}
+
+export function ComparePanel() {
+  const before = pinned.value;
+  if (!before) {
+    return (
+      <div class="controls">
+        <button type="button" class="run" onClick={pin}>Pin this design</button>
+        <span class="remark">It stays beside the one on the bench: in the patches, both diagrams, the tables, and here, key by key.</span>
+      </div>
+    );
+  }
+  const same = before.text === text.value;
+  return (
+    <>
+      <div class="controls">
+        <span>Pinned: <b>{before.title}</b>{same ? ", the same as now" : `; on the bench: ${title.value}`}</span>
+        <button type="button" onClick={swap}>Swap</button>
+        <button type="button" onClick={pin}>Pin this one instead</button>
+        <button type="button" onClick={unpin}>Unpin</button>
+      </div>
+      <div class="compare">
+        <div class="scroll" tabIndex={0} role="region" aria-label="Keys that differ"><Keys /></div>
+        <Colours />
+      </div>
+    </>
+  );
+}

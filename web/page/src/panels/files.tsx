@@ -1,0 +1,58 @@
+// Measured files: what the audit says of each, in words and pictures, and how it is put to use.
+
+import { useRef } from "preact/hooks";
+
+import { Drawn } from "../plots/figure.tsx";
+import { files, forget, type Dropped } from "../state/files.ts";
+import { edit } from "../state/live.ts";
+import { take } from "./drop.tsx";
+import { Problems } from "./problems.tsx";
+
+const KINDS: Record<string, string> = {
+  bsdf: "measured scattering", spectrum: "spectrum", material: "n and k of a material", pixel: "table of a pixel", map: "map of light",
+  luminaire: "luminaire", profile: "profile of light", panel: "measured panel",
+};
+
+function size(bytes: number): string {
+  return bytes < 1e5 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}
+
+function File({ file }: { file: Dropped }) {
+  const { audit } = file;
+  return (
+    <article class="file">
+      <header>
+        <h3>{file.name}</h3>
+        <small>{audit ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}{size(file.bytes)}</small>
+        <button type="button" onClick={() => void forget(file.name)} aria-label={`Forget ${file.name}`}>Forget</button>
+      </header>
+      {!audit && file.problems.length === 0 && <p role="status">Reading…</p>}
+      <Problems of={file.problems} />
+      {audit && (
+        <>
+          <p class="uses">
+            {audit.edits.map(({ label, edits }) => <button type="button" key={label} class="run" onClick={() => edit(edits)}>{label}</button>)}
+          </p>
+          <div class="audit">
+            <ul class="words">{audit.words.map((words, i) => <li key={i}>{words}</li>)}</ul>
+            <div class="figures">{audit.figures.map(({ name, svg }) => <Drawn key={name} svg={svg} label={`${file.name}: ${name}`} />)}</div>
+          </div>
+        </>
+      )}
+    </article>
+  );
+}
+
+export function FilesPanel() {
+  const chooser = useRef<HTMLInputElement>(null);
+  return (
+    <>
+      <div class="controls">
+        <button type="button" onClick={() => chooser.current?.click()}>Choose files</button>
+        <input ref={chooser} class="hidden" type="file" multiple tabIndex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+        <span class="remark">or drop them anywhere: BSDF (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light maps, IES luminaires. They stay on this machine.</span>
+      </div>
+      {files.value.map((file) => <File key={file.name} file={file} />)}
+    </>
+  );
+}

@@ -1,0 +1,95 @@
+// The Run button's place: the Monte Carlo walk beside the live answer. The two share no integration; where
+// the walk's error bars hold the live value, the number is proved twice.
+
+import type { WalkState } from "../api/types.ts";
+import { count, digits, fixed } from "../model/format.ts";
+import { numberAt } from "../model/json.ts";
+import { fields, viewIndex } from "../state/design.ts";
+import { course, progress, run, stale, walk } from "../state/walk.ts";
+import { Curves } from "../plots/curves.tsx";
+import { dark } from "../state/theme.ts";
+import { Problems } from "./problems.tsx";
+
+const WIDTH = 260;
+/** The bars' axis reaches from -LIMIT to LIMIT times the error that is asked for. */
+const LIMIT = 4;
+
+/** The walk's Y less the live one, over it, with bars of one and two standard errors; the middle is the live answer. */
+function Bars({ state, target }: { state: WalkState; target: number }) {
+  const x = (relative: number) => WIDTH / 2 + (Math.max(-LIMIT, Math.min(LIMIT, relative / target)) * WIDTH) / (2 * LIMIT);
+  const off = (state.Y - state.live_Y) / state.live_Y;
+  const se = state.Y_se / state.live_Y;
+  return (
+    <svg class="bars" viewBox={`0 0 ${WIDTH} 18`} role="img" aria-label={`${fixed(100 * off, 3)} per cent from the live answer, standard error ${fixed(100 * se, 3)} per cent`}>
+      <path class="zero" d={`M${WIDTH / 2} 0V18`} />
+      <path class="bar-2" d={`M${x(off - 2 * se)} 9H${x(off + 2 * se)}`} />
+      <path class="bar-1" d={`M${x(off - se)} 9H${x(off + se)}`} />
+      <circle cx={x(off)} cy="9" r="3.2" />
+    </svg>
+  );
+}
+
+/** Agreement in words: how likely so large a distance is by chance is what counts. */
+const verdict = (z: number): string => (Math.abs(z) < 2 ? "agrees" : Math.abs(z) < 3 ? "agrees, barely" : "look again");
+
+function Rows({ states, target }: { states: readonly WalkState[]; target: number }) {
+  return (
+    <table class="numbers walk">
+      <thead>
+        <tr>
+          <th scope="col">state</th><th scope="col">Y live</th><th scope="col">Y walk</th>
+          <th scope="col" class="bar-head">walk less live, ±1 and ±2 standard errors</th><th scope="col">z</th><th scope="col">so</th>
+        </tr>
+      </thead>
+      <tbody>
+        {states.map((state) => (
+          <tr key={state.name}>
+            <th scope="row">{state.name}</th>
+            <td>{fixed(state.live_Y, 5)}</td>
+            <td>{fixed(state.Y, 5)} ± {fixed(state.Y_se, 5)}</td>
+            <td class="bar-cell"><Bars state={state} target={target} /></td>
+            <td>{fixed(state.z, 1)}</td>
+            <td class="words">{verdict(state.z ?? 0)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+export function WalkPanel() {
+  const target = numberAt(fields.value, "solver.relative_error") ?? 0.001;
+  const now = progress.value;
+  const running = walk.phase.value === "running";
+  const reached = now ? Math.min(1, (target / Math.max(now.relative_error, 1e-12)) ** 2) : 0;
+  const states = now?.states.filter((state) => state.view === viewIndex.value) ?? [];
+  return (
+    <>
+      <div class="controls">
+        {running
+          ? <button type="button" onClick={walk.cancel}>Cancel</button>
+          : <button type="button" class="run" onClick={run}>{now ? "Run again" : "Run the walk"}</button>}
+        <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the walk" />
+        <span role="status" data-phase={walk.phase.value}>
+          {walk.phase.value === "idle" && `to a relative error of ${digits(target, 2)}`}
+          {now && `${count(now.paths)} paths in ${fixed(now.seconds, 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
+          {walk.phase.value === "cancelled" && ", cancelled"}
+          {walk.phase.value === "done" && ", done"}
+        </span>
+      </div>
+      <Problems of={walk.problems.value} />
+      {stale.value && <p class="remark warning">The design has changed since; this walk is of the earlier one.</p>}
+      {states.length > 0 && <div class={stale.value ? "scroll stale" : "scroll"} tabIndex={0} role="region" aria-label="Walk and live answer"><Rows states={states} target={target} /></div>}
+      {course.value.length > 2 && (
+        <Curves
+          x={course.value.map(([paths]) => paths / 1e6)} xName="Paths (millions)" yName="Relative error of Y (%)" height={150} label="Relative error against paths"
+          curves={[{ name: "error", values: course.value.map(([, error]) => 100 * error), colour: dark.value ? "#7da4f2" : "#2b5fc7", dash: [], width: 2 }]}
+        />
+      )}
+      <p class="remark">
+        The walk follows light path by path and shares no integration with the live answer. Its errors are one sigma, of independent replicates; z is their distance in standard errors.
+        The relative error that it runs to is under Computing.
+      </p>
+    </>
+  );
+}

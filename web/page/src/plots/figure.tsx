@@ -1,0 +1,14 @@
+// A figure drawn by the program's own code, as a picture.
+
+import { useEffect } from "preact/hooks";
+import { useSignal } from "@preact/signals";
+
+export function Drawn({ svg, label }: { svg: string; label: string }) {
+  const address = useSignal("");
+  useEffect(() => {
+    const url = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+    address.value = url;
+    return () => URL.revokeObjectURL(url);
+  }, [svg]);
+  return address.value ? <img class="drawn" src={address.value} alt={label} /> : null;
+}

@@ -1,0 +1,52 @@
+// A sweep over one or two keys: its axes, and the points as they come.
+
+import { computed, signal } from "@preact/signals";
+
+import { post } from "../api/client.ts";
+import type { Edit, SweepPoint } from "../api/types.ts";
+import { numbers } from "../model/keys.ts";
+import { fields, text } from "./design.ts";
+import { fileIds } from "./files.ts";
+import { long } from "./work.ts";
+
+export interface Axis {
+  readonly path: string;
+  readonly from: number;
+  readonly to: number;
+  readonly count: number;
+}
+
+export const sweep = long();
+export const axes = signal<readonly Axis[]>([]);
+export const metric = signal("gamut_percent_srgb");
+export const points = signal<readonly SweepPoint[]>([]);
+/** The axes that the points belong to. */
+export const swept = signal<readonly Axis[]>([]);
+export const keys = computed(() => numbers(fields.value).map(([path]) => path));
+
+/** Values on an axis, evenly spaced. */
+export const valuesOf = ({ from, to, count }: Axis): number[] =>
+  Array.from({ length: count }, (_, i) => Number((from + ((to - from) * i) / Math.max(1, count - 1)).toPrecision(8)));
+
+/** A first axis for a key: about its present value. */
+export function axisFor(path: string, count: number): Axis {
+  const value = numbers(fields.value).find(([key]) => key === path)?.[1] ?? 1;
+  const share = /haze|share|transmittance|reflectance|albedo|fill_factor|diffuse$/.test(path);
+  const [from, to] = path.endsWith("theta_deg") ? [-60, 60] : share ? [0.1, 0.9] : value === 0 ? [0, 1] : [0.5 * value, 1.5 * value];
+  return { path, from: Number(from.toPrecision(4)), to: Number(to.toPrecision(4)), count };
+}
+
+/** The edits that write the sweep into a scenario, as `papilio sweep` reads it. */
+export function asEdits(): Edit[] {
+  const entries = axes.value.map((axis) => ({ [axis.path]: valuesOf(axis) }));
+  return [{ op: "set", path: "sweep", value: { figures: [metric.value], axes: entries } }];
+}
+
+export async function run(): Promise<void> {
+  swept.value = axes.value;
+  points.value = [];
+  const { scenario } = await post<{ scenario: string }>("edit", { scenario: text.value, edits: asEdits() });
+  await sweep.start("sweep", { scenario, files: fileIds.value }, (event, data) => {
+    if (event === "point") points.value = [...points.value, data as SweepPoint];
+  });
+}
