@@ -4,13 +4,14 @@ import { effect } from "@preact/signals";
 import { render } from "preact";
 
 import * as api from "./api/client.ts";
+import type { Start } from "./api/types.ts";
 import { App } from "./app.tsx";
 import { Schema, type Node } from "./model/schema.ts";
 import { acceptDrops } from "./panels/drop.tsx";
 import { redo, undo } from "./panels/header.tsx";
 import { schema, text } from "./state/design.ts";
-import { recallFiles } from "./state/files.ts";
-import { recallDesign, rememberDesign } from "./state/keep.ts";
+import { adopt, recallFiles } from "./state/files.ts";
+import { recall, recallDesign, remember, rememberDesign } from "./state/keep.ts";
 import { unpacked } from "./state/link.ts";
 import { replace } from "./state/live.ts";
 import { fillShelf } from "./state/shelf.ts";
@@ -18,8 +19,6 @@ import { followTheme } from "./state/theme.ts";
 import { history as steps } from "./state/undo.ts";
 import "./style/page.css";
 
-/** The example of a first visit. */
-const FIRST = "indoor";
 
 /** The token of a server beyond loopback comes in the fragment, and does not stay in the address. */
 function takeToken(): void {
@@ -31,9 +30,19 @@ function takeToken(): void {
   api.useToken(sessionStorage.getItem("papilio.token") ?? "");
 }
 
+/** The name of the scenario that `papilio serve FILE` was last started with. */
+const STARTED = "papilio.started";
+
+/** A link's scenario; or that of the command line, where it is a new one; or that of the last visit. */
 async function firstText(): Promise<string> {
   const linked = await unpacked(location.hash).catch(() => null);
-  return linked ?? recallDesign()?.text ?? (await api.named("examples", FIRST)).scenario;
+  if (linked !== null) return linked;
+  const kept = recallDesign()?.text;
+  const started = await api.get<Start>("start");
+  if (kept && recall<string>(STARTED) === started.name) return kept;
+  remember(STARTED, started.name);
+  adopt(started.files);
+  return started.scenario;
 }
 
 function keys(event: KeyboardEvent): void {

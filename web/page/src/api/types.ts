@@ -39,3 +39,4 @@ export interface Cone { figures: Figure[] }
 export interface WalkState { name: string; view: number; Y: number; Y_se: number; live_Y: number; z: number | null }
 export interface WalkProgress { paths: number; seconds: number; relative_error: number; states: WalkState[] }
 export interface SweepPoint { index: number; of: number; values: Record<string, unknown>; metrics: Record<string, Num> }
+export interface Start { name: string; scenario: string; files: Record<string, string> }

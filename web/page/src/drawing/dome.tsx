@@ -9,8 +9,8 @@ import { fields, selected, view } from "../state/design.ts";
 import { set } from "../state/live.ts";
 import { lightShares } from "../model/shares.ts";
 
-export const CENTRE = { x: 230, y: 186 } as const;
-const RADIUS = 158;
+export const CENTRE = { x: 230, y: 168 } as const;
+const RADIUS = 140;
 
 const point = (theta: number, radius = RADIUS): [number, number] => {
   const angle = (theta * Math.PI) / 180;

@@ -14,10 +14,10 @@ import { CENTRE, Dome } from "./dome.tsx";
 
 const LEFT = 14;
 const WIDTH = 432;
-const HEIGHTS: Record<Look, number> = { sheet: 19, guide: 19, diffuser: 30, slab: 36, medium: 34, face: 17, coating: 19, rough: 20 };
+const HEIGHTS: Record<Look, number> = { sheet: 19, guide: 19, diffuser: 26, slab: 32, medium: 27, face: 17, coating: 19, rough: 20 };
 const FILM = 18;
 /** Height of the largest gap. */
-const GAP = 52;
+const GAP = 44;
 const MIRROR = 16;
 
 /** A part of the drawing that is chosen by click, Enter or Space. */

@@ -32,11 +32,12 @@ export function groupOf(fields: Json, path: string): Map<string, number> | null 
   return null;
 }
 
-/** The edits that give one share a value and keep the sum at 1; `gone` shares are left out of the sum. */
+/** The edits that give one share a value and keep the sum at 1. */
 export function balanced(group: ReadonlyMap<string, number>, path: string, value: number): Edit[] {
+  const moved = rounded(value);
   const others = [...group].filter(([other]) => other !== path);
   const before = others.reduce((sum, [, share]) => sum + share, 0);
-  const rest = 1 - value;
+  const rest = rounded(1 - moved);
   const scaled = others.map(([other, share], i) => {
     const part = before > 0 ? share / before : other === "lighting.diffuse" || (i === others.length - 1 && !group.has("lighting.diffuse")) ? 1 : 0;
     return [other, rounded(rest * part)] as const;
@@ -44,7 +45,7 @@ export function balanced(group: ReadonlyMap<string, number>, path: string, value
   const off = rounded(rest - scaled.reduce((sum, [, share]) => sum + share, 0));
   const largest = scaled.reduce((best, [, share], i) => (share > (scaled[best]?.[1] ?? -1) ? i : best), 0);
   const all = scaled.map(([other, share], i) => [other, i === largest ? rounded(share + off) : share] as const);
-  return [[path, value] as const, ...all].map(([at, share]) => ({ op: "set", path: at, value: share }));
+  return [[path, moved] as const, ...all].map(([at, share]) => ({ op: "set", path: at, value: share }));
 }
 
 /** The edits that take a source away: its share goes to the others. */

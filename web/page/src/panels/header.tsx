@@ -1,10 +1,11 @@
 // What is done with the design as a whole: its name, undo, examples, open, save, link, pin, run.
 
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
-import { named } from "../api/client.ts";
+import { named, postForBlob, Refused } from "../api/client.ts";
 import { fields, text, title } from "../state/design.ts";
+import { fileIds } from "../state/files.ts";
 import { edit, replace, set } from "../state/live.ts";
 import { packed } from "../state/link.ts";
 import { pin, pinned, unpin } from "../state/pin.ts";
@@ -18,6 +19,13 @@ import { take } from "./drop.tsx";
 
 /** What was just done, for eyes and screen readers. */
 export const said = signal("");
+/** How long it is said, ms. */
+const SAID_MS = 4000;
+effect(() => {
+  if (said.value === "") return undefined;
+  const silence = setTimeout(() => (said.value = ""), SAID_MS);
+  return () => clearTimeout(silence);
+});
 
 const step = (whole: string | null): void => {
   if (whole !== null) replace(whole);
@@ -43,6 +51,20 @@ async function openExample(name: string): Promise<void> {
   if (name) replace((await named("examples", name)).scenario);
 }
 
+/** What a design is exported as: the command line's own files. */
+const EXPORTS = ["report.html", "result.json", "states.csv", "spectra.csv", "overview.svg", "overview.png", "chromaticity.svg", "spectra.svg", "patches.svg", "cone.svg"];
+
+async function exportAs(what: string): Promise<void> {
+  if (!what) return;
+  said.value = `Making ${what}…`;
+  try {
+    save(`${fileName()}-${what}`, await postForBlob("export", { scenario: text.value, files: fileIds.value, what }));
+    said.value = `${what} is saved.`;
+  } catch (why) {
+    said.value = why instanceof Refused ? why.message : String(why);
+  }
+}
+
 function Mark() {
   return (
     <svg class="logo" viewBox="0 0 32 32" aria-hidden="true">
@@ -64,13 +86,17 @@ export function Header() {
       <div class="tools">
         <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">Undo</button>
         <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">Redo</button>
-        <select aria-label="Examples" value="" onChange={(event) => { void openExample(event.currentTarget.value); event.currentTarget.value = ""; }}>
+        <select class="examples" aria-label="Examples" value="" onChange={(event) => { void openExample(event.currentTarget.value); event.currentTarget.value = ""; }}>
           <option value="">Examples</option>
           {EXAMPLES.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
         </select>
         <button type="button" onClick={() => chooser.current?.click()} title="A scenario, or a measured file">Open</button>
         <input ref={chooser} class="hidden" type="file" multiple tabIndex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
         <button type="button" onClick={() => save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }))}>Save</button>
+        <select class="export" aria-label="Export" value="" onChange={(event) => { void exportAs(event.currentTarget.value); event.currentTarget.value = ""; }}>
+          <option value="">Export</option>
+          {EXPORTS.map((what) => <option key={what} value={what}>{what}</option>)}
+        </select>
         <button type="button" onClick={() => void copyLink()}>Link</button>
         <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : pin())}>{pinned.value ? "Unpin" : "Pin"}</button>
         <button type="button" class="run" onClick={() => (openTab.value = "walk")}>Run</button>

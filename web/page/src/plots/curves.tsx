@@ -19,7 +19,8 @@ interface Props {
   curves: readonly Curve[];
   xName: string;
   yName: string;
-  height: number;
+  /** px; without it the curves fill their box. */
+  height?: number;
   /** The least that the ordinate reaches from and to. */
   range?: readonly [number, number];
   label: string;
@@ -33,13 +34,15 @@ const FONT = "11px Roboto, Helvetica, Arial, sans-serif";
 const ink = () => (dark.value ? "#b4b9c1" : "#555555");
 const faint = () => (dark.value ? "#2b2f36" : "#ececec");
 
-function options(props: Props, width: number): uPlot.Options {
+/** The size of the plot in its box. */
+const sizeIn = (box: HTMLElement, height: number | undefined) => ({ width: box.clientWidth || 400, height: height ?? Math.max(200, box.clientHeight) });
+
+function options(props: Props, size: { width: number; height: number }): uPlot.Options {
   const axis = (label: string): uPlot.Axis => ({
     stroke: ink, grid: { stroke: faint, width: 1 }, ticks: { stroke: faint, width: 1, size: 5 }, font: FONT, labelFont: FONT, label, labelSize: 18, labelGap: 2,
   });
   return {
-    width,
-    height: props.height,
+    ...size,
     padding: [10, 12, 0, 0],
     legend: { show: false },
     cursor: { y: false, points: { size: 7 }, drag: { x: false, y: false } },
@@ -93,9 +96,9 @@ export function Curves(props: Props) {
     const box = holder.current;
     if (!box) return;
     const forward = { ...latest.current, hover: (index: number | null) => latest.current.hover?.(index) };
-    const made = new uPlot(options(forward, box.clientWidth || 400), data(latest.current), box);
+    const made = new uPlot(options(forward, sizeIn(box, props.height)), data(latest.current), box);
     plot.current = made;
-    const watch = new ResizeObserver(() => box.clientWidth > 0 && made.setSize({ width: box.clientWidth, height: latest.current.height }));
+    const watch = new ResizeObserver(() => box.clientWidth > 0 && made.setSize(sizeIn(box, latest.current.height)));
     watch.observe(box);
     return () => {
       watch.disconnect();
@@ -109,8 +112,7 @@ export function Curves(props: Props) {
     else plot.current.marked = props.marked;
     plot.current.setData(data(props));
   }, [props.x, props.curves, props.marked]);
-  const height = (element: HTMLDivElement | null) => element?.style.setProperty("min-height", `${props.height}px`);
-  return <div class="curves" role="img" aria-label={props.label} ref={(e) => { holder.current = e; height(e); }} />;
+  return <div class={props.height === undefined ? "curves fill" : "curves"} role="img" aria-label={props.label} ref={holder} />;
 }
 
 const data = (props: Props): uPlot.AlignedData => [props.x, ...props.curves.map((curve) => curve.values)] as unknown as uPlot.AlignedData;

@@ -31,7 +31,7 @@ function candidate(point: Named, angle: number, distance: number): { placed: Pla
   const anchor = c > 0.4 ? "start" : c < -0.4 ? "end" : "middle";
   const left = anchor === "start" ? px : anchor === "end" ? px - width : px - width / 2;
   const from = distance > 14 ? ([point.x + 7 * c, point.y + 7 * s, point.x + (distance - 3) * c, point.y + (distance - 3) * s] as const) : null;
-  return { placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from }, box: { left, right: left + width, top: py - 6 + 3 * s, bottom: py + 6 + 3 * s } };
+  return { placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from }, box: { left, right: left + width, top: py - 8 + 3 * s, bottom: py + 8 + 3 * s } };
 }
 
 export function placed(points: readonly Named[]): Placed[] {

@@ -55,7 +55,7 @@ export function Spectra() {
       <figcaption>Spectra <small>{nm === null || nm === undefined ? "move over the curves to read them" : `at ${fixed(nm, 0)} nm`}</small></figcaption>
       <div class="with-key">
         <Curves
-          x={wavelengths.value} curves={curves.value} xName="Wavelength (nm)" yName={name} height={372} range={radiance ? [0, 0] : [0, 0.1]}
+          x={wavelengths.value} curves={curves.value} xName="Wavelength (nm)" yName={name} range={radiance ? [0, 0] : [0, 0.1]}
           label={`${name} of each state against wavelength; the numbers are in spectra.csv`} hover={(index) => (under.value = index)}
         />
         <ul class="curve-key">

@@ -1,0 +1,38 @@
+// Edits while they wait: a slider's newest value takes the place of its older ones, and nothing changes order
+// across an insertion.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import type { Edit } from "../../src/api/types.ts";
+import { edited, merged } from "../../src/state/edits.ts";
+
+const set = (path: string, value: unknown): Edit => ({ op: "set", path, value });
+
+test("a key that is set again takes the newer value alone", () => {
+  assert.deepEqual(merged([set("a", 1), set("b", 1)], [set("a", 2)]), [set("b", 1), set("a", 2)]);
+});
+
+test("what was set before an insertion stays before it", () => {
+  const insert: Edit = { op: "insert", path: "display.front", index: 0, value: {} };
+  const before = set("display.front.0.reflectance", 0.1);
+  const after = set("display.front.0.reflectance", 0.2);
+  assert.deepEqual(merged([before, insert], [after]), [before, insert, after]);
+});
+
+test("fields show an edit at once, and the answer they came from does not change", () => {
+  const fields = { display: { pixel: { film: [{ thickness_nm: 1 }, { thickness_nm: 2 }] } } };
+  const now = edited(fields, [
+    set("display.pixel.film.1.thickness_nm", 9),
+    { op: "move", path: "display.pixel.film", from: 1, to: 0 },
+    { op: "insert", path: "display.pixel.film", index: 1, value: { thickness_nm: 5 } },
+    { op: "remove", path: "display.pixel.film.2" },
+    set("viewer.theta_deg", 8),
+  ]);
+  assert.deepEqual(now, { display: { pixel: { film: [{ thickness_nm: 9 }, { thickness_nm: 5 }] } }, viewer: { theta_deg: 8 } });
+  assert.equal(fields.display.pixel.film[1]!.thickness_nm, 2);
+});
+
+test("an insertion makes the list that is not there", () => {
+  assert.deepEqual(edited({ display: {} }, [{ op: "insert", path: "display.front", index: 0, value: 1 }]), { display: { front: [1] } });
+});

@@ -1,0 +1,39 @@
+// Undo and redo over whole texts.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { begin, record, redo, undo } from "../../src/state/history.ts";
+
+test("undo goes back step by step, redo forward, and a change ends redo", () => {
+  let history = record(record(begin("a"), "b", "", 0), "c", "", 0);
+  history = undo(history);
+  assert.equal(history.present, "b");
+  history = undo(history);
+  assert.equal(history.present, "a");
+  assert.equal(undo(history), history);
+  history = redo(history);
+  assert.equal(history.present, "b");
+  history = record(history, "d", "", 0);
+  assert.equal(redo(history), history);
+  assert.equal(undo(history).present, "b");
+});
+
+test("a drag is one step, a second drag after a pause another", () => {
+  let history = begin("0");
+  for (let i = 1; i <= 50; i++) history = record(history, String(i), "haze", 10 * i);
+  history = record(history, "51", "haze", 10_000);
+  assert.deepEqual(history.past, ["0", "50"]);
+});
+
+test("after an undo the same slider starts a step of its own", () => {
+  let history = record(begin("a"), "b", "haze", 0);
+  history = record(undo(history), "c", "haze", 1);
+  assert.equal(undo(history).present, "a");
+});
+
+test("what is kept is bounded", () => {
+  let history = begin("0");
+  for (let i = 1; i < 1000; i++) history = record(history, String(i), "", i);
+  assert.equal(history.past.length, 200);
+});

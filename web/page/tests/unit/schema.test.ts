@@ -1,0 +1,54 @@
+// Forms are made from the schema: what a path leads to, in the real grammar.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { position, span, valueAt } from "../../src/model/span.ts";
+import { label, limits, Schema, unit } from "../../src/model/schema.ts";
+
+const GRAMMAR = new Schema({
+  $defs: {
+    Diffuser: {
+      oneOf: [
+        { type: "object", properties: { model: { const: "ward" }, alpha: { type: "number", minimum: 0.005, maximum: 1 } }, required: ["model", "alpha"] },
+        { type: "object", properties: { model: { const: "k-correlation" }, haze: { type: "number", exclusiveMinimum: 0, exclusiveMaximum: 1, description: "ASTM `haze`." }, s: { type: "number", default: 0 } }, required: ["model"] },
+      ],
+    },
+  },
+  type: "object",
+  properties: { diffuser: { $ref: "#/$defs/Diffuser", description: "Beside the reference." }, films: { type: "array", items: { type: "object", properties: { t: { type: "number" } } } } },
+});
+
+test("alternatives are chosen by the value, references followed", () => {
+  const values = { diffuser: { model: "k-correlation", haze: 0.5 } };
+  const found = GRAMMAR.find("diffuser.haze", values);
+  assert.deepEqual(limits(found!.node), { min: 0, max: 1 });
+  assert.equal(GRAMMAR.find("diffuser.alpha", values), null);
+  assert.equal(GRAMMAR.find("diffuser", values)!.node.description, "Beside the reference.");
+  assert.equal(GRAMMAR.find("diffuser", values)!.def, "Diffuser");
+  assert.equal(GRAMMAR.find("films.3.t", {})!.node.type, "number");
+});
+
+test("keys that were given come before those with defaults, the rest is to be added", () => {
+  const found = GRAMMAR.find("diffuser", {})!;
+  assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation", s: 0, haze: 0.5 }), { shown: ["haze", "s"], more: [] });
+  assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation" }).more, ["haze", "s"]);
+  assert.deepEqual(GRAMMAR.discriminator(found.node)!.values, ["ward", "k-correlation"]);
+});
+
+test("labels and units come from the keys", () => {
+  assert.equal(label("thickness_nm"), "Thickness");
+  assert.equal(unit("thickness_nm"), "nm");
+  assert.equal(unit("illuminance_lx"), "lx");
+  assert.equal(unit("index"), "");
+});
+
+test("a slider's ends give its ends back, linear or not", () => {
+  for (const [key, range, value] of [["thickness_nm", { min: 0, max: 1e6 }, 55.9], ["illuminance_lx", { min: 1e-6, max: 1e9 }, 500], ["haze", { min: 0, max: 1 }, 0.78]] as const) {
+    const scale = span(key, range, value);
+    assert.equal(valueAt(scale, 0), scale.min);
+    assert.equal(valueAt(scale, 1), scale.max);
+    assert.ok(Math.abs(valueAt(scale, position(scale, value)) / value - 1) < 0.01);
+  }
+  assert.ok(span("thickness_nm", { min: 0, max: 1e6 }, 900).max >= 900);
+});
