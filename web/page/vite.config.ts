@@ -1,9 +1,9 @@
 // The page as static files under dist/, for `papilio serve` to carry.
-// `vite` alone serves the sources and passes /api on to a `papilio serve` at PAPILIO (default port 7878).
+// `vite` alone serves the sources and passes /api on to a `papilio serve` at PAPILIO (default port 7417).
 
 import { defineConfig } from "vite";
 
-const server = process.env["PAPILIO"] ?? "http://127.0.0.1:7878";
+const server = process.env["PAPILIO"] ?? "http://127.0.0.1:7417";
 
 export default defineConfig({
   base: "./",

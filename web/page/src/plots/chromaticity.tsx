@@ -1,7 +1,7 @@
 // The u'v' diagram: spectral locus, sRGB and EBU, the display's gamut, its states and its light; the pinned
 // design's gamut dashed beside it.
 
-import { useComputed } from "@preact/signals";
+import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import type { View } from "../api/types.ts";
@@ -16,9 +16,9 @@ import { placed } from "./place.ts";
 
 /** px per unit of u' and v', and the place of the origin. */
 const SCALE = 640;
-const LEFT = 56;
+const LEFT = 78;
 const BOTTOM = 406;
-const WIDTH = 474;
+const WIDTH = 496;
 const HEIGHT = 444;
 
 type Uv = readonly [number, number];
@@ -88,10 +88,10 @@ function Axes() {
   return (
     <g aria-hidden="true">
       {us.map((u) => <path key={u} class="grid" d={`M${x(u)} ${y(0)}V${y(0.62)}`} />)}
-      {vs.map((v) => <path key={v} class="grid" d={`M${x(0) - 14} ${y(v)}H${x(0.64)}`} />)}
-      <path class="axis" d={`M${x(0) - 14} ${y(0)}H${x(0.64)}`} />
+      {vs.map((v) => <path key={v} class="grid" d={`M${x(0) - 34} ${y(v)}H${x(0.64)}`} />)}
+      <path class="axis" d={`M${x(0) - 34} ${y(0)}H${x(0.64)}`} />
       {us.map((u) => <text key={u} class="scale" x={x(u)} y={y(0) + 17} text-anchor="middle">{u.toFixed(1)}</text>)}
-      {vs.slice(1).map((v) => <text key={v} class="scale" x={x(0) - 20} y={y(v) + 4} text-anchor="end">{v.toFixed(1)}</text>)}
+      {vs.slice(1).map((v) => <text key={v} class="scale" x={x(0) - 40} y={y(v) + 4} text-anchor="end">{v.toFixed(1)}</text>)}
       <text class="scale" x={x(0.32)} y={HEIGHT - 4} text-anchor="middle">u′</text>
       <text class="scale" x={6} y={y(0.31)}>v′</text>
       {NAMED_NM.map((nm) => <Wavelength key={nm} nm={nm} />)}
@@ -108,12 +108,12 @@ export function gamut(of: View | null): Uv[] | null {
 }
 
 /** Discs in the states' colours with their names, crosses where a standard error is seen. */
-function Marks() {
+function Marks({ size }: { size: number }) {
   const colours = useColours().value.colours;
   const light = result.value?.illuminant;
   const shown = states.value.flatMap(([name, s]) => (s.u_prime !== null && s.v_prime !== null && Math.abs(s.u_prime) < 0.7 && Math.abs(s.v_prime) < 0.7 ? [{ name, u: s.u_prime, v: s.v_prime, se: s.standard_error }] : []));
   const points = [...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) })), ...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : [])];
-  const names = placed(points);
+  const names = placed(points, size);
   return (
     <g>
       {light && <path class="light-mark" d={`M${x(light.u_prime) - 6} ${y(light.v_prime)}h12m-6 -6v12`} />}
@@ -137,10 +137,10 @@ function Marks() {
   );
 }
 
-function Key() {
+function Key({ size }: { size: number }) {
   const now = view.value;
   const line = (text: string, kind: string, at: number) => (
-    <g transform={`translate(${x(0.39)} ${y(0.145) + 18 * at})`} key={kind}>
+    <g transform={`translate(${x(0.43) - 30 * size} ${y(0.16) + 18 * size * at})`} key={kind}>
       <path class={kind} d="M0 -4H24" />
       <text class="key" x="31">{text}</text>
     </g>
@@ -160,10 +160,22 @@ function Key() {
 export function Chromaticity() {
   const own = useComputed(() => gamut(view.value));
   const before = useComputed(() => (pinned.value ? gamut(pinnedView.value) : null));
+  const holder = useRef<HTMLDivElement>(null);
+  const size = useSignal(1);
+  useEffect(() => {
+    // Letters stay readable where the drawing is small.
+    const fit = () => {
+      size.value = Math.min(1.3, Math.max(1, WIDTH / (holder.current?.clientWidth || WIDTH)));
+      holder.current?.style.setProperty("--size", size.value.toFixed(3));
+    };
+    const watch = new ResizeObserver(fit);
+    if (holder.current) watch.observe(holder.current);
+    return () => watch.disconnect();
+  }, []);
   return (
     <figure class="chromaticity">
       <figcaption>Chromaticity <small>u′v′, CIE 1976</small></figcaption>
-      <div class="canvas">
+      <div class="canvas" ref={holder}>
         <Tint />
         <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table">
           <Axes />
@@ -172,8 +184,8 @@ export function Chromaticity() {
           <path class="ebu" d={path(EBU)} />
           {before.value && <path class="pinned-line" d={path(before.value)} />}
           {own.value && <path class="own" d={path(own.value)} />}
-          <Marks />
-          <Key />
+          <Marks size={size.value} />
+          <Key size={size.value} />
         </svg>
       </div>
     </figure>

@@ -6,6 +6,13 @@ export interface Named {
   readonly y: number;
 }
 
+/** Whether the middle or the end of a leader lies in a box. */
+const within = ({ left, right, top, bottom }: Box, [x0, y0, x1, y1]: readonly [number, number, number, number]): boolean =>
+  [0.35, 0.7, 1].some((t) => {
+    const [x, y] = [x0 + t * (x1 - x0), y0 + t * (y1 - y0)];
+    return x > left && x < right && y > top && y < bottom;
+  });
+
 export interface Placed extends Named {
   readonly anchor: "start" | "end" | "middle";
   /** A leader from the point, where the name stands apart. */
@@ -19,31 +26,35 @@ interface Box {
   bottom: number;
 }
 
+/** Width of a letter, px of the drawing, where letters are of plain size. */
 const LETTER = 6.3;
 const overlap = (a: Box, b: Box): number =>
   Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
 
 /** A name at a distance in one of eight directions. */
-function candidate(point: Named, angle: number, distance: number): { placed: Placed; box: Box } {
+function candidate(point: Named, angle: number, distance: number, size: number): { placed: Placed; box: Box } {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const [px, py] = [point.x + distance * c, point.y + distance * s];
-  const width = LETTER * point.name.length;
+  const width = LETTER * size * point.name.length;
+  const half = 8 * size;
   const anchor = c > 0.4 ? "start" : c < -0.4 ? "end" : "middle";
   const left = anchor === "start" ? px : anchor === "end" ? px - width : px - width / 2;
   const from = distance > 14 ? ([point.x + 7 * c, point.y + 7 * s, point.x + (distance - 3) * c, point.y + (distance - 3) * s] as const) : null;
-  return { placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from }, box: { left, right: left + width, top: py - 8 + 3 * s, bottom: py + 8 + 3 * s } };
+  return { placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from }, box: { left, right: left + width, top: py - half + 3 * s, bottom: py + half + 3 * s } };
 }
 
-export function placed(points: readonly Named[]): Placed[] {
+/** Places for letters of `size` times the plain one. */
+export function placed(points: readonly Named[], size: number): Placed[] {
   const marks: Box[] = points.map(({ x, y }) => ({ left: x - 7, right: x + 7, top: y - 7, bottom: y + 7 }));
   const taken: Box[] = [];
   return points.map((point) => {
     let best: { placed: Placed; box: Box; cost: number } | null = null;
-    for (const distance of [10, 22, 34]) {
+    for (const distance of [10, 10 + 12 * size, 10 + 24 * size]) {
       for (let turn = 0; turn < 8; turn++) {
-        const one = candidate(point, (turn * Math.PI) / 4, distance);
+        const one = candidate(point, (turn * Math.PI) / 4, distance, size);
         const crowd = [...marks, ...taken].reduce((sum, box) => sum + overlap(one.box, box), 0);
-        const cost = crowd * 10 + distance + (turn === 0 ? 0 : turn === 4 ? 1 : 2) + (one.box.left < 60 ? 200 : 0);
+        const leader = marks.reduce((sum, box) => sum + (one.placed.from && within(box, one.placed.from) ? 60 : 0), 0);
+        const cost = crowd * 10 + leader + distance + (turn === 0 ? 0 : turn === 4 ? 1 : 2) + (one.box.left < 60 ? 200 : 0);
         if (!best || cost < best.cost) best = { ...one, cost };
       }
     }

@@ -7,7 +7,7 @@ import { balanced, lightShares, without } from "../../src/model/shares.ts";
 import { edited } from "../../src/state/edits.ts";
 import type { Json } from "../../src/model/json.ts";
 
-const ROOM: Json = { lighting: { diffuse: 0.5, directed: [{ theta_deg: -20, share: 0.3 }, { theta_deg: 40, share: 0.2 }], environment: [] } };
+const ROOM = { lighting: { diffuse: 0.5, directed: [{ theta_deg: -20, share: 0.3 }, { theta_deg: 40, share: 0.2 }], environment: [] } };
 const sum = (fields: Json) => [...lightShares(fields).values()].reduce((total, share) => total + share, 0);
 
 test("the others give way in proportion", () => {
@@ -19,7 +19,7 @@ test("the others give way in proportion", () => {
 });
 
 test("the sum is 1 for any value, and a light can have all of it and give it back", () => {
-  let now = ROOM;
+  let now: Json = ROOM;
   for (const value of [1 / 3, 0.123457, 1, 0, 0.7]) {
     now = edited(now, balanced(lightShares(now), "lighting.directed.1.share", value));
     assert.ok(Math.abs(sum(now) - 1) < 1e-9, `${value}: ${sum(now)}`);
