@@ -24,6 +24,11 @@ use clap::Parser;
 
 use arguments::{Arguments, Command, Study};
 
+/// Small vectors come and go in every evaluation of a prepared display, which takes 5 to 8 % longer with the
+/// system's allocator.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Why a command did not end well.
 #[derive(Debug, thiserror::Error)]
 enum Failure {

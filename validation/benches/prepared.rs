@@ -12,6 +12,10 @@ use papilio_display::scene::{Layers, Method, Pixel, Scene, Stop, Thickness};
 use papilio_display::{BrdfGrid, ConeGrid, Control, Prepared, brdf, cone};
 use papilio_validation::{run_on, scenario};
 
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() {
     divan::main();
 }

@@ -16,6 +16,10 @@ use papilio_sampling::{Numbers, Sampler};
 use papilio_validation::walked;
 use pulp::{Arch, Simd, WithSimd};
 
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 const RUNS: u64 = 21;
 
 const ONE_STATE: &str = "display.pixel.states={ white = { red = 1.0, green = 1.0, blue = 1.0 } }";

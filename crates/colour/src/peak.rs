@@ -8,6 +8,8 @@ const FLAT: f64 = 1e-9;
 /// Where a peak is looked for, nm.
 const SEARCHED_NM: (f64, f64) = (400.0, 700.0);
 
+const LANES: usize = 8;
+
 /// Wavelength of the largest value between 400 and 700 nm, by the parabola
 /// through the largest sample and its two neighbours.
 ///
@@ -21,14 +23,9 @@ pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
     };
     let mut bins = 0..grid.len().min(values.len());
     let (first, last) = (bins.clone().find(searched)?, bins.rfind(searched)?);
-    let (mut top, mut lowest) = (first, f64::INFINITY);
-    for i in first..=last {
-        if values[i] > values[top] || values[top].is_nan() {
-            top = i;
-        }
-        lowest = lowest.min(values[i]);
-    }
-    if top == first || top == last || values[top] - lowest <= FLAT * values[top].abs() {
+    let (lowest, largest) = extremes(&values[first..=last]);
+    let top = first + values[first..=last].iter().position(|value| *value == largest)?;
+    if top == first || top == last || largest - lowest <= FLAT * largest.abs() {
         return None;
     }
     let (left, centre, right) = (values[top - 1], values[top], values[top + 1]);
@@ -36,6 +33,18 @@ pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
     // A flat top (curvature 0) peaks at its first sample.
     let shift = if curvature < 0.0 { 0.5 * (left - right) / curvature } else { 0.0 };
     Some(grid.wavelength_nm(top) + shift * grid.step_nm())
+}
+
+/// The least and the largest value; NaN is neither. In lanes, so that comparisons do not wait for each other.
+fn extremes(values: &[f64]) -> (f64, f64) {
+    let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    for chunk in values.chunks(LANES) {
+        for ((least, most), value) in least.iter_mut().zip(&mut most).zip(chunk) {
+            *least = if value < least { *value } else { *least };
+            *most = if value > most { *value } else { *most };
+        }
+    }
+    (least.into_iter().fold(f64::INFINITY, f64::min), most.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 #[cfg(test)]
