@@ -39,7 +39,7 @@ impl Channel {
     }
 
     /// Light on its first pass.
-    #[inline]
+    #[inline(always)]
     pub(super) fn look_up(&mut self, stencil: &Stencil, weight: f64) {
         let slots = &mut self.nodes[stencil.first..][..Stencil::LEN];
         slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);

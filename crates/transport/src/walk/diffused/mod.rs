@@ -370,7 +370,7 @@ impl<'a> Diffused<'a> {
         self.look_up_at(base.squared())
     }
 
-    #[inline]
+    #[inline(always)]
     fn look_up_at(&self, squared: f64) -> Stencil {
         match (&self.stack.base.reflector, self.stack.medium.constant_index()) {
             (Reflector::Specular(table), Some(index)) => table.nodes.stencil(squared, index),

@@ -102,6 +102,26 @@ impl WithSimd for Pass<'_, '_> {
     }
 }
 
+/// Adds those of a group that are wanted to the sums.
+struct Add<'a, 'b> {
+    walk: &'a Diffused<'b>,
+    wanted: Range<u64>,
+    first: u64,
+    tally: &'a mut Tally,
+}
+
+impl WithSimd for Add<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { walk, wanted, first, tally } = self;
+        for path in wanted {
+            walk.add(&tally.group, (path - first) as usize, &mut tally.sums);
+        }
+    }
+}
+
 impl Diffused<'_> {
     /// Whether [`Self::paths`] knows the way.
     pub(super) fn goes_together(&self) -> bool {
@@ -137,9 +157,10 @@ impl Diffused<'_> {
             let first = number * LANES as u64;
             let group = &mut tally.group;
             Arch::new().dispatch(Pass { walk: self, width, numbers, first, group });
-            for path in paths.start.max(first)..paths.end.min(first + LANES as u64) {
+            let wanted = paths.start.max(first)..paths.end.min(first + LANES as u64);
+            Arch::new().dispatch(Add { walk: self, wanted: wanted.clone(), first, tally });
+            for path in wanted {
                 let k = (path - first) as usize;
-                self.add(&tally.group, k, &mut tally.sums);
                 if tally.group.survival[k] < self.survival {
                     let above = Beta { x: tally.group.above[0][k], y: tally.group.above[1][k] };
                     let numbers = PathNumbers { numbers, path, start: numbers.block(path, 0) };
@@ -150,7 +171,7 @@ impl Diffused<'_> {
     }
 
     /// Path `k` of a group to the sums.
-    #[inline]
+    #[inline(always)]
     fn add(&self, group: &Group, k: usize, sums: &mut Sums) {
         sums.entering.add(None, 1.0);
         let index = self.stack.medium.largest_index();
