@@ -8,13 +8,14 @@
 
 mod books;
 mod first;
+mod numbers;
 mod sources;
 mod together;
 
 use std::ops::Range;
 
 use papilio_optics::Beta;
-use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
+use papilio_sampling::{Numbers, warp};
 
 use super::strategy::Drawing;
 use super::tally::Reflected;
@@ -25,6 +26,7 @@ use crate::{Diffuser, Reflector};
 pub(super) use books::Tally;
 use books::{Room, Sums};
 use first::{First, Guided, SPLITS};
+use numbers::PassNumbers;
 
 /// A path never goes on with a higher probability than this.
 const MOST_SURVIVAL: f64 = 0.999;
@@ -406,67 +408,6 @@ impl<'a> Diffused<'a> {
         let kept: Vec<f64> =
             medium.index().iter().map(|&n| spread.kept(beta, n, medium.largest_index())).collect();
         scale_rows(spectra, &kept);
-    }
-}
-
-/// The uniform numbers of one pass, for each decision its own.
-#[derive(Clone, Copy)]
-struct PassNumbers<'a> {
-    path: &'a PathNumbers<'a>,
-    pass: u32,
-    down: [f64; 2],
-    up: [f64; 2],
-    /// Where a Lambertian base sends the light.
-    base: [f64; 2],
-    /// Whether the path goes on.
-    survival: f64,
-    /// Which point of a source.
-    on_source: [f64; 2],
-    /// Which direction below the diffuser, from the source's side.
-    backwards: [f64; 2],
-}
-
-impl<'a> PassNumbers<'a> {
-    #[inline]
-    fn new(numbers: &'a PathNumbers<'a>, pass: u32, walk: &Diffused<'_>) -> Self {
-        if pass == 0 {
-            return Self::planned(numbers, walk);
-        }
-        let [down @ .., a, b] = numbers.block(Self::of_pass(pass));
-        let [base @ .., survival, _] = numbers.block(Self::of_pass(pass) + 1);
-        let [on_source @ .., d, e] =
-            if walk.directed { numbers.block(Self::of_pass(pass) + 2) } else { [0.5; 4] };
-        Self { path: numbers, pass, down, up: [a, b], base, survival, on_source, backwards: [d, e] }
-    }
-
-    /// Those of the first pass. A direction drawn from either end is two techniques, whose errors do not
-    /// depend on each other's numbers: the same, best ones serve.
-    #[inline]
-    fn planned(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
-        let down = numbers.beside_field();
-        let [of_base @ .., on_source, beside] =
-            if walk.discs || !walk.specular { numbers.block(1) } else { [0.5; 4] };
-        let [survival, _, last @ ..] = numbers.block(PLANNED_BLOCKS - 1);
-        let (up, backwards) = if walk.specular { (of_base, down) } else { (last, of_base) };
-        let on_source = [on_source, beside];
-        Self { path: numbers, pass: 0, down, up, base: of_base, survival, on_source, backwards }
-    }
-
-    /// The first of the blocks of a pass after the first, five for each.
-    #[inline]
-    fn of_pass(pass: u32) -> u32 {
-        PLANNED_BLOCKS + 5 * pass
-    }
-
-    /// For the way on: down and up through the diffuser.
-    fn going_on(&self) -> [f64; 4] {
-        self.path.block(if self.pass == 0 { 2 } else { Self::of_pass(self.pass) + 3 })
-    }
-
-    /// For the way on: off a Lambertian base.
-    fn base_going_on(&self) -> [f64; 2] {
-        let [base @ .., _, _] = self.path.block(Self::of_pass(self.pass) + 4);
-        base
     }
 }
 

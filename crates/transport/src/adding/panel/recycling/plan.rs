@@ -1,0 +1,167 @@
+//! How far recycled light is followed: the grid's fineness, azimuthal orders, terms of the series.
+
+use papilio_optics::lobe::Lobe;
+
+use super::Pass;
+use crate::Nodes;
+
+/// Lobes of this width and wider are on the grid themselves, at every level.
+pub(in super::super) const NARROWEST: f64 = 0.035;
+
+/// How far recycled light is followed.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Plan {
+    /// Of the whole result, natural.
+    pub(super) digits: f64,
+    /// Natural digits by which a pass weakens the light, rounded down to halves.
+    pub(super) weakening: f64,
+    /// Terms of the reflectance in orders 2, 3, ... of the series; none: each column by itself.
+    pub(super) terms: Vec<usize>,
+    /// Azimuthal orders.
+    pub(super) orders: usize,
+    /// Of recycled light, natural.
+    pub(super) recycled_digits: f64,
+    /// The lobe's width on the grid.
+    pub(super) width: f64,
+}
+
+/// Terms before which a polynomial does not follow the swings of a film's reflectance over angle
+/// at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
+const TERMS_OF_SWINGS: f64 = 5.0;
+/// Natural digits that one more term of the reflectance gives from there on (films, over 0 to 90 deg).
+const DIGITS_A_TERM: f64 = 1.2;
+/// The same for tables with kinks.
+const DIGITS_A_KINK: f64 = 0.5;
+/// The largest forms.
+const MOST_COEFFICIENTS: usize = 5000;
+
+impl Plan {
+    /// For light that loses all but the share `strength` between passes; `reach` is the largest
+    /// `sqrt(|beta_v| |beta_l|)` of a view and a directed source. `None` where nothing is sent back.
+    pub(in super::super) fn new(pass: &Pass<'_>, strength: f64, reach: Option<f64>) -> Option<Self> {
+        let digits = pass.digits;
+        let weakening = (-2.0 * strength.min(1.0).ln()).floor() / 2.0;
+        if strength <= 0.0 || weakening > digits {
+            return None;
+        }
+        let needed = (digits - weakening).max(LEAST_DIGITS);
+        let mut plan =
+            Self { digits, weakening, terms: Vec::new(), orders: 1, recycled_digits: needed, width: WIDEST };
+        if let Lobe::KCorrelation { width } = pass.diffuser.lobe {
+            plan.width = width.min(WIDEST);
+            plan.fit(pass, reach);
+        }
+        plan.terms = plan.forms(pass.table).unwrap_or_default();
+        Some(plan)
+    }
+
+    /// Gives up digits, then widens the lobe, until the grid is small enough; a finer level has a larger one.
+    fn fit(&mut self, pass: &Pass<'_>, reach: Option<f64>) {
+        let most = MOST_ELEMENTS * (self.digits / 7.0).exp();
+        self.orders = self.orders_for(pass, reach);
+        while self.size(pass) > most && self.width < WIDEST {
+            if self.recycled_digits > FEWEST_DIGITS_ON_A_LARGE_GRID {
+                self.recycled_digits -= 0.5;
+            } else {
+                self.width *= 1.02;
+            }
+            self.orders = self.orders_for(pass, reach);
+        }
+    }
+
+    /// Away from a narrow lobe's peak light is fainter than there, by the cube of the distance; the
+    /// grid's error is not.
+    pub(super) fn grid_digits(&self) -> f64 {
+        self.recycled_digits + 3.0 * (WIDTH_WITHOUT_PEAK / self.width).ln().max(0.0)
+    }
+
+    pub(super) fn orders_for(&self, pass: &Pass<'_>, reach: Option<f64>) -> usize {
+        let lobes = if pass.straight() > 0.0 { 2.0 } else { 4.0 };
+        1 + reach.map_or(0, |reach| rounded_up(self.grid_digits() * reach / (lobes * self.width)))
+    }
+
+    /// Elements of the lobe between the grid's nodes, roughly.
+    fn size(&self, pass: &Pass<'_>) -> f64 {
+        let nodes = 0.4 * self.grid_digits() / self.width;
+        nodes * nodes * pass.index * self.orders as f64
+    }
+
+    /// The azimuthal orders that order `k + 2` of the series needs: fewer where less is left of the light.
+    pub(super) fn orders_of(&self, k: usize) -> usize {
+        let left = (self.digits - (k + 1) as f64 * self.weakening) / (self.digits - self.weakening).max(1e-9);
+        let orders = ((self.orders - 1) as f64 * left).ceil().max(0.0) as usize;
+        (1 + orders).min(self.orders)
+    }
+
+    /// The terms of each order, if forms are not too large.
+    fn forms(&self, table: &Nodes) -> Option<Vec<usize>> {
+        let mut terms = Vec::new();
+        let mut size = 0_usize;
+        for k in 2_i32.. {
+            let left = self.digits - f64::from(k - 1) * self.weakening;
+            if left < 0.0 {
+                return Some(terms);
+            }
+            let count = match table {
+                Nodes::Constant => 1,
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
+                    1 + (left / DIGITS_A_TERM + left.min(1.0) * TERMS_OF_SWINGS).ceil() as usize
+                }
+                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => {
+                    1 + (left / DIGITS_A_KINK).ceil() as usize
+                }
+            };
+            size = size.saturating_add(count.saturating_pow(k as u32));
+            if size > MOST_COEFFICIENTS || k > 30 {
+                return None;
+            }
+            terms.push(count);
+        }
+        None
+    }
+}
+
+/// The coarsest level's grid holds some five times as many elements of the lobe at most ...
+const MOST_ELEMENTS: f64 = 6e5;
+/// ... in no fewer natural digits than these, if need be with a wider lobe.
+const FEWEST_DIGITS_ON_A_LARGE_GRID: f64 = 6.0;
+/// The recycled light of lobes from this width on is much the same in all directions.
+const WIDTH_WITHOUT_PEAK: f64 = 0.08;
+/// No grid is coarser than for lobes of this width.
+const WIDEST: f64 = 1.0;
+
+/// Recycled light has at least these natural digits.
+const LEAST_DIGITS: f64 = 3.0;
+
+/// The next of 4, 6, 8, 12, 16, 24, ...: so that a light that moves keeps its kernels.
+fn rounded_up(orders: f64) -> usize {
+    let mut step = 4_usize;
+    while (step as f64) < orders {
+        step += if step.is_power_of_two() { step / 2 } else { step / 3 };
+    }
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Diffuser;
+
+    /// From [`NARROWEST`] on the grid has the lobe itself, at every level and for all directions; well below it has not.
+    #[test]
+    fn only_narrow_lobes_are_widened() {
+        for (level, index, straight_through) in
+            [(0.0, 1.5, 0.0), (0.0, 2.0, 0.3), (1.0, 1.5, 0.3), (3.0, 1.7, 0.0)]
+        {
+            let planned = |width: f64| {
+                let lobe = Lobe::KCorrelation { width };
+                let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), straight_through };
+                let table = &Nodes::Constant;
+                let pass = Pass { diffuser: &diffuser, table, index, digits: 11.5 + 3.5 * level };
+                Plan::new(&pass, 0.9, Some(1.0)).map(|plan| plan.width)
+            };
+            assert_eq!(planned(NARROWEST), Some(NARROWEST), "{level} {index} {straight_through}");
+            assert!(planned(0.004) > Some(0.01), "{level} {index} {straight_through}");
+        }
+    }
+}

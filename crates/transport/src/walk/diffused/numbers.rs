@@ -1,0 +1,67 @@
+//! Which of a path's uniform numbers decides what.
+
+use papilio_sampling::PLANNED_BLOCKS;
+
+use super::Diffused;
+use crate::walk::PathNumbers;
+
+/// The uniform numbers of one pass, for each decision its own.
+#[derive(Clone, Copy)]
+pub(super) struct PassNumbers<'a> {
+    pub(super) path: &'a PathNumbers<'a>,
+    pub(super) pass: u32,
+    pub(super) down: [f64; 2],
+    pub(super) up: [f64; 2],
+    /// Where a Lambertian base sends the light.
+    pub(super) base: [f64; 2],
+    /// Whether the path goes on.
+    pub(super) survival: f64,
+    /// Which point of a source.
+    pub(super) on_source: [f64; 2],
+    /// Which direction below the diffuser, from the source's side.
+    pub(super) backwards: [f64; 2],
+}
+
+impl<'a> PassNumbers<'a> {
+    #[inline]
+    pub(super) fn new(numbers: &'a PathNumbers<'a>, pass: u32, walk: &Diffused<'_>) -> Self {
+        if pass == 0 {
+            return Self::planned(numbers, walk);
+        }
+        let [down @ .., a, b] = numbers.block(Self::of_pass(pass));
+        let [base @ .., survival, _] = numbers.block(Self::of_pass(pass) + 1);
+        let [on_source @ .., d, e] =
+            if walk.directed { numbers.block(Self::of_pass(pass) + 2) } else { [0.5; 4] };
+        Self { path: numbers, pass, down, up: [a, b], base, survival, on_source, backwards: [d, e] }
+    }
+
+    /// Those of the first pass. A direction drawn from either end is two techniques, whose errors do not
+    /// depend on each other's numbers: the same, best ones serve.
+    #[inline]
+    fn planned(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
+        let down = numbers.beside_field();
+        let [of_base @ .., on_source, beside] =
+            if walk.discs || !walk.specular { numbers.block(1) } else { [0.5; 4] };
+        let [survival, _, last @ ..] = numbers.block(PLANNED_BLOCKS - 1);
+        let (up, backwards) = if walk.specular { (of_base, down) } else { (last, of_base) };
+        let on_source = [on_source, beside];
+        Self { path: numbers, pass: 0, down, up, base: of_base, survival, on_source, backwards }
+    }
+
+    /// The first of the blocks of a pass after the first, five for each.
+    #[inline]
+    fn of_pass(pass: u32) -> u32 {
+        PLANNED_BLOCKS + 5 * pass
+    }
+
+    /// For the way on: down and up through the diffuser.
+    pub(super) fn going_on(&self) -> [f64; 4] {
+        self.path.block(if self.pass == 0 { 2 } else { Self::of_pass(self.pass) + 3 })
+    }
+
+    /// For the way on: off a Lambertian base.
+    pub(super) fn base_going_on(&self) -> [f64; 2] {
+        let [base @ .., _, _] = self.path.block(Self::of_pass(self.pass) + 4);
+        base
+    }
+}
