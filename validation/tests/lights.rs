@@ -10,6 +10,7 @@ use papilio_scenario::Scenario;
 const LIGHTS: &[(&str, &str)] = &[
     ("ring", "model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 1"),
     ("cap", "model = \"cap\"\nto_deg = 15\nshare = 1"),
+    ("trap", "model = \"cap\"\ntheta_deg = -8\nfrom_deg = 5\nshare = 1"),
     ("profile", "model = \"profile\"\nfile = \"data/synthetic-room.csv\"\nshare = 1"),
     ("overcast", "model = \"sky\"\nnumber = 1\nshare = 1"),
     (
@@ -17,6 +18,7 @@ const LIGHTS: &[(&str, &str)] = &[
         "model = \"sky\"\nnumber = 12\nsun_elevation_deg = 40\nsun_azimuth_deg = 30\nshare = 0.4\nsun_share = 0.6",
     ),
     ("map", "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nrotate_deg = 33\nshare = 1"),
+    ("spectral map", "model = \"map\"\nfile = \"data/synthetic-hall.exr\"\nshare = 1"),
     ("tilted map", "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\ntilt_deg = 30\nshare = 1"),
     (
         "luminaire",
@@ -97,4 +99,38 @@ fn the_solvers_agree_under_every_light() {
             }
         }
     }
+}
+
+/// A cap around any direction is a disc there, and a sphere with a trap is the sphere less a disc.
+#[test]
+fn a_trap_is_what_its_disc_takes() {
+    let solver = "relative_error = 1e-5";
+    let white = |display: &str, lighting: &str| {
+        let text = format!(
+            "title = \"light\"\n[spectrum]\nstep_nm = 20\n{display}{lighting}[viewer]\ntheta_deg = 8\n[solver]\n{solver}\n"
+        );
+        run(&text).views[0].states.get("white").unwrap().value.Y
+    };
+    let cap = |keys: &str| format!("[[lighting.environment]]\nmodel = \"cap\"\n{keys}share = 1\n");
+    let disc = "[[lighting.directed]]\ntheta_deg = -8\nradius_deg = 5\nshare = 1\n";
+    let of_disc = white(PANEL, disc);
+    let of_cap = white(PANEL, &cap("theta_deg = -8\nto_deg = 5\n"));
+    assert!((of_cap / of_disc - 1.0).abs() < 1e-4, "{of_cap} against {of_disc}");
+    let (trapped, even) = (white(PANEL, &cap("theta_deg = -8\nfrom_deg = 5\n")), white(PANEL, &cap("")));
+    let taken = 5.0_f64.to_radians().sin().powi(2) * 8.0_f64.to_radians().cos();
+    let truth = (even - taken * of_disc) / (1.0 - taken);
+    assert!((trapped / truth - 1.0).abs() < 1e-4, "{trapped} against {truth}");
+}
+
+/// Of a mirror the meter at 8 deg sees nothing but the trap.
+#[test]
+fn the_excluded_specular_part_is_excluded() {
+    let mirror = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
+        reflectance = { white = 0.6, black = 0.05 }\n";
+    let of = |preset: &str| {
+        let result = run(&format!("[spectrum]\nstep_nm = 20\n{mirror}[lighting]\npreset = \"{preset}\"\n"));
+        result.views[0].states.get("white").unwrap().value.Y
+    };
+    assert_eq!(of("d8-excluded"), 0.0);
+    assert!(of("d8-included") > 0.5);
 }

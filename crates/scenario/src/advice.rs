@@ -7,7 +7,9 @@ impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<String> {
         Some(match self {
-            Self::MissingKey { expected, .. } | Self::WrongType { expected, .. } => {
+            Self::MissingKey { expected, .. }
+            | Self::WrongType { expected, .. }
+            | Self::NoSuchCount { expected, .. } => {
                 format!("expected {expected}")
             }
             Self::OutOfRange { expected, .. } | Self::Sum { expected, .. } => format!("expected {expected}"),
@@ -41,7 +43,11 @@ impl Problem {
             Self::Trapped { limit_deg, .. } => {
                 format!("expected less than {limit_deg:.2} deg, field and radius included")
             }
-            Self::RingEdges { .. } => "expected a ring between 0 and 90 deg that ends beyond its beginning".to_owned(),
+            Self::RingEdges { what: "ring", .. } => {
+                "expected a ring between 0 and 90 deg that ends beyond its beginning".to_owned()
+            }
+            Self::RingEdges { what, .. } => format!("expected a {what} that ends beyond its beginning"),
+            Self::NotOneMap { .. } => "expected one [[lighting.environment]] with model = \"map\" and a share above 0".to_owned(),
             Self::SunBehindDisplay { .. } => "expected its disc above the display's own horizon, less than 89.73 deg".to_owned(),
             Self::BelowHorizon { .. } => "expected less than 90 deg".to_owned(),
             Self::GapLayers { .. } => "expected one layer with thickness_nm = \"gap\"".to_owned(),

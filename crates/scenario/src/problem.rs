@@ -63,6 +63,14 @@ pub enum Problem {
         /// The range, in words.
         expected: &'static str,
     },
+    /// A number that does not count what it should.
+    #[error("{value} is {}", if value.fract() == 0.0 { "out of range" } else { "no whole number" })]
+    NoSuchCount {
+        /// The number.
+        value: f64,
+        /// The range, in words.
+        expected: String,
+    },
     /// A word that is none of the choices.
     #[error("`{found}` is not a choice here")]
     UnknownChoice {
@@ -350,14 +358,18 @@ pub enum Problem {
         limit_deg: f64,
     },
     /// A cone that dips below the horizon of the display.
-    #[error("this cone reaches {theta_deg} deg from the normal")]
+    #[error("this {what} reaches {} deg from the normal", (.theta_deg * 100.0).round() / 100.0)]
     BelowHorizon {
+        /// "cone" or "luminaire".
+        what: &'static str,
         /// Its largest inclination.
         theta_deg: f64,
     },
     /// A ring or cap that is not a part of the hemisphere.
-    #[error("this ring reaches from {} to {} deg", tidy(*.from_deg), tidy(*.to_deg))]
+    #[error("this {what} reaches from {} to {} deg", tidy(*.from_deg), tidy(*.to_deg))]
     RingEdges {
+        /// "ring" or "cap".
+        what: &'static str,
         /// Where it begins.
         from_deg: f64,
         /// Where it ends.
@@ -372,6 +384,12 @@ pub enum Problem {
     /// A front light's distribution over something else than a lobe.
     #[error("a distribution of the front light needs a panel whose diffuser is a lobe")]
     NoLobeBelow,
+    /// An illuminance by a map, of which there has to be one, with a share of the light.
+    #[error("{}", if *.maps == 1 { "the map has no share of the light".to_owned() } else { format!("there are {maps} maps that could say how many lx") })]
+    NotOneMap {
+        /// How many there are.
+        maps: usize,
+    },
     /// An environment without light over the display.
     #[error("none of this light falls on the display")]
     DarkField,

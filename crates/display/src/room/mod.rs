@@ -1,5 +1,6 @@
 //! The room and the sky as fields of light over the display.
 //!
+//! - [`cap`]: an even part of the hemisphere around any direction;
 //! - [`profile`]: alike at all azimuths, from a table over inclination;
 //! - [`luminous_sheet`]: what a sheet of light sends into each direction;
 //! - [`Panorama`]: a picture of the whole sphere;
@@ -8,12 +9,14 @@
 //!
 //! Everything here is relative: shares of illuminance and spectra are the scene's.
 
+mod cap;
 mod map;
 mod pose;
 mod sky;
 
 use papilio_transport::Field;
 
+pub use cap::cap;
 pub use map::{Cells, Panorama};
 pub use pose::Pose;
 pub use sky::Sky;

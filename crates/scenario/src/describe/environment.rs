@@ -1,7 +1,9 @@
 //! `[[lighting.environment]]`: light from all over the sky or the room.
 
 use super::lighting::LightSpectrum;
-use super::numbers::{Azimuth, Count, Elevation, FieldAngle, Horizon, Metres, Share};
+use super::numbers::{
+    Azimuth, CapEnd, Count, Elevation, FieldAngle, Horizon, Inclination, Latitude, Metres, Share,
+};
 use crate::grammar::{choice, kinds, table};
 use crate::read::At;
 
@@ -10,7 +12,7 @@ kinds! {
     Environment by "model" {
         /// An even ring around the normal.
         Ring(Ring) = "ring",
-        /// An even part of the hemisphere around the normal.
+        /// An even part of the hemisphere.
         Cap(Cap) = "cap",
         /// Alike at all azimuths, by a table over inclination.
         Profile(Profile) = "profile",
@@ -38,16 +40,20 @@ table! {
 }
 
 table! {
-    /// An even part of the hemisphere around the normal.
+    /// An even part of the hemisphere around the normal, or around any other direction; the display's horizon ends it.
     Cap {
         /// Share of `illuminance_lx`, 0 to 1.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Inclination where it begins, degrees. Default 0.
+        /// Inclination of its axis, degrees, between -90 and 90. Default 0, the normal.
+        theta_deg: Inclination = Inclination(0.0),
+        /// Azimuth of its axis, degrees. Default 0.
+        phi_deg: Azimuth = Azimuth(0.0),
+        /// Angle from the axis where it begins, degrees. Default 0.
         from_deg: FieldAngle = FieldAngle(0.0),
-        /// Inclination where it ends, above `from_deg`, at most 90 deg. Default 90.
-        to_deg: Horizon = Horizon(90.0),
+        /// Angle from the axis where it ends, above `from_deg`, at most 180 deg. Default 180: at the horizon.
+        to_deg: CapEnd = CapEnd(180.0),
     }
 }
 
@@ -113,6 +119,21 @@ table! {
         rotate_deg: Azimuth = Azimuth(0.0),
         /// 0: the display lies flat and faces the top of the map; 90: it stands upright. Default 0.
         tilt_deg: FieldAngle = FieldAngle(0.0),
+        /// Parts of a picture in colours whose spectrum was measured; where several hold a pixel, the first. Default: none.
+        regions: Vec<At<Region>> = Vec::new(),
+    }
+}
+
+table! {
+    /// A part of a map that has a spectrum of its own: its pixels keep their luminance, and lose their colour.
+    Region {
+        /// Relative spectrum of its light.
+        spectrum: LightSpectrum,
+        /// Elevations where it begins and ends, degrees above the horizon of the map. Default [-90, 90].
+        elevation_deg: Vec<At<Latitude>> = vec![At::at_large(Latitude(-90.0)), At::at_large(Latitude(90.0))],
+        /// Azimuths where it begins and ends, counterclockwise seen from above, degrees from the display's x axis while
+        /// `rotate_deg` is 0 (the middle of the map is -90); the region turns with the map. Default [-180, 180].
+        azimuth_deg: Vec<At<Azimuth>> = vec![At::at_large(Azimuth(-180.0)), At::at_large(Azimuth(180.0))],
     }
 }
 

@@ -14,8 +14,9 @@ table! {
         /// "indoor", "office", "iec-directional", ...: fills lighting and viewer; keys that are given override it. Default: none.
         preset: Option<Preset>,
         /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx, or 0 beside a front light. Default 500, or
-        /// 0 where a front light is all the light that is given.
-        illuminance_lx: Option<RoomLux>,
+        /// 0 where a front light is all the light that is given. "from-map": so many that the scenario's one map makes on the display
+        /// what its own numbers say.
+        illuminance_lx: Option<Illuminance>,
         /// Relative spectrum of all light that has none of its own. Default "D65".
         spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
         /// Share that comes alike from the whole hemisphere, 0 to 1. Default 1, or 0 where other light is given.
@@ -42,6 +43,24 @@ table! {
         distribution: Option<String>,
         /// Share of all its light that it sends up, diffusely: 0 to .99. Default 0.
         upward_leak: Leak = Leak(0.0),
+    }
+}
+
+forms! {
+    /// The illuminance of the room, lx, or "from-map".
+    Illuminance, "a number from 1e-6 to 1e9 (lx), 0 beside a front light, or \"from-map\"" {
+        /// So many lx.
+        Lux(RoomLux) if Value::Integer(_) | Value::Float(_),
+        /// By a map's own numbers.
+        ByMap(ByMap) if Value::Text(_),
+    }
+}
+
+choice! {
+    /// Where the illuminance comes from.
+    ByMap {
+        /// The map's numbers are W/(m2 sr), 179 lm/W in colours.
+        FromMap = "from-map",
     }
 }
 
@@ -72,7 +91,7 @@ choice! {
         IecHemispherical = "iec-hemispherical",
         /// Diffuse; viewer at 8 deg.
         D8Included = "d8-included",
-        /// From beyond 13 deg alone; viewer at 8 deg.
+        /// From everywhere but 5 deg around the viewer's mirror image; viewer at 8 deg.
         D8Excluded = "d8-excluded",
         /// At 45 deg; viewer along the normal.
         FortyFive = "45-0",
@@ -135,7 +154,8 @@ impl Lighting {
         let no_other = self.directed.is_empty() && self.environment.is_empty();
         let no_diffuse = self.diffuse.is_none_or(|share| share.0 == 0.0);
         let is_dark = self.front_light.is_some() && no_other && no_diffuse;
-        self.illuminance_lx.value.get_or_insert(RoomLux(if is_dark { 0.0 } else { 500.0 }));
+        let usual = Illuminance::Lux(RoomLux(if is_dark { 0.0 } else { 500.0 }));
+        self.illuminance_lx.value.get_or_insert(usual);
         self.diffuse.value.get_or_insert(Share(if no_other { 1.0 } else { 0.0 }));
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::error::Errors;
 use crate::grammar::number;
+use crate::problem::Problem;
 use crate::read::Read;
 use crate::tree::{Node, Value};
 
@@ -74,6 +75,16 @@ number!(
     /// An elevation above the horizon, degrees.
     Elevation, "a number above 0, at most 90 (degrees above the horizon)", |v| v > 0.0 && v <= 90.0,
     { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+);
+number!(
+    /// Where a cap ends, degrees from its axis.
+    CapEnd, "a number above 0, at most 180 (degrees)", |v| v > 0.0 && v <= 180.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 180 }
+);
+number!(
+    /// An elevation above or below a horizon, degrees.
+    Latitude, "a number from -90 to 90 (degrees above the horizon)", |v| v.abs() <= 90.0,
+    { "type": "number", "minimum": -90, "maximum": 90 }
 );
 number!(
     /// An azimuth, degrees.
@@ -211,7 +222,13 @@ impl<const LEAST: u64, const MOST: u64> Read for Count<LEAST, MOST> {
             {
                 Some(Self(value as u64))
             }
-            _ => node.wrong_type(Self::in_words(), errors),
+            _ => match node.number() {
+                Some(value) => {
+                    errors.push(node.origin, Problem::NoSuchCount { value, expected: Self::in_words() });
+                    None
+                }
+                None => node.wrong_type(Self::in_words(), errors),
+            },
         }
     }
 }

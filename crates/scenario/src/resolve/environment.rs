@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use papilio_display::room::{Pose, Sky, profile};
+use papilio_display::room::{Pose, Sky, cap as cap_field, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
 use papilio_formats::{read_ies, read_profile};
 use papilio_spectra::Spectrum;
@@ -15,6 +15,9 @@ use crate::describe::numbers::Share;
 use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::source::Origin;
+
+/// A luminaire is far away from so many of its widths on (the five-times rule: CIE 70-1987; IES Lighting Handbook).
+const FAR: f64 = 5.0;
 
 /// Angular radius of the sun, degrees.
 const SUN_RADIUS_DEG: f64 = 0.27;
@@ -82,7 +85,7 @@ impl Resolver<'_> {
         let edges = (middle - half, middle + half);
         if edges.0 < 0.0 || edges.1 > 90.0 {
             let at = ring.width_deg.origin.or_set([ring.theta_deg.origin]);
-            self.errors.push(at, Problem::RingEdges { from_deg: edges.0, to_deg: edges.1 });
+            self.errors.push(at, Problem::RingEdges { what: "ring", from_deg: edges.0, to_deg: edges.1 });
             return None;
         }
         Field::ring(edges.0, edges.1)
@@ -92,10 +95,14 @@ impl Resolver<'_> {
         let (from, to) = (cap.from_deg.0, cap.to_deg.0);
         if from >= to {
             let at = cap.to_deg.origin.or_set([cap.from_deg.origin]);
-            self.errors.push(at, Problem::RingEdges { from_deg: from, to_deg: to });
+            self.errors.push(at, Problem::RingEdges { what: "cap", from_deg: from, to_deg: to });
             return None;
         }
-        Field::ring(from, to)
+        let field = cap_field(cap.theta_deg.0, cap.phi_deg.0, from, to);
+        if field.is_none() {
+            self.dark(cap.from_deg.origin.or_set([cap.to_deg.origin, cap.theta_deg.origin]));
+        }
+        field
     }
 
     fn profile(&mut self, table: &describe::Profile) -> Option<Field> {
@@ -151,7 +158,8 @@ impl Resolver<'_> {
         let radius_deg = (seen_m2 / PI).sqrt().atan2(lamp.distance_m.0).to_degrees();
         if theta_deg + radius_deg >= 90.0 {
             let at = lamp.elevation_deg.origin.or_set([lamp.tilt_deg.origin, lamp.azimuth_deg.origin]);
-            self.errors.push(at, Problem::BelowHorizon { theta_deg: theta_deg + radius_deg });
+            let reach = theta_deg + radius_deg;
+            self.errors.push(at, Problem::BelowHorizon { what: "luminaire", theta_deg: reach });
             return None;
         }
         if intensity == 0.0 {
@@ -159,6 +167,7 @@ impl Resolver<'_> {
             return None;
         }
         let lux = intensity * theta_deg.to_radians().cos() / lamp.distance_m.0.powi(2);
+        self.check_far(key, lamp.distance_m.0, light.opening_m);
         self.notes.push(format!(
             "{key}: the luminaire sends {intensity:.1} cd to the display, {lux:.2} lx there; the share counts, not they"
         ));
@@ -170,6 +179,18 @@ impl Resolver<'_> {
             radius_deg: (radius_deg > 0.0).then_some(radius_deg),
             normal_to_beam: false,
         })
+    }
+
+    /// A luminaire's file is its far field: from five times its opening on, within 1 % (a Lambertian disc of diameter D makes
+    /// 1/(1 + (D/2d)^2) of what the inverse square of its distance says).
+    fn check_far(&mut self, key: &str, distance_m: f64, opening_m: [f64; 2]) {
+        let widest = opening_m[0].max(opening_m[1]);
+        if distance_m < FAR * widest {
+            self.warnings.push(format!(
+                "{key}: the luminaire is {distance_m} m away, less than five times its opening of {widest:.2} m: its file is its far \
+                 field (IES and CIE measure it from five times the opening on), and so near the light is less even than a disc"
+            ));
+        }
     }
 
     /// The sun's disc.

@@ -8,8 +8,9 @@ use papilio_formats::{read_ies, read_profile};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use super::maps::MapLight;
 use crate::describe::environment::Environment as Described;
-use crate::describe::lighting as describe;
+use crate::describe::lighting::{self as describe, Illuminance};
 use crate::describe::numbers::Share;
 use crate::problem::Problem;
 use crate::read::At;
@@ -19,8 +20,7 @@ impl Resolver<'_> {
     pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
         self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
         self.limit(&lighting.environment, "environments", lighting.environment.len(), 64)?;
-        let illuminance_lx = lighting.illuminance_lx.map_or(0.0, |lux| lux.0);
-        if illuminance_lx > 0.0 {
+        if !matches!(&lighting.illuminance_lx.value, Some(Illuminance::Lux(lux)) if lux.0 == 0.0) {
             self.check_shares(lighting);
         } else {
             self.check_front_light_alone(lighting);
@@ -41,13 +41,39 @@ impl Resolver<'_> {
         };
         Some(Lighting {
             front_light,
-            illuminance_lx,
+            illuminance_lx: self.illuminance_lx(lighting)?,
             diffuse: lighting.diffuse.map_or(0.0, |share| share.0),
             diffuse_spectrum: general?,
             directed: directed?,
             // Luminaires are among the directed sources.
             environment: environment.into_iter().filter(|one| !is_empty(one)).collect::<Option<_>>()?,
         })
+    }
+
+    fn illuminance_lx(&mut self, lighting: &describe::Lighting) -> Option<f64> {
+        let at = lighting.illuminance_lx.origin;
+        match lighting.illuminance_lx.value.as_ref()? {
+            Illuminance::Lux(lux) => Some(lux.0),
+            Illuminance::ByMap(_) => match self.maps[..] {
+                [MapLight { lux, share }] if share > 0.0 => {
+                    let illuminance_lx = lux / share;
+                    let is_usual = (1e-6..=1e9).contains(&illuminance_lx);
+                    if is_usual {
+                        self.notes.push(format!(
+                            "lighting.illuminance_lx is {illuminance_lx:.2} lx by the map's own numbers"
+                        ));
+                    } else {
+                        let expected = "a map that makes 1e-6 to 1e9 lx on the display by its own numbers";
+                        self.errors.push(at, Problem::OutOfRange { value: illuminance_lx, expected });
+                    }
+                    is_usual.then_some(illuminance_lx)
+                }
+                _ => {
+                    self.errors.push(at, Problem::NotOneMap { maps: self.maps.len() });
+                    None
+                }
+            },
+        }
     }
 
     fn front_light(
@@ -112,7 +138,7 @@ impl Resolver<'_> {
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
         if radius_deg.is_some() && reach >= 90.0 {
             let at = source.radius_deg.origin.or_set([source.theta_deg.origin]);
-            self.errors.push(at, Problem::BelowHorizon { theta_deg: reach });
+            self.errors.push(at, Problem::BelowHorizon { what: "cone", theta_deg: reach });
         }
         let spectrum = self.own_light(&format!("lighting.directed.{i}.spectrum"), &source.spectrum, general);
         Some(DirectedLight {

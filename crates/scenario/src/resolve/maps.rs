@@ -1,23 +1,30 @@
-//! Maps of light: pictures of the whole sphere as fields, one for each spectrum.
+//! Maps of light: pictures of the whole sphere as fields, one for each spectrum; parts of them may have spectra of their own.
 
 use std::sync::Arc;
 
 use papilio_colour::Observer;
 use papilio_display::room::{Panorama, Pose};
 use papilio_display::scene::{Environment, EnvironmentPart, Field};
-use papilio_formats::{LightMap, MapColour, read_light_map};
+use papilio_formats::{LightMap, MapChannel, MapColour, read_light_map};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated, srgb_primaries};
 
 use super::Resolver;
 use crate::describe::environment as describe;
 use crate::problem::Problem;
 use crate::read::At;
+use crate::source::Origin;
 
 /// Lumens for each watt of a picture in red, green and blue, by Radiance's convention.
 const PICTURE_LM_PER_W: f64 = 179.0;
 
-/// Parts of linear sRGB's Y.
-const LUMA: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// What a map makes on the display.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MapLight {
+    /// By its own numbers.
+    pub(super) lux: f64,
+    /// Of the scenario's light.
+    pub(super) share: f64,
+}
 
 impl Resolver<'_> {
     /// The parts of a map; `white` is the spectrum of its white.
@@ -27,57 +34,124 @@ impl Resolver<'_> {
         map: &At<describe::Map>,
         white: Option<Spectrum>,
     ) -> Option<Environment> {
-        let picture = self.data(&map.file.value, map.file.origin, read_light_map)?;
+        let mut picture = self.data(&map.file.value, map.file.origin, read_light_map)?;
         let spectral = matches!(picture.channels.first()?.colour, MapColour::Wavelength(_));
-        if spectral && map.spectrum.value.is_some() {
-            let problem = Problem::NotWith { key: "spectrum", beside: "a map that has spectra of its own" };
-            self.errors.push(map.spectrum.origin, problem);
+        let spectrum = map.spectrum.value.is_some().then_some(("spectrum", map.spectrum.origin));
+        let regions = map.regions.first().map(|first| ("regions", first.origin));
+        if let Some((key, at)) = spectrum.or(regions).filter(|_| spectral) {
+            let problem = Problem::NotWith { key, beside: "a map that has spectra of its own" };
+            self.errors.push(at, problem);
             return None;
         }
-        let lifted = lifted(&picture, &white?, &self.grid);
-        let spectra = self.sampled(&map.file.value, map.file.origin, lifted)?;
+        let white = white?;
+        let lifted = lifted(&picture, &white, &self.grid);
+        let mut spectra = self.sampled(&map.file.value, map.file.origin, lifted)?;
+        let observer = Observer::new(&self.grid).ok()?;
+        let in_white = PICTURE_LM_PER_W / observer.luminance(&white);
+        let lm_per_w =
+            |spectrum: &Spectrum| observer.luminance(spectrum) * if spectral { 1.0 } else { in_white };
+        let mut lm_per_w: Vec<f64> = spectra.iter().map(lm_per_w).collect();
+        let colours = lm_per_w.len();
+        for (i, region) in map.regions.iter().enumerate() {
+            let held = self.region(&format!("{key}.regions.{i}"), region, &picture)?;
+            let luminance = held.take(&mut picture, &lm_per_w[..colours]);
+            picture.channels.push(MapChannel { colour: MapColour::Grey, radiance: luminance });
+            spectra.push(held.spectrum);
+            lm_per_w.push(PICTURE_LM_PER_W);
+        }
         let panorama = Panorama {
             width: picture.width,
             height: picture.height,
             channels: picture.channels.iter().map(|channel| &channel.radiance[..]).collect(),
         };
         let cells = panorama.over(Pose { tilt_deg: map.tilt_deg.0 }, map.rotate_deg.0);
-        let observer = Observer::new(&self.grid).ok()?;
-        let (mut parts, mut lux) = (Vec::new(), 0.0);
+        let mut parts = Vec::new();
         let (mut above, mut everywhere) = (0.0, 0.0);
-        for (k, spectrum) in spectra.into_iter().enumerate() {
-            let luminous = observer.luminance(&spectrum);
-            above += luminous * cells.light(k);
-            everywhere += luminous * panorama.light(k);
-            let Some((field, irradiance)) =
+        for (k, (spectrum, lm_per_w)) in spectra.into_iter().zip(lm_per_w).enumerate() {
+            above += lm_per_w * cells.light(k);
+            everywhere += lm_per_w * panorama.light(k);
+            if let Some((field, irradiance)) =
                 Field::new(&cells.edges_deg, cells.columns, cells.channels[k].clone())
-            else {
-                continue;
-            };
-            lux += irradiance
-                * match picture.channels[k].colour {
-                    MapColour::Red => PICTURE_LM_PER_W * LUMA[0],
-                    MapColour::Green => PICTURE_LM_PER_W * LUMA[1],
-                    MapColour::Blue => PICTURE_LM_PER_W * LUMA[2],
-                    MapColour::Grey => PICTURE_LM_PER_W,
-                    MapColour::Wavelength(_) => luminous,
-                };
-            parts.push(EnvironmentPart { field: Arc::new(field), share: irradiance * luminous, spectrum });
+            {
+                parts.push(EnvironmentPart {
+                    field: Arc::new(field),
+                    share: irradiance * lm_per_w,
+                    spectrum,
+                });
+            }
         }
-        let whole: f64 = parts.iter().map(|part| part.share).sum();
-        if !(whole > 0.0 && whole.is_finite()) {
+        let lux: f64 = parts.iter().map(|part| part.share).sum();
+        if !(lux > 0.0 && lux.is_finite()) {
             self.errors.push(map.file.origin, Problem::DarkField);
             return None;
         }
-        parts.iter_mut().for_each(|part| part.share *= map.share.0 / whole);
+        parts.iter_mut().for_each(|part| part.share *= map.share.0 / lux);
         parts.retain(|part| part.share > 0.0 || map.share.0 == 0.0);
+        self.maps.push(MapLight { lux, share: map.share.0 });
         self.notes.push(format!(
-            "{key}: by its own numbers the map makes {} on the display; the share counts, not they. {:.1} % \
-             of its light comes from below the display's plane and is left out",
+            "{key}: by its own numbers the map makes {} on the display; illuminance and share count, not they, unless \
+             illuminance_lx = \"from-map\". {:.1} % of its light comes from below the display's plane and is left out",
             in_lux(lux),
             100.0 * (1.0 - above / everywhere).max(0.0)
         ));
         Some(Environment { parts })
+    }
+
+    /// The pixels of a region.
+    fn region(&mut self, key: &str, region: &describe::Region, picture: &LightMap) -> Option<Region> {
+        let spectrum = self.light(&format!("{key}.spectrum"), &region.spectrum);
+        let elevation = region.elevation_deg.iter().map(|at| at.0).collect();
+        let elevation = self.pair(elevation, region.elevation_deg.origin)?;
+        let azimuth = region.azimuth_deg.iter().map(|at| at.0).collect();
+        let [from, to] = self.pair(azimuth, region.azimuth_deg.origin)?;
+        let (rows, columns) = (picture.height as f64, picture.width as f64);
+        let is_held = |pixel: usize| {
+            let (row, column) = (pixel / picture.width, pixel % picture.width);
+            let up = 90.0 - 180.0 * (row as f64 + 0.5) / rows;
+            // To the right in the picture is clockwise, and its middle is at -90 deg.
+            let around = 90.0 - 360.0 * (column as f64 + 0.5) / columns;
+            (elevation[0]..=elevation[1]).contains(&up) && (around - from).rem_euclid(360.0) <= to - from
+        };
+        let pixels: Vec<usize> =
+            (0..picture.width * picture.height).filter(|pixel| is_held(*pixel)).collect();
+        if pixels.is_empty() {
+            self.warnings.push(format!("{key} is smaller than a pixel of the map, and holds none"));
+        }
+        Some(Region { pixels, spectrum: spectrum? })
+    }
+
+    /// Two angles, the first below the second.
+    fn pair(&mut self, angles: Vec<f64>, origin: Origin) -> Option<[f64; 2]> {
+        let problem = match angles[..] {
+            [from, to] if from < to => return Some([from, to]),
+            [from_deg, to_deg] => Problem::RingEdges { what: "region", from_deg, to_deg },
+            _ => Problem::WrongType {
+                expected: "two angles: where it begins and where it ends".to_owned(),
+                found: "a list of another length",
+            },
+        };
+        self.errors.push(origin, problem);
+        None
+    }
+}
+
+/// A part of a picture with a spectrum of its own.
+struct Region {
+    pixels: Vec<usize>,
+    spectrum: Spectrum,
+}
+
+impl Region {
+    /// Takes its pixels out of the picture's colours, whose lm/W are these: their luminances, 1 for white, 0 elsewhere.
+    fn take(&self, picture: &mut LightMap, lm_per_w: &[f64]) -> Vec<f32> {
+        let mut luminance = vec![0.0; picture.width * picture.height];
+        for (channel, lm_per_w) in picture.channels.iter_mut().zip(lm_per_w) {
+            for &pixel in &self.pixels {
+                let radiance = f64::from(std::mem::take(&mut channel.radiance[pixel]));
+                luminance[pixel] += (radiance * lm_per_w / PICTURE_LM_PER_W) as f32;
+            }
+        }
+        luminance
     }
 }
 

@@ -70,6 +70,8 @@ struct Resolver<'a> {
     warnings: Vec<String>,
     notes: Vec<String>,
     inputs: BTreeMap<String, String>,
+    /// What its maps of light make on the display.
+    maps: Vec<maps::MapLight>,
 }
 
 /// Resolves a described scenario whose files lie relative to `folder`.
@@ -92,6 +94,7 @@ impl<'a> Resolver<'a> {
             warnings: Vec::new(),
             notes: Vec::new(),
             inputs: BTreeMap::new(),
+            maps: Vec::new(),
         })
     }
 }

@@ -35,7 +35,7 @@ impl Resolver<'_> {
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
         if reach >= 90.0 {
             let at = viewer.field_deg.origin.or_set([viewer.theta_deg.origin]);
-            self.errors.push(at, Problem::BelowHorizon { theta_deg: reach });
+            self.errors.push(at, Problem::BelowHorizon { what: "cone", theta_deg: reach });
         }
         Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })
     }

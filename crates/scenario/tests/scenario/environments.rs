@@ -59,11 +59,20 @@ fn what_is_refused() {
     let sky = |rest: &str| format!("model = \"sky\"\nshare = 0.5\n{rest}");
     for (environment, wanted) in [
         ("model = \"ring\"\ntheta_deg = 88\nwidth_deg = 10\nshare = 0.5".into(), "reaches from 83 to 93 deg"),
-        ("model = \"cap\"\nfrom_deg = 30\nto_deg = 20\nshare = 0.5".into(), "reaches from 30 to 20 deg"),
+        (
+            "model = \"cap\"\nfrom_deg = 30\nto_deg = 20\nshare = 0.5".into(),
+            "this cap reaches from 30 to 20 deg",
+        ),
+        (
+            "model = \"cap\"\ntheta_deg = 10\nfrom_deg = 120\nshare = 0.5".into(),
+            "none of this light falls on the display",
+        ),
         ("model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 0.6".into(), "sum to 1.1"),
         (sky("number = 12"), "`sun_elevation_deg` is missing"),
         (sky("number = 12\nsun_elevation_deg = -3"), "expected a number above 0, at most 90"),
+        (sky("number = 17"), "17 is out of range\n"),
         (sky("number = 17"), "expected a whole number from 1 to 16"),
+        (sky("number = 1.5"), "1.5 is no whole number"),
         (sky("number = 1\ntilt_deg = 180"), "none of this light falls on the display"),
         (sky("number = 1\nwidth_deg = 3"), "`width_deg` means nothing with model = \"sky\""),
         ("model = \"ring\"\nshare = 0.5".into(), "`theta_deg` is missing"),
@@ -153,7 +162,10 @@ fn maps_and_luminaires_that_are_refused() {
         ("model = \"map\"\nfile = \"short.hdr\"\nshare = 0.5".into(), "the file ends in row 1 of 8"),
         ("model = \"map\"\nfile = \"no.exr\"\nshare = 0.5".into(), "there is no such file"),
         (luminaire("file = \"bad.ies\"\nelevation_deg = 50\ndistance_m = 2"), "bad.ies:6:3"),
-        (luminaire("file = \"panel.ies\"\nelevation_deg = 2\ndistance_m = 1"), "from the normal"),
+        (
+            luminaire("file = \"panel.ies\"\nelevation_deg = 2\ndistance_m = 1"),
+            "this luminaire reaches 91.62 deg from the normal",
+        ),
         (luminaire("file = \"panel.ies\"\nelevation_deg = 50"), "`distance_m` is missing"),
     ] {
         let error = resolve(&with(&environment), folder.path(), &[]).unwrap_err().to_string();
@@ -177,4 +189,118 @@ fn a_luminaire_is_a_disc_and_says_its_lux() {
     let lux = 804.6 * 40.0_f64.to_radians().cos() / 4.0;
     let said = format!("804.6 cd to the display, {lux:.2} lx there");
     assert!(resolved.notes.iter().any(|note| note.contains(&said)), "{:?}", resolved.notes);
+    // A panel of .6 m, 2 m away: nearer than five times its side.
+    let near = |resolved: &papilio_scenario::Resolved| {
+        resolved.warnings.iter().any(|warning| warning.contains("less than five times its opening of 0.60 m"))
+    };
+    assert!(near(&resolved));
+    let far = resolve(&text.replace("distance_m = 2", "distance_m = 3"), &shipped(), &[]).unwrap();
+    assert!(!near(&far), "{:?}", far.warnings);
+}
+
+/// One region over the whole of a map of one colour is that map with its spectrum.
+#[test]
+fn a_region_over_the_whole_map_is_its_spectrum() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("white.hdr"), one_colour([128, 128, 128, 129])).unwrap();
+    let map = "model = \"map\"\nfile = \"white.hdr\"\nshare = 0.5\n";
+    let region = with(&format!("{map}regions = [{{ spectrum = \"LED-B3\" }}]"));
+    let scene = resolve(&region, folder.path(), &[]).unwrap().scene;
+    let [part] = &scene.lighting.environment[0].parts[..] else { panic!("{:?}", scene.lighting) };
+    let led = papilio_spectra::illuminant("LED-B3", &scene.grid).unwrap();
+    assert_eq!((&part.spectrum, part.share), (&led, 0.5));
+    let even = |theta| std::f64::consts::PI * part.field.radiance(Beta::from_source(theta, 20.0, 1.0));
+    assert!((even(5.0) - 1.0).abs() < 1e-6 && (even(80.0) - 1.0).abs() < 1e-6);
+}
+
+/// What a region takes out of the colours it keeps as luminance: no lux are won or lost, and the first region wins.
+#[test]
+fn regions_keep_the_luminance_and_are_where_they_say() {
+    let office = "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nshare = 0.5\n";
+    let lux = |text: &str| {
+        let resolved = resolve(&with(text), &shipped(), &[]).unwrap();
+        let note = resolved.notes.iter().find(|note| note.contains("by its own numbers")).unwrap().clone();
+        (note, resolved.scene.lighting.environment[0].parts.clone())
+    };
+    let plain = lux(office);
+    // The window of synthetic-office.py: 70 to 110 deg to the right of the middle, which is at -90 deg.
+    let window = "regions = [{ spectrum = \"LED-B1\", elevation_deg = [5, 40], azimuth_deg = [160, 200] }, { spectrum = \"LED-B2\", elevation_deg = [0, 60] }]\n";
+    let cut = lux(&format!("{office}{window}"));
+    assert_eq!(plain.0, cut.0);
+    assert_eq!((plain.1.len(), cut.1.len()), (3, 5));
+    let seen = |part: usize, azimuth| cut.1[part].field.radiance(Beta::from_source(65.0, azimuth, 1.0));
+    assert!(seen(3, 180.0) > 0.0 && seen(3, 150.0) == 0.0 && seen(3, -90.0) == 0.0);
+    assert!(seen(4, 180.0) == 0.0 && seen(4, 150.0) > 0.0 && seen(0, 150.0) == 0.0);
+    // It turns with the map.
+    let turned =
+        lux(&format!("{office}{window}rotate_deg = 90\n").replace("regions", "tilt_deg = 0\nregions"));
+    let at = |azimuth| turned.1[3].field.radiance(Beta::from_source(65.0, azimuth, 1.0));
+    assert!(at(270.0) > 0.0 && at(180.0) == 0.0);
+}
+
+/// Two roads to a map's own lux: cells, and the file's pixels by their projected solid angle.
+#[test]
+fn illuminance_from_a_spectral_map() {
+    let map = "model = \"map\"\nfile = \"data/synthetic-hall.exr\"\nshare = 0.5";
+    let text = with(map).replace("illuminance_lx = 500", "illuminance_lx = \"from-map\"");
+    let scene = resolve(&text, &shipped(), &[]).unwrap().scene;
+    let bytes = std::fs::read(shipped().join("data/synthetic-hall.exr")).unwrap();
+    let file = papilio_formats::DataFile { name: "hall".into(), bytes };
+    let picture = papilio_formats::read_light_map(&file).unwrap();
+    let (nm, irradiance): (Vec<f64>, Vec<f64>) = picture
+        .channels
+        .iter()
+        .map(|channel| {
+            let papilio_formats::MapColour::Wavelength(nm) = channel.colour else {
+                panic!("{:?}", channel.colour)
+            };
+            let square =
+                |row: usize| (std::f64::consts::PI * row as f64 / picture.height as f64).sin().powi(2);
+            let rows = (0..picture.height / 2).map(|row| {
+                let pixels = &channel.radiance[row * picture.width..][..picture.width];
+                let mean = pixels.iter().map(|value| f64::from(*value)).sum::<f64>() / picture.width as f64;
+                std::f64::consts::PI * (square(row + 1) - square(row)) * mean
+            });
+            (nm, rows.sum::<f64>())
+        })
+        .unzip();
+    let spectrum = papilio_spectra::Tabulated::new(nm, irradiance).unwrap().on(&scene.grid).unwrap();
+    let lux = papilio_colour::Observer::new(&scene.grid).unwrap().luminance(&spectrum);
+    // The map has half of the light.
+    let found = 0.5 * scene.lighting.illuminance_lx;
+    assert!((found / lux - 1.0).abs() < 1e-6, "{found} against {lux}");
+}
+
+#[test]
+fn regions_and_lux_that_are_refused() {
+    let office = "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nshare = 0.5\n";
+    let hall = office.replace("office.hdr", "hall.exr");
+    let from_map = |text: String| text.replace("illuminance_lx = 500", "illuminance_lx = \"from-map\"");
+    for (text, wanted) in [
+        (
+            with(&format!("{hall}regions = [{{ spectrum = \"A\" }}]")),
+            "`regions` means nothing with a map that has spectra",
+        ),
+        (
+            with(&format!("{office}regions = [{{ spectrum = \"A\", elevation_deg = [30, 20] }}]")),
+            "this region reaches from 30 to 20 deg",
+        ),
+        (
+            with(&format!("{office}regions = [{{ spectrum = \"A\", azimuth_deg = [1, 2, 3] }}]")),
+            "expected two angles",
+        ),
+        (with(&format!("{office}regions = [{{ elevation_deg = [0, 20] }}]")), "`spectrum` is missing"),
+        (from_map(GOOD.to_owned()), "there are 0 maps that could say how many lx"),
+        (GOOD.replace("illuminance_lx = 500", "illuminance_lx = \"map\""), "\"from-map\""),
+    ] {
+        let error = resolve(&text, &shipped(), &[]).unwrap_err().to_string();
+        assert!(error.contains(wanted) && error.contains("test.toml:"), "{wanted}: {error}");
+    }
+    let small = with(&format!("{office}regions = [{{ spectrum = \"A\", elevation_deg = [10, 10.1] }}]"));
+    let resolved = resolve(&small, &shipped(), &[]).unwrap();
+    assert!(
+        resolved.warnings.iter().any(|warning| warning.contains("smaller than a pixel")),
+        "{:?}",
+        resolved.warnings
+    );
 }

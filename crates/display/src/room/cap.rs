@@ -1,0 +1,134 @@
+//! An even part of the hemisphere around any direction: a partial sphere, or a sphere with a gloss trap.
+//!
+//! # Model
+//! Radiance is the same wherever the angle from the axis lies between two angles, and what lies below the display's horizon is
+//! cut off. At one inclination that is an interval of azimuths: the angle is less than a where
+//!
+//! `cos a <= cos(theta) cos(theta_0) + sin(theta) sin(theta_0) cos(phi - phi_0)`.
+//!
+//! A cell has the part of it that is lit: exact over azimuth, and by a Gauss rule over inclination, by projected solid angle. Rows end
+//! where the region's edges are highest and lowest.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use papilio_transport::Field;
+
+/// Rows are no higher than this, degrees.
+const ROW_DEG: f64 = 0.25;
+const COLUMNS: usize = 720;
+/// Points and weights of a Gauss rule from 0 to 1.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668, 0.118_463_442_528_095),
+    (0.230_765_344_947_158, 0.239_314_335_249_683),
+    (0.5, 0.284_444_444_444_444),
+    (0.769_234_655_052_842, 0.239_314_335_249_683),
+    (0.953_089_922_969_332, 0.118_463_442_528_095),
+];
+
+/// Even light from where the angle to (`theta_deg`, `phi_deg`) is `from_deg` to `to_deg`, all in degrees, 0 to 180; `None` if
+/// none of it is above the horizon.
+pub fn cap(theta_deg: f64, phi_deg: f64, from_deg: f64, to_deg: f64) -> Option<Field> {
+    if theta_deg == 0.0 {
+        return Field::ring(from_deg, to_deg.min(90.0));
+    }
+    let (axis, turn) = if theta_deg < 0.0 { (-theta_deg, phi_deg + 180.0) } else { (theta_deg, phi_deg) };
+    let (axis, turn) = (axis.to_radians(), turn.to_radians());
+    let edges = edges(axis.to_degrees(), [from_deg, to_deg]);
+    let column = TAU / COLUMNS as f64;
+    let mut radiance = vec![0.0; (edges.len() - 1) * COLUMNS];
+    for (row, edge) in radiance.chunks_exact_mut(COLUMNS).zip(edges.windows(2)) {
+        let squares = [edge[0], edge[1]].map(|edge| edge.to_radians().sin().powi(2));
+        for (along, weight) in rule() {
+            let theta = (squares[0] + along * (squares[1] - squares[0])).sqrt().asin();
+            let [inner, outer] = [from_deg, to_deg].map(|angle| half_width(theta, axis, angle.to_radians()));
+            for (start, end) in [(turn + inner, turn + outer), (turn - outer, turn - inner)] {
+                light(row, start / column, end / column, weight);
+            }
+        }
+    }
+    Some(Field::new(&edges, COLUMNS, radiance)?.0)
+}
+
+/// Points and weights over a row, from 0 to 1. Where a row ends at an edge of the region, azimuths begin as a square root: the
+/// substitution `sin^2` makes that smooth.
+fn rule() -> [(f64, f64); 5] {
+    let rule = GAUSS.map(|(t, weight)| ((FRAC_PI_2 * t).sin().powi(2), weight * (PI * t).sin()));
+    let sum: f64 = rule.iter().map(|(_, weight)| weight).sum();
+    rule.map(|(along, weight)| (along, weight / sum))
+}
+
+/// Half the azimuths, radians, at which the angle from the axis is less than `angle`.
+fn half_width(theta: f64, axis: f64, angle: f64) -> f64 {
+    let across = theta.sin() * axis.sin();
+    let cosine = (angle.cos() - theta.cos() * axis.cos()) / across;
+    if across == 0.0 {
+        if theta.max(axis) < angle { PI } else { 0.0 }
+    } else {
+        cosine.clamp(-1.0, 1.0).acos()
+    }
+}
+
+/// Adds `weight` to the columns from `start` to `end`, in columns around the circle.
+fn light(row: &mut [f64], start: f64, end: f64, weight: f64) {
+    let mut at = start;
+    while at < end - 1e-12 {
+        // Rounding must not leave a step of nothing.
+        let next = ((at + 1e-9).floor() + 1.0).min(end);
+        let column = (0.5 * (at + next)).floor().rem_euclid(row.len() as f64) as usize;
+        row[column.min(row.len() - 1)] += weight * (next - at);
+        at = next;
+    }
+}
+
+/// Inclinations between rows, degrees: evenly, and where the region begins and ends in the plane of its axis.
+fn edges(axis_deg: f64, angles_deg: [f64; 2]) -> Vec<f64> {
+    let rows = (90.0 / ROW_DEG) as usize;
+    let mut edges: Vec<f64> = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
+    for angle in angles_deg {
+        edges.extend([axis_deg + angle, (axis_deg - angle).abs()].into_iter().filter(|edge| *edge < 90.0));
+    }
+    edges.sort_by(f64::total_cmp);
+    edges.dedup_by(|next, last| *next - *last < 1e-6);
+    // The last row ends where the hemisphere does, whatever was merged.
+    if let Some(last) = edges.last_mut() {
+        *last = 90.0;
+    }
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_optics::Beta;
+
+    /// A cap above the horizon has the irradiance of a disc, pi sin^2(a) cos(theta), so that its radiance over its irradiance is one over that.
+    #[test]
+    fn a_cap_above_the_horizon_is_a_disc() {
+        for (theta, phi, angle) in
+            [(8.0, 0.0, 5.0), (-8.0, 0.0, 5.0), (40.0, 77.0, 20.0), (3.0, -120.0, 30.0)]
+        {
+            let field = cap(theta, phi, 0.0, angle).unwrap();
+            let truth = 1.0 / (PI * angle.to_radians().sin().powi(2) * theta.to_radians().cos());
+            let at = |off: f64| field.radiance(Beta::from_source(theta + off, phi, 1.0)) / truth;
+            for off in [0.0, 0.9 * angle, -0.9 * angle] {
+                assert!((at(off) - 1.0).abs() < 2e-5, "{theta} {phi} {off}: {}", at(off));
+            }
+            assert_eq!((at(angle + 0.6), at(-angle - 0.6)), (0.0, 0.0));
+        }
+    }
+
+    /// All but a trap: what the trap lacks is missing of the hemisphere's pi.
+    #[test]
+    fn a_trap_takes_its_own_light() {
+        let field = cap(-8.0, 0.0, 5.0, 180.0).unwrap();
+        let truth = 1.0 / (PI - PI * 5.0_f64.to_radians().sin().powi(2) * 8.0_f64.to_radians().cos());
+        for (theta, phi) in [(0.0, 0.0), (8.0, 0.0), (-14.0, 0.0), (60.0, 45.0), (-89.9, 0.0), (89.9, 0.0)] {
+            let at = field.radiance(Beta::from_source(theta, phi, 1.0)) / truth;
+            assert!((at - 1.0).abs() < 1e-6, "{theta} {phi}: {at}");
+        }
+        for off in [0.0, 4.0, -4.0] {
+            assert_eq!(field.radiance(Beta::from_source(-8.0 + off, 0.0, 1.0)), 0.0);
+        }
+        assert_eq!(cap(0.0, 33.0, 0.0, 180.0), Field::ring(0.0, 90.0));
+    }
+}
