@@ -225,8 +225,11 @@ fn text_on_white(view: &View) -> String {
     let read = match ages {
         [Some(young), Some(middle), Some(old)] => {
             let [young, middle, old] = [young, middle, old].map(|share| 100.0 * share);
+            let reader = text.reading_surrogate.map_or(String::new(), |share| {
+                format!(", {:.0} % at the reader's age", 100.0 * share)
+            });
             format!(
-                "read to {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years (calibrated surrogate)"
+                "read to {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years{reader} (calibrated surrogate)"
             )
         }
         _ => "reading performance: out of the surrogate's range".to_owned(),

@@ -104,5 +104,7 @@ metrics! {
         reading_surrogate_age_50,
         /// The same of 75 years.
         reading_surrogate_age_75,
+        /// The same of a reader of `viewer.age_years`; null where the scenario gives no age.
+        reading_surrogate,
     }
 }

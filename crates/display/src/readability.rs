@@ -8,9 +8,10 @@
 //! of CIE 145:2002 for details of 1.5 minutes of arc (small print at 400 mm). The charts' formula
 //! is not at hand; `P = p0 + p1 ln(C/.35) + p2 ln(L/1000 cd/m2)`, cut to 0 ... 1 and calibrated
 //! on that table, gives its numbers back. It is *a surrogate, not the CIE's model*: twelve numbers
-//! off a chart, for three ages. Age 20 has but one number below 1, and age 50's slopes.
+//! off a chart, for readers of 20, 50 and 75 years. Age 20 has but one number below 1, and age 50's
+//! slopes. Between the ages p0, p1 and p2 go linearly, which no chart was read for.
 //!
-//! **Range.** L from 1000 to 5200 cd/m2, C from .35 to .9: beyond there is no number.
+//! **Range.** L from 1000 to 5200 cd/m2, C from .35 to .9, 20 to 75 years: beyond there is no number.
 
 /// Luminance of text that the surrogate is calibrated for, cd/m2.
 pub const LUMINANCE_RANGE_CD_M2: [f64; 2] = [1000.0, 5200.0];
@@ -18,38 +19,19 @@ pub const LUMINANCE_RANGE_CD_M2: [f64; 2] = [1000.0, 5200.0];
 /// Contrast of text that the surrogate is calibrated for.
 pub const CONTRAST_RANGE: [f64; 2] = [0.35, 0.9];
 
-/// How old the reader is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reader {
-    /// 20 years.
-    Age20,
-    /// 50 years.
-    Age50,
-    /// 75 years.
-    Age75,
-}
+/// Years of the readers that the surrogate is calibrated for.
+pub const AGES_YEARS: [f64; 3] = [20.0, 50.0, 75.0];
 
-impl Reader {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::Age20, Self::Age50, Self::Age75];
+/// p0, p1 and p2 at each of the ages.
+const COEFFICIENTS: [[f64; 3]; 3] =
+    [[0.8121, 0.1845, 0.0481], [0.6619, 0.1845, 0.0481], [0.2971, 0.3141, 0.0074]];
 
-    /// Years.
-    pub fn age(self) -> u32 {
-        match self {
-            Self::Age20 => 20,
-            Self::Age50 => 50,
-            Self::Age75 => 75,
-        }
-    }
-
-    /// p0, p1 and p2 of the surrogate.
-    fn coefficients(self) -> [f64; 3] {
-        match self {
-            Self::Age20 => [0.8121, 0.1845, 0.0481],
-            Self::Age50 => [0.6619, 0.1845, 0.0481],
-            Self::Age75 => [0.2971, 0.3141, 0.0074],
-        }
-    }
+/// p0, p1 and p2 of a reader; `None` beyond the ages.
+fn coefficients(age_years: f64) -> Option<[f64; 3]> {
+    let before = AGES_YEARS.windows(2).position(|ages| (ages[0]..=ages[1]).contains(&age_years))?;
+    let share = (age_years - AGES_YEARS[before]) / (AGES_YEARS[before + 1] - AGES_YEARS[before]);
+    let (younger, older) = (COEFFICIENTS[before], COEFFICIENTS[before + 1]);
+    Some(std::array::from_fn(|k| (1.0 - share) * younger[k] + share * older[k]))
 }
 
 /// Black text on white.
@@ -72,12 +54,12 @@ impl Text {
     }
 
     /// Reading performance by the calibrated surrogate, 0 to 1; `None` beyond its range.
-    pub fn reading_surrogate(self, reader: Reader) -> Option<f64> {
+    pub fn reading_surrogate(self, age_years: f64) -> Option<f64> {
         let [dimmest, brightest] = LUMINANCE_RANGE_CD_M2;
         let [faintest, strongest] = CONTRAST_RANGE;
         let known = (dimmest..=brightest).contains(&self.luminance_cd_m2)
             && (faintest..=strongest).contains(&self.contrast);
-        let [p0, p1, p2] = reader.coefficients();
+        let [p0, p1, p2] = coefficients(age_years)?;
         let (contrast, luminance) = (self.contrast / 0.35, self.luminance_cd_m2 / 1000.0);
         known.then(|| (p0 + p1 * contrast.ln() + p2 * luminance.ln()).clamp(0.0, 1.0))
     }
@@ -87,12 +69,20 @@ impl Text {
 mod tests {
     use super::*;
 
+    fn text(luminance_cd_m2: f64, contrast: f64) -> Text {
+        Text { luminance_cd_m2, contrast }
+    }
+
     #[test]
     fn beyond_its_range_there_is_no_number() {
-        let text = |luminance_cd_m2, contrast| Text { luminance_cd_m2, contrast };
-        assert!(text(1000.0, 0.35).reading_surrogate(Reader::Age20).is_some());
-        for outside in [text(999.0, 0.8), text(5201.0, 0.8), text(2000.0, 0.3), text(2000.0, 0.91)] {
-            assert!(Reader::ALL.iter().all(|reader| outside.reading_surrogate(*reader).is_none()));
+        for age in AGES_YEARS {
+            assert!(text(1000.0, 0.35).reading_surrogate(age).is_some());
+            for outside in [text(999.0, 0.8), text(5201.0, 0.8), text(2000.0, 0.3), text(2000.0, 0.91)] {
+                assert_eq!(outside.reading_surrogate(age), None);
+            }
+        }
+        for age in [19.9, 75.1, -50.0, f64::NAN] {
+            assert_eq!(text(2000.0, 0.8).reading_surrogate(age), None);
         }
         assert_eq!(Text::new(0.0, 0.0), None);
     }
@@ -100,16 +90,21 @@ mod tests {
     /// More light and more contrast never make reading harder, and years never make it easier.
     #[test]
     fn it_rises_with_light_and_contrast_and_falls_with_age() {
-        let at = |l: f64, c: f64, reader| {
-            Text { luminance_cd_m2: l, contrast: c }.reading_surrogate(reader).unwrap()
-        };
+        let at = |l: f64, c: f64, age: f64| text(l, c).reading_surrogate(age).unwrap();
         for (l, c) in [(1000.0, 0.35), (2500.0, 0.6), (5000.0, 0.85)] {
-            for reader in Reader::ALL {
-                assert!(at(l + 100.0, c, reader) >= at(l, c, reader));
-                assert!(at(l, c + 0.04, reader) >= at(l, c, reader));
+            for age in (20..=75).map(f64::from) {
+                assert!(at(l + 100.0, c, age) >= at(l, c, age));
+                assert!(at(l, c + 0.04, age) >= at(l, c, age));
+                assert!(at(l, c, (age + 1.0).min(75.0)) <= at(l, c, age));
             }
-            assert!(at(l, c, Reader::Age20) >= at(l, c, Reader::Age50));
-            assert!(at(l, c, Reader::Age50) >= at(l, c, Reader::Age75));
         }
+    }
+
+    /// Between two ages, what lies between their numbers (where neither is cut).
+    #[test]
+    fn ages_between_are_between() {
+        let at = |age: f64| text(1500.0, 0.5).reading_surrogate(age).unwrap();
+        assert!((at(35.0) - 0.5 * (at(20.0) + at(50.0))).abs() < 1e-12);
+        assert!((at(55.0) - (0.8 * at(50.0) + 0.2 * at(75.0))).abs() < 1e-12);
     }
 }

@@ -45,6 +45,8 @@ pub struct Metrics {
     pub spectra_by_light: bool,
     /// Whether the gamut's volume is wanted.
     pub gamut_volume: bool,
+    /// Years of the reader, 20 to 75, if reading performance at that age is wanted.
+    pub reader_age_years: Option<f64>,
     /// Viewing conditions, if colour appearance is wanted.
     pub appearance: Option<Appearance>,
 }
@@ -67,6 +69,7 @@ impl Default for Metrics {
             reference_state: "white".to_owned(),
             spectra_by_light: false,
             gamut_volume: false,
+            reader_age_years: None,
             appearance: None,
         }
     }

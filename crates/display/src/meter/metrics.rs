@@ -7,7 +7,7 @@ use papilio_colour::{
     CORNERS, Corners, GamutReference, Lab, UvPrime, Viewing, Xyz, coverage_percent, gamut_percent,
 };
 
-use crate::readability::{Reader, Text};
+use crate::readability::Text;
 use crate::result::{Cam16, StateMetrics, ViewMetrics};
 use crate::scene::{Appearance, Metrics, Standard};
 
@@ -113,9 +113,11 @@ impl Reference<'_> {
         if let Some(text) = text {
             together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
             together.text_contrast = Some(text.contrast);
-            together.reading_surrogate_age_20 = text.reading_surrogate(Reader::Age20);
-            together.reading_surrogate_age_50 = text.reading_surrogate(Reader::Age50);
-            together.reading_surrogate_age_75 = text.reading_surrogate(Reader::Age75);
+            together.reading_surrogate_age_20 = text.reading_surrogate(20.0);
+            together.reading_surrogate_age_50 = text.reading_surrogate(50.0);
+            together.reading_surrogate_age_75 = text.reading_surrogate(75.0);
+            together.reading_surrogate =
+                self.asked.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
         }
         if self.asked.gamut_volume {
             together.gamut_volume_cielab = self.volume(&xyz);

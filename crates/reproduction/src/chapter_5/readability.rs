@@ -1,6 +1,6 @@
 //! Table 5.3: daylight readability.
 
-use papilio_display::readability::{CONTRAST_RANGE, LUMINANCE_RANGE_CD_M2, Reader, Text};
+use papilio_display::readability::{AGES_YEARS, CONTRAST_RANGE, LUMINANCE_RANGE_CD_M2, Text};
 use papilio_display::result::View;
 use papilio_figures::{SweepAxis, SweepFigure, sweep_map};
 
@@ -118,10 +118,9 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
              light to the eye, in both set-ups, than lobes of these hazes, and its black is lighter: reported, not fitted. \
              Beyond C = .9 the surrogate gives no number.",
         );
-    for reader in Reader::ALL {
-        let age = reader.age();
+    for age in AGES_YEARS {
         section = section.figure(
-            chart_5_20(reader),
+            chart_5_20(age),
             format!("Figure 5.20 by the calibrated surrogate, {age} years: performance over luminance and contrast of text."),
         );
     }
@@ -135,19 +134,19 @@ fn text(white_cd_m2: f64, black_cd_m2: f64) -> Text {
 
 /// Performance at the three ages, %.
 fn read(text: Text) -> String {
-    let percent = |reader| text.reading_surrogate(reader).map(|p| format!("{:.0}", 100.0 * p));
-    let all: Option<Vec<String>> = Reader::ALL.into_iter().map(percent).collect();
+    let percent = |age| text.reading_surrogate(age).map(|p| format!("{:.0}", 100.0 * p));
+    let all: Option<Vec<String>> = AGES_YEARS.into_iter().map(percent).collect();
     all.map_or("out of range".to_owned(), |all| all.join(", "))
 }
 
 /// The surrogate over its range.
-fn chart_5_20(reader: Reader) -> String {
+fn chart_5_20(age_years: f64) -> String {
     let between = |[from, to]: [f64; 2], count: u32| -> Vec<f64> {
         (0..count).map(|k| from + (to - from) * (f64::from(k) + 0.5) / f64::from(count)).collect()
     };
     let (luminances, contrasts) = (between(LUMINANCE_RANGE_CD_M2, 42), between(CONTRAST_RANGE, 33));
     let value = |contrast: f64, luminance_cd_m2: f64| {
-        let performance = Text { luminance_cd_m2, contrast }.reading_surrogate(reader);
+        let performance = Text { luminance_cd_m2, contrast }.reading_surrogate(age_years);
         (performance.unwrap_or(f64::NAN), 0.0)
     };
     let axis = |name: &str, values: &[f64]| SweepAxis {
@@ -161,5 +160,5 @@ fn chart_5_20(reader: Reader) -> String {
         y: Some(axis("Contrast of text", &contrasts)),
         values: points.map(|(c, l)| value(c, l)).collect(),
     };
-    sweep_map(&figure, &format!("{} years", reader.age())).unwrap_or_default()
+    sweep_map(&figure, &format!("{age_years} years")).unwrap_or_default()
 }

@@ -15,6 +15,8 @@ table! {
         field_deg: FieldAngle = FieldAngle(0.1),
         /// Distance, mm; matters only where the display is not uniform. Default 500.
         distance_mm: Millimetres = Millimetres(500.0),
+        /// Years of the reader, 20 to 75: how well text is read at that age. Default: none.
+        age_years: Option<Years>,
     }
 }
 
@@ -54,6 +56,11 @@ table! {
     }
 }
 
+number!(
+    /// Age of a reader.
+    Years, "a number from 20 to 75 (years)", |v| (20.0..=75.0).contains(&v),
+    { "type": "number", "minimum": 20, "maximum": 75 }
+);
 number!(
     /// A step of angles, degrees.
     AngleStep, "a number above 0, at most 360 (degrees)", |v| v > 0.0 && v <= 360.0,
