@@ -92,6 +92,9 @@ pub(crate) struct Sweep {
     pub(crate) command: Option<SweepCommand>,
     #[command(flatten)]
     pub(crate) run: Option<SweepRun>,
+    // Not in `SweepRun`: clap does not find what is flattened into something optional.
+    #[command(flatten)]
+    pub(crate) wanted: SweepWanted,
 }
 
 #[derive(Debug, Subcommand)]
@@ -113,14 +116,8 @@ pub(crate) struct SweepRun {
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
     /// Compute part K of N alone, for many machines: every N-th point
-    #[arg(long, value_name = "K/N", value_parser = shard)]
+    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "json")]
     pub(crate) shard: Option<(usize, usize)>,
-    /// Write each figure as PNG, too
-    #[arg(long)]
-    pub(crate) png: bool,
-    /// Write the table as Parquet, too
-    #[arg(long)]
-    pub(crate) parquet: bool,
     /// Worker threads [default: one for each processor]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -135,6 +132,16 @@ pub(crate) struct SweepMerge {
     /// Folder for the table and figures [default: the first DIR]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) wanted: SweepWanted,
+}
+
+/// What a finished sweep gives besides `sweep.csv` and its figures as SVG.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct SweepWanted {
+    /// Print all points as JSON on standard output; files are written as ever
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Write each figure as PNG, too
     #[arg(long)]
     pub(crate) png: bool,

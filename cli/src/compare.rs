@@ -1,15 +1,19 @@
 //! `papilio compare`: a simulated display against a measured panel.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use papilio_display::compare::{Colour, Comparison, StateComparison, ViewComparison, compare};
+use papilio_display::compare::{
+    Colour, Comparison, Measured, Simulated, StateComparison, ViewComparison, compare,
+};
 use papilio_figures::{compared_gamuts, compared_spectra};
 use papilio_formats::{
     DataFile, read_measured_panel, read_result, write_compared_spectra, write_comparison, write_file,
     write_json,
 };
+use papilio_scenario::nearest;
 
 use crate::arguments::Compare;
 use crate::{Failure, interrupt, output, report, say};
@@ -24,10 +28,12 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     out.as_deref().map_or(Ok(()), output::check)?;
     let read = read_result(&open(&result)?).map_err(Failure::Data)?;
     let measured = read_measured_panel(&open(&arguments.measured)?).map_err(Failure::Data)?;
+    let meant = meant(&read.simulated, &measured);
     let all = compare(&read.simulated, &measured).map_err(|error| {
-        Failure::Input(format!(
-            "{error}\n  = help: names and angles must be those of the result, to within a degree"
-        ))
+        let help = meant
+            .clone()
+            .unwrap_or_else(|| "names and angles must be those of the result, to within a degree".to_owned());
+        Failure::Input(format!("{error}\n  = help: {help}"))
     })?;
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
     let written =
@@ -43,12 +49,25 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         output::announce(&folder, &names);
     }
     all.left_out.iter().for_each(|reason| say(&format!("note: {reason}")));
+    meant.iter().for_each(|meant| say(&format!("  = help: {meant}")));
     if looks_like_percent(&all) {
         say(
             &"warning: what was measured is about a hundred times what was simulated: is it in per cent? Shares of 1 are compared",
         );
     }
     Ok(())
+}
+
+/// The simulated states that names without a counterpart were probably meant to be.
+fn meant(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
+    let all = simulated.views.iter().flat_map(|view| &view.states);
+    let known: BTreeSet<&str> = all.map(|(name, ..)| name.as_str()).collect();
+    let unknown: BTreeSet<&str> =
+        measured.iter().map(|one| one.state.as_str()).filter(|name| !known.contains(name)).collect();
+    let close =
+        unknown.iter().filter_map(|wrong| nearest(wrong, known.iter().copied()).map(|name| (wrong, name)));
+    let close: Vec<String> = close.map(|(wrong, name)| format!("`{name}` for `{wrong}`")).collect();
+    (!close.is_empty()).then(|| format!("did you mean {}?", close.join(", ")))
 }
 
 /// Whether every state's Y is measured a hundred times too large, as numbers in per cent are: by a factor of 20 to 500.
@@ -141,7 +160,7 @@ fn together(view: &ViewComparison) -> String {
         .map(|(name, pair, unit)| format!("{name} {}{unit}", both(pair, 2)).trim_start().to_owned())
         .collect();
     if let Some(peaks) = view.average_peak_difference_nm {
-        parts.push(format!("peaks {peaks:+.1} nm apart on average"));
+        parts.push(format!("peaks {} nm apart on average", report::signed(peaks, 1)));
     }
     if parts.is_empty() { String::new() } else { format!("  {}\n", parts.join(", ")) }
 }

@@ -188,6 +188,7 @@ fn in_full(view: &View, in_glass: bool) -> String {
     text.push('\n');
     text.push_str(&table(&rows));
     text.push_str(&together(view));
+    text.push_str(&by_light(view));
     text.push_str(&ledger(view));
     text
 }
@@ -225,9 +226,9 @@ fn text_on_white(view: &View) -> String {
     let read = match ages {
         [Some(young), Some(middle), Some(old)] => {
             let [young, middle, old] = [young, middle, old].map(|share| 100.0 * share);
-            let reader = text.reading_surrogate.map_or(String::new(), |share| {
-                format!(", {:.0} % at the reader's age", 100.0 * share)
-            });
+            let reader = text
+                .reading_surrogate
+                .map_or(String::new(), |share| format!(", {:.0} % at the reader's age", 100.0 * share));
             format!(
                 "read to {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years{reader} (calibrated surrogate)"
             )
@@ -239,6 +240,28 @@ fn text_on_white(view: &View) -> String {
         measured(Some(luminance), error.text_luminance_cd_m2, 1),
         measured(Some(contrast), error.text_contrast, 3)
     )
+}
+
+/// What the first state reflects of each light, where there are several.
+fn by_light(view: &View) -> String {
+    let Some((name, State { value, standard_error, .. })) = view.states.iter().next() else {
+        return String::new();
+    };
+    let lights = |name: &str, values: &[Option<f64>], errors: &[Option<f64>]| -> Vec<String> {
+        let one = |(k, value): (usize, &Option<f64>)| {
+            let number = if values.len() > 1 { format!(" {}", k + 1) } else { String::new() };
+            let error = errors.get(k).copied().flatten();
+            value.map(|value| format!("{name}{number} {}", measured(Some(value), error, 4)))
+        };
+        values.iter().enumerate().filter_map(one).collect()
+    };
+    let all = [
+        lights("R_hemi", &[value.R_hemi], &[standard_error.R_hemi]),
+        lights("R_dir", &value.R_dir, &standard_error.R_dir),
+        lights("R_environment", &value.R_environment, &standard_error.R_environment),
+    ];
+    let all = all.concat();
+    if all.len() < 2 { String::new() } else { format!("  {name} by light: {}\n", all.join(", ")) }
 }
 
 /// Where the light of the first state goes.
@@ -343,9 +366,14 @@ fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     unsigned_zero(format!("{value:.decimals$}({last})"))
 }
 
+/// With its sign, unless it is zero as it is written.
+pub(crate) fn signed(value: f64, decimals: usize) -> String {
+    unsigned_zero(format!("{value:+.decimals$}"))
+}
+
 /// Without the sign of a zero.
 pub(crate) fn unsigned_zero(number: String) -> String {
-    match number.strip_prefix('-') {
+    match number.strip_prefix(['-', '+']) {
         Some(rest) if rest.chars().take_while(|c| *c != '(').all(|c| matches!(c, '0' | '.')) => {
             rest.to_owned()
         }
@@ -355,7 +383,7 @@ pub(crate) fn unsigned_zero(number: String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{measured, percent};
+    use super::{measured, percent, signed};
 
     #[test]
     fn small_errors_show_their_first_digit() {
@@ -374,6 +402,7 @@ mod tests {
         assert_eq!(measured(Some(9.123), None, 2), "9.12");
         assert_eq!(measured(Some(11343.2), Some(0.96), 1), "11343(1)");
         assert_eq!(measured(Some(-0.001), Some(0.0001), 2), "0.00");
+        assert_eq!([-0.04, 0.04, 0.06, -0.06].map(|v| signed(v, 1)), ["0.0", "0.0", "+0.1", "-0.1"]);
         assert_eq!(measured(Some(-0.1), Some(0.0001), 2), "-0.10");
         assert_eq!(measured(None, None, 2), "-");
     }

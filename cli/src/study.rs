@@ -94,7 +94,9 @@ fn table(title: &str, curves: &[StudyCurve]) -> String {
         for point in &curve.points {
             let _ = write!(text, "{:>10}", format!("{:.4} %", 100.0 * point.relative_error));
         }
-        let slope = curve.slope().map_or("-".to_owned(), |(p, error)| format!("{:.2} +- {error:.2}", -p));
+        let slope = curve.slope().map_or("-".to_owned(), |(p, error)| {
+            format!("{} +- {error:.2}", report::unsigned_zero(format!("{:.2}", -p)))
+        });
         let each = curve.points.last().map_or(0.0, |p| 1e6 * p.transport_s / p.paths as f64);
         let to = curve.seconds_to(1e-3).map_or("-".to_owned(), |s| format!("{:.2}", 1e3 * s));
         let _ = writeln!(text, "{slope:>16}{each:>10.2}{:>11.2}{to:>14}", 1e3 * curve.setup_s);

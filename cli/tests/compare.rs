@@ -41,7 +41,10 @@ fn the_synthetic_panel_differs_as_it_was_made_to() {
     {
         assert!(table.contains(words), "{words} is not in\n{table}");
     }
-    assert!(String::from_utf8_lossy(&output.stderr).contains("not measured at theta 8 deg, phi 0 deg: cyan"));
+    assert!(
+        String::from_utf8_lossy(&output.stderr)
+            .contains("note: not measured: cyan, magenta, yellow at theta 8, 20 deg")
+    );
     for name in ["comparison.csv", "comparison-spectra.csv", "compared-spectra_theta8_phi0.svg"] {
         assert!(out.join(name).exists(), "{name}");
     }
@@ -89,7 +92,8 @@ fn wrong_input_is_said_and_writes_nothing() {
         ("state,theta,Y\nwhite,8,0.2\n", ":1:1"),
         ("state,theta_deg,X,Y,Z\nwhite,8,0.2,zero,0.2\n", ":2:13"),
         ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\nwhite,50,0.2,0.2,0.2\n", "no such state"),
-        ("", "no rows of data"),
+        ("state,theta_deg,X,Y,Z\nwhte,8,0.2,0.2,0.2\n", "did you mean `white` for `whte`?"),
+        ("", "expected a first row with the names of the columns"),
     ] {
         fs::write(&measured, text).unwrap();
         let output = compare(&run, &measured, &[Path::new("--out"), &out]);

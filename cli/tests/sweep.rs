@@ -117,6 +117,59 @@ fn a_point_is_a_run() {
     assert_eq!(swept, states.lines().skip(1).collect::<Vec<_>>());
 }
 
+/// What is printed as JSON is what the table holds; figures may be asked for on the command line.
+#[test]
+fn json_is_the_table() {
+    let (_folder, file, out) = place(SCENARIO);
+    let figures = r#"sweep.figures=["black.Y"]"#;
+    let output = papilio(&["sweep", &file, "--out", &out, "--json", "--set", figures]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let all: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let table = fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap();
+    let mut lines = table.lines();
+    let titles: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let y = titles.iter().position(|title| *title == "Y").unwrap();
+    let expected: Vec<f64> = lines.map(|line| line.split(',').nth(y).unwrap().parse().unwrap()).collect();
+    let points = all["points"].as_array().unwrap();
+    let rows = points.iter().flat_map(|point| point["rows"].as_array().unwrap());
+    let printed: Vec<f64> = rows.map(|row| row["Y"].as_f64().unwrap()).collect();
+    assert_eq!(printed.len(), expected.len());
+    // The test's own reader of JSON may miss the last digit.
+    assert!(printed.iter().zip(&expected).all(|(one, other)| (one - other).abs() < 1e-15));
+    assert_eq!(points[4]["swept"]["viewer.theta_deg"], 10);
+    assert!(Path::new(&out).join("sweep_black.Y.svg").exists());
+}
+
+/// Every view is printed, and is an axis of the figures.
+#[test]
+fn views_are_an_axis() {
+    let swept = "viewer.theta_deg = [0, 10, 20]\nlighting.directed = [[], [], []]\n";
+    let text = SCENARIO.replace(&format!("[[sweep.axes]]\n{swept}"), "[viewer]\ntheta_deg = [8, 20]\n");
+    let (_folder, file, out) = place(&text);
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(printed.lines().count(), 1 + 5 * 2, "{printed}");
+    let map = String::from_utf8(files(Path::new(&out))["sweep_contrast_ratio.svg"].clone()).unwrap();
+    for words in ["theta_deg", ">8<", ">20<"] {
+        assert!(map.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn what_cannot_be_merged_or_swept_is_said() {
+    let (folder, file, _) = place(&SCENARIO[..SCENARIO.find("[sweep]").unwrap()]);
+    let none = folder.path().join("none");
+    let merged = papilio(&["sweep", "merge", none.to_str().unwrap()]);
+    assert_eq!(merged.status.code(), Some(2));
+    assert!(stderr(&merged).contains("is not there\n  = help: expected a folder"), "{}", stderr(&merged));
+    for more in [&[][..], &["--set", "sweep.figures=[\"white.Y\"]"]] {
+        let swept = papilio(&[&["sweep", &file][..], more].concat());
+        assert_eq!(swept.status.code(), Some(2));
+        assert!(stderr(&swept).contains("has no `[[sweep.axes]]`"), "{}", stderr(&swept));
+    }
+}
+
 /// Killed at many moments and gone on with, it ends in the same bytes; and no point is computed twice.
 #[test]
 fn a_killed_sweep_goes_on() {
@@ -262,10 +315,7 @@ fn wrong_sweeps_say_where_and_compute_nothing() {
         assert!(output.stdout.is_empty() && !Path::new(&out).join("sweep.csv").exists());
     }
     let (_folder, file, out) = place(SCENARIO.split("[sweep]").next().unwrap());
-    let output = papilio(&["sweep", &file, "--out", &out]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("the key `sweep` is missing"), "{}", stderr(&output));
-    let output = papilio(&["sweep", &file, "--shard", "3/2"]);
+    let output = papilio(&["sweep", &file, "--out", &out, "--shard", "3/2"]);
     assert_eq!(output.status.code(), Some(2));
 }
 

@@ -92,6 +92,52 @@ fn any_state_may_be_the_reference() {
     assert!(red.metrics.delta_E_2000_from_reference.unwrap() > 20.0);
 }
 
+/// Differences with the angle, and CIELUV, are those of the colours that the views report.
+#[test]
+fn colours_shift_with_the_angle_as_they_are_seen() {
+    let result = indoor(&["viewer.theta_deg=[30, 0, 8]"]);
+    let normal = |name: &str| result.views[1].states.get(name).unwrap().value.clone();
+    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
+    let lab = |state: &State| xyz(state).lab(white).unwrap();
+    for (view, least) in result.views.iter().zip([5.0, 0.0, 0.5]) {
+        for (name, state) in view.states.iter() {
+            let (here, there, metrics) = (&state.value, normal(name), &state.value.metrics);
+            let [du, dv] = [(here.u_prime, there.u_prime), (here.v_prime, there.v_prime)]
+                .map(|(here, there)| here.unwrap() - there.unwrap());
+            assert!((metrics.shift_with_angle_uv.unwrap() - du.hypot(dv)).abs() < 1e-12, "{name}");
+            let delta_e = lab(state).delta_e_2000(lab(result.views[1].states.get(name).unwrap()));
+            let found = metrics.delta_E_2000_with_angle.unwrap();
+            assert!((found - delta_e).abs() < 1e-6 && found >= least, "{name}: {found} {delta_e}");
+            let thirteen = 13.0 * here.L_star.unwrap();
+            let u_star = thirteen * (here.u_prime.unwrap() - result.illuminant.u_prime);
+            let v_star = thirteen * (here.v_prime.unwrap() - result.illuminant.v_prime);
+            assert!((metrics.u_star.unwrap() - u_star).abs() < 1e-9, "{name}");
+            assert!((metrics.v_star.unwrap() - v_star).abs() < 1e-9, "{name}");
+        }
+    }
+}
+
+/// The reader's age changes nothing but the performance at that age, and between two ages it lies between theirs.
+#[test]
+fn the_readers_age_is_said_alone() {
+    let lit = ["lighting.illuminance_lx=12000", "display.front=[{ reflectance = 0.08, absorptance = 0.01 }]"];
+    let plain = indoor(&lit);
+    assert_eq!(plain.views[0].metrics.reading_surrogate, None);
+    for (age, known) in [(20, 0), (50, 1), (75, 2)] {
+        let asked = indoor(&[&lit[..], &[&format!("viewer.age_years={age}")]].concat());
+        let view = &asked.views[0].metrics;
+        let ages =
+            [view.reading_surrogate_age_20, view.reading_surrogate_age_50, view.reading_surrogate_age_75];
+        assert!(ages[known].is_some() && view.reading_surrogate == ages[known], "{age}: {view:?}");
+        assert_eq!(view.text_contrast, plain.views[0].metrics.text_contrast);
+    }
+    let between = indoor(&[&lit[..], &["viewer.age_years=60"]].concat()).views[0].metrics;
+    let read = between.reading_surrogate.unwrap();
+    assert!(
+        between.reading_surrogate_age_75.unwrap() < read && read < between.reading_surrogate_age_50.unwrap()
+    );
+}
+
 /// What is asked for costs what is not asked for nothing: the other numbers stay, bit by bit.
 #[test]
 fn asking_changes_no_other_number() {

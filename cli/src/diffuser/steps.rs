@@ -104,7 +104,7 @@ fn told(title: &str, variants: &[Variant]) -> String {
         rows.push(vec![
             variant.name.clone(),
             format!("{y:.4}"),
-            format!("{:+.1} %", 100.0 * (y / first - 1.0)),
+            format!("{} %", report::signed(100.0 * (y / first - 1.0), 1)),
             number(view.metrics.contrast_ratio, 2),
             number(view.metrics.gamut_percent_srgb, 2),
         ]);

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use papilio_figures::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
-use papilio_formats::{SweepHead, SweepHeadAxis, SweepPoint, sweep_value, write_file};
+use papilio_formats::{SweepHead, SweepPoint, write_file};
 
+use super::axes::{common_views, of_axis, of_views};
 use crate::{Failure, output};
 
 /// More curves cannot be told apart.
@@ -14,7 +15,7 @@ const MOST_CURVES: usize = 8;
 const FEWEST_ROWS: usize = 3;
 
 /// Writes the figures of a finished sweep, and returns their names. Of more than two axes, the others are at their
-/// first value, and the figure says so.
+/// first value, and the figure says so. Several views are an axis before all others.
 pub(super) fn figures(
     folder: &Path,
     head: &SweepHead,
@@ -29,7 +30,7 @@ pub(super) fn figures(
         if curves <= MOST_CURVES {
             drawn.push((format!("sweep_{metric}"), sweep_curves(&figure, &title)));
         }
-        if curves >= FEWEST_ROWS && columns >= FEWEST_ROWS {
+        if drawn.is_empty() || (curves >= FEWEST_ROWS && columns >= FEWEST_ROWS) {
             drawn.extend(sweep_map(&figure, &title).map(|svg| (format!("sweep_{metric}_map"), svg)));
         }
         for (name, svg) in drawn {
@@ -45,69 +46,37 @@ pub(super) fn figures(
     Ok(names)
 }
 
-/// A metric over the last two axes, and what stands above it; `None` where it is nowhere defined.
+/// A metric over the last two axes (of which the views are the first, if there are several), and what stands above
+/// it; `None` where it is nowhere defined.
 fn figure(head: &SweepHead, points: &[&SweepPoint], metric: &str) -> Option<(SweepFigure, String)> {
-    let (x, before) = head.axes.split_last()?;
-    let y = before.last();
-    let drawn = x.values.len() * y.map_or(1, |y| y.values.len());
-    let error = |point: &SweepPoint| {
-        let errors = ["_se", "_de"].map(|end| point.metric(&format!("{metric}{end}")).unwrap_or(0.0));
-        errors[0].hypot(errors[1])
+    let views = common_views(points);
+    let mut axes: Vec<SweepAxis> = of_views(&views).into_iter().collect();
+    let over_views = !axes.is_empty();
+    axes.extend(head.axes.iter().map(|axis| of_axis(head, axis)));
+    let (x, before) = axes.split_last()?;
+    let (y, fixed) = before.split_last().map_or((None, before), |(y, fixed)| (Some(y), fixed));
+    let rows = y.map_or(1, |y| y.values.len());
+    let value = |(j, i): (usize, usize)| {
+        // Of one swept axis, the views are the rows; of more, the last axis is the fastest of all.
+        let (view, at) =
+            if over_views && head.axes.len() == 1 { (j, i) } else { (0, j * x.values.len() + i) };
+        points.get(at).and_then(|point| measured(point, views.get(view).copied(), metric))
     };
-    let values: Vec<(f64, f64)> = points
-        .iter()
-        .take(drawn)
-        .map(|point| point.metric(metric).map_or((f64::NAN, f64::NAN), |value| (value, error(point))))
-        .collect();
+    let places = (0..rows).flat_map(|j| (0..x.values.len()).map(move |i| (j, i)));
+    let values: Vec<(f64, f64)> = places.map(|at| value(at).unwrap_or((f64::NAN, f64::NAN))).collect();
     if values.iter().all(|(value, _)| value.is_nan()) {
         return None;
     }
-    let fixed = before.len().saturating_sub(1);
-    let others: Vec<String> =
-        head.axes[..fixed].iter().map(|axis| format!("{} = {}", name(head, axis), text(axis, 0))).collect();
+    let others = fixed.iter().map(|axis| format!("{} = {}", axis.name, axis.values[0]));
     let title = head.title.iter().cloned().chain(others).collect::<Vec<_>>().join(", ");
-    let axis = |axis: &SweepHeadAxis| SweepAxis {
-        name: name(head, axis),
-        values: (0..axis.values.len()).map(|at| text(axis, at)).collect(),
-    };
-    let figure = SweepFigure { metric: metric.to_owned(), x: axis(x), y: y.map(axis), values };
+    let figure =
+        SweepFigure { metric: metric.to_owned(), x: x.clone(), y: y.cloned(), colours: None, values };
     Some((figure, title))
 }
 
-/// An axis goes by its first key; the others follow it.
-fn name(head: &SweepHead, axis: &SweepHeadAxis) -> String {
-    axis.keys.first().map(|key| short(head, key)).unwrap_or_default()
-}
-
-fn text(axis: &SweepHeadAxis, at: usize) -> String {
-    axis.values.get(at).and_then(|values| values.first()).map(sweep_value).unwrap_or_default()
-}
-
-/// The end of a path that no other swept path ends in: `haze` for `display.diffuser.haze`.
-pub(super) fn short(head: &SweepHead, key: &str) -> String {
-    let all = || head.axes.iter().flat_map(|axis| &axis.keys).filter(|other| *other != key);
-    let starts = key.match_indices('.').map(|(at, _)| at + 1).rev().chain([0]);
-    let is_clear = |end: &&str| {
-        !end.starts_with(|c: char| c.is_ascii_digit()) && all().all(|other| !other.ends_with(*end))
-    };
-    starts.map(|start| &key[start..]).find(is_clear).unwrap_or(key).to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn keys_are_as_short_as_is_clear() {
-        let axis = |key: &str| SweepHeadAxis { keys: vec![key.to_owned()], values: vec![] };
-        let keys = ["display.diffuser.haze", "viewer.theta_deg", "lighting.directed.0.theta_deg"];
-        let head = SweepHead {
-            papilio: String::new(),
-            title: None,
-            axes: keys.iter().map(|key| axis(key)).collect(),
-            figures: vec![],
-        };
-        let short = keys.map(|key| super::short(&head, key));
-        assert_eq!(short, ["haze", "viewer.theta_deg", "directed.0.theta_deg"]);
-    }
+/// A metric and its error, in a view or in the first.
+fn measured(point: &SweepPoint, view: Option<[&str; 2]>, metric: &str) -> Option<(f64, f64)> {
+    let view = view.or_else(|| point.views().first().copied())?;
+    let error = |end: &str| point.metric(view, &format!("{metric}{end}")).unwrap_or(0.0);
+    point.metric(view, metric).map(|value| (value, error("_se").hypot(error("_de"))))
 }

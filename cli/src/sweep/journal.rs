@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use papilio_formats::{
@@ -27,8 +28,17 @@ pub(super) fn name(shard: Option<(usize, usize)>) -> String {
 
 /// All journals in a folder, in the order of their names, and where they are.
 pub(super) fn read_all(folder: &Path) -> Result<Vec<(PathBuf, SweepJournal)>, Failure> {
-    let unreadable =
-        |e: std::io::Error| Failure::Input(format!("the folder {} cannot be read: {e}", folder.display()));
+    let unreadable = |error: std::io::Error| {
+        let why = match error.kind() {
+            ErrorKind::NotFound => "is not there".to_owned(),
+            ErrorKind::NotADirectory => "is not a folder".to_owned(),
+            _ => format!("cannot be read: {error}"),
+        };
+        Failure::Input(format!(
+            "{} {why}\n  = help: expected a folder that `papilio sweep FILE --out DIR` wrote a journal into",
+            folder.display()
+        ))
+    };
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();

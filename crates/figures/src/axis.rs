@@ -71,6 +71,17 @@ impl Axis {
         Self { min: -0.5, max: max.max(0.5), ticks, title: title.to_owned(), logarithmic: false }
     }
 
+    /// Between two ends, with ticks of the caller's.
+    pub(crate) fn marked(
+        (min, max): (f64, f64),
+        ticks: Vec<(f64, String)>,
+        title: &str,
+        logarithmic: bool,
+    ) -> Self {
+        let title = if logarithmic { format!("{title} (logarithmic)") } else { title.to_owned() };
+        Self { min, max, ticks, title, logarithmic }
+    }
+
     /// From the first to the last of ascending `values`.
     pub(crate) fn between(values: &[f64], count: usize, title: &str) -> Self {
         match values {

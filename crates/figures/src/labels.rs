@@ -26,13 +26,16 @@ pub(crate) struct EndLabel {
 /// Names the curves to the right of a panel, spread so that none covers another.
 ///
 /// Where many end close together the leaders would be a fan: then the names
-/// are a legend, in the order in which the curves end.
+/// are a legend, in the order in which they are given.
 pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>) {
     labels.retain(|label| label.end.1.is_finite());
-    labels.sort_by(|a, b| a.end.1.total_cmp(&b.end.1));
-    let wanted: Vec<f64> = labels.iter().map(|label| label.end.1).collect();
-    let heights = spread(&wanted, SPACING, panel.origin.1 - 4.0, panel.bottom());
-    let crowded = wanted.iter().zip(&heights).any(|(wanted, height)| (wanted - height).abs() > CLIMB);
+    let mut sorted: Vec<usize> = (0..labels.len()).collect();
+    sorted.sort_by(|a, b| labels[*a].end.1.total_cmp(&labels[*b].end.1));
+    let wanted: Vec<f64> = sorted.iter().map(|label| labels[*label].end.1).collect();
+    let spread = spread(&wanted, SPACING, panel.origin.1 - 4.0, panel.bottom());
+    let crowded = wanted.iter().zip(&spread).any(|(wanted, height)| (wanted - height).abs() > CLIMB);
+    let mut heights = vec![0.0; labels.len()];
+    sorted.iter().zip(spread).for_each(|(label, height)| heights[*label] = height);
     for (i, (label, height)) in labels.iter().zip(heights).enumerate() {
         let to = panel.right() + 16.0;
         let height = if crowded { panel.origin.1 + 8.0 + SPACING * i as f64 } else { height };

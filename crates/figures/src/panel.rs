@@ -4,7 +4,7 @@ use papilio_colour::UvPrime;
 
 use crate::axis::Axis;
 use crate::style::{FAINT, INK, SOFT};
-use crate::svg::{Anchor, Point, Stroke, Svg, Text};
+use crate::svg::{Anchor, Point, Stroke, Svg, Text, text_width};
 
 /// Size of tick labels and titles, px.
 pub(crate) const SMALL: f64 = 12.0;
@@ -66,7 +66,9 @@ impl Panel {
         let title = label.anchor(Anchor::Middle);
         svg.text((self.origin.0 + self.size.0 / 2.0, self.bottom() + 37.0), self.x.title(), title);
         let middle = self.origin.1 + self.size.1 / 2.0;
-        svg.text((self.origin.0 - 46.0, middle), self.y.title(), title.upright());
+        let widest = self.y.ticks().iter().map(|(_, text)| text_width(text, SMALL)).fold(0.0, f64::max);
+        let away = (widest + 19.0).max(46.0);
+        svg.text((self.origin.0 - away, middle), self.y.title(), title.upright());
     }
 
     /// A remark in the upper right corner.

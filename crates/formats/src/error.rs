@@ -79,6 +79,9 @@ pub enum Problem {
     /// The first row of a measured panel must name its columns.
     #[error("this is not the header of a measured panel")]
     PanelHeader,
+    /// A measured panel without rows.
+    #[error("there are no rows of data")]
+    EmptyPanel,
     /// Two rows of a measured panel for the same state and direction.
     #[error("state `{state}` at theta {theta_deg} deg, phi {phi_deg} deg is given twice")]
     MeasuredTwice {
@@ -224,6 +227,10 @@ impl Problem {
             Self::BadName => GOOD_NAME,
             Self::Columns { expected, .. } | Self::OutOfRange { expected, .. } => expected,
             Self::Header => "expected `state,theta_deg,wavelength_nm,reflectance`",
+            Self::EmptyPanel => {
+                "expected a first row with the names of the columns, and a row for each state and direction (of spectra: \
+                 for each wavelength, too)"
+            }
             Self::PanelHeader => {
                 "expected the columns `state`, `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z`"
             }

@@ -61,6 +61,7 @@ mod rows;
 mod spectrum;
 mod study;
 mod sweep;
+mod sweep_json;
 mod sweep_parquet;
 
 pub use audit::{AuditFile, FitFile};
@@ -88,4 +89,5 @@ pub use sweep::{
     LARGEST_JOURNAL, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, read_sweep, sweep_place,
     sweep_value, write_sweep_csv, write_sweep_line,
 };
+pub use sweep_json::write_sweep_json;
 pub use sweep_parquet::sweep_parquet;

@@ -41,14 +41,14 @@ enum Values {
 pub fn read_measured_panel(file: &DataFile) -> Result<Vec<Measured>, FormatError> {
     let table = Table::new(file)?;
     let mut rows = table.rows().filter(|row| !row.begins_with_hash());
-    let header = rows.next().ok_or_else(|| table.error(Problem::TooFew { rows: 0 }))?;
+    let header = rows.next().ok_or_else(|| table.error(Problem::EmptyPanel))?;
     let columns = Columns::of(&header).ok_or_else(|| header.error(Problem::PanelHeader))?;
     let mut panel = Panel::default();
     for row in rows {
         panel.push(&columns, &row)?;
     }
     if panel.measured.is_empty() {
-        return Err(table.error(Problem::TooFew { rows: 0 }));
+        return Err(table.error(Problem::EmptyPanel));
     }
     panel.finish(table)
 }

@@ -115,13 +115,30 @@ impl SweepPoint {
         columns().cloned().chain(of_states).collect()
     }
 
-    /// A metric of the first view, if it is defined: one of [`metrics`](Self::metrics).
-    pub fn metric(&self, name: &str) -> Option<f64> {
+    /// Inclination and azimuth of each view, as they are written.
+    pub fn views(&self) -> Vec<[&str; 2]> {
+        let mut views = Vec::new();
+        for row in &self.rows {
+            let view = self.view(row);
+            if views.last() != Some(&view) {
+                views.push(view);
+            }
+        }
+        views
+    }
+
+    /// A metric of one of its [`views`](Self::views), if it is defined: one of [`metrics`](Self::metrics).
+    pub fn metric(&self, view: [&str; 2], name: &str) -> Option<f64> {
         let of_state = name.split_once('.');
         let (state, column) = of_state.map_or((None, name), |(state, column)| (Some(state), column));
-        let row =
-            self.rows.iter().find(|row| state.is_none_or(|state| self.cell(row, "state") == Some(state)))?;
-        self.cell(row, column)?.parse().ok()
+        let is_it = |row: &&Vec<String>| {
+            self.view(row) == view && state.is_none_or(|state| self.cell(row, "state") == Some(state))
+        };
+        self.cell(self.rows.iter().find(is_it)?, column)?.parse().ok()
+    }
+
+    fn view<'a>(&self, row: &'a [String]) -> [&'a str; 2] {
+        ["theta_deg", "phi_deg"].map(|name| self.cell(row, name).unwrap_or_default())
     }
 
     fn cell<'a>(&self, row: &'a [String], column: &str) -> Option<&'a str> {
@@ -291,9 +308,11 @@ pub(crate) mod tests {
     #[test]
     fn metrics_of_a_point() {
         let point = point(0);
-        assert_eq!(point.metric("contrast_ratio"), Some(10.0));
-        assert_eq!(point.metric("black.Y"), Some(0.05));
-        assert_eq!(point.metric("red.Y"), None);
+        let [view] = point.views()[..] else { panic!("one view") };
+        assert_eq!(point.metric(view, "contrast_ratio"), Some(10.0));
+        assert_eq!(point.metric(view, "black.Y"), Some(0.05));
+        assert_eq!(point.metric(view, "red.Y"), None);
+        assert_eq!(point.metric(["8", "0"], "black.Y"), None);
         assert!(point.metrics().contains(&"white.Y".to_owned()));
     }
 

@@ -3,7 +3,7 @@
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
 use papilio_optics::phase::HenyeyGreenstein;
 
-use crate::report::{Section, Table, number};
+use crate::report::{Section, Table, fixed, number};
 
 /// Mean cosines that are drawn.
 const MEAN_COSINES: [f64; 5] = [-0.3, 0.0, 0.3, 0.6, 0.9];
@@ -42,7 +42,7 @@ pub(crate) fn phase_functions() -> Section {
             sums[0] += ring;
             sums[1] += ring * cos;
         }
-        table.row([g.to_string(), number(sums[0], 7), format!("{:.5}", sums[1])]);
+        table.row([g.to_string(), number(sums[0], 7), fixed(sums[1], 5)]);
     }
     Section::new("figure-2-17", "Figure 2.17: typical shapes of phase functions")
         .figure(chart(&figure, ""), "Henyey-Greenstein phase functions (eq. 2-18) of bulk scatterers.")

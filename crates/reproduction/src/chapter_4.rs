@@ -137,7 +137,7 @@ fn densities() -> Section {
     let all: [(&str, Density); 4] = [
         ("(6 - x)/16", |x| (6.0 - x) / 16.0),
         ("x/8", |x| x / 8.0),
-        ("(0.1 + 0.95 x)/8", |x| (0.1 + 0.95 * x) / 8.0),
+        ("(.1 + .95 x)/8", |x| (0.1 + 0.95 * x) / 8.0),
         ("1/4", |_| 0.25),
     ];
     let curve = |(k, (name, density)): (usize, (&str, Density))| ChartCurve {

@@ -100,13 +100,25 @@ pub(crate) fn number(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A number with so many decimals, and without the sign of a zero.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    if text.chars().any(|c| ('1'..='9').contains(&c)) { text } else { text.replace('-', "") }
+}
+
+/// A difference with its sign and so many decimals.
+pub(crate) fn difference(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if value > 0.0 && text.chars().any(|c| ('1'..='9').contains(&c)) { format!("+{text}") } else { text }
+}
+
 /// By how much a number of ours is off from theirs: a difference, or a share where that says more.
 pub(crate) fn off(theirs: f64, ours: f64) -> String {
     let difference = ours - theirs;
     if theirs == 0.0 || !difference.is_finite() {
         return number(difference, 2);
     }
-    format!("{:+.1} %", 100.0 * difference / theirs.abs())
+    format!("{} %", self::difference(100.0 * difference / theirs.abs(), 1))
 }
 
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:60rem;margin:2rem auto;padding:0 1rem}\
@@ -212,6 +224,12 @@ mod tests {
     fn numbers_are_written_shortly() {
         let written = [0.242_04, 24.0, 1234.5, -0.013_3, 0.0, 1e-9, f64::NAN].map(|v| number(v, 3));
         assert_eq!(written, ["0.242", "24.0", "1234", "-0.0133", "0", "1.00e-9", "-"]);
+    }
+
+    #[test]
+    fn zeros_have_no_sign() {
+        assert_eq!([-1e-9, 0.04, -0.06].map(|v| difference(v, 1)), ["0.0", "0.0", "-0.1"]);
+        assert_eq!((off(2.0, 2.0), off(2.0, 2.2)), ("0.0 %".to_owned(), "+10.0 %".to_owned()));
     }
 
     #[test]

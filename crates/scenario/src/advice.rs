@@ -7,6 +7,7 @@ impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<String> {
         Some(match self {
+            Self::NoAxes => "expected `[[sweep.axes]]`, a table of keys with a list of values each".to_owned(),
             Self::MissingKey { expected, .. }
             | Self::WrongType { expected, .. }
             | Self::NoSuchCount { expected, .. } => {
@@ -88,6 +89,7 @@ impl Problem {
             Self::GapOfAState => {
                 "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }".to_owned()
             }
+            Self::NoAxes => "[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]".to_owned(),
             Self::Twice { .. } => "leave one of them out".to_owned(),
             Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
             Self::UnknownChoice { found, .. } if found == "slab" => {

@@ -63,6 +63,7 @@ mod sweep;
 mod tree;
 
 pub use error::{ScenarioError, ScenarioErrors};
+pub use nearest::nearest;
 pub use preset::{new_scenario, preset_names};
 pub use problem::Problem;
 pub use resolve::VirtualMeasurement;

@@ -1,7 +1,7 @@
 //! The name that was probably meant.
 
 /// The one of `names` that is close to `wrong`, ignoring case, if there is one.
-pub(crate) fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // A longer text is no slip of the keys, and would make the table of distances large.
     if wrong.chars().count() > 64 {
         return None;

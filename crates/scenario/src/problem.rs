@@ -47,6 +47,9 @@ pub enum Problem {
         /// Its value in words.
         expected: String,
     },
+    /// A sweep of nothing.
+    #[error("there is nothing to sweep: the scenario has no `[[sweep.axes]]`")]
+    NoAxes,
     /// A value of the wrong kind.
     #[error("this is {found}")]
     WrongType {

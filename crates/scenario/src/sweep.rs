@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use papilio_formats::{DataFile, SweepHead, SweepHeadAxis, sweep_place};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
@@ -11,12 +11,12 @@ use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::scenario::{Scenario, assemble, parse};
 use crate::source::Sources;
-use crate::tree::Node;
+use crate::tree::{Node, Value};
 
 /// A scenario whose keys vary: the product of its axes, the last one fastest.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The text as it stands, without `[sweep]`.
+    /// The text as it stands.
     root: Node,
     folder: PathBuf,
     sources: Sources,
@@ -48,21 +48,24 @@ impl Sweep {
         folder: &Path,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let (mut root, sources) = parse(text, name, overrides)?;
+        let (root, sources) = parse(text, name, overrides)?;
         let assembled = assemble(root.clone(), &sources, &[])?.root;
         let mut errors = Errors::default();
-        let read = match assembled.get("sweep") {
+        let node = assembled.get("sweep");
+        let figures_alone = |node: &&Node| match &node.value {
+            Value::Table(entries) => entries.iter().all(|entry| entry.key == "figures"),
+            _ => false,
+        };
+        let read = match node.filter(|node| !figures_alone(node)) {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                let expected = Described::in_words();
-                errors.push(assembled.origin, Problem::MissingKey { key: "sweep".to_owned(), expected });
+                errors.push(node.map_or(assembled.origin, |node| node.origin), Problem::NoAxes);
                 None
             }
         };
         let title = assembled.get("title").and_then(|title| String::read(title, &mut Errors::default()));
         let sound = read.filter(|read| is_sound(read, &mut errors));
         let read = errors.finish(sound, &sources)?;
-        root.remove("sweep");
         Ok(Self {
             root,
             folder: folder.to_owned(),
@@ -114,7 +117,8 @@ impl Sweep {
     /// # Errors
     /// As [`Scenario::load`]; a value's place is where `[sweep]` gives it.
     pub fn scenario(&self, point: usize) -> Result<Scenario, ScenarioErrors> {
-        let assembled = assemble(self.root.clone(), &self.sources, &self.at(point))?;
+        let mut assembled = assemble(self.root.clone(), &self.sources, &self.at(point))?;
+        assembled.root.remove("sweep");
         Scenario::read(assembled, self.folder.clone(), self.sources.clone())
     }
 
@@ -164,14 +168,14 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
 
 impl Node {
     /// The value as JSON.
-    pub(crate) fn to_json(&self) -> Value {
+    pub(crate) fn to_json(&self) -> serde_json::Value {
         use crate::tree::Value as Toml;
         match &self.value {
             Toml::Bool(value) => json!(value),
             Toml::Integer(value) => json!(value),
             Toml::Float(value) => json!(value),
             Toml::Text(text) => json!(text),
-            Toml::DateTime => Value::Null,
+            Toml::DateTime => serde_json::Value::Null,
             Toml::Array(items) => items.iter().map(Self::to_json).collect(),
             Toml::Table(entries) => {
                 entries.iter().map(|entry| (entry.key.clone(), entry.node.to_json())).collect()

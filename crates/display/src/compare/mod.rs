@@ -6,6 +6,7 @@
 //! What has no counterpart is left out, and said so.
 //! **Source.** Feng 2012, figures 5.6 (spectra) and 5.7 (gamuts); differences are CIEDE2000 and u'v' distances.
 
+mod left_out;
 mod pairs;
 mod views;
 
@@ -13,6 +14,7 @@ use papilio_colour::{Standard, Xyz};
 use papilio_spectra::{Grid, Tabulated};
 use serde::Serialize;
 
+use left_out::{LeftOut, gathered};
 use pairs::{Pair, pair};
 use views::{not_measured, together};
 
@@ -71,7 +73,7 @@ pub enum CompareError {
     /// No measured state has a counterpart.
     #[error("nothing that was measured has a counterpart in the result:\n  {}", .reasons.join("\n  "))]
     Nothing {
-        /// One for each measured state.
+        /// Why, and for which states and directions.
         reasons: Vec<String>,
     },
 }
@@ -186,7 +188,7 @@ pub struct ViewComparison {
 /// # Errors
 /// If nothing measured has a counterpart.
 pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Comparison, CompareError> {
-    let mut left_out = Vec::new();
+    let mut left_out: Vec<LeftOut> = Vec::new();
     let mut pairs = Vec::new();
     for one in measured {
         match pair(simulated, one) {
@@ -195,7 +197,7 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
         }
     }
     if pairs.is_empty() {
-        return Err(CompareError::Nothing { reasons: left_out });
+        return Err(CompareError::Nothing { reasons: gathered(&left_out) });
     }
     left_out.extend(not_measured(simulated, &pairs));
     let mut views: Vec<usize> = Vec::new();
@@ -208,7 +210,7 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
         let of_view: Vec<&mut Pair> = pairs.iter_mut().filter(|pair| pair.view == view).collect();
         together(of_view)
     });
-    let views = views.collect();
+    let (views, left_out) = (views.collect(), gathered(&left_out));
     Ok(Comparison { views, left_out, states: pairs.into_iter().map(|pair| pair.comparison).collect() })
 }
 #[cfg(test)]
@@ -270,7 +272,7 @@ mod tests {
         assert!((off.mean_difference + 0.01).abs() < 1e-12 && (off.rms_difference - 0.01).abs() < 1e-12);
         assert!((all.states[2].difference_Y + 0.01).abs() < 1e-12);
         assert_eq!(all.views[1].contrast_ratio, [None, None]);
-        assert_eq!(all.left_out, ["not measured at theta -30 deg, phi 0 deg: black"]);
+        assert_eq!(all.left_out, ["not measured: black at theta -30 deg"]);
     }
 
     #[test]
@@ -292,7 +294,7 @@ mod tests {
         let all = compare(&simulated(), &measured).unwrap();
         assert_eq!(all.states.len(), 2);
         assert!(all.states[0].spectrum.is_none() && all.states[0].simulated.peak_nm.is_none());
-        for words in ["no such state", "no view", "do not meet", "over 500 to 590 nm alone"] {
+        for words in ["no such state: orange", "no view", "do not meet", "over 500 to 590 nm alone"] {
             assert!(all.left_out.iter().any(|reason| reason.contains(words)), "{words}: {:?}", all.left_out);
         }
         let none = compare(&simulated(), &measured[..2]).unwrap_err();

@@ -3,6 +3,7 @@
 use papilio_colour::{ColourError, Lab, Observer, Xyz, peak_nm};
 use papilio_spectra::{Grid, SpectraError, Tabulated};
 
+use super::left_out::LeftOut;
 use super::{
     Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedView, SpectrumComparison, StateComparison,
 };
@@ -14,21 +15,21 @@ pub(super) struct Pair {
 }
 
 /// The simulated state of a measured one, compared with it; or why there is none.
-pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, String> {
+pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, LeftOut> {
     let Measured { state, theta_deg, phi_deg, quantity } = measured;
-    let what = format!("measured `{state}` at theta {theta_deg} deg, phi {phi_deg} deg");
+    let left_out = |why: String| LeftOut { state: state.clone(), direction: [*theta_deg, *phi_deg], why };
     let away = |view: &SimulatedView| between([view.theta_deg, view.phi_deg], [*theta_deg, *phi_deg]);
     let nearest = simulated.views.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
     let (index, view) = nearest
         .filter(|(_, view)| away(view) <= NEAREST_DEG)
-        .ok_or_else(|| format!("{what}: no view of the result is within {NEAREST_DEG} deg"))?;
+        .ok_or_else(|| left_out(format!("no view of the result is within {NEAREST_DEG} deg")))?;
     let known = view.states.iter().find(|(name, ..)| name == state);
-    let (_, factor, xyz) = known.ok_or_else(|| format!("{what}: the result has no such state"))?;
+    let (_, factor, xyz) = known.ok_or_else(|| left_out("the result has no such state".to_owned()))?;
     let compared = match quantity {
         Quantity::Xyz(measured) => simulated.colours(*xyz, *measured),
         Quantity::Spectrum(spectrum) => simulated.spectra(factor, spectrum),
     };
-    let (colours, spectrum) = compared.map_err(|reason| format!("{what}: {reason}"))?;
+    let (colours, spectrum) = compared.map_err(|reason| left_out(reason.to_string()))?;
     let [(simulated_xyz, simulated), (measured_xyz, measured)] = colours;
     let comparison = StateComparison {
         state: state.clone(),
@@ -90,7 +91,7 @@ impl Simulated {
 /// Why two spectra cannot be compared.
 #[derive(Debug, thiserror::Error)]
 enum Unequal {
-    #[error("its wavelengths, {from} to {to} nm, do not meet those of the result")]
+    #[error("the wavelengths measured, {from} to {to} nm, do not meet those of the result")]
     NoCommonRange { from: f64, to: f64 },
     #[error(transparent)]
     Spectra(#[from] SpectraError),

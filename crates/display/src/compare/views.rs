@@ -2,11 +2,13 @@
 
 use papilio_colour::{GamutReference, UvPrime, coverage_percent, gamut_percent};
 
+use super::left_out::LeftOut;
 use super::pairs::Pair;
 use super::{SIDES, Side, Simulated, ViewComparison};
 
 /// Where colours are decided: a spectrum that covers less has colours of its range only, nm.
 const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
+
 /// The metrics of a view's states together; fills in their contrasts.
 pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
     let named = |pairs: &[&mut Pair], name: &str| {
@@ -46,26 +48,32 @@ pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
         average_peak_difference_nm: r.zip(g).zip(b).map(|((r, g), b)| (r + g + b) / 3.0),
     }
 }
+
 /// Simulated states that were not measured in a view that was, and spectra that are short.
-pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<String> {
-    let mut reasons = Vec::new();
+pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<LeftOut> {
+    let mut left_out = Vec::new();
     for (v, view) in simulated.views.iter().enumerate() {
         let measured = |name: &str| pairs.iter().any(|pair| pair.view == v && pair.comparison.state == name);
-        let missing: Vec<&str> =
-            view.states.iter().map(|(name, ..)| name.as_str()).filter(|name| !measured(name)).collect();
-        if !missing.is_empty() && missing.len() < view.states.len() {
-            let (theta, phi) = (view.theta_deg, view.phi_deg);
-            reasons.push(format!("not measured at theta {theta} deg, phi {phi} deg: {}", missing.join(", ")));
+        let missing: Vec<&String> =
+            view.states.iter().map(|(name, ..)| name).filter(|name| !measured(name)).collect();
+        if missing.len() < view.states.len() {
+            left_out.extend(missing.into_iter().map(|state| LeftOut {
+                state: state.clone(),
+                direction: [view.theta_deg, view.phi_deg],
+                why: "not measured".to_owned(),
+            }));
         }
     }
     let short = pairs.iter().filter_map(|pair| {
-        let spectrum = pair.comparison.spectrum.as_ref()?;
+        let one = &pair.comparison;
+        let spectrum = one.spectrum.as_ref()?;
         let (from, to) = (spectrum.wavelength_nm.first()?, spectrum.wavelength_nm.last()?);
-        (*from > LUMINOUS_NM.0 || *to < LUMINOUS_NM.1).then(|| {
-            let (state, theta) = (&pair.comparison.state, pair.comparison.theta_deg);
-            format!("`{state}` at theta {theta} deg: colours are taken over {from} to {to} nm alone")
+        (*from > LUMINOUS_NM.0 || *to < LUMINOUS_NM.1).then(|| LeftOut {
+            state: one.state.clone(),
+            direction: [one.theta_deg, one.phi_deg],
+            why: format!("colours are taken over {from} to {to} nm alone"),
         })
     });
-    reasons.extend(short);
-    reasons
+    left_out.extend(short);
+    left_out
 }

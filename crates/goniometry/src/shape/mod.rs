@@ -17,24 +17,19 @@
 //! **Limits**: the shape cannot know what happens between the peak and the nearest points; the error
 //! that the grid leaves is [`Shape::grid_error`].
 
+mod cells;
+mod incidence;
 mod line;
 mod resample;
 mod spherical;
 
-use std::f64::consts::PI;
-
 use papilio_optics::Beta;
 
-use crate::{Direction, Part, SpecularGrid, Symmetry};
+use crate::{Part, SpecularGrid};
+use cells::{Cells, Spread, best_width, folded, without_tail_zeros};
+use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
-
-/// Widths w that are tried, in direction cosines.
-const WIDTHS: [f64; 2] = [1e-3, 10.0];
-const WIDTHS_TRIED: usize = 41;
-/// Steps of Simpson's rule outwards and of the trapezoid rule around.
-const RADIAL_STEPS: usize = 96;
-const AROUND: usize = 48;
 
 /// What stands for cells of the hemisphere that hold no light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,36 +48,6 @@ pub struct Shape {
     incidences: Vec<Incidence>,
     asymmetry: f64,
     filled: f64,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct Incidence {
-    theta_deg: f64,
-    beta: f64,
-    /// About the distance at which the lobe has fallen to a half: what integrals are fine enough for.
-    half: f64,
-    /// Azimuths about the specular direction, radians, 0 (towards the normal) to pi.
-    azimuths: Vec<f64>,
-    lines: Vec<Line>,
-}
-
-/// One incidence's cells on the half plane: `[azimuth][radial]`, as points (|delta|, f); cells outside
-/// the hemisphere are left out.
-struct Cells {
-    theta_deg: f64,
-    azimuths: Vec<f64>,
-    lines: Vec<Vec<[f64; 2]>>,
-}
-
-impl Cells {
-    /// The smallest distance at which a line has fallen to half its peak.
-    fn half(&self) -> f64 {
-        let of_line = |line: &Vec<[f64; 2]>| {
-            let peak = line.first().map_or(0.0, |[_, f]| *f);
-            line.iter().find(|[_, f]| *f < 0.5 * peak).map(|[delta, _]| *delta)
-        };
-        self.lines.iter().filter_map(of_line).fold(1.0, f64::min)
-    }
 }
 
 impl Shape {
@@ -204,184 +169,17 @@ impl Shape {
     }
 }
 
-impl Incidence {
-    fn new(cells: &Cells, width: f64) -> Self {
-        let line = |points: &Vec<[f64; 2]>| {
-            let x = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
-            Line::new(x, &points.iter().map(|[_, f]| *f).collect::<Vec<_>>())
-        };
-        Self {
-            theta_deg: cells.theta_deg,
-            beta: cells.theta_deg.to_radians().sin(),
-            half: cells.half().min(width),
-            azimuths: cells.azimuths.clone(),
-            lines: cells.lines.iter().map(line).collect(),
-        }
-    }
-
-    fn value(&self, delta: Beta, width: f64) -> f64 {
-        let x = abscissa(delta.length(), width);
-        let azimuth = self.azimuth(delta);
-        let upper = self.azimuths.partition_point(|known| *known <= azimuth).min(self.azimuths.len() - 1);
-        let lower = upper.saturating_sub(1);
-        let step = self.azimuths[upper] - self.azimuths[lower];
-        let t = if step > 0.0 { ((azimuth - self.azimuths[lower]) / step).clamp(0.0, 1.0) } else { 0.0 };
-        let [a, b] = [lower, upper].map(|k| self.lines[k].value(x));
-        if a > 0.0 && b > 0.0 { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
-    }
-
-    /// Azimuth about the specular direction, radians, 0 to pi; of a direction beyond the hemisphere, where its
-    /// line leaves it.
-    fn azimuth(&self, delta: Beta) -> f64 {
-        let reach = self.reach(delta);
-        let k = if reach < 1.0 { reach } else { 1.0 };
-        let (x, y) = (self.beta + k * delta.x, k * delta.y);
-        let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-        let cos = (1.0 - self.beta * self.beta).sqrt();
-        y.abs().atan2(self.beta * z - cos * x)
-    }
-
-    /// How many times `delta` fits between the specular direction and the edge of the hemisphere.
-    fn reach(&self, delta: Beta) -> f64 {
-        let squared = delta.squared();
-        if squared == 0.0 {
-            return f64::INFINITY;
-        }
-        let half = self.beta * delta.x / squared;
-        ((half * half + (1.0 - self.beta * self.beta) / squared).sqrt() - half).max(0.0)
-    }
-
-    /// By the trapezoid rule around and Simpson's rule in `ln(1 + (|delta|/half)^2)`, where lobes are smooth.
-    fn total(&self, width: f64, radius: f64) -> f64 {
-        let mut sum = 0.0;
-        for around in 0..=AROUND {
-            let (sin, cos) = (PI * around as f64 / AROUND as f64).sin_cos();
-            let ends = if around == 0 || around == AROUND { 0.5 } else { 1.0 };
-            let edge = self.reach(Beta { x: cos, y: sin }).min(radius);
-            let step = abscissa(edge, self.half) / RADIAL_STEPS as f64;
-            for k in 0..=RADIAL_STEPS {
-                let simpson = if k == 0 || k == RADIAL_STEPS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
-                let x = k as f64 * step;
-                let delta = (self.half * x.exp_m1().sqrt()).min(edge);
-                let f = self.value(Beta { x: delta * cos, y: delta * sin }, width);
-                sum += ends * simpson * step / 3.0 * 0.5 * self.half * self.half * x.exp() * f;
-            }
-        }
-        // Both half planes.
-        2.0 * sum * PI / AROUND as f64
-    }
-}
-
 /// What lobes are smooth in.
 fn abscissa(delta: f64, width: f64) -> f64 {
     (delta / width).powi(2).ln_1p()
 }
 
-/// Sums for a root mean square difference.
-#[derive(Default)]
-struct Spread {
-    differences: f64,
-    values: f64,
-}
-
-impl Spread {
-    fn add(&mut self, values: &[f64], mean: f64) {
-        self.differences += values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-        self.values += values.len() as f64 * mean * mean;
-    }
-
-    fn relative(&self) -> f64 {
-        if self.values > 0.0 { (self.differences / self.values).sqrt() } else { 0.0 }
-    }
-}
-
-/// The cells of an incidence on one half plane up to a `|beta|`, the mean of those that should be alike.
-fn folded(
-    grid: &SpecularGrid,
-    values: &[f64],
-    (incidence, horizon): (usize, f64),
-    asymmetry: &mut Spread,
-) -> Cells {
-    let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
-    let half: Vec<usize> = (0..azimuths).filter(|&k| grid.azimuths_deg[k] <= 180.0).collect();
-    let mirrored = |k: usize| -> Option<usize> {
-        let other = (360.0 - grid.azimuths_deg[k]) % 360.0;
-        (0..azimuths).find(|&m| (grid.azimuths_deg[m] % 360.0 - other).abs() < 1e-9)
-    };
-    let mut cells =
-        Cells { theta_deg: grid.incidences_deg[incidence], azimuths: Vec::new(), lines: Vec::new() };
-    for &k in &half {
-        let mut like = vec![k];
-        if grid.symmetry == Symmetry::None {
-            like.extend(mirrored(k).filter(|m| *m != k));
-        }
-        let mut line = Vec::with_capacity(radials);
-        for (r, radial) in grid.radials_deg.iter().enumerate() {
-            let to = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial);
-            let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
-            else {
-                break;
-            };
-            let rows = (0..grid.rotations_deg.len()).flat_map(|turn| {
-                let row = (turn * grid.incidences_deg.len() + incidence) * azimuths;
-                like.iter().map(move |m| (row + m) * radials + r)
-            });
-            let known: Vec<f64> = rows.map(|cell| values[cell]).filter(|value| value.is_finite()).collect();
-            let mean = if known.is_empty() { 0.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
-            asymmetry.add(&known, mean);
-            // Seen from the specular direction, in the plane of direction cosines.
-            let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
-            if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
-                line.push([delta, mean]);
-            }
-        }
-        cells.azimuths.push(grid.azimuths_deg[k].to_radians());
-        cells.lines.push(line);
-    }
-    cells
-}
-
-/// Leaves out the zeros after the last positive value of each line; counts them, and all.
-fn without_tail_zeros(mut cells: Cells, filled: &mut [f64; 2]) -> Cells {
-    for line in &mut cells.lines {
-        let keep = line.iter().rposition(|[_, f]| *f > 0.0).map_or(line.len(), |last| last + 1);
-        filled[0] += (line.len() - keep) as f64;
-        filled[1] += line.len() as f64;
-        line.truncate(keep);
-    }
-    cells
-}
-
-/// The width at which points predict those between them best, weighted by their light.
-fn best_width(cells: &[Cells]) -> f64 {
-    let score = |width: f64| -> f64 {
-        let lines = cells.iter().flat_map(|cells| &cells.lines);
-        lines.map(|points| missed(points, width)).sum()
-    };
-    let step = (WIDTHS[1] / WIDTHS[0]).ln() / (WIDTHS_TRIED - 1) as f64;
-    let widths = (0..WIDTHS_TRIED).map(|k| WIDTHS[0] * (k as f64 * step).exp());
-    let best = widths.map(|width| (width, score(width))).min_by(|a, b| a.1.total_cmp(&b.1));
-    best.map_or(1.0, |(width, _)| width)
-}
-
-/// Light by which a line through every other point misses those between.
-fn missed(points: &[[f64; 2]], width: f64) -> f64 {
-    let x: Vec<f64> = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
-    let values: Vec<f64> = points.iter().map(|[_, f]| *f).collect();
-    let coarse = Line::new(x, &values).coarser();
-    let between = points.iter().enumerate().skip(1).step_by(2);
-    between
-        .filter(|(k, _)| k + 1 < points.len())
-        .map(|(k, [delta, f])| {
-            let area = delta * (points[k + 1][0] - points[k - 1][0]);
-            (area * (coarse.value(abscissa(*delta, width)) - f)).abs()
-        })
-        .sum()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
+    use crate::Symmetry;
 
     /// The grid of an imaging sphere.
     fn grid(radial_deg: f64) -> SpecularGrid {

@@ -6,7 +6,7 @@ use papilio_figures::{Chart, ChartCurve, Hue, chart, gamuts as draw_gamuts, spec
 use papilio_optics::film::{Film, Layer, Polarisation, coherent};
 
 use crate::displays::{Bench, ReproductionError, first, of};
-use crate::report::{Section, Table, number};
+use crate::report::{Section, Table, difference, number};
 
 /// The three primaries: name, and the reference pixel's gap, nm.
 const PRIMARIES: [(&str, f64); 3] = [("red", 275.9), ("green", 192.3), ("blue", 137.8)];
@@ -62,8 +62,11 @@ pub(super) fn gamuts(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         })
     };
     let turned = turn(first(&bare), first(&diffused));
-    let words: Vec<String> =
-        PRIMARIES.iter().zip(turned).map(|((name, _), deg)| format!("{name} by {deg:+.1} deg")).collect();
+    let words: Vec<String> = PRIMARIES
+        .iter()
+        .zip(turned)
+        .map(|((name, _), deg)| format!("{name} by {} deg", difference(deg, 1)))
+        .collect();
     Ok(Section::new("figure-5-5", "Figures 5.5 and 5.7: colour gamuts of a bare and a diffused panel")
         .figure(draw_gamuts(&displays, "At 8 deg, diffuse light"), "The bare panel in glass angles, as the thesis's.")
         .table(table)

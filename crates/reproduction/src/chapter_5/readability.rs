@@ -12,6 +12,12 @@ use crate::table_5_3::TABLE_5_3;
 const SET_UPS: [(&str, f64, f64, f64, f64); 2] =
     [("45/0", 1e4, 1e5, -45.0, 0.0), ("35/20", 1e3, 1e4, -35.0, 20.0)];
 
+/// Between numbers that stay on one line.
+const BESIDE: &str = ",\u{a0}";
+
+/// What the colours of all maps go over.
+const PERFORMANCE: [f64; 2] = [0.2, 1.0];
+
 /// Table 5.3.
 pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let mut derived = Table::new(&[
@@ -36,7 +42,7 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
             number(text.luminance_cd_m2, 6),
             number(column.text_contrast, 2),
             number(text.contrast, 3),
-            printed.join(", "),
+            printed.join(BESIDE),
             read(text),
         ]);
     }
@@ -124,7 +130,21 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
             format!("Figure 5.20 by the calibrated surrogate, {age} years: performance over luminance and contrast of text."),
         );
     }
-    Ok(section)
+    let (map, contrast) = illuminance_and_age(bench)?;
+    Ok(section
+        .figure(
+            map,
+            format!(
+                "The same as a map of our panel over illuminance and age: haze 78 behind a cover that mirrors 4 %, in \
+                 diffuse light, where its text has a contrast of {} at any illuminance. Empty where text is dimmer or \
+                 brighter than what the surrogate is calibrated for (1000 to 5200 cd/m\u{b2}).",
+                number(contrast, 3)
+            ),
+        )
+        .say(
+            "The thesis's charts have no illuminance: a reader takes the luminance from table 5.3. Between 20, 50 and 75 \
+             years the surrogate is linear in its coefficients.",
+        ))
 }
 
 /// Black text on white; without light there is none.
@@ -136,7 +156,7 @@ fn text(white_cd_m2: f64, black_cd_m2: f64) -> Text {
 fn read(text: Text) -> String {
     let percent = |age| text.reading_surrogate(age).map(|p| format!("{:.0}", 100.0 * p));
     let all: Option<Vec<String>> = AGES_YEARS.into_iter().map(percent).collect();
-    all.map_or("out of range".to_owned(), |all| all.join(", "))
+    all.map_or("out of range".to_owned(), |all| all.join(BESIDE))
 }
 
 /// The surrogate over its range.
@@ -144,21 +164,54 @@ fn chart_5_20(age_years: f64) -> String {
     let between = |[from, to]: [f64; 2], count: u32| -> Vec<f64> {
         (0..count).map(|k| from + (to - from) * (f64::from(k) + 0.5) / f64::from(count)).collect()
     };
-    let (luminances, contrasts) = (between(LUMINANCE_RANGE_CD_M2, 42), between(CONTRAST_RANGE, 33));
-    let value = |contrast: f64, luminance_cd_m2: f64| {
-        let performance = Text { luminance_cd_m2, contrast }.reading_surrogate(age_years);
-        (performance.unwrap_or(f64::NAN), 0.0)
+    let x = ("Mean luminance of text (cd/m\u{b2})", between(LUMINANCE_RANGE_CD_M2, 42));
+    let y = ("Contrast of text", between(CONTRAST_RANGE, 33));
+    let value =
+        |luminance_cd_m2: f64, contrast: f64| Text { luminance_cd_m2, contrast }.reading_surrogate(age_years);
+    map(x, y, value, &format!("{age_years} years"))
+}
+
+/// How readers of all ages read a panel with a plain cover in diffuse light, and the contrast of its text. Without light
+/// of its own its luminances go with the illuminance.
+fn illuminance_and_age(bench: &Bench<'_>) -> Result<(String, f64), ReproductionError> {
+    const AT_LX: f64 = 1e4;
+    let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
+    let result = bench.run("overcast", &[cover, &format!("lighting.illuminance_lx={AT_LX}")])?;
+    let [white, black] =
+        ["white", "black"].map(|state| of(first(&result), state, |v| Some(v.luminance_cd_m2)));
+    let lit = text(white, black);
+    let illuminances = (0..=24).map(|k| (1e4 * 10.0_f64.powf(f64::from(k) / 24.0)).round()).collect();
+    let ages = (0..=22).map(|k| 20.0 + 2.5 * f64::from(k)).collect();
+    let value = |lux: f64, age_years: f64| {
+        Text { luminance_cd_m2: lit.luminance_cd_m2 * lux / AT_LX, ..lit }.reading_surrogate(age_years)
     };
+    let svg = map(
+        ("Illuminance (lx)", illuminances),
+        ("Age (years)", ages),
+        value,
+        "Haze 78, cover of 4 %, diffuse light",
+    );
+    Ok((svg, lit.contrast))
+}
+
+/// Reading performance over two quantities.
+fn map(
+    (x_name, x): (&str, Vec<f64>),
+    (y_name, y): (&str, Vec<f64>),
+    value: impl Fn(f64, f64) -> Option<f64>,
+    title: &str,
+) -> String {
     let axis = |name: &str, values: &[f64]| SweepAxis {
         name: name.to_owned(),
         values: values.iter().map(f64::to_string).collect(),
     };
-    let points = contrasts.iter().flat_map(|c| luminances.iter().map(move |l| (*c, *l)));
+    let points = y.iter().flat_map(|y| x.iter().map(move |x| (*x, *y)));
     let figure = SweepFigure {
         metric: "Reading performance".to_owned(),
-        x: axis("Mean luminance of text (cd/m\u{b2})", &luminances),
-        y: Some(axis("Contrast of text", &contrasts)),
-        values: points.map(|(c, l)| value(c, l)).collect(),
+        x: axis(x_name, &x),
+        y: Some(axis(y_name, &y)),
+        colours: Some(PERFORMANCE),
+        values: points.map(|(x, y)| (value(x, y).unwrap_or(f64::NAN), 0.0)).collect(),
     };
-    sweep_map(&figure, &format!("{age_years} years")).unwrap_or_default()
+    sweep_map(&figure, title).unwrap_or_default()
 }

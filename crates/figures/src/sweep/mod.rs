@@ -1,5 +1,8 @@
 //! A metric over one or two swept keys: curves, and a map.
 
+mod scale;
+
+use self::scale::{Cells, Side};
 use crate::axis::{Axis, range};
 use crate::colour_map::viridis;
 use crate::labels::{EndLabel, end_labels, labels_inside};
@@ -26,36 +29,16 @@ pub struct SweepFigure {
     pub x: SweepAxis,
     /// One curve for each value, or bottom to top in a map; of one axis alone: `None`.
     pub y: Option<SweepAxis>,
+    /// What a map's colours go over, where maps are to be held against each other; otherwise what there is.
+    pub colours: Option<[f64; 2]>,
     /// Values and standard errors: those of all x for the first y, and so on; NaN where not defined.
     pub values: Vec<(f64, f64)>,
-}
-
-impl SweepAxis {
-    /// The values as numbers, if they are; otherwise their places in the list.
-    fn places(&self) -> Vec<f64> {
-        self.numbers().unwrap_or_else(|| (0..self.values.len()).map(|i| i as f64).collect())
-    }
-
-    fn numbers(&self) -> Option<Vec<f64>> {
-        let numbers = self.values.iter().map(|text| text.parse::<f64>().ok().filter(|v| v.is_finite()));
-        numbers.collect()
-    }
-
-    fn axis(&self) -> Axis {
-        match self.numbers() {
-            Some(numbers) => Axis::covering(numbers, 7, &self.name),
-            None => {
-                let short: Vec<String> = self.values.iter().map(|v| shortened(v, 84.0, SMALL)).collect();
-                Axis::of_names(&short, 6, &self.name)
-            }
-        }
-    }
 }
 
 /// Values are drawn on a logarithmic axis where the largest is more than so many times the smallest.
 const WIDE: f64 = 30.0;
 /// The panel, px.
-const PANEL: (Point, Point) = ((76.0, 24.0), (470.0, 330.0));
+const PANEL: (Point, Point) = ((96.0, 24.0), (470.0, 330.0));
 
 /// Curves over x, one for each y.
 pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
@@ -63,7 +46,7 @@ pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
     let y = Axis::logarithmic_beyond(WIDE, &all, &figure.metric)
         .unwrap_or_else(|| Axis::covering(all, 6, &figure.metric));
     let panel = Panel { origin: PANEL.0, size: PANEL.1, x: figure.x.axis(), y };
-    let mut svg = Svg::new(700.0, 420.0).titled(title);
+    let mut svg = Svg::new(720.0, 420.0).titled(title);
     panel.draw(&mut svg);
     let x = figure.x.places();
     let names: Vec<String> =
@@ -118,11 +101,14 @@ pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
     let y = figure.y.as_ref()?;
     let values: Vec<f64> = figure.values.iter().map(|(value, _)| *value).collect();
     range(values.iter().copied().filter(|v| v.is_finite()))?;
-    let scale = Axis::logarithmic_beyond(WIDE, &values, "")
-        .unwrap_or_else(|| Axis::covering(values.iter().copied(), 6, ""));
-    let (across, up) = (Cells::of(&figure.x), Cells::of(y));
+    let scale = match figure.colours {
+        Some([from, to]) => Axis::exact(from, to, 6, ""),
+        None => Axis::logarithmic_beyond(WIDE, &values, "")
+            .unwrap_or_else(|| Axis::covering(values.iter().copied(), 6, "")),
+    };
+    let (across, up) = (Cells::of(&figure.x, Side::Below(PANEL.1.0)), Cells::of(y, Side::Left(PANEL.1.1)));
     let panel = Panel { origin: PANEL.0, size: PANEL.1, x: across.axis.clone(), y: up.axis.clone() };
-    let mut svg = Svg::new(700.0, 420.0).titled(title);
+    let mut svg = Svg::new(720.0, 420.0).titled(title);
     // The cells cover the lines of its grid.
     panel.draw(&mut svg);
     for (k, value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
@@ -133,46 +119,18 @@ pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
         let size = ((to.0 - from.0).abs() + 0.4, (from.1 - to.1).abs() + 0.4);
         svg.rect((from.0.min(to.0), from.1.min(to.1)), size, 0.0, &viridis(scale.share(*value)), "");
     }
+    let mark = Stroke::solid(INK, 0.8);
+    for (value, _) in panel.y.ticks() {
+        let height = panel.at(panel.x.min(), *value).1;
+        svg.line((panel.origin.0 - 4.0, height), (panel.origin.0, height), &mark);
+    }
+    if values.iter().any(|value| !value.is_finite()) {
+        panel.note(&mut svg, "empty: no number");
+    }
     colour_bar(&mut svg, &scale, (panel.right() + 24.0, panel.origin.1), panel.size.1, true);
     let name = Text::new(SMALL, INK).anchor(Anchor::Middle).upright();
     svg.text((panel.right() + 92.0, panel.origin.1 + panel.size.1 / 2.0), &figure.metric, name);
     Some(svg.finish())
-}
-
-/// Where the cells of an axis begin and end: halfway between neighbours.
-struct Cells {
-    axis: Axis,
-    edges: Vec<(f64, f64)>,
-}
-
-impl Cells {
-    fn of(of: &SweepAxis) -> Self {
-        let places = of.places();
-        let mut order: Vec<usize> = (0..places.len()).collect();
-        order.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
-        let sorted: Vec<f64> = order.iter().map(|i| places[*i]).collect();
-        let half = |i: usize| 0.5 * (sorted[i + 1] - sorted[i]);
-        let last = sorted.len().saturating_sub(1);
-        let mut edges = vec![(0.0, 0.0); places.len()];
-        for (k, place) in order.iter().enumerate() {
-            // At the ends as wide outwards as inwards; a cell that is alone has a width of its own.
-            let below = if k > 0 {
-                half(k - 1)
-            } else if last > 0 {
-                half(0)
-            } else {
-                0.5
-            };
-            let above = if k < last { half(k) } else { below };
-            edges[*place] = (sorted[k] - below, sorted[k] + above);
-        }
-        let ends = range(edges.iter().flat_map(|(low, high)| [*low, *high])).unwrap_or((0.0, 1.0));
-        let axis = match of.numbers() {
-            Some(_) => Axis::exact(ends.0, ends.1, 7, &of.name),
-            None => of.axis(),
-        };
-        Self { axis, edges }
-    }
 }
 
 /// Colours along a scale: neighbouring values look alike.
@@ -193,12 +151,6 @@ mod tests {
     }
 
     #[test]
-    fn cells_meet_halfway_whichever_way_they_are_swept() {
-        let cells = Cells::of(&axis("haze", &["3", "1", "0"]));
-        assert_eq!(cells.edges, [(2.0, 4.0), (0.5, 2.0), (-0.5, 0.5)]);
-    }
-
-    #[test]
     fn anything_can_be_drawn() {
         let nan = (f64::NAN, f64::NAN);
         for (x, values) in [
@@ -206,7 +158,8 @@ mod tests {
             (axis("a", &["SiO2", "<air>"]), vec![(0.5, 0.1), nan, nan, nan]),
             (axis("a", &["1", "1"]), vec![nan; 4]),
         ] {
-            let figure = SweepFigure { metric: "Y".to_owned(), x, y: Some(axis("b", &["2", "3"])), values };
+            let y = Some(axis("b", &["2", "3"]));
+            let figure = SweepFigure { metric: "Y".to_owned(), x, y, colours: None, values };
             let curves = sweep_curves(&figure, "<t>");
             let map = sweep_map(&figure, "<t>");
             for svg in std::iter::once(curves).chain(map) {

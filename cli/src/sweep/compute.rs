@@ -1,0 +1,125 @@
+//! The points of a sweep, side by side: what is known is taken, what is new is kept at once.
+
+use std::collections::{BTreeMap, HashSet};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use papilio_display::{Control, DisplayError};
+use papilio_formats::{SweepHead, SweepPoint, sweep_value};
+use papilio_scenario::Sweep;
+
+use super::journal::Journal;
+use super::progress::Progress;
+use crate::{Failure, interrupt};
+
+/// A point that is done.
+pub(super) struct Done {
+    pub(super) hash: String,
+    /// Now, not earlier.
+    pub(super) computed: bool,
+}
+
+/// What a worker found at a point; without a result if that is known.
+type Found = Result<(usize, String, Option<SweepPoint>), Failure>;
+
+/// Computes what is not known yet, and keeps it; ends early if interrupted. The points that are done, by number.
+pub(super) fn compute(
+    sweep: &Sweep,
+    head: &SweepHead,
+    points: &[usize],
+    journal: &mut Journal,
+    threads: Option<u16>,
+) -> Result<BTreeMap<usize, Done>, Failure> {
+    interrupt::heed();
+    let threads =
+        threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let workers = threads.min(points.len()).max(1);
+    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let known = journal.hashes();
+    let mut progress = Progress::new(points.len());
+    let (sender, receiver) = mpsc::channel::<Found>();
+    let (mut done, mut failure) = (BTreeMap::new(), None);
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            let sender = sender.clone();
+            let (next, stop, known) = (&next, &stop, &known);
+            scope.spawn(move || {
+                while !stop.load(Ordering::Relaxed) && !interrupt::STOP.load(Ordering::Relaxed) {
+                    let Some(&point) = points.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                    match at(sweep, head, point, known, threads / workers) {
+                        Ok(None) => break,
+                        Ok(Some(found)) => drop(sender.send(Ok(found))),
+                        Err(failure) => drop(sender.send(Err(failure))),
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for found in receiver {
+            let kept = found.and_then(|found| keep(found, sweep, journal, &mut done));
+            match kept {
+                Ok(computed) => progress.done(computed),
+                Err(error) => {
+                    stop.store(true, Ordering::Relaxed);
+                    failure.get_or_insert(error);
+                }
+            }
+        }
+    });
+    drop(progress);
+    failure.map_or(Ok(done), Err)
+}
+
+/// Computes a point unless it is known; `None` if interrupted.
+fn at(
+    sweep: &Sweep,
+    head: &SweepHead,
+    point: usize,
+    known: &HashSet<String>,
+    threads: usize,
+) -> Result<Option<(usize, String, Option<SweepPoint>)>, Failure> {
+    let resolved = sweep.scenario(point).and_then(|scenario| scenario.resolve());
+    let resolved = resolved.map_err(|errors| failed_at(head, point, &errors))?;
+    if known.contains(&resolved.hash) {
+        return Ok(Some((point, resolved.hash, None)));
+    }
+    let control = Control { threads: Some(threads), progress: &|_| {}, stop: &interrupt::STOP };
+    match papilio_display::run(&resolved.scene, &control) {
+        Ok(result) if result.solver.interrupted => Ok(None),
+        Ok(mut result) => {
+            result.warnings.splice(0..0, resolved.warnings);
+            let kept = SweepPoint::new(point, resolved.hash.clone(), env!("CARGO_PKG_VERSION"), &result);
+            Ok(Some((point, resolved.hash, Some(kept))))
+        }
+        Err(DisplayError::Interrupted) => Ok(None),
+        Err(error) => Err(failed_at(head, point, &error)),
+    }
+}
+
+/// What is wrong at a point, and which point that is.
+fn failed_at(head: &SweepHead, point: usize, error: &dyn std::fmt::Display) -> Failure {
+    let (error, swept) = (error.to_string(), head.swept(point));
+    let swept: Vec<String> = swept.map(|(key, value)| format!("{key} = {}", sweep_value(value))).collect();
+    let said = error.strip_prefix("error: ").unwrap_or(&error);
+    Failure::Input(format!("{said}\n  = note: at {}", swept.join(", ")))
+}
+
+/// Keeps what was found; whether it was computed now. The first point also tells whether there is what is to be drawn.
+fn keep(
+    (point, hash, result): (usize, String, Option<SweepPoint>),
+    sweep: &Sweep,
+    journal: &mut Journal,
+    done: &mut BTreeMap<usize, Done>,
+) -> Result<bool, Failure> {
+    let computed = result.is_some();
+    if let Some(result) = result {
+        journal.add(result)?;
+    }
+    if done.is_empty()
+        && let Some(first) = journal.find(&hash)
+    {
+        sweep.check_figures(&first.metrics())?;
+    }
+    done.insert(point, Done { hash, computed });
+    Ok(computed)
+}

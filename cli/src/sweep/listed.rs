@@ -1,0 +1,47 @@
+//! The table of a sweep on the terminal.
+
+use papilio_formats::{SweepHead, SweepPoint, sweep_value};
+
+use super::axes::short;
+use crate::report;
+
+/// More lines are not printed.
+const MOST_LISTED: usize = 40;
+
+/// A line for each point and view: what is swept, and the metrics that are drawn.
+pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint]) -> String {
+    let views: Vec<Vec<[&str; 2]>> = points.iter().map(|point| point.views()).collect();
+    let several = views.iter().any(|views| views.len() > 1);
+    let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(|key| short(head, key));
+    let of_views = if several { &["theta_deg", "phi_deg"][..] } else { &[] };
+    let titles = keys.chain(of_views.iter().map(|name| (*name).to_owned()));
+    let mut rows: Vec<Vec<String>> = vec![titles.chain(head.figures.iter().cloned()).collect()];
+    let lines = points.iter().zip(&views).enumerate();
+    let lines = lines.flat_map(|(at, (point, views))| views.iter().map(move |view| (at, point, *view)));
+    for (number, point, view) in lines.take(MOST_LISTED) {
+        let swept = head.swept(number).map(|(_, value)| sweep_value(value));
+        let angles = view.into_iter().filter(|_| several).map(str::to_owned);
+        let metrics = head.figures.iter().map(|name| point.metric(view, name).map_or("-".to_owned(), digits));
+        rows.push(swept.chain(angles).chain(metrics).collect());
+    }
+    let more = views.iter().map(Vec::len).sum::<usize>().saturating_sub(MOST_LISTED);
+    let rest = if more > 0 { format!("  ... and {more} more lines in sweep.csv\n") } else { String::new() };
+    report::table(&rows) + &rest
+}
+
+/// Five digits, those behind the point included; as many before it as there are.
+fn digits(value: f64) -> String {
+    let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
+    report::unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    #[test]
+    fn numbers_have_five_digits() {
+        let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
+        assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
+    }
+}

@@ -1,0 +1,83 @@
+//! What was left out, in words: alike ones together.
+
+/// A state in a direction, and why it is left out or stands for less.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LeftOut {
+    pub(super) state: String,
+    /// Inclination and azimuth, degrees.
+    pub(super) direction: [f64; 2],
+    pub(super) why: String,
+}
+
+/// A sentence for each reason: `not measured: cyan, magenta at theta 8, 20 deg`.
+pub(super) fn gathered(all: &[LeftOut]) -> Vec<String> {
+    let mut reasons: Vec<&str> = Vec::new();
+    for one in all {
+        if !reasons.contains(&one.why.as_str()) {
+            reasons.push(&one.why);
+        }
+    }
+    let told = |why: &str| {
+        let alike: Vec<&LeftOut> = all.iter().filter(|one| one.why == why).collect();
+        format!("{why}: {}", places(&alike))
+    };
+    reasons.into_iter().map(told).collect()
+}
+
+/// States with the directions in which they are left out; states of the same directions together.
+fn places(alike: &[&LeftOut]) -> String {
+    let mut groups: Vec<(Vec<[f64; 2]>, Vec<&str>)> = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
+    for one in alike {
+        if seen.contains(&one.state.as_str()) {
+            continue;
+        }
+        seen.push(&one.state);
+        let directions: Vec<[f64; 2]> =
+            alike.iter().filter(|other| other.state == one.state).map(|other| other.direction).collect();
+        match groups.iter_mut().find(|(known, _)| *known == directions) {
+            Some((_, states)) => states.push(&one.state),
+            None => groups.push((directions, vec![&one.state])),
+        }
+    }
+    let told = |(directions, states): &(Vec<[f64; 2]>, Vec<&str>)| {
+        format!("{} at {}", states.join(", "), in_words(directions))
+    };
+    groups.iter().map(told).collect::<Vec<_>>().join("; ")
+}
+
+/// `theta 8, 20 deg`; with azimuths where one is not 0.
+fn in_words(directions: &[[f64; 2]]) -> String {
+    let join =
+        |text: &dyn Fn(&[f64; 2]) -> String| directions.iter().map(text).collect::<Vec<_>>().join(", ");
+    if directions.iter().all(|[_, phi]| *phi == 0.0) {
+        return format!("theta {} deg", join(&|[theta, _]| theta.to_string()));
+    }
+    format!("theta / phi {} deg", join(&|[theta, phi]| format!("{theta} / {phi}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alike_ones_are_told_together() {
+        let one = |state: &str, theta: f64, phi: f64, why: &str| LeftOut {
+            state: state.to_owned(),
+            direction: [theta, phi],
+            why: why.to_owned(),
+        };
+        let mut all = Vec::new();
+        for theta in [8.0, 20.0] {
+            all.extend(["cyan", "magenta"].map(|state| one(state, theta, 0.0, "not measured")));
+        }
+        all.push(one("white", 20.0, 0.0, "not measured"));
+        all.push(one("white", 30.0, 90.0, "no view"));
+        let expected = [
+            "not measured: cyan, magenta at theta 8, 20 deg; white at theta 20 deg",
+            "no view: white at theta / phi 30 / 90 deg",
+        ];
+        assert_eq!(gathered(&all), expected);
+        assert_eq!(gathered(&[]), [""; 0]);
+    }
+}

@@ -1,0 +1,89 @@
+//! Maps of a cone.
+
+use super::*;
+
+/// A cone of 10 by 24 directions.
+fn small_cone() -> ConeResult {
+    let every = |count: u32, step: f64| (0..count).map(|k| step * f64::from(k)).collect::<Vec<_>>();
+    made_up::cone(&every(9, 9.0), &every(24, 15.0))
+}
+
+#[test]
+fn a_cone_is_mapped() {
+    let svg = cone(&small_cone(), TITLE).unwrap();
+    says(&svg, &STATES);
+    says(
+        &svg,
+        &[
+            TITLE,
+            "Luminance of white (cd/m\u{b2})",
+            "Contrast ratio",
+            "Gamut area",
+            "Luminous reflectance factor Y",
+            "Colour shift",
+            "270\u{b0}",
+            "60\u{b0}",
+            "light comes from here",
+        ],
+    );
+    let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
+    let full = cone(&made_up::cone(&theta_deg, &phi_deg), TITLE).unwrap();
+    assert!(full.len() < 1_000_000, "{} bytes", full.len());
+}
+
+/// Replaces the numbers of all states of a cone.
+fn cone_with(change: fn(&mut ConeState)) -> ConeResult {
+    let mut cone = small_cone();
+    cone.views.iter_mut().flat_map(|view| &mut view.states).for_each(change);
+    cone
+}
+
+#[test]
+fn a_cone_of_broken_numbers_is_still_a_page() {
+    let mut holed = small_cone();
+    for view in holed.views.iter_mut().step_by(3) {
+        view.contrast_ratio = Some(f64::NAN);
+        view.gamut_percent_srgb = None;
+        view.states[2].reflectance_factor_y = f64::INFINITY;
+        view.states[3].uv_shift = None;
+    }
+    let mut nothing = small_cone();
+    nothing.views.clear();
+    let mut short = small_cone();
+    short.views.truncate(30);
+    short.views.iter_mut().for_each(|view| view.states.truncate(2));
+    let mut stateless = small_cone();
+    stateless.states.clear();
+    let mut many = small_cone();
+    many.states = (0..30).map(|k| format!("<{k}> & a long name")).collect();
+    let mut lights = small_cone();
+    (lights.lights[0].theta_deg, lights.lights[0].phi_deg) = (f64::NAN, f64::INFINITY);
+    for broken in [
+        holed,
+        nothing,
+        short,
+        stateless,
+        many,
+        lights,
+        cone_with(|state| (state.reflectance_factor_y, state.luminance_cd_m2) = (f64::NAN, f64::NAN)),
+        cone_with(|state| (state.reflectance_factor_y, state.luminance_cd_m2) = (0.0, 1e300)),
+        cone_with(|state| (state.u_prime, state.uv_shift) = (None, None)),
+        cone_with(|state| (state.reflectance_factor_y, state.uv_shift) = (-1e-9, Some(-1.0))),
+    ] {
+        texts(&cone(&broken, TITLE).unwrap());
+    }
+}
+
+/// Half a circle, a few spokes, a ring: an area can be mapped, a line cannot.
+#[test]
+fn directions_that_span_no_area_are_no_map() {
+    let (some, one) = ([0.0, 20.0, 40.0], [10.0]);
+    for (theta, phi) in
+        [(&some[..], &one[..]), (&one, &some), (&one, &one), (&some, &[0.0, 180.0]), (&some, &[])]
+    {
+        assert_eq!(cone(&made_up::cone(theta, phi), TITLE), None, "{theta:?} {phi:?}");
+    }
+    for phi in [&[0.0, 45.0, 90.0][..], &[0.0, 90.0, 180.0, 270.0], &[300.0, 330.0]] {
+        texts(&cone(&made_up::cone(&some, phi), TITLE).unwrap());
+    }
+}

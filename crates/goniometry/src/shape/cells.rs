@@ -1,0 +1,130 @@
+//! A grid's cells of one incidence, folded onto a half plane; and the width of the abscissa that suits them.
+
+use super::abscissa;
+use super::line::Line;
+use crate::{Direction, SpecularGrid, Symmetry};
+
+/// Widths w that are tried, in direction cosines.
+const WIDTHS: [f64; 2] = [1e-3, 10.0];
+const WIDTHS_TRIED: usize = 41;
+
+/// One incidence's cells on the half plane: `[azimuth][radial]`, as points (|delta|, f); cells outside
+/// the hemisphere are left out.
+pub(super) struct Cells {
+    pub(super) theta_deg: f64,
+    pub(super) azimuths: Vec<f64>,
+    pub(super) lines: Vec<Vec<[f64; 2]>>,
+}
+
+impl Cells {
+    /// The smallest distance at which a line has fallen to half its peak.
+    pub(super) fn half(&self) -> f64 {
+        let of_line = |line: &Vec<[f64; 2]>| {
+            let peak = line.first().map_or(0.0, |[_, f]| *f);
+            line.iter().find(|[_, f]| *f < 0.5 * peak).map(|[delta, _]| *delta)
+        };
+        self.lines.iter().filter_map(of_line).fold(1.0, f64::min)
+    }
+}
+
+/// Sums for a root mean square difference.
+#[derive(Default)]
+pub(super) struct Spread {
+    differences: f64,
+    values: f64,
+}
+
+impl Spread {
+    fn add(&mut self, values: &[f64], mean: f64) {
+        self.differences += values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        self.values += values.len() as f64 * mean * mean;
+    }
+
+    pub(super) fn relative(&self) -> f64 {
+        if self.values > 0.0 { (self.differences / self.values).sqrt() } else { 0.0 }
+    }
+}
+
+/// The cells of an incidence on one half plane up to a `|beta|`, the mean of those that should be alike.
+pub(super) fn folded(
+    grid: &SpecularGrid,
+    values: &[f64],
+    (incidence, horizon): (usize, f64),
+    asymmetry: &mut Spread,
+) -> Cells {
+    let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
+    let half: Vec<usize> = (0..azimuths).filter(|&k| grid.azimuths_deg[k] <= 180.0).collect();
+    let mirrored = |k: usize| -> Option<usize> {
+        let other = (360.0 - grid.azimuths_deg[k]) % 360.0;
+        (0..azimuths).find(|&m| (grid.azimuths_deg[m] % 360.0 - other).abs() < 1e-9)
+    };
+    let mut cells =
+        Cells { theta_deg: grid.incidences_deg[incidence], azimuths: Vec::new(), lines: Vec::new() };
+    for &k in &half {
+        let mut like = vec![k];
+        if grid.symmetry == Symmetry::None {
+            like.extend(mirrored(k).filter(|m| *m != k));
+        }
+        let mut line = Vec::with_capacity(radials);
+        for (r, radial) in grid.radials_deg.iter().enumerate() {
+            let to = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial);
+            let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
+            else {
+                break;
+            };
+            let rows = (0..grid.rotations_deg.len()).flat_map(|turn| {
+                let row = (turn * grid.incidences_deg.len() + incidence) * azimuths;
+                like.iter().map(move |m| (row + m) * radials + r)
+            });
+            let known: Vec<f64> = rows.map(|cell| values[cell]).filter(|value| value.is_finite()).collect();
+            let mean = if known.is_empty() { 0.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
+            asymmetry.add(&known, mean);
+            // Seen from the specular direction, in the plane of direction cosines.
+            let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
+            if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
+                line.push([delta, mean]);
+            }
+        }
+        cells.azimuths.push(grid.azimuths_deg[k].to_radians());
+        cells.lines.push(line);
+    }
+    cells
+}
+
+/// Leaves out the zeros after the last positive value of each line; counts them, and all.
+pub(super) fn without_tail_zeros(mut cells: Cells, filled: &mut [f64; 2]) -> Cells {
+    for line in &mut cells.lines {
+        let keep = line.iter().rposition(|[_, f]| *f > 0.0).map_or(line.len(), |last| last + 1);
+        filled[0] += (line.len() - keep) as f64;
+        filled[1] += line.len() as f64;
+        line.truncate(keep);
+    }
+    cells
+}
+
+/// The width at which points predict those between them best, weighted by their light.
+pub(super) fn best_width(cells: &[Cells]) -> f64 {
+    let score = |width: f64| -> f64 {
+        let lines = cells.iter().flat_map(|cells| &cells.lines);
+        lines.map(|points| missed(points, width)).sum()
+    };
+    let step = (WIDTHS[1] / WIDTHS[0]).ln() / (WIDTHS_TRIED - 1) as f64;
+    let widths = (0..WIDTHS_TRIED).map(|k| WIDTHS[0] * (k as f64 * step).exp());
+    let best = widths.map(|width| (width, score(width))).min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map_or(1.0, |(width, _)| width)
+}
+
+/// Light by which a line through every other point misses those between.
+fn missed(points: &[[f64; 2]], width: f64) -> f64 {
+    let x: Vec<f64> = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
+    let values: Vec<f64> = points.iter().map(|[_, f]| *f).collect();
+    let coarse = Line::new(x, &values).coarser();
+    let between = points.iter().enumerate().skip(1).step_by(2);
+    between
+        .filter(|(k, _)| k + 1 < points.len())
+        .map(|(k, [delta, f])| {
+            let area = delta * (points[k + 1][0] - points[k - 1][0]);
+            (area * (coarse.value(abscissa(*delta, width)) - f)).abs()
+        })
+        .sum()
+}

@@ -1,0 +1,92 @@
+//! The smooth lobe of one incidence: its value in any direction, and what it adds up to.
+
+use std::f64::consts::PI;
+
+use papilio_optics::Beta;
+
+use super::abscissa;
+use super::cells::Cells;
+use super::line::Line;
+
+/// Steps of Simpson's rule outwards and of the trapezoid rule around.
+const RADIAL_STEPS: usize = 96;
+const AROUND: usize = 48;
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Incidence {
+    pub(super) theta_deg: f64,
+    pub(super) beta: f64,
+    /// About the distance at which the lobe has fallen to a half: what integrals are fine enough for.
+    pub(super) half: f64,
+    /// Azimuths about the specular direction, radians, 0 (towards the normal) to pi.
+    pub(super) azimuths: Vec<f64>,
+    pub(super) lines: Vec<Line>,
+}
+
+impl Incidence {
+    pub(super) fn new(cells: &Cells, width: f64) -> Self {
+        let line = |points: &Vec<[f64; 2]>| {
+            let x = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
+            Line::new(x, &points.iter().map(|[_, f]| *f).collect::<Vec<_>>())
+        };
+        Self {
+            theta_deg: cells.theta_deg,
+            beta: cells.theta_deg.to_radians().sin(),
+            half: cells.half().min(width),
+            azimuths: cells.azimuths.clone(),
+            lines: cells.lines.iter().map(line).collect(),
+        }
+    }
+
+    pub(super) fn value(&self, delta: Beta, width: f64) -> f64 {
+        let x = abscissa(delta.length(), width);
+        let azimuth = self.azimuth(delta);
+        let upper = self.azimuths.partition_point(|known| *known <= azimuth).min(self.azimuths.len() - 1);
+        let lower = upper.saturating_sub(1);
+        let step = self.azimuths[upper] - self.azimuths[lower];
+        let t = if step > 0.0 { ((azimuth - self.azimuths[lower]) / step).clamp(0.0, 1.0) } else { 0.0 };
+        let [a, b] = [lower, upper].map(|k| self.lines[k].value(x));
+        if a > 0.0 && b > 0.0 { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
+    }
+
+    /// Azimuth about the specular direction, radians, 0 to pi; of a direction beyond the hemisphere, where its
+    /// line leaves it.
+    fn azimuth(&self, delta: Beta) -> f64 {
+        let reach = self.reach(delta);
+        let k = if reach < 1.0 { reach } else { 1.0 };
+        let (x, y) = (self.beta + k * delta.x, k * delta.y);
+        let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+        let cos = (1.0 - self.beta * self.beta).sqrt();
+        y.abs().atan2(self.beta * z - cos * x)
+    }
+
+    /// How many times `delta` fits between the specular direction and the edge of the hemisphere.
+    fn reach(&self, delta: Beta) -> f64 {
+        let squared = delta.squared();
+        if squared == 0.0 {
+            return f64::INFINITY;
+        }
+        let half = self.beta * delta.x / squared;
+        ((half * half + (1.0 - self.beta * self.beta) / squared).sqrt() - half).max(0.0)
+    }
+
+    /// By the trapezoid rule around and Simpson's rule in `ln(1 + (|delta|/half)^2)`, where lobes are smooth.
+    pub(super) fn total(&self, width: f64, radius: f64) -> f64 {
+        let mut sum = 0.0;
+        for around in 0..=AROUND {
+            let (sin, cos) = (PI * around as f64 / AROUND as f64).sin_cos();
+            let ends = if around == 0 || around == AROUND { 0.5 } else { 1.0 };
+            let edge = self.reach(Beta { x: cos, y: sin }).min(radius);
+            let step = abscissa(edge, self.half) / RADIAL_STEPS as f64;
+            for k in 0..=RADIAL_STEPS {
+                let simpson = if k == 0 || k == RADIAL_STEPS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
+                let x = k as f64 * step;
+                let delta = (self.half * x.exp_m1().sqrt()).min(edge);
+                let f = self.value(Beta { x: delta * cos, y: delta * sin }, width);
+                sum += ends * simpson * step / 3.0 * 0.5 * self.half * self.half * x.exp() * f;
+            }
+        }
+        // Both half planes.
+        2.0 * sum * PI / AROUND as f64
+    }
+}
