@@ -125,12 +125,9 @@ const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-widt
 h1{font-size:1.7rem}h2{font-size:1.25rem;margin-top:2.5rem;border-top:1px solid #ddd;padding-top:1.2rem}\
 table{border-collapse:collapse;margin:1rem 0;font-size:.9rem;display:block;overflow-x:auto}\
 th,td{padding:.25rem .7rem;border-bottom:1px solid #e4e4e4;text-align:right;font-variant-numeric:tabular-nums;vertical-align:top}\
-th:first-child,td:first-child{text-align:left}th{border-bottom:1px solid #888;font-weight:600}td.words{text-align:left;max-width:26rem}\
+th:first-child,td:first-child{text-align:left}th{border-bottom:1px solid #888;font-weight:600}.words{text-align:left;max-width:26rem}\
 figure{margin:1.2rem 0}figure img{max-width:100%;height:auto}figcaption{font-size:.9rem;color:#555}\
 nav{columns:16rem;font-size:.9rem}nav a{display:block;color:#1f4e9c;text-decoration:none}nav a:hover{text-decoration:underline}";
-
-/// A cell with more letters is a sentence.
-const SENTENCE: usize = 34;
 
 impl Report {
     /// A page of HTML with its figures inside.
@@ -171,22 +168,34 @@ impl Part {
                 let _ = writeln!(page, "<figure><img alt=\"{name}\" src=\"{uri}\">{below}</figure>");
             }
             Self::Table(table) => {
-                page.push_str("<table>\n<tr>");
-                for name in &table.head {
-                    let _ = write!(page, "<th>{}</th>", escaped(name));
-                }
-                page.push_str("</tr>\n");
-                for row in &table.rows {
-                    page.push_str("<tr>");
-                    for cell in row {
-                        let class = if cell.chars().count() > SENTENCE { " class=\"words\"" } else { "" };
-                        let _ = write!(page, "<td{class}>{}</td>", escaped(cell));
-                    }
-                    page.push_str("</tr>\n");
-                }
-                page.push_str("</table>\n");
+                table.html(page);
             }
         }
+    }
+}
+
+impl Table {
+    fn html(&self, page: &mut String) {
+        let class = |column: usize| if self.is_of_words(column) { " class=\"words\"" } else { "" };
+        page.push_str("<table>\n<tr>");
+        for (column, name) in self.head.iter().enumerate() {
+            let _ = write!(page, "<th{}>{}</th>", class(column), escaped(name));
+        }
+        page.push_str("</tr>\n");
+        for row in &self.rows {
+            page.push_str("<tr>");
+            for (column, cell) in row.iter().enumerate() {
+                let _ = write!(page, "<td{}>{}</td>", class(column), escaped(cell));
+            }
+            page.push_str("</tr>\n");
+        }
+        page.push_str("</table>\n");
+    }
+
+    /// Whether every cell of a column begins with a letter.
+    fn is_of_words(&self, column: usize) -> bool {
+        let mut cells = self.rows.iter().filter_map(|row| row.get(column)?.chars().next()).peekable();
+        cells.peek().is_some() && cells.all(char::is_alphabetic)
     }
 }
 
@@ -236,6 +245,7 @@ mod tests {
     fn a_page_escapes_what_it_shows() {
         let mut table = Table::new(&["<a>", "b"]);
         table.row(["1 < 2", "&"]);
+        table.row(["3", "words"]);
         let report = Report {
             title: "A \"title\"".to_owned(),
             about: vec!["x > y".to_owned()],

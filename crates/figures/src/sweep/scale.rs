@@ -167,7 +167,7 @@ mod tests {
         for (values, scale) in [
             (&["500", "1000", "2000", "4000", "6000", "10000"][..], Scale::Logarithmic),
             (&["10", "1", "0.1"], Scale::Logarithmic),
-            (&["1", "2", "3", "4", "10"], Scale::Linear),
+            (&["1", "4", "7", "10"], Scale::Linear),
             (&["0", "1", "10", "100"], Scale::Linear),
             (&["0.3", "0.6", "1.2"], Scale::Linear),
             (&["1", "100"], Scale::Linear),

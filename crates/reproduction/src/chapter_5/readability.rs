@@ -36,11 +36,11 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
         let printed = column.performance_percent.map(|percent| format!("{percent:.0}"));
         derived.row([
             column.name.to_owned(),
-            number(column.contrast_ratio, 4),
+            column.contrast_ratio.to_string(),
             number(column.white_cd_m2 / column.black_cd_m2, 4),
-            number(column.text_luminance_cd_m2, 6),
+            column.text_luminance_cd_m2.to_string(),
             number(text.luminance_cd_m2, 6),
-            number(column.text_contrast, 2),
+            column.text_contrast.to_string(),
             number(text.contrast, 3),
             printed.join(BESIDE),
             read(text),
@@ -175,12 +175,14 @@ fn chart_5_20(age_years: f64) -> String {
 /// of its own its luminances go with the illuminance.
 fn illuminance_and_age(bench: &Bench<'_>) -> Result<(String, f64), ReproductionError> {
     const AT_LX: f64 = 1e4;
+    // Tenths of a decade, rounded (ISO 3, R 10).
+    const LIT_LX: [f64; 11] = [1e4, 1.25e4, 1.6e4, 2e4, 2.5e4, 3.15e4, 4e4, 5e4, 6.3e4, 8e4, 1e5];
     let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
     let result = bench.run("overcast", &[cover, &format!("lighting.illuminance_lx={AT_LX}")])?;
     let [white, black] =
         ["white", "black"].map(|state| of(first(&result), state, |v| Some(v.luminance_cd_m2)));
     let lit = text(white, black);
-    let illuminances = (0..=24).map(|k| (1e4 * 10.0_f64.powf(f64::from(k) / 24.0)).round()).collect();
+    let illuminances = LIT_LX.to_vec();
     let ages = (0..=22).map(|k| 20.0 + 2.5 * f64::from(k)).collect();
     let value = |lux: f64, age_years: f64| {
         Text { luminance_cd_m2: lit.luminance_cd_m2 * lux / AT_LX, ..lit }.reading_surrogate(age_years)
