@@ -1,5 +1,6 @@
 //! The commands and their options.
 
+use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -53,12 +54,31 @@ pub(crate) enum Command {
         after_help = "Example: papilio validate --out out/validate, then open out/validate/report.html"
     )]
     Validate(Validate),
+    /// Serve the web app: a display laboratory in the browser, on this machine only
+    #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
+                      A program that was built by cargo alone has no page in it: `cargo xtask serve` builds both.")]
+    Serve(Serve),
     /// Print the JSON Schema of a scenario
     Schema {
         /// That of result.json instead
         #[arg(long)]
         result: bool,
     },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Serve {
+    /// The scenario that the page opens; without one, an example
+    pub(crate) file: Option<PathBuf>,
+    /// The port; 0 for any that is free [default: 7417]
+    #[arg(long)]
+    pub(crate) port: Option<u16>,
+    /// Listen to this address instead of this machine alone; every request then needs a token
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) listen: Option<IpAddr>,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub(crate) open: bool,
 }
 
 #[derive(Debug, Args)]

@@ -13,6 +13,7 @@ mod output;
 mod pixel;
 mod report;
 mod run;
+mod serve;
 mod study;
 mod sweep;
 mod validate;
@@ -53,6 +54,9 @@ enum Failure {
     /// The report could not be made.
     #[error("error: {0}")]
     Report(#[from] papilio_reproduction::ReproductionError),
+    /// The web app could not be served.
+    #[error("error: {0}")]
+    Serve(#[from] papilio_web::ServeError),
     /// Standard output went away, or the like.
     #[error("error: standard output cannot be written: {0}")]
     Io(#[from] std::io::Error),
@@ -64,7 +68,7 @@ enum Failure {
 impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_) | Self::Input(_) | Self::Data(_) | Self::Display(_) => 2,
+            Self::Scenario(_) | Self::Input(_) | Self::Data(_) | Self::Display(_) | Self::Serve(_) => 2,
             Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
             Self::Interrupted(_) => 130,
         }
@@ -79,6 +83,7 @@ fn main() -> ExitCode {
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::New(arguments) => new::run(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
+        Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),

@@ -109,6 +109,7 @@ impl Problem {
             Self::NoSuchMetric { name, known } => {
                 suggestion(name, known.iter().map(String::as_str), "metrics")
             }
+            Self::NoSuchFile { name, known } => suggestion(name, known.iter().map(String::as_str), "files"),
             Self::NoSuchState { name, known } => suggestion(name, known.iter().map(String::as_str), "states"),
             Self::NotInThisVersion { choices, .. } if !choices.is_empty() => {
                 format!("there is {}", listed(choices))

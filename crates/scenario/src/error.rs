@@ -24,9 +24,16 @@ pub struct ScenarioError {
     pub problem: Problem,
     /// Where the scenario asks for the file that `place` is in.
     pub asked_for_at: Option<Place>,
+    /// The key that it concerns, as of `--set`: `display.pixel.film.1.thickness_nm`.
+    pub path: Option<String>,
 }
 
 impl ScenarioErrors {
+    /// How many more there are than [`iter`](Self::iter) gives.
+    pub fn more(&self) -> usize {
+        self.more
+    }
+
     /// The errors, in the order of the text; the first 50 that were found.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
         self.errors.iter()
@@ -42,10 +49,11 @@ impl From<ScenarioError> for ScenarioErrors {
 impl ScenarioError {
     /// An error about a file as a whole.
     pub(crate) fn about_file(name: &str, problem: Problem) -> Self {
-        Self { place: Place::whole(name), problem, asked_for_at: None }
+        Self { place: Place::whole(name), problem, asked_for_at: None, path: None }
     }
 
-    fn hint(&self) -> Option<String> {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
         let unreadable = matches!(self.problem, Problem::Data(papilio_formats::Problem::Unreadable { .. }));
         match self.asked_for_at {
             Some(_) if unreadable => Some("paths in a scenario are relative to its folder".to_owned()),
@@ -59,7 +67,7 @@ impl ScenarioError {
 
 impl From<FormatError> for ScenarioError {
     fn from(error: FormatError) -> Self {
-        Self { place: error.place, problem: error.problem.into(), asked_for_at: None }
+        Self { place: error.place, problem: error.problem.into(), asked_for_at: None, path: None }
     }
 }
 
@@ -144,9 +152,15 @@ impl Errors {
         self.found.sort_by_key(|(origin, ..)| *origin);
         let error = |(origin, problem, file): (Origin, Problem, Option<Place>)| {
             let place = sources.place(origin);
+            let path = sources.path(origin).map(|path| match &problem {
+                Problem::MissingKey { key, .. } if path.is_empty() => key.clone(),
+                Problem::MissingKey { key, .. } => format!("{path}.{key}"),
+                _ => path,
+            });
+            let path = path.filter(|path| !path.is_empty());
             match file {
-                Some(file) => ScenarioError { place: file, problem, asked_for_at: Some(place) },
-                None => ScenarioError { place, problem, asked_for_at: None },
+                Some(file) => ScenarioError { place: file, problem, asked_for_at: Some(place), path },
+                None => ScenarioError { place, problem, asked_for_at: None, path },
             }
         };
         Err(ScenarioErrors { errors: self.found.into_iter().map(error).collect(), more: self.more })

@@ -47,9 +47,11 @@
 
 mod advice;
 mod describe;
+mod edit;
 mod error;
 mod grammar;
 mod kinds;
+mod library;
 mod nearest;
 mod preset;
 mod problem;
@@ -62,7 +64,9 @@ mod source;
 mod sweep;
 mod tree;
 
+pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
+pub use library::{KeptFile, Library};
 pub use nearest::nearest;
 pub use preset::{new_scenario, preset_names};
 pub use problem::Problem;

@@ -298,6 +298,14 @@ pub enum Problem {
     /// A sweep's own key under its axes.
     #[error("a sweep does not sweep itself")]
     SweepOfItself,
+    /// A file that is not among those that there are.
+    #[error("there is no file `{name}` here")]
+    NoSuchFile {
+        /// What was asked for.
+        name: String,
+        /// The files that there are.
+        known: Vec<String>,
+    },
     /// A metric that no result has.
     #[error("there is no metric `{name}`")]
     NoSuchMetric {

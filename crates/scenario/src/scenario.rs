@@ -1,6 +1,6 @@
 //! A scenario from its text to a scene.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use papilio_display::scene::Scene;
 use papilio_formats::DataFile;
@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 use crate::describe::File;
 use crate::describe::sweep::Swept;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::library::{Library, hex};
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::source::Sources;
@@ -23,7 +24,7 @@ const LONGEST_TEXT: usize = 1 << 20;
 #[derive(Debug, Clone)]
 pub struct Scenario {
     file: File,
-    folder: PathBuf,
+    library: Library,
     sources: Sources,
     /// What looked wrong before anything was looked up.
     warnings: Vec<String>,
@@ -60,32 +61,44 @@ impl Scenario {
         Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
     }
 
-    /// A scenario from a text; errors call it `name`, and its files lie relative to `folder`.
+    /// A scenario from a text; errors call it `name`, and its files are in `library` (of a path: relative to this
+    /// folder).
     ///
     /// # Errors
     /// As [`load`](Self::load).
     pub fn from_text(
         text: &str,
         name: &str,
-        folder: &Path,
+        library: impl Into<Library>,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let (root, sources) = parse(text, name, overrides)?;
         let assembled = assemble(root, &sources, &[])?;
-        Self::read(assembled, folder.to_owned(), sources)
+        Self::read(assembled, library.into(), sources)
     }
 
     /// A scenario from its tree, to which nothing is to be added.
     pub(crate) fn read(
         assembled: Assembled,
-        folder: PathBuf,
+        library: Library,
         sources: Sources,
     ) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
         let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        Ok(Self { file, folder, sources, warnings: assembled.warnings })
+        Ok(Self { file, library, sources, warnings: assembled.warnings })
+    }
+
+    /// The scenario as it was read, with every default filled in, in the order of the grammar and the text.
+    pub fn filled(&self) -> impl serde::Serialize + '_ {
+        &self.file
+    }
+
+    /// One table of [`filled`](Self::filled), by its key; null if there is none.
+    pub fn filled_at(&self, key: &str) -> Value {
+        let mut all = serde_json::to_value(&self.file).unwrap_or_default();
+        all.get_mut(key).map(Value::take).unwrap_or_default()
     }
 
     /// Looks up what [`papilio diffuser measure`](VirtualMeasurement) needs: the display's diffuser and `[measure]`.
@@ -93,7 +106,7 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and where the display has no diffuser that is given by its BTDF.
     pub fn measurement(&self) -> Result<VirtualMeasurement, ScenarioErrors> {
-        resolve::measurement(&self.file, &self.folder, &self.sources)
+        resolve::measurement(&self.file, &self.library, &self.sources)
     }
 
     /// Looks up materials, lights and files, puts everything on the wavelength grid and checks it.
@@ -103,7 +116,7 @@ impl Scenario {
     /// data files with the file's line and column.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.folder, &self.sources)?;
+            resolve::resolve(&self.file, &self.library, &self.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             // What else might be computed has no part in what is.
@@ -111,7 +124,7 @@ impl Scenario {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
-        let hash = resolve::hex(&Sha256::digest(canonical.to_string()));
+        let hash = hex(&Sha256::digest(canonical.to_string()));
         Ok(Resolved {
             scene,
             title: self.file.title.as_ref().map(|title| title.0.clone()),

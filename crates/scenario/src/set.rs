@@ -12,7 +12,7 @@ use crate::source::{Origin, Sources};
 use crate::tree::{Entry, Node, Value};
 
 /// A path longer than this leads nowhere.
-const MOST_SEGMENTS: usize = 16;
+pub(crate) const MOST_SEGMENTS: usize = 16;
 
 /// Where presets are named; they are set before any other key.
 pub(crate) const PRESET_PATH: &str = "lighting.preset";
@@ -83,7 +83,7 @@ fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Ori
 }
 
 /// Keys of which a table may have one: setting one means to replace the other.
-const RIVALS: [[&str; 2]; 4] = [
+pub(crate) const RIVALS: [[&str; 2]; 4] = [
     ["relative_error", "paths"],
     ["haze", "width"],
     ["transmittance", "total_transmittance"],

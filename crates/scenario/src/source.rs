@@ -2,6 +2,9 @@
 
 use papilio_formats::Place;
 
+use crate::error::Errors;
+use crate::tree::Node;
+
 /// A stretch of one of the [`Sources`], in bytes; an empty one means all of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Origin {
@@ -40,6 +43,18 @@ impl Sources {
     /// How many `--set` there are.
     pub(crate) fn overrides(&self) -> usize {
         self.0.len() - 1
+    }
+
+    /// The path of the key or value at a place, as of `--set`; empty for the scenario as a whole.
+    pub(crate) fn path(&self, origin: Origin) -> Option<String> {
+        let text = self.text(origin.source);
+        if origin.source > 0 {
+            return text.split_once('=').map(|(path, _)| path.trim().to_owned());
+        }
+        if origin == Origin::FILE {
+            return Some(String::new());
+        }
+        Node::parse_document(text, &mut Errors::default()).path_to(origin)
     }
 
     pub(crate) fn place(&self, origin: Origin) -> Place {

@@ -1,12 +1,13 @@
 //! A scenario at every point of its `[sweep]`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use papilio_formats::{DataFile, SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::library::Library;
 use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::scenario::{Scenario, assemble, parse};
@@ -18,7 +19,7 @@ use crate::tree::{Node, Value};
 pub struct Sweep {
     /// The text as it stands.
     root: Node,
-    folder: PathBuf,
+    library: Library,
     sources: Sources,
     axes: Vec<Axis>,
     figures: Vec<At<String>>,
@@ -38,14 +39,14 @@ impl Sweep {
         Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
     }
 
-    /// A sweep from a text; errors call it `name`, and its files lie relative to `folder`.
+    /// A sweep from a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
     ///
     /// # Errors
     /// As [`load`](Self::load).
     pub fn from_text(
         text: &str,
         name: &str,
-        folder: &Path,
+        library: impl Into<Library>,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let (root, sources) = parse(text, name, overrides)?;
@@ -68,7 +69,7 @@ impl Sweep {
         let read = errors.finish(sound, &sources)?;
         Ok(Self {
             root,
-            folder: folder.to_owned(),
+            library: library.into(),
             axes: read.axes.value.into_iter().map(|axis| axis.value).collect(),
             figures: read.figures.value,
             title,
@@ -119,7 +120,7 @@ impl Sweep {
     pub fn scenario(&self, point: usize) -> Result<Scenario, ScenarioErrors> {
         let mut assembled = assemble(self.root.clone(), &self.sources, &self.at(point))?;
         assembled.root.remove("sweep");
-        Scenario::read(assembled, self.folder.clone(), self.sources.clone())
+        Scenario::read(assembled, self.library.clone(), self.sources.clone())
     }
 
     /// One point for every value of every axis, the others at their first: enough to find what is wrong with a

@@ -120,6 +120,42 @@ impl Node {
         }
     }
 
+    /// The path of the shortest stretch of the text that holds `origin`, as of `--set`.
+    pub(crate) fn path_to(&self, origin: Origin) -> Option<String> {
+        let mut best: Option<(usize, String)> = None;
+        self.narrow(String::new(), origin, &mut best);
+        best.map(|(_, path)| path)
+    }
+
+    /// Looks for a shorter stretch in here. A table's header does not hold its keys, so all are looked at.
+    fn narrow(&self, path: String, origin: Origin, best: &mut Option<(usize, String)>) {
+        let mut look = |at: &Origin, path: &str| {
+            let length = at.end - at.start;
+            let holds = at.start <= origin.start && origin.end <= at.end && length > 0;
+            if holds && best.as_ref().is_none_or(|(shortest, _)| length <= *shortest) {
+                *best = Some((length, path.to_owned()));
+            }
+        };
+        look(&self.origin, &path);
+        let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        match &self.value {
+            Value::Array(items) => {
+                for (i, item) in items.iter().enumerate() {
+                    item.narrow(below(&i.to_string()), origin, best);
+                }
+            }
+            Value::Table(entries) => {
+                for entry in entries {
+                    look(&entry.key_origin, &below(&entry.key));
+                }
+                for entry in entries {
+                    entry.node.narrow(below(&entry.key), origin, best);
+                }
+            }
+            _ => {}
+        }
+    }
+
     /// Takes every key of `other` that is missing here, all the way down; arrays count as one value. True if there
     /// was one.
     pub(crate) fn fill_from(&mut self, other: Self) -> bool {

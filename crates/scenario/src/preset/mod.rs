@@ -44,9 +44,14 @@ pub fn preset_names() -> impl Iterator<Item = &'static str> {
 
 /// A commented scenario in this preset's light, which runs as it stands; `None` for no preset of this name.
 pub fn new_scenario(name: &str) -> Option<String> {
-    let (_, light) = PRESETS.iter().find(|(known, _)| *known == name)?;
+    let light = text(name)?;
     let (about, keys) = light.split_once("\n\n")?;
     Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{DISPLAY}"))
+}
+
+/// The keys that a preset gives, as TOML.
+pub(crate) fn text(name: &str) -> Option<&'static str> {
+    PRESETS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
 /// Fills in what the preset gives and the scenario does not, if it names one; true if that was anything.

@@ -1,12 +1,12 @@
 //! Files, share spectra and materials.
 
 use num_complex::Complex64;
-use papilio_formats::{DataFile, FormatError, read_index, read_shares};
+use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_index, read_shares};
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_names};
-use sha2::{Digest, Sha256};
 
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
+use crate::library::{KeptFile, Missing};
 use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
@@ -18,35 +18,28 @@ const SMALLEST_INDEX: f64 = 1e-3;
 
 impl Resolver<'_> {
     /// Reads a file of the scenario's and notes its SHA-256.
-    pub(super) fn open(&mut self, name: &str, origin: Origin) -> Option<DataFile> {
-        let file = DataFile::open(&self.folder.join(name), name);
-        self.opened(name, origin, file)
+    pub(super) fn open(&mut self, name: &str, origin: Origin) -> Option<KeptFile> {
+        self.open_within(name, origin, LARGEST_FILE)
     }
 
-    /// Notes the SHA-256 of a file that was read.
-    pub(super) fn opened(
-        &mut self,
-        name: &str,
-        origin: Origin,
-        file: Result<DataFile, FormatError>,
-    ) -> Option<DataFile> {
-        match file {
-            Ok(file) => {
-                self.inputs.insert(name.to_owned(), hex(&Sha256::digest(&file.bytes)));
-                Some(file)
+    /// As [`Resolver::open`], up to a size.
+    pub(super) fn open_within(&mut self, name: &str, origin: Origin, limit: u64) -> Option<KeptFile> {
+        match self.library.open(name, limit) {
+            Ok(kept) => {
+                self.inputs.insert(name.to_owned(), kept.sha256().to_owned());
+                return Some(kept);
             }
-            Err(error) => {
-                self.errors.push_data(origin, error);
-                None
-            }
+            Err(Missing::Unread(error)) => self.errors.push_data(origin, error),
+            Err(Missing::Unknown(problem)) => self.errors.push(origin, problem),
         }
+        None
     }
 
     /// True if `text` is meant as a file rather than as a name.
     pub(super) fn is_file(&self, text: &str) -> bool {
         let looks_so =
             text.contains(['/', '\\']) || text.rsplit_once('.').is_some_and(|(_, end)| !end.is_empty());
-        looks_so || self.folder.join(text).is_file()
+        looks_so || self.library.has(text)
     }
 
     /// What `read` makes of the file `name`.
@@ -56,8 +49,8 @@ impl Resolver<'_> {
         origin: Origin,
         read: fn(&DataFile) -> Result<T, FormatError>,
     ) -> Option<T> {
-        let file = self.open(name, origin)?;
-        match read(&file) {
+        let kept = self.open(name, origin)?;
+        match read(kept.file()) {
             Ok(data) => Some(data),
             Err(error) => {
                 self.errors.push_data(origin, error);
@@ -126,9 +119,4 @@ impl Resolver<'_> {
         }
         Some(index)
     }
-}
-
-/// Bytes as hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

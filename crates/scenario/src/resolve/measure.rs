@@ -1,7 +1,5 @@
 //! `[measure]`: the diffuser before a virtual imaging sphere.
 
-use std::path::Path;
-
 use papilio_colour::Observer;
 use papilio_display::scene::Lobe;
 use papilio_goniometry::{
@@ -17,6 +15,7 @@ use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::measure::{Channels, GridAngles, Measure};
 use crate::error::ScenarioErrors;
+use crate::library::Library;
 use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::source::Sources;
@@ -102,10 +101,10 @@ fn rounded(value: f64) -> f64 {
 /// Resolves what a virtual measurement needs of a described scenario.
 pub(crate) fn measurement(
     file: &File,
-    folder: &Path,
+    library: &Library,
     sources: &Sources,
 ) -> Result<VirtualMeasurement, ScenarioErrors> {
-    let mut resolver = Resolver::new(file, folder, sources)?;
+    let mut resolver = Resolver::new(file, library, sources)?;
     let found = resolver.before_instrument(file);
     let Resolver { errors, warnings, notes, .. } = resolver;
     let found = errors.finish(found, sources)?;

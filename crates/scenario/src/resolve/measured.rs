@@ -1,7 +1,7 @@
 //! `model = "measured"`: a diffuser or a pixel as a goniometer or an imaging sphere saw it.
 
 use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel, ScatteringPixel};
-use papilio_formats::{DataFile, LARGEST_BSDF_FILE, read_bsdf};
+use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
 use papilio_goniometry::{
     self as goniometry, Changes, Fill, GoniometryError, Lamination, Measurement, Preparation, Unblur,
     Unblurred, Way, deblurred, kernel,
@@ -279,8 +279,8 @@ impl Resolver<'_> {
 
     /// A file of measured scattering.
     fn measurement(&mut self, source: &Source<'_>) -> Option<Measurement> {
-        let file = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
-        match read_bsdf(&file) {
+        let kept = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
+        match read_bsdf(kept.file()) {
             Ok(read) => {
                 let name = source.name;
                 self.warnings.extend(read.warnings.iter().map(|warning| format!("{name}: {warning}")));
@@ -456,11 +456,5 @@ impl Resolver<'_> {
             ));
         }
         Some(())
-    }
-
-    /// As [`Resolver::open`], up to a size.
-    fn open_within(&mut self, name: &str, origin: Origin, limit: u64) -> Option<DataFile> {
-        let file = DataFile::open_within(&self.folder.join(name), name, limit);
-        self.opened(name, origin, file)
     }
 }

@@ -16,12 +16,10 @@ mod sampling;
 mod stack;
 mod viewer;
 
-pub(crate) use data::hex;
 pub use measure::VirtualMeasurement;
 pub(crate) use measure::measurement;
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
@@ -30,6 +28,7 @@ use papilio_spectra::Grid;
 use crate::describe::solver::{self, Solver};
 use crate::describe::{File, metrics};
 use crate::error::{Errors, ScenarioErrors};
+use crate::library::Library;
 use crate::problem::Problem;
 use crate::read::At;
 use crate::source::{Origin, Sources};
@@ -65,7 +64,7 @@ struct Resolver<'a> {
     grid: Grid,
     /// Where the first and last wavelength stand.
     range: Origin,
-    folder: &'a Path,
+    library: &'a Library,
     errors: Errors,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -74,22 +73,22 @@ struct Resolver<'a> {
     maps: Vec<maps::MapLight>,
 }
 
-/// Resolves a described scenario whose files lie relative to `folder`.
-pub(crate) fn resolve(file: &File, folder: &Path, sources: &Sources) -> Result<Found, ScenarioErrors> {
-    let mut resolver = Resolver::new(file, folder, sources)?;
+/// Resolves a described scenario whose files are in `library`.
+pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Result<Found, ScenarioErrors> {
+    let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
     Ok(Found { scene: errors.finish(scene, sources)?, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {
-    fn new(file: &File, folder: &'a Path, sources: &Sources) -> Result<Self, ScenarioErrors> {
+    fn new(file: &File, library: &'a Library, sources: &Sources) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
         let grid = grid(file, &mut errors);
         Ok(Self {
             grid: errors.finish(grid, sources)?,
             range: file.spectrum.range_nm.origin.or_set(file.spectrum.range_nm.iter().map(|end| end.origin)),
-            folder,
+            library,
             errors: Errors::default(),
             warnings: Vec::new(),
             notes: Vec::new(),

@@ -1,0 +1,72 @@
+//! `papilio serve`: the web app.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use papilio_formats::{DataFile, LARGEST_BSDF_FILE};
+use papilio_scenario::Scenario;
+use papilio_web::{Options, Site, Start};
+
+use crate::arguments::Serve;
+use crate::{Failure, report, say};
+
+pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
+    let options = Options {
+        listen: arguments.listen.unwrap_or(Options::default().listen),
+        port: arguments.port.unwrap_or(Options::default().port),
+        start: arguments.file.as_deref().map(start).transpose()?,
+    };
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    runtime.block_on(async {
+        let (site, listener) = Site::bind(options).await?;
+        let url = site.url();
+        if site.has_token() {
+            say(
+                &"warning: others can reach this address. Whoever knows the token in it, behind #, can compute on this \
+                 machine; the connection is not encrypted",
+            );
+        }
+        anstream::println!("Papilio is at {url}");
+        say(&"Ctrl-C ends it");
+        if arguments.open && !open(&url) {
+            say(&"note: no browser could be opened");
+        }
+        site.serve(listener).await;
+        Ok(())
+    })
+}
+
+/// A scenario and the files that it names. One that is wrong is opened too: the page is there to mend it.
+fn start(path: &Path) -> Result<Start, Failure> {
+    let name = path.display().to_string();
+    let file = DataFile::open(path, &name).map_err(Failure::Data)?;
+    let scenario = file.text().map_err(Failure::Data)?.to_owned();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let resolved = Scenario::from_text(&scenario, &name, folder, &[]).and_then(|scenario| scenario.resolve());
+    let named = match &resolved {
+        Ok(resolved) => resolved.canonical.get("inputs").and_then(|inputs| inputs.as_object()),
+        Err(errors) => {
+            say(errors);
+            None
+        }
+    };
+    let open = |name: &String| DataFile::open_within(&folder.join(name), name, LARGEST_BSDF_FILE);
+    let files = named.into_iter().flat_map(|inputs| inputs.keys()).map(open);
+    Ok(Start {
+        name: report::file_title(path),
+        scenario,
+        files: files.collect::<Result<_, _>>().map_err(Failure::Data)?,
+    })
+}
+
+/// Has the system's browser show the page; false if there is none.
+fn open(url: &str) -> bool {
+    let mut command = if cfg!(target_os = "macos") {
+        Command::new("open")
+    } else if cfg!(windows) {
+        Command::new("explorer")
+    } else {
+        Command::new("xdg-open")
+    };
+    command.arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().is_ok()
+}

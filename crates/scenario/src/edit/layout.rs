@@ -1,0 +1,103 @@
+//! How new values are laid out, and how tables keep their order.
+
+use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, Value};
+
+/// A table of at most so many plain values is written on one line.
+const SHORT: usize = 4;
+
+/// A value as TOML; `as_table`: with a header of its own, if it is a table or an array of tables.
+pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, String> {
+    use serde_json::Value as Json;
+    match value {
+        Json::Object(keys) if as_table => {
+            let mut table = Table::new();
+            for (key, value) in keys {
+                table.insert(key, item(value, !is_short(value))?);
+            }
+            Ok(Item::Table(table))
+        }
+        Json::Array(items) if as_table && !items.is_empty() && items.iter().all(Json::is_object) => {
+            let mut tables = ArrayOfTables::new();
+            for value in items {
+                if let Item::Table(table) = item(value, true)? {
+                    tables.push(table);
+                }
+            }
+            Ok(Item::ArrayOfTables(tables))
+        }
+        _ => inline(value).map(Item::Value),
+    }
+}
+
+/// True for a value that reads well on a line.
+fn is_short(value: &serde_json::Value) -> bool {
+    use serde_json::Value as Json;
+    let plain = |value: &Json| !value.is_object() && !value.is_array();
+    match value {
+        Json::Object(keys) => keys.len() <= SHORT && keys.values().all(plain),
+        Json::Array(items) => items.iter().all(is_short),
+        _ => true,
+    }
+}
+
+fn inline(value: &serde_json::Value) -> Result<Value, String> {
+    use serde_json::Value as Json;
+    Ok(match value {
+        Json::Null => return Err("null is no value; a key is taken away with `remove`".to_owned()),
+        Json::Bool(value) => (*value).into(),
+        Json::String(text) => text.as_str().into(),
+        Json::Number(number) => match (number.as_i64(), number.as_f64()) {
+            (Some(whole), _) => whole.into(),
+            (None, Some(value)) if value.is_finite() => value.into(),
+            _ => return Err(format!("{number} is no number of a scenario")),
+        },
+        Json::Array(items) => {
+            let mut array = items.iter().map(inline).collect::<Result<Array, _>>()?;
+            if items.len() > 1 && items.iter().any(Json::is_object) {
+                array.iter_mut().for_each(|value| value.decor_mut().set_prefix("\n  "));
+                array.set_trailing("\n");
+                array.set_trailing_comma(true);
+            }
+            array.into()
+        }
+        Json::Object(keys) => {
+            let pairs = keys.iter().map(|(key, value)| Ok((key.as_str(), inline(value)?)));
+            pairs.collect::<Result<InlineTable, String>>()?.into()
+        }
+    })
+}
+
+/// Gives a value the line break and indentation of the items that it will stand among.
+pub(super) fn like_neighbour(values: &Array, at: usize, value: &mut Value) {
+    let neighbour = values.get(at.saturating_sub(1)).or_else(|| values.get(0));
+    let prefix = neighbour.and_then(|value| value.decor().prefix()?.as_str());
+    let prefix = prefix.map(|prefix| match prefix.rfind('\n') {
+        Some(line) => &prefix[line..],
+        None if at == 0 => "",
+        None => " ",
+    });
+    value.decor_mut().set_prefix(prefix.unwrap_or(if at == 0 { "" } else { " " }));
+}
+
+/// Numbers the tables in their order by the places that they have in the text; new ones follow the one before.
+pub(super) fn number_positions(tables: &mut ArrayOfTables) {
+    let mut places: Vec<isize> = tables.iter().filter_map(Table::position).collect();
+    places.sort_unstable();
+    let mut places = places.into_iter();
+    for table in tables.iter_mut() {
+        forget_positions(table);
+        table.set_position(places.next());
+    }
+}
+
+/// Takes the places of a table and all in it, which then follow what is before.
+pub(super) fn forget_positions(table: &mut Table) {
+    table.set_position(None);
+    for (_, item) in table.iter_mut() {
+        match item {
+            Item::Table(table) => forget_positions(table),
+            Item::ArrayOfTables(tables) => tables.iter_mut().for_each(forget_positions),
+            _ => {}
+        }
+    }
+}

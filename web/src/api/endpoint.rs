@@ -1,0 +1,191 @@
+//! A row for each endpoint: its route and its description come from the same types.
+
+use std::time::Duration;
+
+use axum::Router;
+use axum::body::Body;
+use axum::extract::{Path, Request, State};
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{MethodRouter, get, post};
+use http_body_util::{BodyExt, LengthLimitError, Limited};
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
+
+use crate::fault::{Fault, FaultBody};
+use crate::site::Site;
+
+/// Where the API lives.
+const ROOT: &str = "/api/v1";
+
+/// The longest request in JSON, in bytes.
+const LONGEST_JSON: usize = 1 << 20;
+
+/// A body that takes longer to arrive is given up.
+const BODY_TIME: Duration = Duration::from_secs(10);
+
+/// Endpoints as they are gathered.
+pub(super) struct Endpoints {
+    router: Router<Site>,
+    paths: Map<String, Value>,
+    schemas: SchemaGenerator,
+}
+
+impl Endpoints {
+    pub(super) fn new() -> Self {
+        let settings = SchemaSettings::draft2020_12().with(|settings| {
+            settings.definitions_path = "/components/schemas".into();
+            settings.meta_schema = None;
+        });
+        Self { router: Router::new(), paths: Map::new(), schemas: settings.into_generator() }
+    }
+
+    /// An answer that depends on nothing.
+    pub(super) fn get<A>(self, path: &str, about: &str, answer: fn(&Site) -> Result<A, Fault>) -> Self
+    where
+        A: Serialize + JsonSchema + 'static,
+    {
+        let handler = get(move |State(site): State<Site>| async move { respond(answer(&site)) });
+        self.add::<A>("get", path, about, None, handler)
+    }
+
+    /// An answer that depends on a name in the path.
+    pub(super) fn get_named<A>(self, path: &str, about: &str, answer: fn(&str) -> Result<A, Fault>) -> Self
+    where
+        A: Serialize + JsonSchema + 'static,
+    {
+        let handler = get(move |Path(name): Path<String>| async move { respond(answer(&name)) });
+        self.add::<A>("get", path, about, None, handler)
+    }
+
+    /// An answer to a question in JSON.
+    pub(super) fn post<Q, A, F>(self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
+    where
+        Q: DeserializeOwned + JsonSchema + Send + 'static,
+        A: Serialize + JsonSchema + 'static,
+        F: Future<Output = Result<A, Fault>> + Send + 'static,
+    {
+        let handler = post(move |State(site): State<Site>, request: Request| async move {
+            respond(match question(request).await {
+                Ok(question) => answer(site, question).await,
+                Err(fault) => Err(fault),
+            })
+        });
+        let mut this = self;
+        let body = this.schemas.subschema_for::<Q>().to_value();
+        this.add::<A>("post", path, about, Some(json!({ "application/json": { "schema": body } })), handler)
+    }
+
+    fn add<A: JsonSchema>(
+        mut self,
+        method: &str,
+        path: &str,
+        about: &str,
+        body: Option<Value>,
+        handler: MethodRouter<Site>,
+    ) -> Self {
+        let answer = self.schemas.subschema_for::<A>().to_value();
+        let content = json!({ "application/json": { "schema": answer } });
+        self.describe(method, path, about, body, content);
+        self.router = self.router.route(&format!("{ROOT}{path}"), handler);
+        self
+    }
+
+    fn describe(&mut self, method: &str, path: &str, about: &str, body: Option<Value>, answer: Value) {
+        let fault = self.schemas.subschema_for::<FaultBody>().to_value();
+        let mut operation = json!({
+            "summary": about,
+            "operationId": path.trim_matches('/').replace(['/', '.'], "_").replace(['{', '}'], ""),
+            "responses": {
+                "200": { "description": "The answer", "content": answer },
+                "default": {
+                    "description": "What is wrong",
+                    "content": { "application/json": { "schema": fault } }
+                },
+            },
+        });
+        if let Some(content) = body {
+            operation["requestBody"] = json!({ "required": true, "content": content });
+        }
+        if path.contains("{name}") {
+            operation["parameters"] =
+                json!([{ "name": "name", "in": "path", "required": true, "schema": { "type": "string" } }]);
+        }
+        self.paths.insert(format!("{ROOT}{path}"), json!({ method: operation }));
+    }
+
+    /// The routes, with that of the description.
+    pub(super) fn router(self) -> Router<Site> {
+        let router = self.router.clone();
+        let description = self.description();
+        let unknown =
+            || async { Fault::new(StatusCode::NOT_FOUND, "there is no such endpoint", "").into_response() };
+        router
+            .route(&format!("{ROOT}/openapi.json"), get(move || async move { respond(Ok(description)) }))
+            .route("/api/{*rest}", axum::routing::any(unknown))
+            .method_not_allowed_fallback(|| async {
+                Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this endpoint does not take this method", "")
+                    .into_response()
+            })
+    }
+
+    /// The OpenAPI description.
+    pub(super) fn description(mut self) -> Value {
+        json!({
+            "openapi": "3.1.0",
+            "info": {
+                "title": "Papilio",
+                "summary": "Light transport in reflective displays",
+                "version": env!("CARGO_PKG_VERSION"),
+            },
+            "paths": self.paths,
+            "components": { "schemas": self.schemas.take_definitions(true) },
+        })
+    }
+}
+
+/// A question in JSON, bounded in size, time and depth (serde_json's 128 levels).
+async fn question<Q: DeserializeOwned>(request: Request) -> Result<Q, Fault> {
+    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    let is_json =
+        kind.and_then(|kind| kind.split(';').next()).is_some_and(|kind| kind.trim() == "application/json");
+    if !is_json {
+        return Err(Fault::new(
+            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            "the request must be application/json",
+            "",
+        ));
+    }
+    let bytes = body(request.into_body(), LONGEST_JSON, BODY_TIME).await?;
+    serde_json::from_slice(&bytes)
+        .map_err(|error| Fault::malformed(format!("the request cannot be read: {error}")))
+}
+
+/// A whole body.
+pub(super) async fn body(body: Body, limit: usize, time: Duration) -> Result<Vec<u8>, Fault> {
+    match tokio::time::timeout(time, Limited::new(body, limit).collect()).await {
+        Ok(Ok(all)) => Ok(all.to_bytes().into()),
+        Ok(Err(error)) if error.is::<LengthLimitError>() => {
+            let message = format!("the request is longer than {} KiB", limit >> 10);
+            Err(Fault::new(StatusCode::PAYLOAD_TOO_LARGE, message, ""))
+        }
+        Ok(Err(_)) => Err(Fault::malformed("the request broke off")),
+        Err(_) => Err(Fault::new(StatusCode::REQUEST_TIMEOUT, "the request took too long to arrive", "")),
+    }
+}
+
+fn respond<A: Serialize>(answer: Result<A, Fault>) -> Response {
+    let json = answer.and_then(|answer| {
+        serde_json::to_vec(&answer).map_err(|_| Fault::internal("the answer cannot be written"))
+    });
+    match json {
+        Ok(json) => {
+            let kind = HeaderValue::from_static("application/json");
+            ([(header::CONTENT_TYPE, kind)], json).into_response()
+        }
+        Err(fault) => fault.into_response(),
+    }
+}

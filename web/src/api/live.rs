@@ -1,0 +1,119 @@
+//! What the reader sees, now: the deterministic solver through a prepared display.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use papilio_display::Control;
+use papilio_display::result::RunResult;
+use papilio_formats::ResultFile;
+use papilio_scenario::{Edit, Resolved};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+use crate::fault::Fault;
+use crate::reading::{By, Given};
+use crate::site::Site;
+
+/// A scenario, and changes to it that come first.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Live {
+    /// The scenario: TOML.
+    scenario: String,
+    /// Ids of uploaded files by the names that the scenario gives them.
+    #[serde(default)]
+    files: BTreeMap<String, String>,
+    /// Made before anything is read.
+    #[serde(default)]
+    edits: Vec<Edit>,
+}
+
+/// What the reader sees.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct Seen {
+    /// The scenario after the edits.
+    scenario: String,
+    /// The scenario as it was read, all defaults filled in.
+    #[schemars(with = "BTreeMap<String, Value>")]
+    fields: Box<serde_json::value::RawValue>,
+    /// What `papilio run --solver adding` writes into result.json.
+    result: Answer,
+    /// What may be wrong with the scenario.
+    warnings: Vec<String>,
+    /// What it cost to read and to compute, ms.
+    cost_ms: f64,
+}
+
+/// `result.json`, owning what it is made of.
+#[derive(Debug)]
+pub(super) struct Answer {
+    pub(super) resolved: Resolved,
+    pub(super) result: RunResult,
+}
+
+impl Answer {
+    /// As it is written.
+    pub(super) fn file(&self) -> ResultFile<'_> {
+        ResultFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            scenario: &self.resolved.canonical,
+            hash: &self.resolved.hash,
+            seed: self.resolved.scene.solver.seed,
+            notes: &self.resolved.notes,
+            result: &self.result,
+        }
+    }
+}
+
+impl Serialize for Answer {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.file().serialize(serializer)
+    }
+}
+
+impl JsonSchema for Answer {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ResultFile".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        ResultFile::<'_>::json_schema(generator)
+    }
+}
+
+/// Computes what a scenario asks for, by adding, as `papilio run` would.
+pub(super) fn look(site: &Site, given: &Given, stop: &AtomicBool) -> Result<Answer, Fault> {
+    let (_, resolved) = given.resolve(site, By::Adding)?;
+    seen(site, resolved, stop)
+}
+
+fn seen(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
+    let control = Control { threads: None, progress: &|_| {}, stop };
+    let mut result = site.kept().run(&resolved.scene, &control)?;
+    result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+    Ok(Answer { resolved, result })
+}
+
+pub(super) async fn live(site: Site, live: Live) -> Result<Seen, Fault> {
+    let of = site.clone();
+    site.quick().work(move |stop| compute(&of, live, stop)).await
+}
+
+fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
+    let started = Instant::now();
+    let scenario = match live.edits.as_slice() {
+        [] => live.scenario,
+        edits => papilio_scenario::edit(&live.scenario, edits)?,
+    };
+    let given = Given { scenario, files: live.files };
+    let about = |fault: Fault| fault.about(&given.scenario);
+    let (read, resolved) = given.resolve(site, By::Adding).map_err(about)?;
+    let fields = serde_json::value::to_raw_value(&read.filled());
+    let fields = fields.map_err(|_| Fault::internal("the scenario cannot be written"))?;
+    let result = seen(site, resolved, stop).map_err(about)?;
+    let warnings = result.result.warnings.clone();
+    let cost_ms = 1e3 * started.elapsed().as_secs_f64();
+    Ok(Seen { scenario: given.scenario, fields, result, warnings, cost_ms })
+}

@@ -1,0 +1,74 @@
+//! Prepared displays: the last few that were computed, each ready for the next small change.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use papilio_display::result::RunResult;
+use papilio_display::scene::{Layers, Scene};
+use papilio_display::{Control, DisplayError, Prepared};
+
+/// Two designs side by side, and some more.
+const MOST: usize = 6;
+
+/// Scenes with more views than this leave nothing behind: each view has kernels of its own.
+const MOST_VIEWS: usize = 200;
+
+/// Prepared displays that nobody uses at the moment; the last one used is the last here.
+#[derive(Debug, Default)]
+pub(crate) struct Kept(Mutex<Vec<Ready>>);
+
+#[derive(Debug)]
+struct Ready {
+    scene: Scene,
+    prepared: Prepared,
+}
+
+impl Kept {
+    /// Runs a scene through the display that is most like it; to the last bit what [`papilio_display::run`] gives.
+    pub(crate) fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        let mut prepared = match self.take(scene) {
+            Some(ready) => ready.prepared,
+            None => Prepared::new(scene)?,
+        };
+        let result = prepared.run(scene, control);
+        if result.is_ok() && views(scene) <= MOST_VIEWS {
+            let mut shelf = self.shelf();
+            if shelf.len() == MOST {
+                shelf.remove(0);
+            }
+            shelf.push(Ready { scene: scene.clone(), prepared });
+        }
+        result
+    }
+
+    /// The display that has most in common with a scene, if it has anything; of those alike, the last one used.
+    fn take(&self, scene: &Scene) -> Option<Ready> {
+        let mut shelf = self.shelf();
+        let best = (0..shelf.len()).max_by_key(|at| in_common(&shelf[*at].scene, scene))?;
+        (in_common(&shelf[best].scene, scene) > 0).then(|| shelf.remove(best))
+    }
+
+    fn shelf(&self) -> MutexGuard<'_, Vec<Ready>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// How much of one display serves for another; 0: nothing.
+fn in_common(kept: &Scene, wanted: &Scene) -> u32 {
+    if kept.grid != wanted.grid || kept.metrics.observer != wanted.metrics.observer {
+        return 0;
+    }
+    // Operators of any layers cost most, a film's reflectances next.
+    let layers = match (&kept.display.layers == &wanted.display.layers, &wanted.display.layers) {
+        (true, Layers::General(_)) => 16,
+        (true, Layers::Panel(_)) => 4,
+        (false, _) => 0,
+    };
+    let pixel = if kept.display.pixel == wanted.display.pixel { 8 } else { 0 };
+    let light = if kept.lighting == wanted.lighting { 2 } else { 0 };
+    let viewer = if kept.viewer == wanted.viewer { 1 } else { 0 };
+    layers + pixel + light + viewer
+}
+
+fn views(scene: &Scene) -> usize {
+    scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len()
+}

@@ -1,0 +1,50 @@
+//! The example scenarios and their data, as they ship with the program.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use papilio_formats::DataFile;
+use papilio_scenario::KeptFile;
+use rust_embed::RustEmbed;
+
+#[derive(RustEmbed)]
+#[folder = "../scenarios"]
+struct Scenarios;
+
+/// The scenario that a first visit shows.
+pub(crate) const FIRST: &str = "indoor";
+
+/// Names of the examples.
+pub(crate) fn examples() -> impl Iterator<Item = String> {
+    Scenarios::iter().filter_map(|path| Some(path.strip_suffix(".toml")?.to_owned()))
+}
+
+/// The text of an example.
+pub(crate) fn example(name: &str) -> Option<String> {
+    let known = examples().any(|known| known == name);
+    let file = known.then(|| Scenarios::get(&format!("{name}.toml")))??;
+    String::from_utf8(file.data.into_owned()).ok()
+}
+
+/// Data files by the names that scenarios may give them: `data/H65.bsdf` as the examples do, and `H65.bsdf`.
+pub(crate) static DATA: LazyLock<BTreeMap<String, KeptFile>> = LazyLock::new(|| {
+    let named = |path: &str| {
+        let name = path.strip_prefix("data/").filter(|name| !name.ends_with(".py"))?.to_owned();
+        let bytes = Scenarios::get(path)?.data.into_owned();
+        let file = KeptFile::new(DataFile { name: name.clone(), bytes });
+        Some([(name, file.clone()), (path.to_owned(), file)])
+    };
+    Scenarios::iter().filter_map(|path| named(&path)).flatten().collect()
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn examples_and_data_are_here() {
+        assert!(example(FIRST).is_some_and(|text| text.contains("[display.pixel]")));
+        assert!(DATA.contains_key("H65.bsdf") && DATA.contains_key("data/H65.bsdf"));
+        assert!(example("../Cargo").is_none() && example("data/H65").is_none());
+    }
+}
