@@ -4,16 +4,11 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_display::ConeResult;
-use papilio_display::result::{RunResult, View};
-use papilio_figures::AngleMetric;
 use papilio_formats::{
     ConeFile, ResultFile, write_cone_csv, write_cone_npy, write_file, write_json, write_spectra, write_states,
 };
 
 use crate::Failure;
-
-/// More views than this: figures of the view nearest to the normal only, and of metrics against angle.
-const VIEWS_WITH_FIGURES: usize = 6;
 
 /// Prints the JSON Schema of a scenario or of `result.json`.
 pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
@@ -66,7 +61,7 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
     Ok(())
 }
 
-/// The names that [`figures`] gives, and those of a cone.
+/// The names that [`papilio_figures::of_run`] gives, and those of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
     let of_view = ["overview", "spectra", "chromaticity", "patches", "rings"];
     let figure = |stem: &str| {
@@ -80,9 +75,6 @@ fn is_figure_or_cone(name: &str) -> bool {
 }
 
 const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
-
-/// Pixels of a PNG for each px of its SVG.
-pub(crate) const PNG_SCALE: f32 = 2.0;
 
 /// What `papilio run` writes.
 pub(crate) struct Files<'a> {
@@ -116,10 +108,10 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
     }
     let of_cone =
         cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
-    for (name, svg) in figures(file.result, title).into_iter().chain(of_cone) {
+    for (name, svg) in papilio_figures::of_run(file.result, title).into_iter().chain(of_cone) {
         write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
         if png || name == "cone" {
-            let picture = papilio_figures::png(&svg, PNG_SCALE)?;
+            let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;
             write(&format!("{name}.png"), &|out| out.write_all(&picture))?;
         }
     }
@@ -129,50 +121,11 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
 /// Writes a figure as SVG and PNG, and returns the names.
 pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<[String; 2], Failure> {
     let names = [format!("{name}.svg"), format!("{name}.png")];
-    let picture = papilio_figures::png(svg, PNG_SCALE)?;
+    let picture = papilio_figures::png(svg, papilio_figures::PNG_SCALE)?;
     for (name, bytes) in names.iter().zip([svg.as_bytes(), &picture]) {
         write_file(&folder.join(name), |out| out.write_all(bytes))?;
     }
     Ok(names)
-}
-
-/// Names of files, without their ends, and SVG texts.
-fn figures(result: &RunResult, title: &str) -> Vec<(String, String)> {
-    let mut figures = Vec::new();
-    let shown =
-        if result.views.len() > VIEWS_WITH_FIGURES { nearest_to_normal(result) } else { &result.views };
-    for view in shown {
-        let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
-        figures.push((format!("overview{at}"), papilio_figures::overview(result, view, title)));
-        figures.push((format!("spectra{at}"), papilio_figures::spectra(result, view, title)));
-        figures.push((format!("chromaticity{at}"), papilio_figures::chromaticity(result, view, title)));
-        let rings = papilio_figures::gamut_rings(result, view, title);
-        figures.extend(rings.map(|svg| (format!("rings{at}"), svg)));
-        figures.push((format!("patches{at}"), papilio_figures::patches(result, view, title)));
-    }
-    if several_angles(result) {
-        for metric in AngleMetric::ALL {
-            let name = format!("{}_against_angle", metric.name());
-            figures.extend(papilio_figures::against_angle(result, metric, title).map(|svg| (name, svg)));
-        }
-    }
-    figures
-}
-
-/// The first view of least inclination.
-fn nearest_to_normal(result: &RunResult) -> &[View] {
-    let inclination = |view: &View| view.theta_deg.abs();
-    let least = result.views.iter().map(inclination).fold(f64::INFINITY, f64::min);
-    let first = result.views.iter().position(|view| inclination(view) == least);
-    first.map_or(&[], |at| &result.views[at..=at])
-}
-
-fn several_angles(result: &RunResult) -> bool {
-    result.views.iter().any(|view| view.theta_deg != result.views[0].theta_deg)
-}
-
-fn suffix(view: &View) -> String {
-    format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
 }
 
 /// Says on standard error what was written; figures beyond the first few only by number.

@@ -116,7 +116,7 @@ pub(crate) fn with_progress<T>(
 ) -> Result<Option<T>, Failure> {
     interrupt::heed();
     let bar = progress_bar();
-    let show = |progress: Progress| show(&bar, progress);
+    let show = |progress: Progress<'_>| show(&bar, progress);
     let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
     let result = compute(&control);
     bar.finish_and_clear();
@@ -135,7 +135,7 @@ fn progress_bar() -> ProgressBar {
     bar
 }
 
-fn show(bar: &ProgressBar, progress: Progress) {
+fn show(bar: &ProgressBar, progress: Progress<'_>) {
     let (views_done, views) = progress.views_done;
     let of_view = match progress.target {
         Some(target) => (target / progress.relative_error).min(1.0),

@@ -123,7 +123,7 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
     figures.push(("point_sets".to_owned(), point_sets(&sets(), &format!("{POINTS} points"))));
     for (name, svg) in figures {
         write_file(&folder.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
-        let picture = png(&svg, output::PNG_SCALE)?;
+        let picture = png(&svg, papilio_figures::PNG_SCALE)?;
         write_file(&folder.join(format!("{name}.png")), |out| out.write_all(&picture))?;
         names.extend([format!("{name}.svg"), format!("{name}.png")]);
     }

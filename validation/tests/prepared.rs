@@ -209,7 +209,7 @@ fn interrupted() {
     let mut scene = scene("indoor", &[]);
     scene.viewer.theta_deg = vec![0.0, 10.0, 20.0, 30.0];
     let stop = AtomicBool::new(true);
-    let run = |progress: &(dyn Fn(papilio_display::Progress) + Sync)| {
+    let run = |progress: &(dyn Fn(papilio_display::Progress<'_>) + Sync)| {
         papilio_display::run(&scene, &Control { threads: Some(1), progress, stop: &stop })
     };
     assert_eq!(run(&|_| {}), Err(DisplayError::Interrupted));

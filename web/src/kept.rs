@@ -30,7 +30,9 @@ impl Kept {
             None => Prepared::new(scene)?,
         };
         let result = prepared.run(scene, control);
-        if result.is_ok() && views(scene) <= MOST_VIEWS {
+        // Stopped, it is as good as before.
+        let is_sound = matches!(result, Ok(_) | Err(DisplayError::Interrupted));
+        if is_sound && views(scene) <= MOST_VIEWS {
             let mut shelf = self.shelf();
             if shelf.len() == MOST {
                 shelf.remove(0);
@@ -54,11 +56,13 @@ impl Kept {
 
 /// How much of one display serves for another; 0: nothing.
 fn in_common(kept: &Scene, wanted: &Scene) -> u32 {
-    if kept.grid != wanted.grid || kept.metrics.observer != wanted.metrics.observer {
+    let other = kept.grid != wanted.grid || kept.metrics.observer != wanted.metrics.observer;
+    // A scan of angles does not take away what a single view needs.
+    if other || views(kept) != views(wanted) {
         return 0;
     }
     // Operators of any layers cost most, a film's reflectances next.
-    let layers = match (&kept.display.layers == &wanted.display.layers, &wanted.display.layers) {
+    let layers = match (kept.display.layers == wanted.display.layers, &wanted.display.layers) {
         (true, Layers::General(_)) => 16,
         (true, Layers::Panel(_)) => 4,
         (false, _) => 0,

@@ -74,20 +74,28 @@ impl Given {
     /// The scenario, and what it means to a solver.
     pub(crate) fn resolve(&self, site: &Site, by: By) -> Result<(Scenario, Resolved), Fault> {
         let library = self.library(site)?;
-        let read = |set: &[String]| Scenario::from_text(&self.scenario, "scenario", library.clone(), set);
-        let mut scenario = read(&[])?;
-        let set = overrides(&scenario, by);
+        let mut scenario = self.read(&library, &[])?;
+        let set = set_for(&scenario, by);
         if !set.is_empty() {
-            scenario = read(&set)?;
+            scenario = self.read(&library, &set)?;
         }
         let resolved = scenario.resolve()?;
         check_size(&resolved.scene)?;
         Ok((scenario, resolved))
     }
+
+    /// What has to be set for a solver to take the scenario, as of `--set`.
+    pub(crate) fn overrides(&self, library: &Library, by: By) -> Result<Vec<String>, Fault> {
+        Ok(set_for(&self.read(library, &[])?, by))
+    }
+
+    fn read(&self, library: &Library, set: &[String]) -> Result<Scenario, Fault> {
+        Ok(Scenario::from_text(&self.scenario, "scenario", library.clone(), set)?)
+    }
 }
 
 /// What has to be set for a solver to take a scenario that is meant for the other.
-fn overrides(scenario: &Scenario, by: By) -> Vec<String> {
+fn set_for(scenario: &Scenario, by: By) -> Vec<String> {
     let solver = scenario.filled_at("solver");
     let has = |key: &str| solver.get(key).is_some_and(|value| !value.is_null());
     let wanted = match by {
@@ -105,7 +113,7 @@ fn overrides(scenario: &Scenario, by: By) -> Vec<String> {
 }
 
 /// Refuses what would make an answer that no page can show.
-fn check_size(scene: &Scene) -> Result<(), Fault> {
+pub(crate) fn check_size(scene: &Scene) -> Result<(), Fault> {
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let states = state_names(&scene.display.pixel).len();
     let numbers = views * states * scene.grid.len();

@@ -2,6 +2,7 @@
 //!
 //! | figure | shows |
 //! |---|---|
+//! | [`of_run`] | all that `papilio run` draws |
 //! | [`overview`] | a view at a glance: patches, spectra, u'v' diagram |
 //! | [`spectra`] | reflectance factor of every state against wavelength |
 //! | [`chromaticity`] | states and gamut in the u'v' diagram |
@@ -44,6 +45,7 @@ mod contour;
 mod labels;
 mod locus;
 mod marks;
+mod of_run;
 mod overlay;
 mod overview;
 mod paint;
@@ -67,11 +69,12 @@ pub use chart::{Chart, ChartCurve, Hue, chart};
 pub use chromaticity::{chromaticity, gamuts};
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
+pub use of_run::of_run;
 pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;
 pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};
-pub use png::{PngError, png};
+pub use png::{PNG_SCALE, PngError, png};
 pub use point_sets::point_sets;
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};

@@ -30,6 +30,9 @@ pub enum PngError {
 /// No picture is larger than this many pixels either way.
 const LARGEST: f32 = 16_384.0;
 
+/// Pixels for each px of an SVG, in the pictures that Papilio's programs write.
+pub const PNG_SCALE: f32 = 2.0;
+
 /// A figure as PNG, `scale` pixels for each px of its SVG (2 suits paper and screens alike),
 /// less where it would be larger than 16384 pixels either way.
 ///

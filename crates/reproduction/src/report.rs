@@ -33,6 +33,8 @@ pub enum Part {
     Table(Table),
     /// A figure as SVG, and what is said below it.
     Figure(String, String),
+    /// A text as it stands.
+    Code(String),
 }
 
 /// Numbers side by side.
@@ -54,6 +56,13 @@ impl Section {
     #[must_use]
     pub fn say(mut self, text: impl Into<String>) -> Self {
         self.parts.push(Part::Words(text.into()));
+        self
+    }
+
+    /// With a text more that is shown as it stands.
+    #[must_use]
+    pub fn code(mut self, text: impl Into<String>) -> Self {
+        self.parts.push(Part::Code(text.into()));
         self
     }
 
@@ -126,7 +135,7 @@ h1{font-size:1.7rem}h2{font-size:1.25rem;margin-top:2.5rem;border-top:1px solid 
 table{border-collapse:collapse;margin:1rem 0;font-size:.9rem;display:block;overflow-x:auto}\
 th,td{padding:.25rem .7rem;border-bottom:1px solid #e4e4e4;text-align:right;font-variant-numeric:tabular-nums;vertical-align:top}\
 th:first-child,td:first-child{text-align:left}th{border-bottom:1px solid #888;font-weight:600}.words{text-align:left;max-width:26rem}\
-figure{margin:1.2rem 0}figure img{max-width:100%;height:auto}figcaption{font-size:.9rem;color:#555}\
+pre{overflow-x:auto;font-size:.85rem}figure{margin:1.2rem 0}figure img{max-width:100%;height:auto}figcaption{font-size:.9rem;color:#555}\
 nav{columns:16rem;font-size:.9rem}nav a{display:block;color:#1f4e9c;text-decoration:none}nav a:hover{text-decoration:underline}";
 
 impl Report {
@@ -158,6 +167,9 @@ impl Part {
     fn html(&self, page: &mut String, name: &str) {
         match self {
             Self::Words(text) => paragraph(page, text),
+            Self::Code(text) => {
+                let _ = writeln!(page, "<pre>{}</pre>", escaped(text));
+            }
             Self::Figure(svg, caption) => {
                 let (uri, name, caption) = (data_uri(svg), escaped(name), escaped(caption));
                 let below = if caption.is_empty() {

@@ -15,6 +15,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
+use super::drawn::Exported;
+use super::events::Events;
 use crate::fault::{Fault, FaultBody};
 use crate::site::Site;
 
@@ -49,7 +51,7 @@ impl Endpoints {
         A: Serialize + JsonSchema + 'static,
     {
         let handler = get(move |State(site): State<Site>| async move { respond(answer(&site)) });
-        self.add::<A>("get", path, about, None, handler)
+        self.add::<A>(path, about, handler)
     }
 
     /// An answer that depends on a name in the path.
@@ -58,7 +60,7 @@ impl Endpoints {
         A: Serialize + JsonSchema + 'static,
     {
         let handler = get(move |Path(name): Path<String>| async move { respond(answer(&name)) });
-        self.add::<A>("get", path, about, None, handler)
+        self.add::<A>(path, about, handler)
     }
 
     /// An answer to a question in JSON.
@@ -68,28 +70,71 @@ impl Endpoints {
         A: Serialize + JsonSchema + 'static,
         F: Future<Output = Result<A, Fault>> + Send + 'static,
     {
-        let handler = post(move |State(site): State<Site>, request: Request| async move {
-            respond(match question(request).await {
-                Ok(question) => answer(site, question).await,
-                Err(fault) => Err(fault),
-            })
-        });
         let mut this = self;
-        let body = this.schemas.subschema_for::<Q>().to_value();
-        this.add::<A>("post", path, about, Some(json!({ "application/json": { "schema": body } })), handler)
+        let schema = this.schemas.subschema_for::<A>().to_value();
+        let json = json!({ "application/json": { "schema": schema } });
+        this.asked(path, about, json, move |site, question| async move {
+            Ok(respond(answer(site, question).await))
+        })
     }
 
-    fn add<A: JsonSchema>(
+    /// A file as the answer to a question in JSON.
+    pub(super) fn export<Q, F>(self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
+    where
+        Q: DeserializeOwned + JsonSchema + Send + 'static,
+        F: Future<Output = Result<Exported, Fault>> + Send + 'static,
+    {
+        let binary = json!({ "*/*": { "schema": { "type": "string", "contentMediaType": "application/octet-stream" } } });
+        self.asked(path, about, binary, move |site, question| async move {
+            let Exported { kind, bytes } = answer(site, question).await?;
+            Ok(([(header::CONTENT_TYPE, HeaderValue::from_static(kind))], bytes).into_response())
+        })
+    }
+
+    /// Events `E` as the answer to a question in JSON; the description has the type of one of them.
+    pub(super) fn events<Q, E, F>(mut self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
+    where
+        Q: DeserializeOwned + JsonSchema + Send + 'static,
+        E: JsonSchema,
+        F: Future<Output = Result<Events, Fault>> + Send + 'static,
+    {
+        let event = self.schemas.subschema_for::<E>().to_value();
+        let stream = json!({ "text/event-stream": { "schema": event } });
+        self.asked(path, about, stream, move |site, question| async move {
+            Ok(answer(site, question).await?.into_response())
+        })
+    }
+
+    /// What any answer to a question in JSON has in common.
+    fn asked<Q, F>(
         mut self,
-        method: &str,
         path: &str,
         about: &str,
-        body: Option<Value>,
-        handler: MethodRouter<Site>,
-    ) -> Self {
+        content: Value,
+        answer: impl Fn(Site, Q) -> F + Clone + Send + Sync + 'static,
+    ) -> Self
+    where
+        Q: DeserializeOwned + JsonSchema + Send + 'static,
+        F: Future<Output = Result<Response, Fault>> + Send + 'static,
+    {
+        let handler = post(move |State(site): State<Site>, request: Request| async move {
+            let answer = match question(request).await {
+                Ok(question) => answer(site, question).await,
+                Err(fault) => Err(fault),
+            };
+            answer.unwrap_or_else(Fault::into_response)
+        });
+        let question = self.schemas.subschema_for::<Q>().to_value();
+        let body = json!({ "application/json": { "schema": question } });
+        self.describe("post", path, about, Some(body), content);
+        self.router = self.router.route(&format!("{ROOT}{path}"), handler);
+        self
+    }
+
+    fn add<A: JsonSchema>(mut self, path: &str, about: &str, handler: MethodRouter<Site>) -> Self {
         let answer = self.schemas.subschema_for::<A>().to_value();
         let content = json!({ "application/json": { "schema": answer } });
-        self.describe(method, path, about, body, content);
+        self.describe("get", path, about, None, content);
         self.router = self.router.route(&format!("{ROOT}{path}"), handler);
         self
     }

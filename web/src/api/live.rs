@@ -54,6 +54,11 @@ pub(super) struct Answer {
 }
 
 impl Answer {
+    /// The scenario's title; empty if it has none.
+    pub(super) fn title(&self) -> &str {
+        self.resolved.title.as_deref().unwrap_or_default()
+    }
+
     /// As it is written.
     pub(super) fn file(&self) -> ResultFile<'_> {
         ResultFile {
@@ -89,7 +94,8 @@ pub(super) fn look(site: &Site, given: &Given, stop: &AtomicBool) -> Result<Answ
     seen(site, resolved, stop)
 }
 
-fn seen(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
+/// Computes what is resolved.
+pub(super) fn seen(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
     let control = Control { threads: None, progress: &|_| {}, stop };
     let mut result = site.kept().run(&resolved.scene, &control)?;
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());

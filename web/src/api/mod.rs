@@ -1,8 +1,13 @@
 //! The endpoints: each a row of [`endpoints`], from which both the router and the OpenAPI description are made.
 
+mod drawn;
 mod endpoint;
+mod events;
 mod live;
+mod report;
+mod sweep;
 mod text;
+mod walk;
 
 use axum::Router;
 use axum::middleware;
@@ -24,6 +29,16 @@ fn endpoints() -> Endpoints {
         .get_named("/examples/{name}", "A scenario that ships with the program", text::example)
         .post("/edit", "Changes a scenario's text; comments and order stay", text::edit)
         .post("/live", "What the reader sees, by the deterministic solver", live::live)
+        .post("/angles", "Metrics against the viewing angle", drawn::angles)
+        .post("/cone", "What is seen from all directions: numbers and conoscopic maps", drawn::cone)
+        .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
+        .export("/export", "A file: result.json, tables, figures, a report on one page", drawn::export)
+        .events::<_, walk::WalkEvent, _>("/walk", "The Monte Carlo walk, told as it goes", walk::walk)
+        .events::<_, sweep::SweepEvent, _>(
+            "/sweep",
+            "The points of [sweep], told as they are done",
+            sweep::sweep,
+        )
 }
 
 /// The router of the whole site.

@@ -150,6 +150,7 @@ impl Runner<'_> {
             relative_error,
             target: Some(self.target),
             views_done: (done, self.run.setup.views.len()),
+            so_far: None,
         });
     }
 

@@ -174,6 +174,7 @@ impl Survey<'_> {
             relative_error,
             target: Some(target),
             views_done,
+            so_far: None,
         });
     }
 

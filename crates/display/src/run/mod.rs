@@ -22,7 +22,7 @@ pub(crate) use refine::largest;
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Looked, Meter, against_angle};
-use crate::result::{RunResult, SolverReport};
+use crate::result::{RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
@@ -31,8 +31,8 @@ use crate::{DisplayError, Prepared};
 const FINEST_REACHED: &str = "adding's finest level is reached; the walk (method = \"walk\") may get closer";
 
 /// How far a run has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
+#[derive(Clone, Copy)]
+pub struct Progress<'a> {
     /// Paths traced, over all views so far (walk).
     pub paths: Option<u64>,
     /// The part of the current view's paths that is done, where that is known.
@@ -43,6 +43,8 @@ pub struct Progress {
     pub target: Option<f64>,
     /// Views that are done, of how many.
     pub views_done: (usize, usize),
+    /// Makes the numbers of the current view so far, and its number from 0 (walk).
+    pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
 }
 
 /// How a run talks to its caller.
@@ -50,7 +52,7 @@ pub struct Control<'a> {
     /// Worker threads; `None`: one for each processor.
     pub threads: Option<usize>,
     /// Called after each round or level; from several threads, where views are computed in parallel.
-    pub progress: &'a (dyn Fn(Progress) + Sync),
+    pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
     /// Set it to end the run with what is there.
     pub stop: &'a AtomicBool,
 }

@@ -150,7 +150,9 @@ impl<'a> Runner<'a> {
                 let view = self.run.meter.view_of_replicates(at, &work.samples, specular).view;
                 work.missed.push((work.paths, target.missed_by(&view).unwrap_or(f64::INFINITY)));
             }
-            (self.run.control.progress)(self.progress(work, done));
+            let so_far =
+                || (work.number, self.run.meter.view_of_replicates(at, &work.samples, specular).view);
+            (self.run.control.progress)(Progress { so_far: Some(&so_far), ..self.progress(work, done) });
         }
         true
     }
@@ -206,7 +208,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn progress(&self, work: &Work<'_>, done: &Done) -> Progress {
+    fn progress(&self, work: &Work<'_>, done: &Done) -> Progress<'static> {
         let (share_of_paths, target) = match self.run.scene.solver.stop {
             Stop::Paths(paths) => (Some((work.paths as f64 / paths as f64).min(1.0)), None),
             Stop::RelativeError { target, .. } => (None, Some(target)),
@@ -220,6 +222,7 @@ impl<'a> Runner<'a> {
             relative_error: work.relative_error,
             target,
             views_done: (views, self.run.setup.views.len()),
+            so_far: None,
         }
     }
 

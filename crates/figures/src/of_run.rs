@@ -1,0 +1,47 @@
+//! The figures of a run, by the names of their files.
+
+use papilio_display::result::{RunResult, View};
+
+use crate::{AngleMetric, against_angle, chromaticity, gamut_rings, overview, patches, spectra};
+
+/// More views than this: figures of the view nearest to the normal only, and of metrics against angle.
+const VIEWS_WITH_FIGURES: usize = 6;
+
+/// What `papilio run` draws: names of files, without their ends, and SVG texts.
+pub fn of_run(result: &RunResult, title: &str) -> Vec<(String, String)> {
+    let mut figures = Vec::new();
+    let shown =
+        if result.views.len() > VIEWS_WITH_FIGURES { nearest_to_normal(result) } else { &result.views };
+    for view in shown {
+        let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
+        figures.push((format!("overview{at}"), overview(result, view, title)));
+        figures.push((format!("spectra{at}"), spectra(result, view, title)));
+        figures.push((format!("chromaticity{at}"), chromaticity(result, view, title)));
+        let rings = gamut_rings(result, view, title);
+        figures.extend(rings.map(|svg| (format!("rings{at}"), svg)));
+        figures.push((format!("patches{at}"), patches(result, view, title)));
+    }
+    if several_angles(result) {
+        for metric in AngleMetric::ALL {
+            let name = format!("{}_against_angle", metric.name());
+            figures.extend(against_angle(result, metric, title).map(|svg| (name, svg)));
+        }
+    }
+    figures
+}
+
+/// The first view of least inclination.
+fn nearest_to_normal(result: &RunResult) -> &[View] {
+    let inclination = |view: &View| view.theta_deg.abs();
+    let least = result.views.iter().map(inclination).fold(f64::INFINITY, f64::min);
+    let first = result.views.iter().position(|view| inclination(view) == least);
+    first.map_or(&[], |at| &result.views[at..=at])
+}
+
+fn several_angles(result: &RunResult) -> bool {
+    result.views.iter().any(|view| view.theta_deg != result.views[0].theta_deg)
+}
+
+fn suffix(view: &View) -> String {
+    format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
+}

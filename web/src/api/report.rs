@@ -1,0 +1,108 @@
+//! `report.html`: a display on one page that needs nothing else.
+
+use papilio_display::ConeResult;
+use papilio_display::result::{State, View};
+use papilio_reproduction::{Report, Section, Table};
+
+use super::live::Answer;
+
+/// The page: what was asked, what is seen, from everywhere, where the light goes.
+pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String {
+    let (result, title) = (&answer.result, answer.title());
+    let mut sections = vec![Section::new("seen", "What the reader sees")];
+    for (name, svg) in papilio_figures::of_run(result, "") {
+        let is_overview = name.starts_with("overview") || name.ends_with("_against_angle");
+        if let (true, Some(section)) = (is_overview, sections.pop()) {
+            sections.push(section.figure(svg, ""));
+        }
+    }
+    let mut numbers = Section::new("numbers", "Numbers");
+    let mut ledger = Section::new("ledger", "Where the light goes");
+    for view in &result.views {
+        let at = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
+        numbers = numbers.say(at.clone()).table(colours(view)).table(together(view));
+        ledger = ledger
+            .say(format!("{at} Shares of a beam that enters from there, by luminance."))
+            .table(ends(view));
+    }
+    sections.extend([numbers, ledger]);
+    if let Some(svg) = papilio_figures::cone(cone, "") {
+        sections.push(Section::new("directions", "From all directions").figure(svg, ""));
+    }
+    let remarks = result.warnings.iter().chain(&answer.resolved.notes);
+    let remarks = remarks.fold(Section::new("remarks", "Remarks"), |section, text| section.say(text.clone()));
+    sections.extend((!remarks.parts.is_empty()).then_some(remarks));
+    sections.push(Section::new("scenario", "The scenario").code(scenario));
+    let about = format!(
+        "Computed by Papilio {} with the deterministic solver, to a relative error of {:.1e}; scenario {}. \
+         Errors are those of discretisation: the difference from the next coarser level.",
+        env!("CARGO_PKG_VERSION"),
+        result.solver.relative_error_reached,
+        answer.resolved.hash,
+    );
+    let title = if title.is_empty() { "A reflective display" } else { title };
+    Report { title: title.to_owned(), about: vec![about], sections }.html()
+}
+
+/// A row for each state.
+fn colours(view: &View) -> Table {
+    let mut table = Table::new(&["state", "Y", "L*", "u'", "v'", "contrast", "peak nm", "cd/m2"]);
+    for (name, state) in view.states.iter() {
+        let of = |get: fn(&papilio_display::result::StateValues) -> Option<f64>, decimals: usize| {
+            with_error(state, get, decimals)
+        };
+        table.row([
+            name.to_owned(),
+            of(|values| Some(values.Y), 4),
+            of(|values| values.L_star, 2),
+            of(|values| values.u_prime, 4),
+            of(|values| values.v_prime, 4),
+            of(|values| values.contrast, 2),
+            of(|values| values.peak_nm, 1),
+            of(|values| Some(values.luminance_cd_m2), 2),
+        ]);
+    }
+    table
+}
+
+fn with_error(
+    state: &State,
+    get: fn(&papilio_display::result::StateValues) -> Option<f64>,
+    decimals: usize,
+) -> String {
+    let Some(value) = get(&state.value) else { return "-".to_owned() };
+    let error = state.discretisation_error.as_ref().and_then(get).filter(|error| *error > 0.0);
+    let error = error.map_or(String::new(), |error| format!(" \u{b1} {error:.1e}"));
+    format!("{value:.decimals$}{error}")
+}
+
+/// Metrics of the states together, those that there are.
+fn together(view: &View) -> Table {
+    let mut table = Table::new(&["metric", "value"]);
+    for (name, value) in view.metrics.named() {
+        if let Some(value) = value {
+            table.row([name.to_owned(), format!("{value:.3}")]);
+        }
+    }
+    table
+}
+
+/// Where a beam ends, for each state.
+fn ends(view: &View) -> Table {
+    let mut table =
+        Table::new(&["state", "returned", "front", "diffuser", "glass", "pixel", "inactive", "unaccounted"]);
+    for (name, ledger) in view.ledger.iter() {
+        let absorbed = &ledger.absorbed;
+        let shares = [
+            ledger.returned,
+            absorbed.front,
+            absorbed.diffuser,
+            absorbed.glass,
+            absorbed.pixel,
+            absorbed.inactive,
+            ledger.unaccounted,
+        ];
+        table.row(std::iter::once(name.to_owned()).chain(shares.map(|share| format!("{share:.4}"))));
+    }
+    table
+}
