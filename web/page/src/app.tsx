@@ -23,7 +23,7 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy } from "./state/design.ts";
+import { answer, busy, problems } from "./state/design.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
@@ -70,12 +70,23 @@ function Picture() {
   );
 }
 
+/** A scenario that has never computed is mended as text. */
+function Broken() {
+  return (
+    <main class="broken" aria-label="A scenario that does not compute">
+      <h2>This scenario does not compute yet</h2>
+      <Source />
+    </main>
+  );
+}
+
 export function App() {
   return (
     <>
       <Header />
       <Welcome />
-      {answer.value ? <div class="bench"><Design /><Picture /></div> : <p class="starting" role="status">Computing…</p>}
+      {answer.value && <div class="bench"><Design /><Picture /></div>}
+      {!answer.value && (problems.value.length > 0 ? <Broken /> : <p class="starting" role="status">Computing…</p>)}
     </>
   );
 }

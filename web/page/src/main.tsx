@@ -14,6 +14,7 @@ import { adopt, recallFiles } from "./state/files.ts";
 import { recall, recallDesign, remember, rememberDesign } from "./state/keep.ts";
 import { unpacked } from "./state/link.ts";
 import { replace } from "./state/live.ts";
+import { pinned, repin } from "./state/pin.ts";
 import { fillShelf } from "./state/shelf.ts";
 import { followTheme } from "./state/theme.ts";
 import { history as steps } from "./state/undo.ts";
@@ -67,9 +68,11 @@ async function start(): Promise<void> {
   const past = recallDesign()?.past ?? [];
   if (past.length > 0) steps.value = { ...steps.value, past };
   replace(first);
+  const before = recallDesign()?.pinned;
+  if (before) void repin(before);
   addEventListener("hashchange", () => void unpacked(location.hash).then((linked) => linked !== null && replace(linked)));
   effect(() => {
-    if (text.value) rememberDesign({ text: text.value, past: steps.value.past.slice(-20), pinned: null });
+    if (text.value) rememberDesign({ text: text.value, past: steps.value.past.slice(-20), pinned: pinned.value?.text ?? null });
   });
 }
 

@@ -36,7 +36,8 @@ export interface Figure { name: string; svg: string }
 export interface Upload { id: string; name: string; kind: string; words: string[]; figures: Figure[]; edits: { label: string; edits: Edit[] }[] }
 export interface Angles { theta_deg: number[]; phi_deg: number; metrics: Record<string, Num[]>; states: Record<string, Record<string, Num[]>> }
 export interface Cone { figures: Figure[] }
-export interface WalkState { name: string; view: number; Y: number; Y_se: number; live_Y: number; z: number | null }
+export interface Walked { value: number; standard_error: number; z: Num }
+export interface WalkState { name: string; view: number; X: Walked; Y: Walked; Z: Walked }
 export interface WalkProgress { paths: number; seconds: number; relative_error: number; states: WalkState[] }
 export interface SweepPoint { index: number; of: number; values: Record<string, unknown>; metrics: Record<string, Num> }
 export interface Start { name: string; scenario: string; files: Record<string, string> }

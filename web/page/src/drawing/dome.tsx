@@ -64,7 +64,7 @@ function Handle({ path, theta, name, children, select }: {
     <g
       class={selected.value === select ? "handle chosen" : "handle"}
       transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}
-      role="slider" tabIndex={0} aria-label={`${name}, inclination`} aria-valuemin={-89} aria-valuemax={89} aria-valuenow={theta}
+      role="slider" tabindex={0} aria-label={`${name}, inclination`} aria-valuemin={-89} aria-valuemax={89} aria-valuenow={theta}
       aria-valuetext={`${theta} degrees`} data-handle={path}
       onPointerDown={grab} onPointerMove={drag} onKeyDown={press} onFocus={() => (selected.value = select)}
     >
@@ -137,7 +137,7 @@ function Environment({ source, index }: { source: Table; index: number }) {
   const choose = () => (selected.value = path);
   return (
     <g
-      class={`surround ${model} ${selected.value === path ? "chosen" : ""}`} role="button" tabIndex={0} aria-label={`${model} light, share ${n("share", 0)}`}
+      class={`surround ${model} ${selected.value === path ? "chosen" : ""}`} role="button" tabindex={0} aria-label={`${model} light, share ${n("share", 0)}`}
       aria-pressed={selected.value === path} onClick={choose} onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
     >
       <path d={from <= 0 ? arc(-to, to, RADIUS - 9 - 8 * index) : arc(-to, -from, RADIUS - 9 - 8 * index) + arc(from, to, RADIUS - 9 - 8 * index)} />
@@ -183,7 +183,7 @@ export function Dome() {
   return (
     <g class="dome">
       <g
-        class={selected.value === "lighting" ? "diffuse chosen" : "diffuse"} role="button" tabIndex={0} aria-pressed={selected.value === "lighting"}
+        class={selected.value === "lighting" ? "diffuse chosen" : "diffuse"} role="button" tabindex={0} aria-pressed={selected.value === "lighting"}
         aria-label={`Diffuse light, share ${plain(diffuse, 3)}`} onClick={choose}
         onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
       >

@@ -8,7 +8,7 @@ import { at, join, listAt, textAt, type Json } from "../model/json.ts";
 import { drives, gaps, subPixels } from "../model/drive.ts";
 import { films, layers, material, type Film, type Layer, type Look } from "../model/stack.ts";
 import { answer, fields, selected, shownState, states } from "../state/design.ts";
-import { painted } from "../model/colour.ts";
+import { isLight, painted } from "../model/colour.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
 import { CENTRE, Dome } from "./dome.tsx";
 
@@ -21,7 +21,7 @@ const GAP = 44;
 const MIRROR = 16;
 
 /** A part of the drawing that is chosen by click, Enter or Space. */
-function Part({ path, name, children, y }: { path: string; name: string; children: preact.ComponentChildren; y: number }) {
+function Part({ path, children, y }: { path: string; children: preact.ComponentChildren; y: number }) {
   const chosen = selected.value === path;
   const press = (event: KeyboardEvent) => {
     if (event.key === "Enter" || event.key === " ") selected.value = path;
@@ -34,7 +34,7 @@ function Part({ path, name, children, y }: { path: string; name: string; childre
   };
   return (
     <g
-      class={chosen ? "part chosen" : "part"} role="button" tabIndex={0} aria-pressed={chosen} aria-label={name} data-part={path}
+      class={chosen ? "part chosen" : "part"} role="button" tabindex={0} aria-pressed={chosen} data-part={path}
       transform={`translate(0 ${y})`} onClick={() => (selected.value = path)} onKeyDown={press}
     >
       {children}
@@ -62,7 +62,7 @@ function Band({ layer, y }: { layer: Layer; y: number }) {
   const height = HEIGHTS[layer.look];
   const air = layer.name === "Air gap";
   return (
-    <Part path={layer.path} name={`${layer.name} ${layer.note}`} y={y}>
+    <Part path={layer.path} y={y}>
       <rect class={`band ${air ? "air" : layer.look}`} x={LEFT} width={WIDTH} height={height} />
       {(layer.look === "diffuser" || layer.look === "slab") && <rect class="grain" x={LEFT} width={WIDTH} height={height} fill={`url(#grain-${layer.look})`} />}
       {layer.look === "rough" && <path class="rough-line" d={zigzag(height)} />}
@@ -81,7 +81,7 @@ const METALS = /^(Al|Cr|W|Ni|Ti|Au|Ag)(:|$)/;
 function FilmBand({ film, y }: { film: Film; y: number }) {
   const metal = METALS.test(film.material) || film.material.includes(" k ");
   return (
-    <Part path={film.path} name={`Film, ${film.material}, ${film.thickness} nm`} y={y}>
+    <Part path={film.path} y={y}>
       <rect class={metal ? "band film metal" : "band film"} x={LEFT} width={WIDTH} height={FILM} />
       <Words name={film.material} note={`${plain(film.thickness ?? 0, 5)} nm`} height={FILM} />
     </Part>
@@ -89,7 +89,7 @@ function FilmBand({ film, y }: { film: Film; y: number }) {
 }
 
 /** The gap and the mirrors below it, each sub-pixel as wide as its area and as deep as its gap in the shown state. */
-function Gaps({ y, film, below }: { y: number; film: Film; below: string }) {
+function Gaps({ y, film }: { y: number; film: Film }) {
   const all = fields.value;
   const state = shownState.value;
   const drive = drives(all, state);
@@ -98,28 +98,32 @@ function Gaps({ y, film, below }: { y: number; film: Film; below: string }) {
   const sum = names.reduce((total, name) => total + area(name), 0) || 1;
   const parts = names.flatMap((name) => gaps(all, name, drive.get(name) ?? 0).map((part) => ({ name, ...part })));
   const deepest = Math.max(1, ...names.flatMap((name) => [Number(at(all, join("display.pixel.gap_nm", name)) ?? 0)]), ...parts.map(({ gap }) => gap));
+  const dark = Number(at(all, "display.pixel.gap_nm.dark")) || 0;
+  const driven = (part: { gap: number } | undefined) => part !== undefined && part.gap > dark;
   let x = LEFT;
   return (
-    <Part path={film.path} name={`Gap, ${names.join(", ")}, in the state ${state}`} y={y}>
+    <Part path={film.path} y={y}>
       <rect class="band gap" x={LEFT} width={WIDTH} height={GAP + MIRROR + 6} />
       {parts.map(({ name, part, gap }, i) => {
         const width = (WIDTH * area(name) * part) / sum;
         const from = x;
         x += width;
         const depth = (GAP * gap) / deepest;
-        const driven = gap > (Number(at(all, "display.pixel.gap_nm.dark")) || 0);
         return (
           <g key={i} transform={`translate(${from.toFixed(2)} 0)`}>
-            <rect class="cavity" width={Math.max(0, width - 2)} x="1" height={depth} fill={driven ? stateColour(name) : "#15171c"} />
+            <rect class="cavity" width={Math.max(0, width - 2)} x="1" height={depth} fill={driven({ gap }) ? stateColour(name) : DARK} />
             <rect class="mirror-block" width={Math.max(0, width - 2)} x="1" y={depth} height={MIRROR} />
             {width > 46 && <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">{width > 84 ? `${name} ${plain(gap, 4)}` : plain(gap, 4)}</text>}
           </g>
         );
       })}
-      {below && <title>{below}</title>}
+      <text class={isLight(driven(parts[0]) ? stateColour(parts[0]!.name) : DARK) ? "gap-word on-light" : "gap-word"} x={LEFT + 9} y={14}>{film.material === "air" ? "air gap" : `gap of ${film.material}`}</text>
     </Part>
   );
 }
+
+/** A cavity that shows no colour. */
+const DARK = "#15171c";
 
 /** The colour that the display shows in the state of a sub-pixel's name, for its cavity. */
 function stateColour(name: string): string {
@@ -135,7 +139,7 @@ function PixelParts({ top }: { top: number }) {
   if (model !== "film") {
     const note = model === "uniform" ? textAt(all, "display.pixel.kind") : material(at(all, "display.pixel.file") as Json);
     return (
-      <Part path="display.pixel" name={`Pixel, ${model}`} y={top}>
+      <Part path="display.pixel" y={top}>
         <rect class="band block" x={LEFT} width={WIDTH} height={44} />
         <Words name={`Pixel: ${model}`} note={note ?? NONE} height={44} />
       </Part>
@@ -145,12 +149,12 @@ function PixelParts({ top }: { top: number }) {
   const rows = films(all).map((film) => {
     const here = y;
     y += film.thickness === null ? GAP + MIRROR + 6 : FILM;
-    return film.thickness === null ? <Gaps key={film.path} film={film} y={here} below="" /> : <FilmBand key={film.path} film={film} y={here} />;
+    return film.thickness === null ? <Gaps key={film.path} film={film} y={here} /> : <FilmBand key={film.path} film={film} y={here} />;
   });
   return (
     <>
       {rows}
-      <Part path="display.pixel" name={`Pixel, mirror of ${material(at(all, "display.pixel.substrate"))}`} y={y}>
+      <Part path="display.pixel" y={y}>
         <rect class="band metal substrate" x={LEFT} width={WIDTH} height={22} />
         <Words name={`${material(at(all, "display.pixel.substrate"))} mirror`} note={`fill factor ${plain(Number(at(all, "display.pixel.fill_factor") ?? 1))}`} height={22} />
       </Part>

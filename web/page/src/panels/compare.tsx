@@ -89,7 +89,7 @@ export function ComparePanel() {
         <button type="button" onClick={unpin}>Unpin</button>
       </div>
       <div class="compare">
-        <div class="scroll" tabIndex={0} role="region" aria-label="Keys that differ"><Keys /></div>
+        <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ"><Keys /></div>
         <Colours />
       </div>
     </>

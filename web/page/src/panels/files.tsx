@@ -49,7 +49,7 @@ export function FilesPanel() {
     <>
       <div class="controls">
         <button type="button" onClick={() => chooser.current?.click()}>Choose files</button>
-        <input ref={chooser} class="hidden" type="file" multiple tabIndex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+        <input ref={chooser} class="hidden" type="file" multiple tabindex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
         <span class="remark">or drop them anywhere: BSDF (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light maps, IES luminaires. They stay on this machine.</span>
       </div>
       {files.value.map((file) => <File key={file.name} file={file} />)}

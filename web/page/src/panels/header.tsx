@@ -91,7 +91,7 @@ export function Header() {
           {EXAMPLES.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
         </select>
         <button type="button" onClick={() => chooser.current?.click()} title="A scenario, or a measured file">Open</button>
-        <input ref={chooser} class="hidden" type="file" multiple tabIndex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+        <input ref={chooser} class="hidden" type="file" multiple tabindex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
         <button type="button" onClick={() => save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }))}>Save</button>
         <select class="export" aria-label="Export" value="" onChange={(event) => { void exportAs(event.currentTarget.value); event.currentTarget.value = ""; }}>
           <option value="">Export</option>

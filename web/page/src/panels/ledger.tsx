@@ -30,7 +30,7 @@ export function LedgerPanel() {
   const used = PARTS.filter((part) => all.some(([, ledger]) => Math.abs(share(ledger, part)) > 5e-7));
   return (
     <>
-      <div class="scroll" tabIndex={0} role="region" aria-label="Energy ledger">
+      <div class="scroll" tabindex={0} role="region" aria-label="Energy ledger">
         <table class="numbers ledger">
           <thead>
             <tr>

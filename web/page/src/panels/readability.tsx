@@ -18,7 +18,7 @@ export function Readability() {
     }),
   ];
   return (
-    <div class="scroll" tabIndex={0} role="region" aria-label="Readability">
+    <div class="scroll" tabindex={0} role="region" aria-label="Readability">
       <table class="numbers readability">
         <tbody>
           {rows.map(([name, value, help]) => (

@@ -62,7 +62,7 @@ export function StatesTable() {
   const adding = solver.method === "adding";
   return (
     <>
-      <div class="scroll" tabIndex={0} role="region" aria-label="Table of the states">
+      <div class="scroll" tabindex={0} role="region" aria-label="Table of the states">
         <table class="numbers">
           <thead>
             <tr>

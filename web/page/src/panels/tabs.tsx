@@ -26,7 +26,7 @@ export function Tabs({ tabs, open }: { tabs: readonly Tab[]; open: Signal<string
       <div role="tablist" aria-label="More about this design" onKeyDown={press}>
         {tabs.map(({ id, name }) => (
           <button
-            type="button" key={id} id={`tab-${id}`} role="tab" aria-selected={id === current.id} aria-controls="tab-panel" tabIndex={id === current.id ? 0 : -1}
+            type="button" key={id} id={`tab-${id}`} role="tab" aria-selected={id === current.id} aria-controls="tab-panel" tabindex={id === current.id ? 0 : -1}
             onClick={() => (open.value = id)}
           >
             {name}

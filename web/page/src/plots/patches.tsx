@@ -27,9 +27,7 @@ function Patch({ name, state, colour, before }: { name: string; state: StateResu
   };
   return (
     <button
-      type="button" class={chosen ? "patch chosen" : "patch"} aria-pressed={chosen} onClick={choose}
-      aria-label={`${name}: lightness ${fixed(state.L_star, 1)}, luminous reflectance ${fixed(100 * state.Y, 1)} per cent`}
-    >
+      type="button" class={chosen ? "patch chosen" : "patch"} aria-pressed={chosen} onClick={choose}>
       <span class={isLight(colour) ? "swatch light" : "swatch"} ref={(e) => e?.style.setProperty("background-color", colour)}>
         {before && <span class="before" ref={(e) => e?.style.setProperty("background-color", before)} />}
       </span>

@@ -2,8 +2,11 @@
 
 import { computed, signal } from "@preact/signals";
 
+import { live } from "../api/client.ts";
 import type { Result, View } from "../api/types.ts";
+import { textAt, type Json } from "../model/json.ts";
 import { answer, text, title, viewIndex } from "./design.ts";
+import { fileIds } from "./files.ts";
 
 export interface Pinned {
   readonly title: string;
@@ -17,6 +20,16 @@ export const pinnedView = computed<View | null>(() => pinned.value?.result.views
 export function pin(): void {
   const result = answer.value?.result;
   if (result) pinned.value = { title: title.value, text: text.value, result };
+}
+
+/** Pins the design of an earlier visit, computed anew. */
+export async function repin(scenario: string): Promise<void> {
+  try {
+    const { fields, result } = await live({ scenario, files: fileIds.value }, [], new AbortController().signal);
+    pinned.value = { title: textAt(fields as Json, "title") ?? "Untitled", text: scenario, result };
+  } catch {
+    // A design that no longer computes is not pinned.
+  }
 }
 
 export const unpin = (): void => void (pinned.value = null);

@@ -1,0 +1,31 @@
+// Pin one design, change the other, see the differences; swap them.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { changed, figure, stage, type, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+test("pin and compare", async () => {
+  const page = await on.visit();
+  const first = await figure(page, "Contrast : 1");
+  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await type(page, "display.diffuser.haze", "0.5");
+  const second = await changed(page, "Contrast : 1", first);
+  const difference = await page.locator('[data-figure="Contrast : 1"] .difference').innerText();
+  assert.match(difference, new RegExp(`^[+−][\\d.]+ from ${first.replace(".", "\\.")}$`));
+  await page.locator("#tab-compare").click();
+  const row = page.locator("#tab-panel tbody tr");
+  assert.equal(await row.count(), 1);
+  assert.equal((await row.first().innerText()).split(/\s+/)[0], "display.diffuser.haze");
+  await page.getByRole("button", { name: "Swap" }).click();
+  assert.equal(await changed(page, "Contrast : 1", second), first);
+  // A pinned design is still pinned after a reload.
+  await page.waitForTimeout(200);
+  await page.reload();
+  await page.locator('[data-figure="Contrast : 1"] .difference').filter({ hasText: second }).waitFor();
+  assert.deepEqual(on.complaints, []);
+});

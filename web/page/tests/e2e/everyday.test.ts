@@ -1,0 +1,33 @@
+// Every day: open, drag a light, edit a film, and the gamut is the number of the command line.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { changed, commandLine, drag, figure, saved, settled, stage, type, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+test("drag a light, edit a film: the gamut becomes the number of papilio run", async () => {
+  const page = await on.visit();
+  assert.match(await page.locator(".welcome").innerText(), /reflective display/);
+  const first = await figure(page, "Gamut % sRGB");
+  assert.equal(first, commandLine(await saved(page)).views[0]!.gamut_percent_srgb.toFixed(2));
+
+  await drag(page, "lighting.directed.0.theta_deg", -30, 25);
+  const dragged = await changed(page, "Gamut % sRGB", first);
+
+  await page.locator('[data-part="display.pixel.film.1"]').click();
+  await type(page, "display.pixel.film.1.thickness_nm", "10.5");
+  await changed(page, "Gamut % sRGB", dragged);
+  await settled(page);
+
+  const scenario = await saved(page);
+  assert.match(scenario, /thickness_nm = 10\.5/);
+  assert.match(scenario, /# Indoor reading: the reference interferometric/, "comments are kept");
+  const run = commandLine(scenario).views[0]!;
+  assert.equal(await figure(page, "Gamut % sRGB"), run.gamut_percent_srgb.toFixed(2));
+  assert.equal(await figure(page, "Contrast : 1"), run.contrast_ratio.toFixed(2));
+  assert.deepEqual(on.complaints, []);
+});

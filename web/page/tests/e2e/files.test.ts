@@ -1,0 +1,79 @@
+// Files dropped on the page: a measured diffuser, a broken file, a huge one; and a server that forgot them.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+import type { Page } from "playwright-core";
+
+import { changed, figure, ROOT, settled, stage, type, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+async function drop(page: Page, name: string, bytes: Buffer): Promise<void> {
+  const data = await page.evaluateHandle(([name, base64]) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+    return transfer;
+  }, [name, bytes.toString("base64")] as const);
+  await page.dispatchEvent("body", "drop", { dataTransfer: data });
+}
+
+const data = (name: string): Buffer => readFileSync(join(ROOT, "scenarios/data", name));
+
+test("a measured diffuser: audit in words and pictures, and it is put to use", async () => {
+  const page = await on.visit();
+  const before = await figure(page, "Gamut % sRGB");
+  await drop(page, "H65.bsdf", data("H65.bsdf"));
+  await page.locator(".file .words li").first().waitFor({ timeout: 60_000 });
+  assert.ok((await page.locator(".file .words li").count()) > 3);
+  assert.ok((await page.locator(".file img.drawn").count()) > 0);
+  await page.locator(".file .uses button").first().click();
+  await changed(page, "Gamut % sRGB", before);
+  await settled(page);
+  assert.match(await page.locator('[data-part="display.diffuser"]').innerHTML(), /H65\.bsdf/);
+  const used = await figure(page, "Gamut % sRGB");
+
+  // kill -9 and restart: the next picture needs the file, which the page still has.
+  await on.restart();
+  await page.locator('[data-part="display.glass"]').click();
+  await type(page, "display.glass.index", "1.52");
+  await changed(page, "Gamut % sRGB", used);
+  await page.reload();
+  await page.locator(".bench").waitFor({ timeout: 60_000 });
+  assert.match(await page.locator('[data-part="display.diffuser"]').innerHTML(), /H65\.bsdf/);
+});
+
+test("a broken file is refused in words, and the page goes on", async () => {
+  const page = await on.visit();
+  await drop(page, "broken.bsdf", Buffer.from([0, 255, 1, 254, 10, 13, 0, 0, 7]));
+  await page.locator(".file .error").waitFor();
+  assert.ok((await page.locator(".file .error").innerText()).length > 10);
+  await drop(page, "cut.bsdf", data("H65.bsdf").subarray(0, 2000));
+  await page.locator(".file .error").nth(1).waitFor();
+  await type(page, "display.diffuser.haze", "0.5");
+  await changed(page, "Gamut % sRGB", "28.11");
+});
+
+test("a huge file is refused before it is sent", async () => {
+  const page = await on.visit();
+  await page.evaluate(() => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([new Uint8Array(65 * 1024 * 1024)], "huge.bsdf"));
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  });
+  await page.getByText("too large").waitFor();
+});
+
+test("an n-k table, a spectrum and a luminaire are told by their content", async () => {
+  const page = await on.visit();
+  for (const [name, kind] of [["H78-transmission.csv", "spectrum"]] as const) {
+    await drop(page, name, data(name));
+    const file = page.locator(".file", { hasText: name });
+    await file.locator(".words li").first().waitFor();
+    assert.match(await file.innerText(), new RegExp(kind));
+  }
+});

@@ -1,0 +1,118 @@
+// Manners: the keyboard alone, errors at their fields, accessibility by axe, light and dark, laptop and tablet.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+
+import type { Page } from "playwright-core";
+
+import { changed, figure, saved, settled, stage, type, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(AXE);
+  return page.evaluate(async () => {
+    const { violations } = await (window as unknown as { axe: { run(): Promise<{ violations: { id: string; nodes: { html: string }[] }[] }> } }).axe.run();
+    return violations.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`));
+  });
+}
+
+const TABS = ["states", "angles", "cone", "energy", "reading", "walk", "sweep", "compare", "files"];
+
+for (const colorScheme of ["light", "dark"] as const) {
+  test(`axe finds nothing, ${colorScheme}`, async () => {
+    const page = await on.visit({ colorScheme });
+    assert.deepEqual(await violations(page), []);
+    for (const tab of TABS) {
+      await page.locator(`#tab-${tab}`).click();
+      await settled(page);
+      assert.deepEqual(await violations(page), [], tab);
+    }
+    for (const part of ["Pixel", "Drive states", "Room light", "Viewer", "Computing"]) {
+      await page.getByRole("navigation").getByRole("button", { name: part }).click();
+      assert.deepEqual(await violations(page), [], part);
+    }
+    await page.getByRole("button", { name: "TOML" }).click();
+    assert.deepEqual(await violations(page), [], "TOML");
+  });
+}
+
+/** Presses Tab until the focus is where it should be. */
+async function tabTo(page: Page, selector: string): Promise<void> {
+  for (let i = 0; i < 250; i++) {
+    if (await page.evaluate((selector) => document.activeElement?.matches(selector) ?? false, selector)) return;
+    await page.keyboard.press("Tab");
+  }
+  assert.fail(`the keyboard does not reach ${selector}`);
+}
+
+test("the keyboard alone: light, layer, field, tab", async () => {
+  const page = await on.visit();
+  let gamut = await figure(page, "Gamut % sRGB");
+  await tabTo(page, '[data-handle="lighting.directed.0.theta_deg"]');
+  await page.keyboard.press("Shift+ArrowLeft");
+  gamut = await changed(page, "Gamut % sRGB", gamut);
+  await tabTo(page, '[data-part="display.pixel.film.0"]');
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.press("Enter");
+  await tabTo(page, '[id="f-display.pixel.film.1.thickness_nm"]');
+  await page.keyboard.press("ArrowUp");
+  gamut = await changed(page, "Gamut % sRGB", gamut);
+  await settled(page);
+  const scenario = await saved(page);
+  assert.match(scenario, /theta_deg = -25/);
+  assert.match(scenario, /thickness_nm = 13\.15/);
+  await tabTo(page, "#tab-states");
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.locator('[aria-selected="true"]').innerText(), "Angles");
+  assert.deepEqual(on.complaints, []);
+});
+
+test("an error stands at its field, with the hint, and is put back", async () => {
+  const page = await on.visit();
+  const first = await figure(page, "Gamut % sRGB");
+  await page.locator('[data-part="display.pixel.film.1"]').click();
+  await type(page, "display.pixel.film.1.thickness_nm", "-5");
+  const field = page.locator('[data-path="display.pixel.film.1.thickness_nm"]');
+  await field.locator(".error").waitFor();
+  assert.match(await field.locator(".error").innerText(), /out of range[\s\S]*0 to 1e6/);
+  assert.equal(await page.locator('[id="f-display.pixel.film.1.thickness_nm"]').getAttribute("aria-invalid"), "true");
+  assert.equal(await figure(page, "Gamut % sRGB"), first);
+  await page.getByRole("button", { name: "Put it back" }).click();
+  await field.locator(".error").waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "TOML" }).click();
+  await page.locator("#source").fill((await page.locator("#source").inputValue()).replace("haze = 0.78", "hase = 0.78"));
+  await page.locator("#source-errors .error").first().waitFor();
+  assert.match(await page.locator("#source-errors").innerText(), /Line \d+, column \d+/);
+});
+
+for (const [width, height] of [[1440, 900], [1280, 720], [1024, 768], [768, 1024]] as const) {
+  test(`nothing is cut off at ${width} x ${height}`, async () => {
+    const page = await on.visit({ viewport: { width, height } });
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(wide <= width, `${wide} px wide`);
+    const cut = await page.evaluate(() => [...document.querySelectorAll("button, select, .box input")].filter((e) => {
+      const box = e.getBoundingClientRect();
+      return box.width > 0 && (box.left < 0 || box.right > innerWidth + 1) && !e.closest(".scroll");
+    }).map((e) => e.outerHTML.slice(0, 100)));
+    assert.deepEqual(cut, []);
+  });
+}
+
+test("all examples open, each with a picture or with words", async () => {
+  const page = await on.visit();
+  const names = (await page.getByLabel("Examples").locator("option").evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value))).filter(Boolean);
+  assert.ok(names.length > 20);
+  for (const name of names) {
+    await page.getByLabel("Examples").selectOption(name);
+    await page.waitForTimeout(100);
+    await page.waitForFunction(() => document.querySelector('.picture[aria-busy="false"]') !== null, undefined, { timeout: 60_000 });
+  }
+  assert.deepEqual(on.complaints.filter((words) => !/status of 4\d\d|status of 503/.test(words)), []);
+});

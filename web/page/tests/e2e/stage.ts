@@ -1,0 +1,120 @@
+// The stage of the end-to-end tests: `papilio serve` on a port of its own, and the system's Chromium.
+//
+// PAPILIO names the program (default: target/release/papilio, then target/debug/papilio), CHROMIUM the browser.
+
+import { execFileSync, spawn, type ChildProcess } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+
+import { chromium, type Browser, type BrowserContextOptions, type Download, type Page } from "playwright-core";
+
+export const ROOT = fileURLToPath(new URL("../../../../", import.meta.url));
+
+const found = (candidates: (string | undefined)[], what: string): string => {
+  const one = candidates.find((path) => path && existsSync(path));
+  if (!one) throw new Error(`there is no ${what}: ${candidates.filter(Boolean).join(", ")}`);
+  return one;
+};
+
+const PAPILIO = found([process.env["PAPILIO"], join(ROOT, "target/release/papilio"), join(ROOT, "target/debug/papilio")], "papilio");
+const CHROMIUM = found([process.env["CHROMIUM"], "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"], "Chromium");
+
+export interface Stage {
+  readonly url: string;
+  /** A fresh visit; what the browser complains about is gathered in `complaints`. */
+  visit(options?: BrowserContextOptions, fragment?: string): Promise<Page>;
+  readonly complaints: string[];
+  /** Ends the server at once and starts it again at the same port. */
+  restart(): Promise<void>;
+  close(): Promise<void>;
+}
+
+async function serve(port: number): Promise<{ url: string; child: ChildProcess }> {
+  const child = spawn(PAPILIO, ["serve", "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
+  for await (const line of createInterface({ input: child.stdout! })) {
+    const url = /http:\S+/.exec(line)?.[0];
+    if (url) return { url: url.endsWith("/") ? url : `${url}/`, child };
+  }
+  throw new Error("papilio serve ended before it said where it is");
+}
+
+export async function stage(): Promise<Stage> {
+  let { url, child } = await serve(0);
+  const browser: Browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", "--disable-gpu"] });
+  const complaints: string[] = [];
+  return {
+    url,
+    complaints,
+    async visit(options = {}, fragment = "") {
+      const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: "light", ...options });
+      const page = await context.newPage();
+      page.on("console", (message) => (message.type() === "error" || message.type() === "warning") && complaints.push(message.text()));
+      page.on("pageerror", (error) => complaints.push(error.message));
+      page.on("request", (request) => !request.url().startsWith(url) && !/^(blob|data):/.test(request.url()) && complaints.push(`a call elsewhere: ${request.url()}`));
+      await page.goto(url + fragment);
+      await page.locator(".bench").waitFor();
+      return page;
+    },
+    async restart() {
+      child.kill("SIGKILL");
+      await new Promise((resolve) => child.once("exit", resolve));
+      ({ child } = await serve(Number(new URL(url).port)));
+    },
+    async close() {
+      await browser.close();
+      child.kill("SIGKILL");
+    },
+  };
+}
+
+/** The text of a number of the summary, as it is shown. */
+export const figure = (page: Page, name: string): Promise<string> => page.locator(`[data-figure="${name}"] b`).innerText();
+
+/** Waits until a number of the summary is another one, and gives it. */
+export async function changed(page: Page, name: string, from: string): Promise<string> {
+  await page.waitForFunction(([name, from]) => document.querySelector(`[data-figure="${name}"] b`)?.textContent !== from, [name, from] as const);
+  return figure(page, name);
+}
+
+/** Waits until nothing is on its way: two pictures in a row are the same. */
+export async function settled(page: Page): Promise<void> {
+  await page.waitForLoadState("networkidle");
+  await page.waitForTimeout(150);
+}
+
+/** What a click downloads, as text. */
+export async function downloaded(page: Page, act: () => Promise<unknown>): Promise<{ name: string; text: string; bytes: Buffer }> {
+  const waiting: Promise<Download> = page.waitForEvent("download");
+  await act();
+  const download = await waiting;
+  const bytes = readFileSync(await download.path());
+  return { name: download.suggestedFilename(), text: bytes.toString("utf8"), bytes };
+}
+
+/** The scenario that Save gives. */
+export const saved = async (page: Page): Promise<string> => (await downloaded(page, () => page.getByRole("button", { name: "Save" }).click())).text;
+
+/** What `papilio run` says of a scenario. */
+export function commandLine(scenario: string): { views: { gamut_percent_srgb: number; contrast_ratio: number; states: Record<string, { Y: number }> }[] } {
+  const file = join(mkdtempSync(join(tmpdir(), "papilio-")), "scenario.toml");
+  writeFileSync(file, scenario);
+  return JSON.parse(execFileSync(PAPILIO, ["run", file, "--json"], { encoding: "utf8", maxBuffer: 1e9, stdio: ["ignore", "pipe", "ignore"] })) as never;
+}
+
+/** Drags a handle of the half circle by so many px. */
+export async function drag(page: Page, handle: string, dx: number, dy: number): Promise<void> {
+  const box = (await page.locator(`[data-handle="${handle}"] .target`).boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 8; i++) await page.mouse.move(x + (dx * i) / 8, y + (dy * i) / 8);
+  await page.mouse.up();
+}
+
+/** Types a value into a field. */
+export async function type(page: Page, path: string, value: string): Promise<void> {
+  await page.locator(`[id="f-${path}"]`).fill(value);
+}

@@ -1,0 +1,44 @@
+// The walk: it runs, its error bars shrink and hold the live answer, and it is cancelled at once.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { settled, stage, type, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+test("run, watch, cancel", async () => {
+  const page = await on.visit();
+  await page.getByRole("button", { name: "Computing" }).click();
+  await type(page, "solver.relative_error", "0.00005");
+  await settled(page);
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.getByRole("button", { name: "Run the walk" }).click();
+  await page.locator(".walk tbody tr").first().waitFor();
+  const early = Number(/error ([\d.]+) %/.exec(await page.locator("[data-phase]").innerText())![1]);
+  await page.waitForFunction((early) => Number(/error ([\d.]+) %/.exec(document.querySelector("[data-phase]")!.textContent!)![1]) < early, early);
+  const started = Date.now();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.locator('[data-phase="cancelled"]').waitFor();
+  assert.ok(Date.now() - started < 500, "cancelled at once");
+  assert.deepEqual(on.complaints, []);
+});
+
+test("a finished walk agrees with the live answer, and says when the design has changed", async () => {
+  const page = await on.visit();
+  await page.getByRole("button", { name: "Computing" }).click();
+  await type(page, "solver.relative_error", "0.005");
+  await settled(page);
+  await page.locator("#tab-walk").click();
+  await page.getByRole("button", { name: "Run the walk" }).click();
+  await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
+  const verdicts = await page.locator(".walk tbody .words").allInnerTexts();
+  assert.equal(verdicts.length, 8);
+  assert.ok(verdicts.every((words) => words.startsWith("agrees")), verdicts.join());
+  await page.locator('[data-part="display.diffuser"]').click();
+  await type(page, "display.diffuser.haze", "0.6");
+  await page.getByText("The design has changed since").waitFor();
+  assert.deepEqual(on.complaints, []);
+});
