@@ -2,7 +2,7 @@
 
 import { Fragment } from "preact";
 
-import type { StateResult } from "../api/types.ts";
+import type { Num, StateResult } from "../api/types.ts";
 import { digits, fixed, NONE, signed } from "../model/format.ts";
 import { differences } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
@@ -34,9 +34,11 @@ function Keys() {
   );
 }
 
+const difference = (a: Num, b: Num): number | null => (typeof a === "number" && typeof b === "number" ? a - b : null);
+
 /** The colour difference of 1976: the distance in CIELAB. */
 function distance(a: StateResult, b: StateResult): number | null {
-  const parts = (["L_star", "a_star", "b_star"] as const).map((key) => (a[key] === null || b[key] === null ? null : a[key] - b[key]));
+  const parts = (["L_star", "a_star", "b_star"] as const).map((key) => difference(a[key], b[key]));
   return parts.some((part) => part === null) ? null : Math.hypot(...(parts as number[]));
 }
 

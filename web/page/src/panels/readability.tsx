@@ -14,7 +14,7 @@ export function Readability() {
     ...AGES.map((age): [string, string, string] => {
       const key = `reading_surrogate_age_${age}` as const;
       const value = now[key];
-      return [`Small print, ${age} years`, value === null ? NONE : `${withError(100 * value, 100 * (now.standard_error[key] ?? 0), 1)} %`, value === null ? "out of the surrogate's range (text of 1000 to 5200 cd/m², contrast .35 to .9)" : "reading performance, a surrogate calibrated on Feng 2012, table 5.3"];
+      return [`Small print, ${age} years`, typeof value !== "number" ? NONE : `${withError(100 * value, 100 * (now.standard_error[key] ?? 0), 1)} %`, typeof value !== "number" ? "out of the surrogate's range (text of 1000 to 5200 cd/m², contrast .35 to .9)" : "reading performance, a surrogate calibrated on Feng 2012, table 5.3"];
     }),
   ];
   return (

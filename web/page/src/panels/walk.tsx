@@ -5,7 +5,7 @@ import type { WalkState } from "../api/types.ts";
 import { count, digits, fixed, signed } from "../model/format.ts";
 import { numberAt } from "../model/json.ts";
 import { fields, viewIndex } from "../state/design.ts";
-import { course, live, progress, run, stale, walk } from "../state/walk.ts";
+import { course, progress, run, stale, walk } from "../state/walk.ts";
 import { Curves } from "../plots/curves.tsx";
 import { dark } from "../state/theme.ts";
 import { Problems } from "./problems.tsx";
@@ -15,10 +15,10 @@ const WIDTH = 260;
 const LIMIT = 4;
 
 /** The walk's Y less the live one, over it, with bars of one and two standard errors; the middle is the live answer. */
-function Bars({ state, liveY, target }: { state: WalkState; liveY: number; target: number }) {
+function Bars({ state, target }: { state: WalkState; target: number }) {
   const x = (relative: number) => WIDTH / 2 + (Math.max(-LIMIT, Math.min(LIMIT, relative / target)) * WIDTH) / (2 * LIMIT);
-  const off = (state.Y.value - liveY) / liveY;
-  const se = state.Y.standard_error / liveY;
+  const off = (state.Y - state.live_Y) / state.live_Y;
+  const se = state.Y_se / state.live_Y;
   return (
     <svg class="bars" viewBox={`0 0 ${WIDTH} 18`} role="img" aria-label={`${fixed(100 * off, 3)} per cent from the live answer, standard error ${fixed(100 * se, 3)} per cent`}>
       <path class="zero" d={`M${WIDTH / 2} 0V18`} />
@@ -42,14 +42,14 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
         </tr>
       </thead>
       <tbody>
-        {states.map((state) => ({ state, liveY: live.value?.views[state.view]?.states[state.name]?.Y ?? NaN })).map(({ state, liveY }) => (
+        {states.map((state) => (
           <tr key={state.name}>
             <th scope="row">{state.name}</th>
-            <td>{fixed(liveY, 5)}</td>
-            <td>{fixed(state.Y.value, 5)} ± {fixed(state.Y.standard_error, 5)}</td>
-            <td class="bar-cell"><Bars state={state} liveY={liveY} target={target} /></td>
-            <td>{signed(state.Y.z, 1)}</td>
-            <td class="words">{verdict(state.Y.z ?? 0)}</td>
+            <td>{fixed(state.live_Y, 5)}</td>
+            <td>{fixed(state.Y, 5)} ± {fixed(state.Y_se, 5)}</td>
+            <td class="bar-cell"><Bars state={state} target={target} /></td>
+            <td>{signed(state.z, 1)}</td>
+            <td class="words">{verdict(state.z ?? 0)}</td>
           </tr>
         ))}
       </tbody>

@@ -102,7 +102,7 @@ function Axes() {
 export function gamut(of: View | null): Uv[] | null {
   const corners = ["red", "green", "blue"].map((name): Uv | null => {
     const state = of?.states[name];
-    return state && state.u_prime !== null && state.v_prime !== null ? [state.u_prime, state.v_prime] : null;
+    return typeof state?.u_prime === "number" && typeof state.v_prime === "number" ? [state.u_prime, state.v_prime] : null;
   });
   return corners.every((corner) => corner !== null) ? (corners as Uv[]) : null;
 }
@@ -111,7 +111,10 @@ export function gamut(of: View | null): Uv[] | null {
 function Marks({ size }: { size: number }) {
   const colours = useColours().value.colours;
   const light = result.value?.illuminant;
-  const shown = states.value.flatMap(([name, s]) => (s.u_prime !== null && s.v_prime !== null && Math.abs(s.u_prime) < 0.7 && Math.abs(s.v_prime) < 0.7 ? [{ name, u: s.u_prime, v: s.v_prime, se: s.standard_error }] : []));
+  const shown = states.value.flatMap(([name, s]) => {
+    const [u, v] = [s.u_prime ?? NaN, s.v_prime ?? NaN];
+    return Math.abs(u) < 0.7 && Math.abs(v) < 0.7 ? [{ name, u, v, se: s.standard_error }] : [];
+  });
   const points = [...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) })), ...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : [])];
   const names = placed(points, size);
   return (
@@ -146,7 +149,7 @@ function Key({ size }: { size: number }) {
     </g>
   );
   const percent = (key: "gamut_percent_srgb" | "gamut_percent_ebu", of: string) =>
-    now?.[key] === null || !now ? of : `${withError(now[key], now.standard_error[key], 1)} % of ${of}`;
+    typeof now?.[key] !== "number" ? of : `${withError(now[key], now.standard_error[key], 1)} % of ${of}`;
   return (
     <g>
       {gamut(now) && line("display", "own", 0)}

@@ -48,7 +48,7 @@ export function Spectra() {
   };
   const at = under.value;
   const nm = at === null ? null : wavelengths.value[at];
-  const radiance = view.value?.states[shownState.value]?.reflectance_factor === null;
+  const radiance = view.value !== null && !view.value.states[shownState.value]?.reflectance_factor;
   const name = radiance ? "Radiance (W/(m² sr nm))" : "Reflectance factor";
   return (
     <figure class="spectra">

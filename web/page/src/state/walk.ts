@@ -2,15 +2,14 @@
 
 import { computed, signal } from "@preact/signals";
 
-import type { Result, WalkProgress } from "../api/types.ts";
+import type { WalkProgress } from "../api/types.ts";
 import { fileIds } from "./files.ts";
-import { result, text } from "./design.ts";
+import { text } from "./design.ts";
 import { long } from "./work.ts";
 
 export const walk = long();
-/** The scenario that was walked, and the live answer to it. */
+/** The scenario that was walked. */
 export const walked = signal("");
-export const live = signal<Result | null>(null);
 export const progress = signal<WalkProgress | null>(null);
 /** Paths and relative error so far, for the curve. */
 export const course = signal<readonly (readonly [number, number])[]>([]);
@@ -19,7 +18,6 @@ export const stale = computed(() => walked.value !== "" && walked.value !== text
 
 export function run(): void {
   walked.value = text.value;
-  live.value = result.value;
   progress.value = null;
   course.value = [];
   void walk.start("walk", { scenario: text.value, files: fileIds.value }, (event, data) => {
