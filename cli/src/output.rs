@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use papilio_display::ConeResult;
+use papilio_display::{ConeResult, RoomLight};
 use papilio_formats::{
     ConeFile, ResultFile, write_cone_csv, write_cone_npy, write_file, write_json, write_spectra, write_states,
 };
@@ -63,7 +63,7 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
 
 /// The names that [`papilio_figures::of_run`] gives, and those of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
-    let of_view = ["overview", "spectra", "chromaticity", "patches", "rings"];
+    let of_view = ["overview", "spectra", "chromaticity", "patches", "rings", "light"];
     let figure = |stem: &str| {
         stem.ends_with("_against_angle")
             || of_view.iter().any(|kind| {
@@ -82,6 +82,8 @@ pub(crate) struct Files<'a> {
     pub(crate) title: &'a str,
     /// The result.
     pub(crate) result: &'a ResultFile<'a>,
+    /// Where the light comes from, if that is worth a figure.
+    pub(crate) light: Option<&'a RoomLight>,
     /// All directions, if wanted.
     pub(crate) cone: Option<&'a ConeResult>,
     /// Whether figures are wanted as PNG, too.
@@ -96,7 +98,7 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         names.push(name.to_owned());
         write_file(&folder.join(name), with)
     };
-    let &Files { title, result: file, cone, png } = files;
+    let &Files { title, result: file, light, cone, png } = files;
     write("result.json", &|out| write_json(out, file))?;
     write("states.csv", &|out| write_states(out, file.result))?;
     write("spectra.csv", &|out| write_spectra(out, file.result))?;
@@ -108,7 +110,9 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
     }
     let of_cone =
         cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
-    for (name, svg) in papilio_figures::of_run(file.result, title).into_iter().chain(of_cone) {
+    let of_light = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
+    let of_run = papilio_figures::of_run(file.result, title);
+    for (name, svg) in of_run.into_iter().chain(of_light).chain(of_cone) {
         write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
         if png || name == "cone" {
             let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;

@@ -7,7 +7,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Scene};
-use papilio_display::{ConeGrid, ConeResult, Control, DisplayError, Progress};
+use papilio_display::{ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, room_light};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
@@ -37,7 +37,14 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         result: &result,
     };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let files = output::Files { title: &title, result: &file, cone: cone.as_ref(), png: arguments.png };
+    let light = light(&resolved.scene)?;
+    let files = output::Files {
+        title: &title,
+        result: &file,
+        light: light.as_ref(),
+        cone: cone.as_ref(),
+        png: arguments.png,
+    };
     let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &files)));
     // What was computed is shown even if it cannot be written.
     let mut stdout = anstream::stdout().lock();
@@ -58,6 +65,12 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         (false, true) => Err(Failure::Interrupted("the cone is not there, all else is")),
         (false, false) => Ok(()),
     }
+}
+
+/// Where the light comes from, where that is more than one direction or the same from all.
+fn light(scene: &Scene) -> Result<Option<RoomLight>, Failure> {
+    let is_plain = scene.lighting.environment.is_empty() && scene.lighting.directed.len() < 2;
+    Ok(if is_plain { None } else { Some(room_light(scene)?) })
 }
 
 /// Where files go, if they do.

@@ -388,3 +388,15 @@ fn a_display_has_a_bsdf_file() {
         assert!(stderr(&output).contains(why), "{}", stderr(&output));
     }
 }
+
+/// Where light comes from many directions, a figure says from where.
+#[test]
+fn a_run_under_a_ring_draws_its_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    assert!(run("ring", &["--out", out]).status.success());
+    assert!(names(folder.path()).contains(&"light.svg".to_owned()));
+    // It goes with the other figures of an earlier run.
+    assert!(run("indoor", &["--out", out]).status.success());
+    assert!(!names(folder.path()).contains(&"light.svg".to_owned()));
+}

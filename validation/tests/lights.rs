@@ -134,3 +134,23 @@ fn the_excluded_specular_part_is_excluded() {
     assert_eq!(of("d8-excluded"), 0.0);
     assert!(of("d8-included") > 0.5);
 }
+
+/// Light by direction, as it is drawn, has the lux that fall on the display.
+#[test]
+fn luminance_by_direction_makes_the_illuminance() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    for (name, light) in LIGHTS {
+        let scenario = Scenario::from_text(&text(PAPER, light, ""), "light.toml", &folder, &[]).unwrap();
+        let room = papilio_display::room_light(&scenario.resolve().unwrap().scene).unwrap();
+        let columns = room.phi_deg.len();
+        let mut lux: f64 = room.directed.iter().map(|lamp| lamp.illuminance_lx).sum();
+        for (row, theta) in room.luminance_cd_m2.chunks_exact(columns).zip(&room.theta_deg) {
+            // The trapezoidal rule over inclination.
+            let weight = if *theta == 90.0 { 0.5 } else { 1.0 };
+            let (sin, cos) = theta.to_radians().sin_cos();
+            let step = 1.0_f64.to_radians() * std::f64::consts::TAU / columns as f64;
+            lux += row.iter().sum::<f64>() * weight * sin * cos * step;
+        }
+        assert!((lux / 500.0 - 1.0).abs() < 0.02, "{name}: {lux}");
+    }
+}

@@ -22,42 +22,88 @@ pub enum Tolerance {
     Relative(f64),
 }
 
-/// Metrics of a result, by their names there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs, non_camel_case_types, reason = "named as the fields of a result, and explained there")]
-pub enum Metric {
-    contrast_ratio,
-    gamut_percent_srgb,
-    gamut_percent_ebu,
-    X,
-    Y,
-    Z,
-    x,
-    y,
-    u_prime,
-    v_prime,
-    L_star,
-    a_star,
-    b_star,
-    luminance_cd_m2,
-    contrast,
-    peak_nm,
-    distance_from_white_uv,
-    distance_from_d65_uv,
+/// Declares the metrics by their names in a result: those of the states together, and those of a state.
+macro_rules! metrics {
+    (together { $($together:ident),* $(,)? } state { $($state:ident),* $(,)? }) => {
+        /// Metrics of a result, by their names there.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[allow(missing_docs, non_camel_case_types, reason = "named as the fields of a result, and explained there")]
+        pub enum Metric { $($together,)* $($state,)* }
+
+        impl Metric {
+            /// True if it is of the states together.
+            pub fn is_of_view(self) -> bool {
+                matches!(self, $(Self::$together)|*)
+            }
+
+            /// Its name in a result.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$together => stringify!($together),)* $(Self::$state => stringify!($state),)* }
+            }
+
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$together,)* $(Self::$state,)*];
+
+            /// The metric of this name, if it can be a target.
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|metric| metric.name() == name)
+            }
+        }
+    };
+}
+
+metrics! {
+    together {
+        contrast_ratio,
+        gamut_percent_srgb,
+        gamut_percent_ebu,
+        gamut_percent_ntsc,
+        gamut_percent_dci_p3,
+        coverage_percent_srgb,
+        coverage_percent_ebu,
+        coverage_percent_ntsc,
+        coverage_percent_dci_p3,
+        gamut_volume_cielab,
+        average_peak_shift_nm,
+        text_luminance_cd_m2,
+        text_contrast,
+        reading_surrogate_age_20,
+        reading_surrogate_age_50,
+        reading_surrogate_age_75,
+    }
+    state {
+        X,
+        Y,
+        Z,
+        x,
+        y,
+        u_prime,
+        v_prime,
+        L_star,
+        a_star,
+        b_star,
+        luminance_cd_m2,
+        contrast,
+        peak_nm,
+        distance_from_white_uv,
+        distance_from_d65_uv,
+        R_hemi,
+        u_star,
+        v_star,
+        delta_E_2000_from_white,
+        delta_E_2000_from_reference,
+        distance_from_reference_uv,
+        peak_shift_nm,
+    }
 }
 
 impl Metric {
-    /// True if it is of the states together.
-    pub fn is_of_view(self) -> bool {
-        matches!(self, Self::contrast_ratio | Self::gamut_percent_srgb | Self::gamut_percent_ebu)
+    fn among(self, mut named: impl Iterator<Item = (&'static str, Option<f64>)>) -> Option<f64> {
+        named.find(|(name, _)| *name == self.name())?.1
     }
 
     fn of_view(self, view: &View) -> [Option<f64>; 2] {
-        [&view.metrics, &view.standard_error].map(|metrics| match self {
-            Self::contrast_ratio => metrics.contrast_ratio,
-            Self::gamut_percent_srgb => metrics.gamut_percent_srgb,
-            _ => metrics.gamut_percent_ebu,
-        })
+        [&view.metrics, &view.standard_error].map(|metrics| self.among(metrics.named()))
     }
 
     fn of_state(self, values: &StateValues) -> Option<f64> {
@@ -77,7 +123,8 @@ impl Metric {
             Self::peak_nm => values.peak_nm,
             Self::distance_from_white_uv => values.distance_from_white_uv,
             Self::distance_from_d65_uv => values.distance_from_d65_uv,
-            Self::contrast_ratio | Self::gamut_percent_srgb | Self::gamut_percent_ebu => None,
+            Self::R_hemi => values.R_hemi,
+            other => other.among(values.metrics.named()),
         }
     }
 }
@@ -103,5 +150,24 @@ impl Target {
         let states = view.states.iter().filter(|(name, _)| wanted(name));
         let all = states.filter_map(|(_, state)| of(state));
         all.reduce(f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result::{StateMetrics, ViewMetrics};
+
+    /// Every metric is a number of a result: what the names find is there.
+    #[test]
+    fn every_name_is_a_number_of_a_result() {
+        let together = ViewMetrics::default();
+        for (name, _) in together.named() {
+            assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
+        }
+        let of_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];
+        for (name, _) in StateMetrics::default().named() {
+            assert_eq!(Metric::named(name).is_some(), !of_views.contains(&name), "{name}");
+        }
     }
 }

@@ -159,7 +159,7 @@ fn draw_large(
     let scale = &one.scale;
     let centre = (corner.0 + 56.0 + LARGE, corner.1 + 52.0 + LARGE);
     svg.text((centre.0, corner.1 + 20.0), &one.title, Text::new(13.0, INK).strong().anchor(Anchor::Middle));
-    let map = Map { centre, radius: LARGE, scale, labelled: true };
+    let map = Map { centre, radius: LARGE, scale, labelled: true, contours: true };
     let number = |theta, phi| result.view(theta, phi).map_or(f64::NAN, |view| (one.value)(view));
     directions.draw(svg, &map, &result.lights, number);
     colour_bar(svg, scale, (centre.0 + LARGE + 38.0, centre.1 - 100.0), 200.0, true);
@@ -174,7 +174,7 @@ fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, ea
         let centre: Point = (20.0 + pitch * column as f64 + LITTLE, top + 46.0 + ROW * row as f64 + LITTLE);
         let name = shortened(name, 2.0 * LITTLE, SMALL);
         svg.text((centre.0, centre.1 - LITTLE - 7.0), &name, Text::new(SMALL, INK).anchor(Anchor::Middle));
-        let map = Map { centre, radius: LITTLE, scale: &each.scale, labelled: false };
+        let map = Map { centre, radius: LITTLE, scale: &each.scale, labelled: false, contours: true };
         let number = |theta, phi| {
             let seen = result.view(theta, phi).and_then(|view| view.states.get(state));
             seen.map_or(f64::NAN, each.value)

@@ -14,6 +14,7 @@
 //! | [`cone`] | polar maps over all viewing directions |
 //! | [`spectra_over`] | spectra of a display over those of variants of it |
 //! | [`compared_spectra`], [`compared_gamuts`] | a simulated display beside a measured one |
+//! | [`light`] | where the light comes from: luminance over the hemisphere, lamps |
 //! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
 //! | [`chart`] | plain curves in a panel |
@@ -43,6 +44,7 @@ mod comparison;
 mod cone;
 mod contour;
 mod labels;
+mod light;
 mod locus;
 mod marks;
 mod of_run;
@@ -69,6 +71,7 @@ pub use chart::{Chart, ChartCurve, Hue, chart};
 pub use chromaticity::{chromaticity, gamuts};
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
+pub use light::light;
 pub use of_run::of_run;
 pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;

@@ -48,6 +48,8 @@ pub(crate) struct Map<'a> {
     pub(crate) scale: &'a Axis,
     /// Large enough for labels.
     pub(crate) labelled: bool,
+    /// Whether ticks of the scale have lines; where numbers jump they would lie upon one another.
+    pub(crate) contours: bool,
 }
 
 impl<'a> Directions<'a> {
@@ -88,7 +90,8 @@ impl<'a> Directions<'a> {
         Field::new(&columns, self.around)
     }
 
-    fn at(&self, map: &Map<'_>, theta_deg: f64, phi_deg: f64) -> Point {
+    /// Where a direction lies on the page.
+    pub(crate) fn at(&self, map: &Map<'_>, theta_deg: f64, phi_deg: f64) -> Point {
         let (sin, cos) = phi_deg.to_radians().sin_cos();
         let r = map.radius * theta_deg / self.rim_deg;
         (map.centre.0 + r * cos, map.centre.1 - r * sin)
@@ -114,7 +117,7 @@ impl<'a> Directions<'a> {
         let names = self.rings().map(|ring| self.at(map, ring, RING_NAMES_DEG));
         let mut places =
             Places::around(around, (2.0 * map.radius, 2.0 * map.radius), marks.into_iter().chain(names));
-        for (tick, text) in map.scale.ticks() {
+        for (tick, text) in map.scale.ticks().iter().filter(|_| map.contours) {
             let share = map.scale.share(*tick);
             let contour = field.contour(share);
             // Light lines on dark colours, dark ones on light colours.
@@ -260,7 +263,7 @@ mod tests {
         let wide = [1e-9, 1.0];
         let logarithmic = Axis::logarithmic_beyond(30.0, &wide, "").unwrap();
         for scale in [Axis::exact(0.0, 1.0, 5, ""), logarithmic] {
-            let map = Map { centre: (0.0, 0.0), radius: 60.0, scale: &scale, labelled: true };
+            let map = Map { centre: (0.0, 0.0), radius: 60.0, scale: &scale, labelled: true, contours: true };
             let reached = |value: f64| {
                 let field = directions.field(&map, |i, _| if i == 2 { value } else { 0.5 });
                 let areas = field.contour(-1.0).areas;

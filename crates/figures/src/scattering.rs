@@ -113,7 +113,7 @@ fn draw_map(svg: &mut Svg, map: &ScatterMap, scale: &Axis, centre: (f64, f64)) {
         heading,
     );
     let Some(directions) = Directions::new(&map.theta_deg, &map.phi_deg) else { return };
-    let at = Map { centre, radius: RADIUS, scale, labelled: true };
+    let at = Map { centre, radius: RADIUS, scale, labelled: true, contours: true };
     let value = |i: usize, j: usize| map.values.get(i * map.phi_deg.len() + j).copied().unwrap_or(f64::NAN);
     directions.draw(svg, &at, &[], value);
 }

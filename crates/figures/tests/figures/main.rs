@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
 
 use papilio_display::result::{Named, RunResult, StateValues};
-use papilio_display::{ConeGrid, ConeResult, ConeState};
+use papilio_display::{ConeGrid, ConeResult, ConeState, RoomLamp, RoomLight};
 use papilio_figures::{
     AngleMetric, PixelScan, Transmission, against_angle, chromaticity, compared_gamuts, compared_spectra,
-    cone, gamut_rings, overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
+    cone, gamut_rings, light, overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
 };
 
 mod cones;
@@ -444,4 +444,37 @@ fn a_comparison_shows_both_sides() {
     says(&compared_gamuts(&all, &view, TITLE), &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"]);
     all.states.iter_mut().for_each(|one| one.spectrum = None);
     assert_eq!(compared_spectra(&all, &view, TITLE), None);
+}
+
+#[test]
+fn the_light_is_a_page_whatever_it_is() {
+    let lamp = RoomLamp { theta_deg: -30.0, phi_deg: 10.0, radius_deg: 0.0, illuminance_lx: 120.0 };
+    let room = |value: f64, lamps: usize| RoomLight {
+        theta_deg: (0..=9).map(|k| 10.0 * f64::from(k)).collect(),
+        phi_deg: (0..36).map(|k| 10.0 * f64::from(k)).collect(),
+        luminance_cd_m2: (0..360).map(|k| if k % 7 == 0 { value } else { 1.0 }).collect(),
+        diffuse_lx: 250.0,
+        environment_lx: vec![33.3],
+        directed: vec![lamp; lamps],
+        views_deg: vec![[8.0, 0.0]],
+    };
+    says(
+        &light(&room(400.0, 1), TITLE),
+        &[
+            "Light from each direction",
+            "250 lx",
+            "33.3 lx",
+            "directed 0 at -30\u{b0}, azimuth 10\u{b0}",
+            "403 lx",
+            "what a mirror",
+        ],
+    );
+    says(&light(&room(2.0, 20), TITLE), &["15 more"]);
+    for value in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
+        texts(&light(&room(value, 2), TITLE));
+    }
+    let dark = RoomLight { luminance_cd_m2: vec![0.0; 360], ..room(1.0, 1) };
+    says(&light(&dark, TITLE), &["Directed sources alone"]);
+    let none = RoomLight { theta_deg: vec![], phi_deg: vec![], luminance_cd_m2: vec![], ..dark };
+    texts(&light(&none, TITLE));
 }

@@ -1,8 +1,12 @@
 //! `[solver]`: how to compute, and how well.
 
+use papilio_display::scene;
+
 use super::numbers::{Count, Paths, RelativeError, Seed, Tolerance};
+use crate::error::Errors;
 use crate::grammar::{choice, table};
-use crate::read::At;
+use crate::read::{At, Read, unknown_word};
+use crate::tree::{Node, Value};
 
 table! {
     /// How to compute, and how well.
@@ -45,45 +49,43 @@ table! {
     }
 }
 
-choice! {
-    /// Metrics, by their names in result.json.
-    Metric {
-        /// White's Y over black's.
-        ContrastRatio = "contrast_ratio",
-        /// Area of the gamut in u'v', of sRGB's.
-        GamutPercentSrgb = "gamut_percent_srgb",
-        /// Of EBU's.
-        GamutPercentEbu = "gamut_percent_ebu",
-        /// Relative to a perfect white's Y.
-        BigX = "X",
-        /// The luminance factor.
-        BigY = "Y",
-        /// Relative to a perfect white's Y.
-        BigZ = "Z",
-        /// CIE 1931.
-        X = "x",
-        /// CIE 1931.
-        Y = "y",
-        /// CIE 1976.
-        UPrime = "u_prime",
-        /// CIE 1976.
-        VPrime = "v_prime",
-        /// CIELAB.
-        LStar = "L_star",
-        /// CIELAB.
-        AStar = "a_star",
-        /// CIELAB.
-        BStar = "b_star",
-        /// Luminance.
-        LuminanceCdM2 = "luminance_cd_m2",
-        /// A state's Y over black's.
-        Contrast = "contrast",
-        /// Of the reflectance factor.
-        PeakNm = "peak_nm",
-        /// In u'v'.
-        DistanceFromWhiteUv = "distance_from_white_uv",
-        /// In u'v'.
-        DistanceFromD65Uv = "distance_from_d65_uv",
+/// A metric that may be a target, by its name in result.json.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Metric(pub(crate) scene::Metric);
+
+fn metric_names() -> Vec<&'static str> {
+    scene::Metric::ALL.iter().map(|metric| metric.name()).collect()
+}
+
+impl Read for Metric {
+    fn in_words() -> String {
+        "the name of a metric".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let Value::Text(word) = &node.value else { return node.wrong_type(Self::in_words(), errors) };
+        match scene::Metric::named(word) {
+            Some(metric) => Some(Self(metric)),
+            None => unknown_word(node, word, &metric_names(), &[], errors),
+        }
+    }
+}
+
+impl serde::Serialize for Metric {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl schemars::JsonSchema for Metric {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Metric".into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "enum": metric_names() })
+    }
+    fn inline_schema() -> bool {
+        true
     }
 }
 

@@ -159,6 +159,13 @@ impl Resolver<'_> {
             appearance: asked.appearance.value.as_ref().map(appearance),
             ..scene::Metrics::default()
         };
+        if metrics.observer == scene::Standard::Cie1964 {
+            self.notes.push(
+                "metrics.observer = \"1964\": gamut areas against sRGB, EBU, NTSC and P3, and hue_rgb, are null, for the primaries of \
+                 those standards are chromaticities of the 2 deg observer; the volume in CIELAB (metrics.gamut_volume) is there"
+                    .to_owned(),
+            );
+        }
         let known = state_names(pixel);
         let state = &asked.reference_state;
         if let Some(name) = &state.value {
@@ -296,7 +303,7 @@ impl Resolver<'_> {
                 return None;
             }
         };
-        let metric = metric(target.metric.value);
+        let metric = target.metric.0;
         if metric.is_of_view() && target.state.value.is_some() {
             let problem = Problem::NotWith { key: "state", beside: "a metric of all states together" };
             self.errors.push(target.state.origin, problem);
@@ -356,28 +363,5 @@ fn appearance(viewing: &metrics::Appearance) -> scene::Appearance {
             metrics::Surround::Dim => scene::Surround::Dim,
             metrics::Surround::Dark => scene::Surround::Dark,
         },
-    }
-}
-
-fn metric(metric: solver::Metric) -> scene::Metric {
-    match metric {
-        solver::Metric::ContrastRatio => scene::Metric::contrast_ratio,
-        solver::Metric::GamutPercentSrgb => scene::Metric::gamut_percent_srgb,
-        solver::Metric::GamutPercentEbu => scene::Metric::gamut_percent_ebu,
-        solver::Metric::BigX => scene::Metric::X,
-        solver::Metric::BigY => scene::Metric::Y,
-        solver::Metric::BigZ => scene::Metric::Z,
-        solver::Metric::X => scene::Metric::x,
-        solver::Metric::Y => scene::Metric::y,
-        solver::Metric::UPrime => scene::Metric::u_prime,
-        solver::Metric::VPrime => scene::Metric::v_prime,
-        solver::Metric::LStar => scene::Metric::L_star,
-        solver::Metric::AStar => scene::Metric::a_star,
-        solver::Metric::BStar => scene::Metric::b_star,
-        solver::Metric::LuminanceCdM2 => scene::Metric::luminance_cd_m2,
-        solver::Metric::Contrast => scene::Metric::contrast,
-        solver::Metric::PeakNm => scene::Metric::peak_nm,
-        solver::Metric::DistanceFromWhiteUv => scene::Metric::distance_from_white_uv,
-        solver::Metric::DistanceFromD65Uv => scene::Metric::distance_from_d65_uv,
     }
 }
