@@ -138,6 +138,25 @@ fn the_readers_age_is_said_alone() {
     );
 }
 
+/// Without light of its own, a display's text is as many times as bright as the room and keeps its contrast: what the
+/// maps over illuminance and age count on.
+#[test]
+fn text_grows_with_the_light_and_keeps_its_contrast() {
+    let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
+    let [dim, lit] = [2e4, 8e4].map(|lux| {
+        let light = format!("lighting.illuminance_lx={lux}");
+        let scene = scenario("overcast", &[cover, &light, "viewer.age_years=62.5"]).unwrap().scene;
+        run(&scene).unwrap().views[0].metrics
+    });
+    let (l, c) = (dim.text_luminance_cd_m2.unwrap(), dim.text_contrast.unwrap());
+    assert!((lit.text_luminance_cd_m2.unwrap() / l - 4.0).abs() < 1e-9);
+    assert!((lit.text_contrast.unwrap() - c).abs() < 1e-9);
+    // Halfway between 50 and 75 years, by the formula of docs/metrics.md: p0 + p1 ln(C/.35) + p2 ln(L/1000).
+    let (p0, p1, p2) = (0.5 * (0.6619 + 0.2971), 0.5 * (0.1845 + 0.3141), 0.5 * (0.0481 + 0.0074));
+    let expected = p0 + p1 * (c / 0.35).ln() + p2 * (4.0 * l / 1000.0).ln();
+    assert!((lit.reading_surrogate.unwrap() - expected).abs() < 1e-9, "{lit:?}");
+}
+
 /// What is asked for costs what is not asked for nothing: the other numbers stay, bit by bit.
 #[test]
 fn asking_changes_no_other_number() {

@@ -33,8 +33,8 @@ impl Progress {
         let left = left(self.started.elapsed(), self.computed, self.points - done);
         match &self.bar {
             Some(bar) => {
-                bar.set_message(left);
                 bar.set_position(done as u64);
+                bar.set_message(left);
             }
             None if self.said.elapsed() >= BETWEEN_LINES => {
                 self.said = Instant::now();

@@ -49,7 +49,7 @@ pub(super) fn observer() -> Result<Section, ReproductionError> {
         )
         .table(table)
         .say(
-            "Eq. 5-5 takes the integral of the luminosity function for 1; it is 106.857 nm. The thesis's 2145.7 lx is \
+            "Eq. 5-5 takes the integral of the luminosity function for 1; it is 106.857 nm (106.856 from 380 to 780 nm). The thesis's 2145.7 lx is \
              683.002 \u{3c0} and holds in its own normalisation, in which ratios, and so all its colours, are right.",
         ))
 }
