@@ -70,6 +70,7 @@ metrics! {
         reading_surrogate_age_20,
         reading_surrogate_age_50,
         reading_surrogate_age_75,
+        reading_surrogate,
     }
     state {
         X,
