@@ -5,6 +5,7 @@ use std::path::Path;
 
 use papilio_display::result::{RunResult, State, StateValues, View};
 use papilio_display::{BrdfTable, ConeResult, Reflection};
+pub(crate) use papilio_formats::words::table;
 
 /// States that a line of a view shows, where they are not the ordinary ones.
 const STATES_IN_A_LINE: usize = 6;
@@ -332,21 +333,6 @@ fn line_by_line(result: &RunResult) -> String {
         rows.push(row);
     }
     format!("\n{}", table(&rows))
-}
-
-/// Left-aligned first column, right-aligned numbers.
-pub(crate) fn table(rows: &[Vec<String>]) -> String {
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let _ = write!(text, "  {:<1$}", row[0], widths[0]);
-        for (cell, width) in row.iter().zip(&widths).skip(1) {
-            let _ = write!(text, "  {cell:>width$}");
-        }
-        text.push('\n');
-    }
-    text
 }
 
 /// `0.1523(2)`: a value and its standard error in units of its last digit (GUM, 7.2.2);

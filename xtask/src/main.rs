@@ -9,6 +9,7 @@ mod oracle;
 mod peers;
 mod pictures;
 mod python;
+mod serve;
 mod shell;
 mod test;
 
@@ -34,26 +35,40 @@ const CHORES: [Chore; 8] = [
     ("accuracy", "measure both solvers' accuracy against cost, for docs/pictures", pictures::accuracy),
 ];
 
+/// The chore that takes arguments: those of `papilio serve`.
+const SERVE: (&str, &str) =
+    ("serve", "build the web app's page and the program, and serve it: cargo xtask serve [FILE] [--open]");
+
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
-    let (name, more) = (arguments.next(), arguments.next());
+    let name = arguments.next();
+    let rest: Vec<String> = arguments.collect();
+    if name.as_deref() == Some(SERVE.0) {
+        return ended(serve::serve(&rest));
+    }
+    let more = rest.into_iter().next();
     let chore = CHORES.iter().find(|(known, ..)| Some(*known) == name.as_deref());
     match (chore, name, more) {
-        (Some((.., chore)), _, None) => match chore() {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(why) => {
-                eprintln!("xtask: {why}");
-                ExitCode::FAILURE
-            }
-        },
+        (Some((.., chore)), _, None) => ended(chore()),
         (None, None, _) => {
-            CHORES.iter().for_each(|(name, what, _)| println!("cargo xtask {name:<8} {what}"));
+            let all = CHORES.iter().map(|(name, what, _)| (*name, *what)).chain([SERVE]);
+            all.for_each(|(name, what)| println!("cargo xtask {name:<8} {what}"));
             ExitCode::SUCCESS
         }
         (_, name, more) => {
             let said = name.into_iter().chain(more).collect::<Vec<_>>().join(" ");
             eprintln!("xtask: no chore `{said}`; `cargo xtask` lists them");
             ExitCode::from(2)
+        }
+    }
+}
+
+fn ended(chore: Outcome) -> ExitCode {
+    match chore {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("xtask: {why}");
+            ExitCode::FAILURE
         }
     }
 }

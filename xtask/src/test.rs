@@ -23,6 +23,12 @@ const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 /// Long enough for some hundred thousand files of each format.
 const FUZZ_SECONDS: &str = "180";
 
+/// `PAPILIO_LOAD_SECONDS` is read by the web app's test of fifty clients at once.
+const LOAD_VARIABLE: &str = "PAPILIO_LOAD_SECONDS";
+
+/// How long they ask.
+const LOAD_SECONDS: &str = "60";
+
 /// The chore.
 pub(crate) fn test() -> Outcome {
     all_checks(cargo(TESTS))
@@ -34,7 +40,8 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     tests
         .env(SEEDS_VARIABLE, seeds.to_string())
         .env(STACKS_VARIABLE, stacks.to_string())
-        .env(FUZZ_VARIABLE, FUZZ_SECONDS);
+        .env(FUZZ_VARIABLE, FUZZ_SECONDS)
+        .env(LOAD_VARIABLE, LOAD_SECONDS);
     all_checks(tests)
 }
 

@@ -17,6 +17,7 @@
 //! | [`light`] | where the light comes from: luminance over the hemisphere, lamps |
 //! | [`transmission`] | what diffusers transmit against wavelength |
 //! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
+//! | [`lobes`] | the same of every part of a measurement |
 //! | [`chart`] | plain curves in a panel |
 //! | [`accuracy`] | errors of solvers against their cost |
 //! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
@@ -45,6 +46,7 @@ mod cone;
 mod contour;
 mod labels;
 mod light;
+mod lobes;
 mod locus;
 mod marks;
 mod of_run;
@@ -72,6 +74,7 @@ pub use chromaticity::{chromaticity, gamuts};
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
 pub use light::light;
+pub use lobes::lobes;
 pub use of_run::of_run;
 pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;

@@ -42,6 +42,7 @@
 //! ```
 
 mod audit;
+mod audit_text;
 mod bsdf;
 mod comparison;
 mod cone;
@@ -63,8 +64,10 @@ mod study;
 mod sweep;
 mod sweep_json;
 mod sweep_parquet;
+pub mod words;
 
 pub use audit::{AuditFile, FitFile};
+pub use audit_text::audit_text;
 pub use bsdf::{
     BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, Warned, WriteError, read_bsdf,
     write_bsdf, write_measurement,

@@ -6,7 +6,7 @@
 mod layout;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml_edit::{DocumentMut, Item, Table, Value};
 
 use self::layout::{forget_positions, item, like_neighbour, number_positions};
@@ -17,7 +17,7 @@ use crate::scenario::parse;
 use crate::set::{MOST_SEGMENTS, RIVALS};
 
 /// One change.
-#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "op", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Edit {
     /// Sets a key or an item of an array; what is not there is made.

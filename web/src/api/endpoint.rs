@@ -9,6 +9,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{MethodRouter, get, post};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
+use papilio_formats::LARGEST_FILE;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde::Serialize;
@@ -28,6 +29,9 @@ const LONGEST_JSON: usize = 1 << 20;
 
 /// A body that takes longer to arrive is given up.
 const BODY_TIME: Duration = Duration::from_secs(10);
+
+/// So is a file.
+const FILE_TIME: Duration = Duration::from_secs(120);
 
 /// Endpoints as they are gathered.
 pub(super) struct Endpoints {
@@ -103,6 +107,33 @@ impl Endpoints {
         self.asked(path, about, stream, move |site, question| async move {
             Ok(answer(site, question).await?.into_response())
         })
+    }
+
+    /// An answer to the bytes of a file; its name is in the query.
+    pub(super) fn upload<A, F>(
+        mut self,
+        path: &str,
+        about: &str,
+        answer: fn(Site, String, Vec<u8>) -> F,
+    ) -> Self
+    where
+        A: Serialize + JsonSchema + 'static,
+        F: Future<Output = Result<A, Fault>> + Send + 'static,
+    {
+        let handler = post(move |State(site): State<Site>, request: Request| async move {
+            respond(match file(request).await {
+                Ok((name, bytes)) => answer(site, name, bytes).await,
+                Err(fault) => Err(fault),
+            })
+        });
+        let schema = self.schemas.subschema_for::<A>().to_value();
+        let bytes = json!({ "application/octet-stream": { "schema": {} } });
+        self.describe("post", path, about, Some(bytes), json!({ "application/json": { "schema": schema } }));
+        let name =
+            json!([{ "name": "name", "in": "query", "required": true, "schema": { "type": "string" } }]);
+        self.paths[&format!("{ROOT}{path}")]["post"]["parameters"] = name;
+        self.router = self.router.route(&format!("{ROOT}{path}"), handler);
+        self
     }
 
     /// What any answer to a question in JSON has in common.
@@ -207,6 +238,47 @@ async fn question<Q: DeserializeOwned>(request: Request) -> Result<Q, Fault> {
     let bytes = body(request.into_body(), LONGEST_JSON, BODY_TIME).await?;
     serde_json::from_slice(&bytes)
         .map_err(|error| Fault::malformed(format!("the request cannot be read: {error}")))
+}
+
+/// A file: its name, and its bytes.
+async fn file(request: Request) -> Result<(String, Vec<u8>), Fault> {
+    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    if kind != Some("application/octet-stream") {
+        let message = "a file must be sent as application/octet-stream";
+        return Err(Fault::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, message, ""));
+    }
+    let name =
+        request.uri().query().and_then(|query| query.split('&').find_map(|pair| pair.strip_prefix("name=")));
+    let name = name.and_then(decoded).filter(|name| is_file_name(name));
+    let name =
+        name.ok_or_else(|| Fault::malformed("a file needs a name of 1 to 200 letters, without folders"))?;
+    let bytes = body(request.into_body(), LARGEST_FILE as usize, FILE_TIME).await?;
+    Ok((name, bytes))
+}
+
+/// A name that stands in a scenario, never for a place on the disk.
+fn is_file_name(name: &str) -> bool {
+    (1..=200).contains(&name.chars().count())
+        && !name.contains(['/', '\\'])
+        && !name.chars().any(char::is_control)
+        && !matches!(name, "." | "..")
+}
+
+/// Text in which `%41` stands for a byte.
+fn decoded(text: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        bytes.push(match byte {
+            b'%' => {
+                let mut digit = || char::from(rest.next()?).to_digit(16);
+                (16 * digit()? + digit()?) as u8
+            }
+            b'+' => b' ',
+            other => other,
+        });
+    }
+    String::from_utf8(bytes).ok()
 }
 
 /// A whole body.

@@ -3,6 +3,7 @@
 mod drawn;
 mod endpoint;
 mod events;
+mod files;
 mod live;
 mod report;
 mod sweep;
@@ -33,6 +34,7 @@ fn endpoints() -> Endpoints {
         .post("/cone", "What is seen from all directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
         .export("/export", "A file: result.json, tables, figures, a report on one page", drawn::export)
+        .upload("/files", "Keeps a file and says what is in it; its bytes are the body", files::file)
         .events::<_, walk::WalkEvent, _>("/walk", "The Monte Carlo walk, told as it goes", walk::walk)
         .events::<_, sweep::SweepEvent, _>(
             "/sweep",

@@ -1,0 +1,288 @@
+//! A file that was dropped onto the page: kept, recognised by its content, audited, and offered for use.
+
+use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
+use papilio_formats::{
+    BsdfProblem, DataFile, FormatError, MapColour, Problem, audit_text, read_bsdf, read_ies, read_index,
+    read_light_map, read_measured_panel, read_pixel_table, read_profile, read_spectrum,
+};
+use papilio_goniometry::{Audit, Measurement};
+use papilio_scenario::Edit;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::drawn::Figure;
+use crate::fault::Fault;
+use crate::site::Site;
+
+/// What a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FileKind {
+    /// Measured scattering.
+    Bsdf,
+    /// A value for each wavelength.
+    Spectrum,
+    /// Refractive index, n and k.
+    Material,
+    /// Reflectance of states by angle and wavelength.
+    Pixel,
+    /// A picture of the light from all around.
+    Map,
+    /// An IES file.
+    Luminaire,
+    /// Radiance by inclination.
+    Profile,
+    /// What a meter said of a panel.
+    Panel,
+}
+
+/// A file that is kept.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct Kept {
+    /// By which requests name it: SHA-256 of its bytes.
+    id: String,
+    /// Its name.
+    name: String,
+    /// What it is.
+    kind: FileKind,
+    /// What was found in it, line by line.
+    words: Vec<String>,
+    /// Drawings of it.
+    figures: Vec<Figure>,
+    /// Ways to put it to use.
+    edits: Vec<Offer>,
+}
+
+/// A way to put a file to use.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct Offer {
+    /// What it does.
+    label: String,
+    /// How.
+    edits: Vec<Edit>,
+}
+
+/// What was found.
+struct Found {
+    kind: FileKind,
+    words: Vec<String>,
+    figures: Vec<Figure>,
+    edits: Vec<Offer>,
+}
+
+pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kept, Fault> {
+    let of = site.clone();
+    site.long()
+        .work(move |_| {
+            let file = DataFile { name, bytes };
+            let Found { kind, words, figures, edits } = recognised(&file)?;
+            let name = file.name.clone();
+            Ok(Kept { id: of.store().keep(file), name, kind, words, figures, edits })
+        })
+        .await
+}
+
+/// Tries the readers from the most particular to the plainest; each knows its files by their content.
+fn recognised(file: &DataFile) -> Result<Found, Fault> {
+    match read_bsdf(file) {
+        Ok(read) => return Ok(scattering(file, &read.value, &read.warnings)),
+        Err(FormatError { problem: Problem::Bsdf(problem), .. }) if *problem == BsdfProblem::Unknown => {}
+        Err(error) => return Err(error.into()),
+    }
+    if file.bytes.starts_with(b"IESNA") {
+        return luminaire(file);
+    }
+    if file.bytes.starts_with(b"#?") || file.bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        return map(file);
+    }
+    let mut rows = file.text()?.lines().filter(|line| !line.trim_start().starts_with('#'));
+    let head: Vec<&str> = rows.next().unwrap_or_default().split([',', ';', '\t']).map(str::trim).collect();
+    let two_columns = rows.next().is_some_and(|row| row.split([',', ';', '\t']).count() < 3);
+    if head.contains(&"state") && head.contains(&"reflectance") {
+        return pixel(file);
+    }
+    if head.contains(&"state") {
+        return panel(file);
+    }
+    match read_spectrum(file) {
+        Ok(read) if two_columns => return Ok(spectrum(file, read.wavelengths_nm(), read.values())),
+        _ => {}
+    }
+    match read_profile(file) {
+        Ok(points) => Ok(profile(file, &points)),
+        Err(_) => material(file),
+    }
+}
+
+fn scattering(file: &DataFile, measurement: &Measurement, warnings: &[String]) -> Found {
+    let audits: Vec<Option<Audit>> =
+        measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
+    let mut words: Vec<String> =
+        audit_text(&file.name, measurement, &audits).lines().map(str::to_owned).collect();
+    words.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
+    let transmits = measurement.parts.iter().any(|part| part.way.is_transmission());
+    let diffuser = json!({ "model": "measured", "file": file.name });
+    let offer = offer(
+        "Use as the diffuser",
+        [remove("display.glass.surface"), remove("display.layers"), set("display.diffuser", diffuser)],
+    );
+    Found {
+        kind: FileKind::Bsdf,
+        words,
+        figures: lobes(measurement, &audits).into_iter().map(|(name, svg)| Figure { name, svg }).collect(),
+        edits: transmits.then_some(offer).into_iter().collect(),
+    }
+}
+
+fn luminaire(file: &DataFile) -> Result<Found, Fault> {
+    let read = read_ies(file)?;
+    let [length, width] = read.opening_m;
+    let words = vec![
+        format!("{}: luminaire (IES LM-63)", file.name),
+        format!("opening {length} m by {width} m{}", if read.is_round { ", round" } else { "" }),
+    ];
+    let points = (0..=180).map(|deg| (f64::from(deg), read.intensity(f64::from(deg), 0.0))).collect();
+    let drawn = drawn("intensity", ["Angle from the nadir (deg)", "Intensity (cd)"], vec![points]);
+    let light = json!({ "model": "luminaire", "file": file.name, "elevation_deg": 60, "azimuth_deg": 90,
+        "distance_m": 3, "share": 1 });
+    Ok(Found { kind: FileKind::Luminaire, words, figures: vec![drawn], edits: vec![all_light(light)] })
+}
+
+fn map(file: &DataFile) -> Result<Found, Fault> {
+    let read = read_light_map(file)?;
+    let channel = |colour: MapColour| match colour {
+        MapColour::Red => "red".to_owned(),
+        MapColour::Green => "green".to_owned(),
+        MapColour::Blue => "blue".to_owned(),
+        MapColour::Grey => "grey".to_owned(),
+        MapColour::Wavelength(nm) => format!("{nm} nm"),
+    };
+    let channels: Vec<String> = read.channels.iter().map(|one| channel(one.colour)).collect();
+    let words = vec![
+        format!("{}: light map of {} by {} pixels", file.name, read.width, read.height),
+        format!("channels: {}", channels.join(", ")),
+    ];
+    let light = json!({ "model": "map", "file": file.name, "share": 1 });
+    Ok(Found { kind: FileKind::Map, words, figures: vec![], edits: vec![all_light(light)] })
+}
+
+fn pixel(file: &DataFile) -> Result<Found, Fault> {
+    let table = read_pixel_table(file)?;
+    let states: Vec<String> = table.states.iter().map(|(name, _)| name.clone()).collect();
+    let (theta, nm) = (&table.theta_deg, &table.wavelength_nm);
+    let ends = |values: &[f64]| [values.first(), values.last()].map(|end| end.copied().unwrap_or_default());
+    let ([low, high], [first, last]) = (ends(theta), ends(nm));
+    let words = vec![
+        format!("{}: pixel table of {} states: {}", file.name, states.len(), states.join(", ")),
+        format!(
+            "{} angles from {low} to {high} deg, {} wavelengths from {first} to {last} nm",
+            theta.len(),
+            nm.len()
+        ),
+    ];
+    let reflectance: Vec<f64> = table.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
+    let scan = PixelScan {
+        states: &states,
+        medium: "the table's medium",
+        theta_deg: theta,
+        wavelength_nm: nm,
+        reflectance: &reflectance,
+    };
+    let figures = vec![Figure { name: "pixel".to_owned(), svg: pixel_scan(&scan, "") }];
+    let pixel = |angles: &str| {
+        let pixel = json!({ "model": "table", "file": file.name, "angles": angles });
+        offer(&format!("Use as the pixel, its angles in {angles}"), [set("display.pixel", pixel)])
+    };
+    Ok(Found { kind: FileKind::Pixel, words, figures, edits: vec![pixel("glass"), pixel("air")] })
+}
+
+fn panel(file: &DataFile) -> Result<Found, Fault> {
+    let measured = read_measured_panel(file)?;
+    let words = vec![
+        format!("{}: a measured panel, {} states and directions", file.name, measured.len()),
+        "`papilio compare` holds it to a simulated one".to_owned(),
+    ];
+    Ok(Found { kind: FileKind::Panel, words, figures: vec![], edits: vec![] })
+}
+
+fn spectrum(file: &DataFile, nm: &[f64], values: &[f64]) -> Found {
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let words = vec![
+        format!("{}: spectrum, {}", file.name, wavelengths(nm)),
+        format!("values from {smallest} to {largest}"),
+    ];
+    let points = nm.iter().copied().zip(values.iter().copied()).collect();
+    let drawn = drawn("spectrum", ["Wavelength (nm)", "Value"], vec![points]);
+    let mut edits = vec![offer("Use as the light's spectrum", [set("lighting.spectrum", json!(file.name))])];
+    if smallest >= 0.0 && largest <= 1.0 {
+        let path = "display.diffuser.transmission";
+        edits.push(offer("Use as the transmission of a measured diffuser", [set(path, json!(file.name))]));
+    } else if smallest >= 1.0 && largest < 10.0 {
+        let glass = [set("display.glass.index", json!(file.name))];
+        edits.insert(0, offer("Use as the refractive index of the glass", glass));
+    }
+    Found { kind: FileKind::Spectrum, words, figures: vec![drawn], edits }
+}
+
+fn profile(file: &DataFile, points: &[(f64, f64)]) -> Found {
+    let words = vec![format!("{}: profile of light over {} angles", file.name, points.len())];
+    let drawn = drawn("profile", ["Angle (deg)", "Relative radiance"], vec![points.to_vec()]);
+    let light = json!({ "model": "profile", "file": file.name, "share": 1 });
+    Found { kind: FileKind::Profile, words, figures: vec![drawn], edits: vec![all_light(light)] }
+}
+
+fn material(file: &DataFile) -> Result<Found, Fault> {
+    let index = read_index(file)?;
+    let (first, last) = index.range_nm();
+    let words = vec![format!("{}: refractive index from {first} to {last} nm", file.name)];
+    let (from, to) = (first.max(300.0), last.min(1000.0));
+    let at = (0..=140).map(|k| from + (to - from) * f64::from(k) / 140.0);
+    let seen: Vec<(f64, _)> = at.filter_map(|nm| Some((nm, index.index(nm).ok()?))).collect();
+    let n = seen.iter().map(|(nm, index)| (*nm, index.re)).collect();
+    let k = seen.iter().map(|(nm, index)| (*nm, index.im)).collect();
+    let drawn = drawn("index", ["Wavelength (nm)", "n and k"], vec![n, k]);
+    let offers = [("the glass", "display.glass.index"), ("the pixel's substrate", "display.pixel.substrate")];
+    let edits = offers.map(|(what, path)| offer(&format!("Use as {what}"), [set(path, json!(file.name))]));
+    Ok(Found { kind: FileKind::Material, words, figures: vec![drawn], edits: edits.into() })
+}
+
+fn wavelengths(nm: &[f64]) -> String {
+    let ends = [nm.first(), nm.last()].map(|end| end.copied().unwrap_or_default());
+    format!("{} wavelengths from {} to {} nm", nm.len(), ends[0], ends[1])
+}
+
+/// Curves in a panel.
+fn drawn(name: &str, [x, y]: [&str; 2], curves: Vec<Vec<(f64, f64)>>) -> Figure {
+    let curve = |(group, points)| ChartCurve {
+        name: String::new(),
+        hue: Hue::Group(group + 2),
+        dashed: false,
+        marks: false,
+        points,
+    };
+    let (x, y) = (x.to_owned(), y.to_owned());
+    let curves = curves.into_iter().enumerate().map(curve).collect();
+    let svg = chart(&Chart { x, y, logarithmic: false, at_least: vec![0.0], curves }, "");
+    Figure { name: name.to_owned(), svg }
+}
+
+/// All of the room's light is this.
+fn all_light(light: Value) -> Offer {
+    let others = ["lighting.preset", "lighting.diffuse", "lighting.directed"];
+    let edits = others.map(remove).into_iter().chain([set("lighting.environment", json!([light]))]);
+    Offer { label: "Use as all of the room's light".to_owned(), edits: edits.collect() }
+}
+
+fn offer<const N: usize>(label: &str, edits: [Edit; N]) -> Offer {
+    Offer { label: label.to_owned(), edits: edits.into() }
+}
+
+fn set(path: &str, value: Value) -> Edit {
+    Edit::Set { path: path.to_owned(), value }
+}
+
+fn remove(path: &str) -> Edit {
+    Edit::Remove { path: path.to_owned() }
+}

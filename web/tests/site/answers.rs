@@ -1,0 +1,251 @@
+//! What is asked in good faith.
+
+use std::io::{BufRead, BufReader, Write};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use papilio_display::Control;
+use papilio_scenario::Scenario;
+use serde_json::{Value, json};
+
+use crate::client::Server;
+
+pub(crate) fn indoor(server: &Server) -> String {
+    server.get("/api/v1/examples/indoor").json()["scenario"].as_str().unwrap().to_owned()
+}
+
+/// The page's numbers are those of `papilio run`, to the last bit, whatever was on screen before.
+#[test]
+fn live_is_what_the_command_line_says() {
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/indoor.toml");
+    for (key, value) in
+        [("lighting.directed.0.theta_deg", -33.5), ("display.pixel.film.1.thickness_nm", 10.25)]
+    {
+        let set = [format!("{key}={value}")];
+        let resolved = Scenario::load(path.as_ref(), &set).unwrap().resolve().unwrap();
+        let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
+        let wanted = papilio_display::run(&resolved.scene, &control).unwrap();
+        let edits = json!([{ "op": "set", "path": key, "value": value }]);
+        let answer = server.post("/live", &json!({ "scenario": scenario, "edits": edits }));
+        assert_eq!(answer.status, 200, "{answer:?}");
+        let seen = answer.json();
+        assert_eq!(seen["result"]["hash"], resolved.hash);
+        // As texts: reading a number back may change its last bit.
+        let views = format!("\"views\":{}", serde_json::to_string(&wanted.views).unwrap());
+        let text = String::from_utf8_lossy(&answer.body);
+        assert!(text.contains(&views), "{key}");
+        assert!(seen["scenario"].as_str().unwrap().contains("# its mirror image would be seen"));
+        assert_eq!(seen["fields"]["solver"]["method"], "adding");
+    }
+}
+
+/// Every shipped scenario and preset can be opened.
+#[test]
+fn examples_and_presets_are_seen() {
+    let server = Server::start();
+    for list in ["examples", "presets"] {
+        let all = server.get(&format!("/api/v1/{list}")).json();
+        assert!(all.as_array().unwrap().len() > 10);
+        for one in all.as_array().unwrap() {
+            let name = one["name"].as_str().unwrap();
+            assert!(one["summary"].as_str().unwrap().len() > 10, "{name}");
+            let scenario = server.get(&format!("/api/v1/{list}/{name}")).json()["scenario"].clone();
+            let answer = server.post("/live", &json!({ "scenario": scenario }));
+            assert_eq!(answer.status, 200, "{name}: {}", String::from_utf8_lossy(&answer.body));
+        }
+    }
+    assert_eq!(server.get("/api/v1/examples/nothing").status, 404);
+}
+
+#[test]
+fn a_mistake_is_told_at_its_key() {
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let edits = json!([{ "op": "set", "path": "display.diffuser.haze", "value": 78 }]);
+    let answer = server.post("/live", &json!({ "scenario": scenario, "edits": edits }));
+    assert_eq!(answer.status, 422);
+    let body = answer.json();
+    let error = &body["errors"][0];
+    assert_eq!(error["path"], "display.diffuser.haze");
+    assert_eq!(error["message"], "78 is out of range");
+    assert_eq!(error["hint"], "this is a share of 1, not percent");
+    assert!(error["line"].as_u64().unwrap() > 10 && error["column"].as_u64().unwrap() == 8);
+    assert!(body["scenario"].as_str().unwrap().contains("haze = 78"));
+    let missing = scenario.replace("total_transmittance", "# total_transmittance");
+    let (_, path) = server.post("/live", &json!({ "scenario": missing })).error();
+    assert_eq!(path.as_deref(), Some("display.diffuser"));
+}
+
+#[test]
+fn a_file_is_kept_recognised_and_used() {
+    let server = Server::start();
+    let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/data/H65.bsdf")).unwrap();
+    let answer = server.send("/api/v1/files?name=my%20film.bsdf", "application/octet-stream", &bytes);
+    assert_eq!(answer.status, 200, "{answer:?}");
+    let kept = answer.json();
+    assert_eq!((kept["kind"].as_str(), kept["name"].as_str()), (Some("bsdf"), Some("my film.bsdf")));
+    assert!(kept["words"].as_array().unwrap().iter().any(|line| line.as_str().unwrap().contains("haze")));
+    assert!(kept["figures"][0]["svg"].as_str().unwrap().starts_with("<svg"));
+    let (scenario, edits) = (indoor(&server), &kept["edits"][0]["edits"]);
+    let with = |id: &Value| json!({ "scenario": scenario, "edits": edits, "files": { "my film.bsdf": id } });
+    let seen = server.post("/live", &with(&kept["id"]));
+    assert_eq!(seen.status, 200, "{}", String::from_utf8_lossy(&seen.body));
+    assert_eq!(seen.json()["result"]["scenario"]["inputs"]["my film.bsdf"], kept["id"]);
+    // What the server has forgotten is asked for again.
+    let gone = server.post("/live", &with(&json!("00")));
+    assert_eq!((gone.status, &gone.json()["missing"]), (410, &json!(["00"])));
+    // Without the file, its name leads nowhere, least of all to the disk.
+    let (message, path) = server.post("/live", &json!({ "scenario": scenario, "edits": edits })).error();
+    assert_eq!(message, "there is no file `my film.bsdf` here");
+    assert_eq!(path.as_deref(), Some("display.diffuser.file"));
+}
+
+/// Each kind of shipped data is told from the others.
+#[test]
+fn files_are_told_apart() {
+    let server = Server::start();
+    let kinds = [
+        ("H65-transmission.csv", "spectrum"),
+        ("synthetic-absorber.csv", "material"),
+        ("fused-silica.yml", "material"),
+        ("synthetic-office.hdr", "map"),
+        ("synthetic-panel.ies", "luminaire"),
+        ("synthetic-room.csv", "profile"),
+        ("synthetic-pixel.csv", "pixel"),
+        ("synthetic-panel.csv", "panel"),
+        ("synthetic-paper-white.bsdf", "bsdf"),
+    ];
+    for (name, kind) in kinds {
+        let path = format!("{}/../scenarios/data/{name}", env!("CARGO_MANIFEST_DIR"));
+        let bytes = std::fs::read(path).unwrap();
+        let answer = server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", &bytes);
+        assert_eq!(answer.json()["kind"], kind, "{name}");
+    }
+    let broken =
+        server.send("/api/v1/files?name=a.bsdf", "application/octet-stream", b"Source  Measured\nnonsense");
+    assert_eq!(broken.status, 422);
+}
+
+#[test]
+fn angles_cone_figures_and_files_come_back() {
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let asked = json!({ "scenario": scenario, "phi_deg": 0, "from_deg": -60, "to_deg": 60, "step_deg": 20 });
+    let angles = server.post("/angles", &asked).json();
+    assert_eq!(angles["theta_deg"].as_array().unwrap().len(), 7);
+    assert_eq!(angles["metrics"]["contrast_ratio"].as_array().unwrap().len(), 7);
+    assert_eq!(angles["states"]["red"]["u_prime"].as_array().unwrap().len(), 7);
+    let cone = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 15 })).json();
+    assert_eq!(cone["data"].as_array().unwrap().len(), 6 * 12);
+    assert!(cone["figures"][0]["svg"].as_str().unwrap().starts_with("<svg"));
+    let figures = server.post("/figures", &json!({ "scenario": scenario, "names": ["patches"] })).json();
+    assert_eq!(figures.as_array().unwrap().len(), 1);
+    for (what, start) in [
+        ("result.json", "{"),
+        ("states.csv", "theta_deg,phi_deg,state"),
+        ("spectra.csv", "theta_deg,phi_deg,state,wavelength_nm"),
+        ("overview.svg", "<svg"),
+        ("overview.png", "\u{fffd}PNG"),
+    ] {
+        let file = server.post("/export", &json!({ "scenario": scenario, "what": what }));
+        assert_eq!(file.status, 200, "{what}");
+        assert!(String::from_utf8_lossy(&file.body).starts_with(start), "{what}");
+    }
+    assert_eq!(server.post("/export", &json!({ "scenario": scenario, "what": "../x" })).status, 404);
+}
+
+/// The report needs nothing else: no address of another file or host in it.
+#[test]
+fn a_report_is_whole() {
+    let server = Server::start();
+    let report = server.post("/export", &json!({ "scenario": indoor(&server), "what": "report.html" }));
+    let html = String::from_utf8(report.body).unwrap();
+    for part in [
+        "<h1>Indoor reading</h1>",
+        "Where the light goes",
+        "From all directions",
+        "total_transmittance = 0.90",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    for address in html.split("src=\"").skip(1).chain(html.split("href=\"").skip(1)) {
+        assert!(address.starts_with("data:image/svg+xml,") || address.starts_with('#'));
+    }
+}
+
+/// The last event of a stream, and how many came before it.
+fn events(body: &[u8]) -> (usize, String, Value) {
+    let text = String::from_utf8_lossy(body);
+    let all: Vec<(String, Value)> = text
+        .split("\n\n")
+        .filter_map(|event| {
+            let name = event.lines().find_map(|line| line.strip_prefix("event: "))?;
+            let data = event.lines().find_map(|line| line.strip_prefix("data: "))?;
+            Some((name.to_owned(), serde_json::from_str(data).unwrap()))
+        })
+        .collect();
+    let (name, data) = all.last().unwrap().clone();
+    (all.len() - 1, name, data)
+}
+
+/// The walk's answer is that of `papilio run --solver walk`, and agrees with the live one: 24 numbers, of which the
+/// worst lies beyond 5 standard errors once in 70 000 displays.
+#[test]
+fn the_walk_tells_how_it_comes_on_and_agrees() {
+    let server = Server::start();
+    let answer = server.post("/walk", &json!({ "scenario": indoor(&server) }));
+    assert!(answer.status == 200 && answer.head.contains("text/event-stream"), "{answer:?}");
+    let (before, name, done) = events(&answer.body);
+    assert!(before >= 1 && name == "done");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/indoor.toml");
+    let set = ["solver.method=walk".to_owned()];
+    let resolved = Scenario::load(path.as_ref(), &set).unwrap().resolve().unwrap();
+    assert_eq!(done["result"]["hash"], resolved.hash);
+    let states = done["states"].as_array().unwrap();
+    assert_eq!(states.len(), 8);
+    for state in states {
+        assert!(state["Y_se"].as_f64().unwrap() > 0.0);
+        for z in state["z_of_xyz"].as_array().unwrap() {
+            assert!(z.as_f64().unwrap().abs() < 5.0, "{state}");
+        }
+    }
+}
+
+#[test]
+fn a_sweep_tells_each_point() {
+    let server = Server::start();
+    let sweep = "\n[sweep]\nfigures = [\"contrast_ratio\"]\naxes = [{ \"viewer.theta_deg\" = [0, 8, 16] }]\n";
+    let answer = server.post("/sweep", &json!({ "scenario": indoor(&server) + sweep }));
+    let (before, name, done) = events(&answer.body);
+    assert_eq!((before, name.as_str()), (3, "done"), "{done}");
+    assert_eq!(done["csv"].as_str().unwrap().lines().count(), 1 + 3 * 8);
+}
+
+/// A browser that goes away frees its place at once: a walk that would take hours is begun, left, and begun again.
+#[test]
+fn who_goes_away_frees_the_work() {
+    let server = Server::start();
+    let scenario = indoor(&server).replace("relative_error = 0.001", "relative_error = 1e-6");
+    let body = json!({ "scenario": scenario }).to_string();
+    let begin = || {
+        let mut stream = server.connect();
+        stream.write_all(&server.request("/api/v1/walk", "application/json", body.as_bytes())).unwrap();
+        let mut lines = BufReader::new(stream).lines();
+        assert!(lines.next().unwrap().unwrap().contains("200"));
+        lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("event: progress"))).unwrap().unwrap();
+        lines
+    };
+    let places = std::thread::available_parallelism().map_or(1, usize::from).div_ceil(4).max(1);
+    let walks: Vec<_> = (0..places).map(|_| begin()).collect();
+    // All places are taken: the next one is asked to come back.
+    let busy = server.post("/walk", &json!({ "scenario": scenario }));
+    assert!(busy.status == 503 && busy.head.contains("retry-after: 1"), "{busy:?}");
+    // The live answer has places of its own.
+    assert_eq!(server.post("/live", &json!({ "scenario": indoor(&server) })).status, 200);
+    drop(walks);
+    let started = Instant::now();
+    drop(begin());
+    assert!(started.elapsed() < Duration::from_secs(2), "{:?}", started.elapsed());
+}

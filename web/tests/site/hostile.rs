@@ -1,0 +1,216 @@
+//! What is asked in bad faith: each request has an answer of its own, and the server goes on.
+
+use std::io::Write;
+use std::net::IpAddr;
+use std::time::{Duration, Instant};
+
+use papilio_web::{Options, openapi};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use serde_json::{Value, json};
+
+use crate::answers::indoor;
+use crate::client::{Server, read};
+
+fn is_alive(server: &Server) -> bool {
+    server.get("/api/v1/health").status == 200
+}
+
+#[test]
+fn no_path_leads_to_the_disk() {
+    let server = Server::start();
+    for path in [
+        "/../Cargo.toml",
+        "/..%2f..%2fCargo.toml",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "//etc/passwd",
+        "/assets/../../Cargo.toml",
+        "/api/v1/examples/..%2f..%2fCargo",
+        "/api/v1/examples/%2fetc%2fpasswd",
+        "/api/v1/presets/..%2findoor",
+        "/api/v1/../../etc/passwd",
+        "/api/v2/health",
+    ] {
+        let answer = server.get(path);
+        assert!((400..500).contains(&answer.status), "{path}: {answer:?}");
+        assert!(!String::from_utf8_lossy(&answer.body).contains("root:"), "{path}");
+    }
+    // A scenario cannot name one, either.
+    for file in ["/etc/passwd", "../Cargo.toml", "data/../../Cargo.toml", "Cargo.toml"] {
+        let edits = json!([{ "op": "set", "path": "lighting.spectrum", "value": file }]);
+        let answer = server.post("/live", &json!({ "scenario": indoor(&server), "edits": edits }));
+        let (message, path) = answer.error();
+        assert_eq!((answer.status, path.as_deref()), (422, Some("lighting.spectrum")), "{file}: {message}");
+    }
+    for name in ["", "..", "a/b", "a%2Fb", "a%5Cb", "a%00b", "%", "%zz"] {
+        let path = format!("/api/v1/files?name={name}");
+        assert_eq!(server.send(&path, "application/octet-stream", b"400,1\n500,1\n").status, 400, "{name}");
+    }
+}
+
+#[test]
+fn foreign_hosts_origins_and_methods_are_turned_away() {
+    let server = Server::start();
+    let port = server.address.port();
+    let ask = |lines: &str| server.raw(format!("{lines}\r\nConnection: close\r\n\r\n").as_bytes()).status;
+    let health = "GET /api/v1/health HTTP/1.1\r\n";
+    assert_eq!(ask(&format!("{health}Host: localhost:{port}")), 200);
+    assert_eq!(ask(&format!("{health}Host: evil.example:{port}")), 403);
+    assert_eq!(ask(&format!("{health}Host: localhost:{port}\r\nHost: evil.example")), 403);
+    assert_eq!(ask(&format!("{health}Host: localhost:{port}\r\nOrigin: http://evil.example")), 403);
+    assert_eq!(ask(&format!("{health}Host: localhost:{port}\r\nOrigin: http://localhost:{port}")), 200);
+    assert_eq!(ask(&format!("{health}Accept: */*")), 403);
+    assert_eq!(ask(&format!("GET / HTTP/1.1\r\nHost: evil.example:{port}")), 403);
+    assert_eq!(ask(&format!("DELETE /api/v1/health HTTP/1.1\r\nHost: localhost:{port}")), 405);
+    assert_eq!(ask(&format!("GET /api/v1/live HTTP/1.1\r\nHost: localhost:{port}")), 405);
+    assert_eq!(ask(&format!("OPTIONS /api/v1/live HTTP/1.1\r\nHost: localhost:{port}")), 405);
+    assert_eq!(ask("BREW / COFFEE"), 400);
+    // A form of another site can send texts, never JSON.
+    assert_eq!(server.send("/api/v1/live", "text/plain", b"{}").status, 415);
+    let head = server.get("/").head;
+    assert!(
+        head.contains("default-src 'none'") && head.contains("nosniff") && !head.contains("allow-origin")
+    );
+}
+
+#[test]
+fn elsewhere_a_token_is_demanded() {
+    let everywhere: IpAddr = "0.0.0.0".parse().unwrap();
+    let server = Server::with(Options { listen: everywhere, port: 0, start: None });
+    assert_eq!(server.get("/api/v1/health").status, 401);
+    assert_eq!(server.post("/live", &json!({ "scenario": "" })).status, 401);
+    // The page itself may load: it reads the token from its address.
+    assert_eq!(server.get("/").status, 200);
+}
+
+#[test]
+fn what_is_too_large_too_deep_or_too_much_is_refused() {
+    let server = Server::start();
+    let long = "#".repeat(300 << 10);
+    assert_eq!(server.post("/live", &json!({ "scenario": long })).status, 413);
+    let longer = "#".repeat(2 << 20);
+    assert_eq!(server.post("/live", &json!({ "scenario": longer })).status, 413);
+    let huge = vec![b'1'; (64 << 20) + 1];
+    assert_eq!(server.send("/api/v1/files?name=a.csv", "application/octet-stream", &huge).status, 413);
+    let deep = format!(
+        "{{\"scenario\":\"\",\"edits\":[{{\"op\":\"set\",\"path\":\"a\",\"value\":{}",
+        "[".repeat(100_000)
+    );
+    assert_eq!(server.send("/api/v1/live", "application/json", deep.as_bytes()).status, 400);
+    let nested = format!("a = {}1{}", "[".repeat(2000), "]".repeat(2000));
+    assert_eq!(server.post("/live", &json!({ "scenario": nested })).status, 422);
+    let dotted = format!("{} = 1", vec!["a"; 20_000].join("."));
+    assert_eq!(server.post("/live", &json!({ "scenario": dotted })).status, 422);
+    let many = indoor(&server).replace("theta_deg = 8", "theta_deg = { from = -80, to = 80, step = 0.1 }");
+    let (message, _) = server.post("/live", &json!({ "scenario": many })).error();
+    assert!(message.contains("too much for a page"), "{message}");
+    let header = format!("GET / HTTP/1.1\r\nHost: localhost\r\nX: {}\r\n\r\n", "y".repeat(64 << 10));
+    assert!((400..500).contains(&server.raw(header.as_bytes()).status));
+    assert!(is_alive(&server));
+}
+
+/// A body, and a header, that never end are given up after ten seconds, and others are served meanwhile.
+#[test]
+fn who_dawdles_is_given_up() {
+    let server = Server::start();
+    let started = Instant::now();
+    let (mut body, mut header) = (server.connect(), server.connect());
+    let port = server.address.port();
+    let head = format!(
+        "POST /api/v1/live HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{{"
+    );
+    body.write_all(head.as_bytes()).unwrap();
+    header.write_all(b"GET / HTTP/1.1\r\nHost: loc").unwrap();
+    assert!(is_alive(&server));
+    assert_eq!(read(&mut body).status, 408);
+    assert!(matches!(read(&mut header).status, 0 | 408));
+    let waited = started.elapsed();
+    assert!((Duration::from_secs(8)..Duration::from_secs(25)).contains(&waited), "{waited:?}");
+}
+
+/// The description is whole: every reference leads somewhere, every endpoint says what it takes and gives.
+#[test]
+fn the_description_is_whole() {
+    let all = openapi();
+    assert_eq!(all["openapi"], "3.1.0");
+    let schemas = all["components"]["schemas"].as_object().unwrap();
+    let text = all.to_string();
+    for reference in text.split("\"$ref\":\"").skip(1) {
+        let reference = reference.split('"').next().unwrap();
+        let name = reference.strip_prefix("#/components/schemas/").unwrap_or_else(|| panic!("{reference}"));
+        assert!(schemas.contains_key(name), "{name}");
+    }
+    assert!(all["paths"].as_object().unwrap().len() >= 15);
+    let server = Server::start();
+    assert_eq!(server.get("/api/v1/openapi.json").json(), all);
+}
+
+/// Any JSON, up to a few levels.
+fn junk() -> impl Strategy<Value = Value> {
+    let leaf = prop_oneof![
+        Just(Value::Null),
+        any::<bool>().prop_map(Value::from),
+        any::<f64>().prop_map(Value::from),
+        any::<i64>().prop_map(Value::from),
+        "[ -~]{0,12}".prop_map(Value::from),
+        Just(json!("[display.pixel]\nmodel = \"film\"")),
+        Just(json!("lighting.directed.0.theta_deg")),
+        Just(json!("..")),
+    ];
+    leaf.prop_recursive(3, 16, 4, |inner| {
+        prop_oneof![
+            prop::collection::vec(inner.clone(), 0..4).prop_map(Value::from),
+            prop::collection::hash_map("[a-z_.0]{0,8}", inner, 0..4)
+                .prop_map(|all| Value::Object(all.into_iter().collect())),
+        ]
+    })
+}
+
+/// The properties that a schema names, resolved.
+fn properties(all: &Value, schema: &Value) -> Vec<String> {
+    let reference = schema["$ref"].as_str().and_then(|path| path.strip_prefix('#'));
+    let schema = reference.and_then(|path| all.pointer(path)).unwrap_or(schema);
+    schema["properties"].as_object().map(|all| all.keys().cloned().collect()).unwrap_or_default()
+}
+
+/// Requests that are made of the description, each property some junk or a scenario: the answer is one, never a
+/// fault of the server's.
+#[test]
+fn generated_requests_have_an_answer() {
+    let (server, all) = (Server::start(), openapi());
+    let scenario = indoor(&server);
+    let mut asked = 0;
+    for (path, methods) in all["paths"].as_object().unwrap() {
+        let Some(schema) = methods.pointer("/post/requestBody/content/application~1json/schema") else {
+            continue;
+        };
+        let keys = properties(&all, schema);
+        let one = prop::collection::vec((junk(), 0..4_u8), keys.len());
+        let mut runner =
+            TestRunner::new(Config { cases: 12, failure_persistence: None, ..Config::default() });
+        let tried = runner.run(&one, |values| {
+            let mut body = serde_json::Map::new();
+            for (key, (value, kind)) in keys.iter().zip(values) {
+                match (kind, key.as_str()) {
+                    (0, _) => continue,
+                    (1, "scenario") => drop(body.insert(key.clone(), json!(scenario))),
+                    (1, "edits") => {
+                        drop(body.insert(key.clone(), json!([{ "op": "set", "path": "a", "value": value }])))
+                    }
+                    (1, "files") => drop(body.insert(key.clone(), json!({ "a": "b" }))),
+                    _ => drop(body.insert(key.clone(), value)),
+                }
+            }
+            let answer =
+                server.send(path, "application/json", Value::Object(body.clone()).to_string().as_bytes());
+            prop_assert!(
+                answer.status == 200 || (400..500).contains(&answer.status),
+                "{path} {body:?}: {answer:?}"
+            );
+            Ok(())
+        });
+        tried.unwrap_or_else(|error| panic!("{error}"));
+        asked += 1;
+    }
+    assert!(asked >= 8 && is_alive(&server));
+}

@@ -1,0 +1,72 @@
+//! Fifty clients at once. `PAPILIO_LOAD_SECONDS` says for how long; `cargo xtask full` says a minute.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use crate::answers::indoor;
+use crate::client::Server;
+
+const CLIENTS: usize = 50;
+
+/// What the process holds in memory, kB.
+fn resident_kb() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.trim().split(' ').next()?.parse().ok()
+}
+
+/// Every answer is the right one or an intended refusal, memory stays bounded, and one more user, who moves a slider,
+/// is served all the while.
+#[test]
+fn fifty_clients_and_one_who_moves_a_slider() {
+    let seconds = std::env::var("PAPILIO_LOAD_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(3);
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let live = |theta: f64| {
+        let edits = json!([{ "op": "set", "path": "viewer.theta_deg", "value": theta }]);
+        server.post("/live", &json!({ "scenario": scenario, "edits": edits }))
+    };
+    assert_eq!(live(0.0).status, 200);
+    let before = resident_kb();
+    let end = Instant::now() + Duration::from_secs(seconds);
+    let (answered, refused) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let mut waits = Vec::new();
+    std::thread::scope(|scope| {
+        for client in 0..CLIENTS {
+            let (answered, refused, live) = (&answered, &refused, &live);
+            scope.spawn(move || {
+                for turn in 0.. {
+                    if Instant::now() > end {
+                        break;
+                    }
+                    match live(((client * 7 + turn * 3) % 120) as f64 - 60.0).status {
+                        200 => answered.fetch_add(1, Ordering::Relaxed),
+                        503 => refused.fetch_add(1, Ordering::Relaxed),
+                        other => panic!("status {other}"),
+                    };
+                    std::thread::sleep(Duration::from_millis(100));
+                }
+            });
+        }
+        while Instant::now() < end {
+            let started = Instant::now();
+            assert_eq!(live(8.0).status, 200);
+            waits.push(started.elapsed());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    });
+    waits.sort_unstable();
+    let grown_mb = before.zip(resident_kb()).map(|(before, after)| after.saturating_sub(before) / 1024);
+    let of = |share: f64| waits[((waits.len() - 1) as f64 * share) as usize];
+    println!(
+        "{} answers, {} refusals in {seconds} s; one more user waited {:?} (median), {:?} (95 %); memory grew by {grown_mb:?} MB",
+        answered.load(Ordering::Relaxed),
+        refused.load(Ordering::Relaxed),
+        of(0.5),
+        of(0.95),
+    );
+    assert!(answered.load(Ordering::Relaxed) > CLIENTS);
+    assert!(grown_mb.is_none_or(|grown| grown < 500), "{grown_mb:?} MB");
+    assert!(of(0.95) < Duration::from_secs(2), "{:?}", of(0.95));
+}
