@@ -210,8 +210,11 @@ impl Survey<'_> {
                 kernel.prepare(&setup.stack, &fields(theta).collect::<Vec<Cone>>(), &setup.sources);
                 (&*kernel, 0)
             };
-            let view = |k: usize| self.run.meter.cone_view(&self.colours(kernel, first + k), normal);
-            let views = (0..computed.len()).map(view).collect();
+            let view = |k: usize| {
+                let go_on = !self.run.control.stopped();
+                go_on.then(|| self.run.meter.cone_view(&self.colours(kernel, first + k), normal))
+            };
+            let views = (0..computed.len()).map(view).collect::<Option<Vec<_>>>()?;
             let more = self.grid.phi_deg.len();
             self.tell(0.0, 1.0, done.fetch_add(more, Ordering::Relaxed) + more);
             Some((views, own.map_or(0, |kernel| kernel.nodes() as u64)))

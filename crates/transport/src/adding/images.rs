@@ -47,7 +47,7 @@ fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
     let rings = 1.0 + (3.0 * digits * half / SMOOTH).ceil();
     let sectors = 4.0 * rings;
     let mut parts = vec![[0.0; 3]; (rings * sectors) as usize];
-    let count = (400.0 * (0.4 * digits).exp()).min(MOST_SEEDS) as usize;
+    let count = seeds(&many, digits);
     let whole = 2.0 * (0.5 * half).sin();
     for k in 0..count {
         // A sunflower's seeds: even in solid angle.
@@ -66,8 +66,22 @@ fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
     parts.into_iter().filter(|part| part[0] > 0.0).map(at_centre).collect()
 }
 
-/// The error of edges falls as 1/count^(3/4): these many leave some 1e-5, and take a fifth of a second.
+/// How many seeds edges take, from radiances in the view: their error is that of an edge's step over the mean and falls as
+/// 1/count^(3/4), so that small steps, as of a sky from cell to cell, take few.
+fn seeds(seen: &[Point], digits: f64) -> usize {
+    let radiances = || seen.iter().map(|point| point.weight);
+    let (least, most) = (radiances().fold(f64::INFINITY, f64::min), radiances().fold(0.0, f64::max));
+    let mean = radiances().sum::<f64>() / seen.len() as f64;
+    let step = ((most - least) / mean).min(1.0);
+    let of_whole_steps = (400.0 * (0.4 * digits).exp()).min(MOST_SEEDS);
+    (of_whole_steps * step.powf(4.0 / 3.0)).max(FEWEST_SEEDS) as usize
+}
+
+/// So many leave some 1e-5 of an edge, and take a fifth of a second.
 const MOST_SEEDS: f64 = 2e6;
+
+/// And fewer are not worth counting.
+const FEWEST_SEEDS: f64 = 4096.0;
 
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
