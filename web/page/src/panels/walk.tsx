@@ -2,14 +2,16 @@
 // the walk's error bars hold the live value, the number is proved twice.
 
 import type { WalkState } from "../api/types.ts";
-import { count, digits, fixed, signed } from "../model/format.ts";
+import { count, digits, fixed, plain, signed } from "../model/format.ts";
 import { numberAt } from "../model/json.ts";
 import { fields, viewIndex } from "../state/design.ts";
-import { course, progress, run, stale, walk } from "../state/walk.ts";
+import { aim, course, progress, run, stale, walk } from "../state/walk.ts";
 import { Curves } from "../plots/curves.tsx";
 import { dark } from "../state/theme.ts";
 import { Problems } from "./problems.tsx";
 
+/** Relative errors to choose from. */
+const AIMS = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 const WIDTH = 260;
 /** The bars' axis reaches from -LIMIT to LIMIT times the error that is asked for. */
 const LIMIT = 4;
@@ -29,6 +31,9 @@ function Bars({ state, target }: { state: WalkState; target: number }) {
   );
 }
 
+/** Decimals that show two digits of the error. */
+const decimals = ({ Y_se: se }: WalkState): number => (se > 0 ? Math.min(9, Math.max(4, 1 - Math.floor(Math.log10(se)))) : 5);
+
 /** Agreement in words: how likely so large a distance is by chance is what counts. */
 const verdict = (z: number): string => (Math.abs(z) < 2 ? "agrees" : Math.abs(z) < 3 ? "agrees, barely" : "look again");
 
@@ -38,15 +43,15 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
       <thead>
         <tr>
           <th scope="col">state</th><th scope="col">Y live</th><th scope="col">Y walk</th>
-          <th scope="col" class="bar-head">walk less live, ±1 and ±2 standard errors</th><th scope="col">z</th><th scope="col">so</th>
+          <th scope="col" class="bar-head">walk less live, ±1 and ±2 standard errors</th><th scope="col">z</th><th scope="col" class="words">it</th>
         </tr>
       </thead>
       <tbody>
         {states.map((state) => (
           <tr key={state.name}>
             <th scope="row">{state.name}</th>
-            <td>{fixed(state.live_Y, 5)}</td>
-            <td>{fixed(state.Y, 5)} ± {fixed(state.Y_se, 5)}</td>
+            <td>{fixed(state.live_Y, decimals(state))}</td>
+            <td>{fixed(state.Y, decimals(state))} ± {fixed(state.Y_se, decimals(state))}</td>
             <td class="bar-cell"><Bars state={state} target={target} /></td>
             <td>{signed(state.z, 1)}</td>
             <td class="words">{verdict(state.z ?? 0)}</td>
@@ -58,7 +63,7 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
 }
 
 export function WalkPanel() {
-  const target = numberAt(fields.value, "solver.relative_error") ?? 0.001;
+  const target = aim.value ?? numberAt(fields.value, "solver.relative_error") ?? 0.001;
   const now = progress.value;
   const running = walk.phase.value === "running";
   const reached = now ? Math.min(1, (target / Math.max(now.relative_error, 1e-12)) ** 2) : 0;
@@ -68,10 +73,14 @@ export function WalkPanel() {
       <div class="controls">
         {running
           ? <button type="button" onClick={walk.cancel}>Cancel</button>
-          : <button type="button" class="run" onClick={run}>{now ? "Run again" : "Run the walk"}</button>}
+          : <button type="button" class="run" onClick={() => void run()}>{now ? "Run again" : "Run the walk"}</button>}
+        <label for="walk-aim">to a relative error of</label>
+        <select id="walk-aim" value={String(aim.value ?? "")} disabled={running} onChange={(event) => (aim.value = event.currentTarget.value === "" ? null : Number(event.currentTarget.value))}>
+          <option value="">{digits(100 * (numberAt(fields.value, "solver.relative_error") ?? 0.001), 2)} %, as in the scenario</option>
+          {AIMS.map((one) => <option key={one} value={String(one)}>{plain(100 * one)} %</option>)}
+        </select>
         <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the walk" />
         <span role="status" data-phase={walk.phase.value}>
-          {walk.phase.value === "idle" && `to a relative error of ${digits(target, 2)}`}
           {now && `${count(now.paths)} paths in ${fixed(now.seconds, 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
           {walk.phase.value === "cancelled" && ", cancelled"}
           {walk.phase.value === "done" && ", done"}
@@ -80,15 +89,15 @@ export function WalkPanel() {
       <Problems of={walk.problems.value} />
       {stale.value && <p class="remark warning">The design has changed since; this walk is of the earlier one.</p>}
       {states.length > 0 && <div class={stale.value ? "scroll stale" : "scroll"} tabindex={0} role="region" aria-label="Walk and live answer"><Rows states={states} target={target} /></div>}
-      {course.value.length > 2 && (
+      {course.value.length > 1 && (
         <Curves
-          x={course.value.map(([paths]) => paths / 1e6)} xName="Paths (millions)" yName="Relative error of Y (%)" height={150} label="Relative error against paths"
+          x={course.value.map(([paths]) => paths)} xName="Paths" yName="Error of Y (%)" height={170} log label="Relative error against paths"
           curves={[{ name: "error", values: course.value.map(([, error]) => 100 * error), colour: dark.value ? "#7da4f2" : "#2b5fc7", dash: [], width: 2 }]}
         />
       )}
       <p class="remark">
         The walk follows light path by path and shares no integration with the live answer. Its errors are one sigma, of independent replicates; z is their distance in standard errors.
-        The relative error that it runs to is under Computing.
+       
       </p>
     </>
   );

@@ -24,6 +24,8 @@ interface Props {
   /** The least that the ordinate reaches from and to. */
   range?: readonly [number, number];
   label: string;
+  /** Both axes in equal ratios. */
+  log?: boolean;
   /** The index under the pointer, or null. */
   hover?: (index: number | null) => void;
   /** A vertical line at this abscissa. */
@@ -47,8 +49,8 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     legend: { show: false },
     cursor: { y: false, points: { size: 7 }, drag: { x: false, y: false } },
     scales: {
-      x: { time: false },
-      y: { range: (_, low, high) => nice(Math.min(low ?? 0, props.range?.[0] ?? Infinity), Math.max(high ?? 1, props.range?.[1] ?? -Infinity)) },
+      x: { time: false, ...(props.log ? { distr: 3 as const } : {}) },
+      y: props.log ? { distr: 3 } : { range: (_, low, high) => nice(Math.min(low ?? 0, props.range?.[0] ?? Infinity), Math.max(high ?? 1, props.range?.[1] ?? -Infinity)) },
     },
     axes: [{ ...axis(props.xName), size: 30, space: 44 }, { ...axis(props.yName), size: 46, space: 34 }],
     series: [{}, ...props.curves.map((curve): uPlot.Series => ({
@@ -91,7 +93,7 @@ export function Curves(props: Props) {
   const plot = useRef<uPlot & { marked?: number } | null>(null);
   const latest = useRef(props);
   latest.current = props;
-  const look = JSON.stringify([dark.value, props.xName, props.yName, props.height, props.curves.map(({ name, colour, dash, width }) => [name, colour, dash, width])]);
+  const look = JSON.stringify([dark.value, props.log, props.xName, props.yName, props.height, props.curves.map(({ name, colour, dash, width }) => [name, colour, dash, width])]);
   useEffect(() => {
     const box = holder.current;
     if (!box) return;

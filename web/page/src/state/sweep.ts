@@ -2,7 +2,6 @@
 
 import { computed, signal } from "@preact/signals";
 
-import { post } from "../api/client.ts";
 import type { Edit, SweepPoint } from "../api/types.ts";
 import { numbers } from "../model/keys.ts";
 import { fields, text } from "./design.ts";
@@ -45,8 +44,7 @@ export function asEdits(): Edit[] {
 export async function run(): Promise<void> {
   swept.value = axes.value;
   points.value = [];
-  const { scenario } = await post<{ scenario: string }>("edit", { scenario: text.value, edits: asEdits() });
-  await sweep.start("sweep", { scenario, files: fileIds.value }, (event, data) => {
+  await sweep.start("sweep", { scenario: text.value, files: fileIds.value }, asEdits(), (event, data) => {
     if (event === "point") points.value = [...points.value, data as SweepPoint];
   });
 }

@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 
-import type { WalkProgress } from "../api/types.ts";
+import type { Edit, WalkProgress } from "../api/types.ts";
 import { fileIds } from "./files.ts";
 import { text } from "./design.ts";
 import { long } from "./work.ts";
@@ -16,11 +16,15 @@ export const course = signal<readonly (readonly [number, number])[]>([]);
 /** Whether the design has changed since. */
 export const stale = computed(() => walked.value !== "" && walked.value !== text.value);
 
-export function run(): void {
+/** The relative error to run to; null: that of the scenario. */
+export const aim = signal<number | null>(null);
+
+export async function run(): Promise<void> {
   walked.value = text.value;
   progress.value = null;
   course.value = [];
-  void walk.start("walk", { scenario: text.value, files: fileIds.value }, (event, data) => {
+  const edits: Edit[] = aim.value === null ? [] : [{ op: "set", path: "solver.relative_error", value: aim.value }];
+  await walk.start("walk", { scenario: text.value, files: fileIds.value }, edits, (event, data) => {
     if (event !== "progress" && event !== "done") return;
     const now = data as WalkProgress;
     if (!now.states) return;

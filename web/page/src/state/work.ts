@@ -2,15 +2,16 @@
 
 import { signal, type Signal } from "@preact/signals";
 
-import { events, Refused } from "../api/client.ts";
-import type { Problem } from "../api/types.ts";
+import { events, post, Refused, type Work } from "../api/client.ts";
+import type { Edit, Problem } from "../api/types.ts";
 
 export type Phase = "idle" | "running" | "done" | "cancelled" | "failed";
 
 export interface Long {
   readonly phase: Signal<Phase>;
   readonly problems: Signal<readonly Problem[]>;
-  start(path: string, body: unknown, on: (event: string, data: unknown) => void): Promise<void>;
+  /** Work on a scenario after some edits, which are not made to the one on the bench. */
+  start(path: string, work: Work, edits: readonly Edit[], on: (event: string, data: unknown) => void): Promise<void>;
   cancel(): void;
 }
 
@@ -23,13 +24,14 @@ export function long(): Long {
     phase.value = "cancelled";
     abort?.abort();
   };
-  const start: Long["start"] = async (path, body, on) => {
+  const start: Long["start"] = async (path, work, edits, on) => {
     abort?.abort();
     const mine = (abort = new AbortController());
     problems.value = [];
     phase.value = "running";
     try {
-      for await (const { event, data } of events(path, body, mine.signal)) {
+      const { scenario } = edits.length > 0 ? await post<{ scenario: string }>("edit", { scenario: work.scenario, edits }, mine.signal) : work;
+      for await (const { event, data } of events(path, { ...work, scenario }, mine.signal)) {
         if (event === "failed") throw new Refused(422, (data as { errors: Problem[] }).errors);
         on(event, data);
       }

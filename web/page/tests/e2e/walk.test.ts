@@ -12,9 +12,10 @@ after(() => on.close());
 test("run, watch, cancel", async () => {
   const page = await on.visit();
   await page.getByRole("button", { name: "Computing" }).click();
-  await type(page, "solver.relative_error", "0.00005");
+  await page.locator('[id="f-solver.sampler"]').selectOption("random");
   await settled(page);
   await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.locator("#walk-aim").selectOption("0.000001");
   await page.getByRole("button", { name: "Run the walk" }).click();
   await page.locator(".walk tbody tr").first().waitFor();
   const early = Number(/error ([\d.]+) %/.exec(await page.locator("[data-phase]").innerText())![1]);
@@ -28,9 +29,6 @@ test("run, watch, cancel", async () => {
 
 test("a finished walk agrees with the live answer, and says when the design has changed", async () => {
   const page = await on.visit();
-  await page.getByRole("button", { name: "Computing" }).click();
-  await type(page, "solver.relative_error", "0.005");
-  await settled(page);
   await page.locator("#tab-walk").click();
   await page.getByRole("button", { name: "Run the walk" }).click();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
