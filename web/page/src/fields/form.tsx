@@ -3,12 +3,12 @@
 
 import { useSignal } from "@preact/signals";
 
-import { problems } from "../state/design.ts";
-import { fields, problemsAt, schema } from "../state/design.ts";
+import { fields, problems, problemsAt, schema } from "../state/design.ts";
 import { edit, set } from "../state/live.ts";
 import { at, isTable, join, split, tableAt, type Json } from "../model/json.ts";
 import { help, label, unit, type Found } from "../model/schema.ts";
 import { MODELS } from "../model/stack.ts";
+import { Problems } from "../panels/problems.tsx";
 import { Choice } from "./choice.tsx";
 import { Editor } from "./editor.tsx";
 
@@ -72,13 +72,7 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
       <label for={id}>{text}</label>
       <Editor id={id} path={path} found={found} value={value} name={text} unit={unit(key)} invalid={wrong.length > 0} />
       {!bare && <p class="help" id={`${id}-help`}>{help(found.node)}</p>}
-      {wrong.map((problem) => (
-        <p class="error" role="alert" key={problem.message}>
-          {problem.message}
-          {problem.expected && <span>. Expected {problem.expected}</span>}
-          {problem.hint && <span class="hint">{problem.hint}</span>}
-        </p>
-      ))}
+      <Problems of={wrong} />
     </div>
   );
 }
@@ -95,7 +89,7 @@ function MapOf({ path, found, name }: { path: string; found: Found; name: string
       <legend>{name}{unit(split(path)[1]) && <small> {unit(split(path)[1])}</small>}</legend>
       <p class="help">{help(found.node)}</p>
       {entries.map((key) => <Field key={key} path={join(path, key)} name={key} bare />)}
-      {wrong.map((problem) => <p class="error" role="alert" key={problem.message}>{problem.message} {problem.hint}</p>)}
+      <Problems of={wrong} />
     </fieldset>
   );
 }
@@ -138,15 +132,5 @@ function start(path: string): Json {
 /** Problems that no field on screen can show. */
 export function Elsewhere() {
   const loose = problems.value.filter((problem) => !problem.path || !document.querySelector(`[data-path="${CSS.escape(problem.path)}"]`));
-  return loose.length === 0 ? null : (
-    <>
-      {loose.map((problem) => (
-        <p class="error" role="alert" key={problem.message}>
-          {problem.line ? `Line ${problem.line}, column ${problem.column ?? 1}: ` : ""}{problem.message}
-          {problem.expected && <span>. Expected {problem.expected}</span>}
-          {problem.hint && <span class="hint">{problem.hint}</span>}
-        </p>
-      ))}
-    </>
-  );
+  return <Problems of={loose} withPlace />;
 }

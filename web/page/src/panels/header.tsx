@@ -1,6 +1,5 @@
 // What is done with the design as a whole: its name, undo, examples, open, save, link, pin, run.
 
-import { effect, signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
 import { named, postForBlob, Refused } from "../api/client.ts";
@@ -9,6 +8,7 @@ import { fileIds } from "../state/files.ts";
 import { edit, replace, set } from "../state/live.ts";
 import { packed } from "../state/link.ts";
 import { pin, pinned, unpin } from "../state/pin.ts";
+import { said } from "../state/said.ts";
 import { EXAMPLES } from "../state/shelf.ts";
 import { openTab } from "../state/tab.ts";
 import { theme, type Theme } from "../state/theme.ts";
@@ -16,16 +16,6 @@ import { canRedo, canUndo, redone, undone } from "../state/undo.ts";
 import { at } from "../model/json.ts";
 import { save } from "./save.ts";
 import { take } from "./drop.tsx";
-
-/** What was just done, for eyes and screen readers. */
-export const said = signal("");
-/** How long it is said, ms. */
-const SAID_MS = 4000;
-effect(() => {
-  if (said.value === "") return undefined;
-  const silence = setTimeout(() => (said.value = ""), SAID_MS);
-  return () => clearTimeout(silence);
-});
 
 const step = (whole: string | null): void => {
   if (whole !== null) replace(whole);

@@ -1,15 +1,15 @@
 // What the server refused, in its words.
 
+import { words } from "../model/words.ts";
 import type { Problem } from "../api/types.ts";
 
-export function Problems({ of }: { of: readonly Problem[] }) {
+export function Problems({ of, withPlace = false }: { of: readonly Problem[]; withPlace?: boolean }) {
   return (
     <>
-      {of.map(({ message, expected, hint }) => (
-        <p class="error" role="alert" key={message}>
-          {message}
-          {expected && `. Expected ${expected}`}
-          {hint && <span class="hint">{hint}</span>}
+      {of.map((problem) => (
+        <p class="error" role="alert" key={problem.message}>
+          {words(problem, withPlace)}
+          {problem.hint && <span class="hint">{problem.hint}</span>}
         </p>
       ))}
     </>

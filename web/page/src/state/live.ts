@@ -8,6 +8,7 @@ import type { Edit } from "../api/types.ts";
 import { answer, busy, draft, pending, problems, text } from "./design.ts";
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
+import { said } from "./said.ts";
 import { accepted } from "./undo.ts";
 
 /** A request older than this, and than twice what the last one took, gives way to a newer value, ms. */
@@ -19,6 +20,8 @@ let running = false;
 let dirty = false;
 let gesture = "";
 let lastTook = 0;
+/** The edits that were refused last. */
+let refused: readonly Edit[] = [];
 let flight: { abort: AbortController; since: number } | null = null;
 
 /** Changes keys; `name` is the gesture that undo takes as one step. */
@@ -38,6 +41,18 @@ export function replace(whole: string, name = ""): void {
   });
   gesture = name;
   kick();
+}
+
+/**
+ * Edits that were refused before and again with newer ones are given up for the newer ones, so that one
+ * wrong value does not hold up everything after it; together they may have been right (two shares of one sum).
+ */
+function dropRefused(sent: readonly Edit[]): boolean {
+  const newer = sent.filter((edit) => !refused.includes(edit));
+  if (newer.length === 0 || newer.length === sent.length) return false;
+  pending.value = pending.value.filter((edit) => !refused.includes(edit));
+  said.value = "A change that does not compute was put back.";
+  return true;
 }
 
 /** Drops what was refused. */
@@ -87,13 +102,16 @@ async function once(): Promise<void> {
       answer.value = live;
       pending.value = pending.value.filter((edit) => !sent.includes(edit));
       problems.value = [];
+      refused = [];
       accepted(live.scenario, name);
     });
   } catch (why) {
     if (abort.signal.aborted) return;
     if (why instanceof api.Refused) {
       if (await sendAgain(why)) dirty = true;
+      else if (dropRefused(sent)) dirty = true;
       else problems.value = why.problems;
+      refused = dirty ? [] : sent;
     } else throw why;
   } finally {
     clearTimeout(slow);
