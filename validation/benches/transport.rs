@@ -10,7 +10,6 @@
 use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::scene::Stop;
 use papilio_display::{Control, Cost, cost};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_validation::walked;
@@ -149,13 +148,12 @@ impl WithSimd for Reads<'_> {
 
 fn line(name: &str, strategy: &str, aim: &str, every_bin: bool, overrides: &[&str]) {
     let mut scene = walked(name, overrides).unwrap().scene;
-    scene.solver.stop = Stop::RelativeError { target: 0.001, every_bin };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let costs: Vec<Cost> = (0..RUNS)
         .map(|seed| {
             // Whether a round is enough is partly chance.
             scene.solver.seed = seed;
-            cost(&scene, &cpu_seconds, &control).unwrap()
+            cost(&scene, (0.001, every_bin), &cpu_seconds, &control).unwrap()
         })
         .collect();
     let ms = |of: &dyn Fn(&Cost) -> f64| {

@@ -7,7 +7,7 @@ use super::Control;
 use super::walk::{REPLICATES, round_size};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};
-use crate::scene::{Sampler, Scene, Stop, Strategy};
+use crate::scene::{Sampler, Scene, Strategy};
 use crate::setup::{Setup, ViewPoint};
 
 /// A sampler with a strategy, and how it came on.
@@ -97,15 +97,17 @@ pub struct Cost {
     pub paths: u64,
 }
 
-/// Follows the walk from the scene's first view to the scene's relative error, by rounds as a run would.
-/// `seconds` is a clock.
+/// Follows the walk from the scene's first view to this relative error of Y of every state, or of every bin of
+/// every state, by rounds as a run would. `seconds` is a clock.
 ///
 /// # Errors
-/// If the scene cannot be, was stopped, or has another aim than a relative error.
-pub fn cost(scene: &Scene, seconds: &dyn Fn() -> f64, control: &Control<'_>) -> Result<Cost, DisplayError> {
-    let Stop::RelativeError { target, every_bin } = scene.solver.stop else {
-        return Err(DisplayError::Interrupted);
-    };
+/// If the scene cannot be, or was stopped.
+pub fn cost(
+    scene: &Scene,
+    (target, every_bin): (f64, bool),
+    seconds: &dyn Fn() -> f64,
+    control: &Control<'_>,
+) -> Result<Cost, DisplayError> {
     let started = seconds();
     let setup = Setup::new(scene)?;
     let meter = Meter::new(&setup);
