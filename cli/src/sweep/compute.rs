@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-use papilio_display::{Control, DisplayError};
+use papilio_display::{Control, DisplayError, Prepared};
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use papilio_scenario::Sweep;
 
@@ -44,9 +44,10 @@ pub(super) fn compute(
             let sender = sender.clone();
             let (next, stop, known) = (&next, &stop, &known);
             scope.spawn(move || {
+                let mut prepared = None;
                 while !stop.load(Ordering::Relaxed) && !interrupt::STOP.load(Ordering::Relaxed) {
                     let Some(&point) = points.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    match at(sweep, head, point, known, threads / workers) {
+                    match at(sweep, head, point, known, threads / workers, &mut prepared) {
                         Ok(None) => break,
                         Ok(Some(found)) => drop(sender.send(Ok(found))),
                         Err(failure) => drop(sender.send(Err(failure))),
@@ -70,13 +71,14 @@ pub(super) fn compute(
     failure.map_or(Ok(done), Err)
 }
 
-/// Computes a point unless it is known; `None` if interrupted.
+/// Computes a point unless it is known, from what is left of the worker's last one; `None` if interrupted.
 fn at(
     sweep: &Sweep,
     head: &SweepHead,
     point: usize,
     known: &HashSet<String>,
     threads: usize,
+    prepared: &mut Option<Prepared>,
 ) -> Result<Option<(usize, String, Option<SweepPoint>)>, Failure> {
     let resolved = sweep.scenario(point).and_then(|scenario| scenario.resolve());
     let resolved = resolved.map_err(|errors| failed_at(head, point, &errors))?;
@@ -84,7 +86,13 @@ fn at(
         return Ok(Some((point, resolved.hash, None)));
     }
     let control = Control { threads: Some(threads), progress: &|_| {}, stop: &interrupt::STOP };
-    match papilio_display::run(&resolved.scene, &control) {
+    let result = match prepared {
+        Some(prepared) => prepared.run(&resolved.scene, &control),
+        None => {
+            Prepared::new(&resolved.scene).and_then(|new| prepared.insert(new).run(&resolved.scene, &control))
+        }
+    };
+    match result {
         Ok(result) if result.solver.interrupted => Ok(None),
         Ok(mut result) => {
             result.warnings.splice(0..0, resolved.warnings);

@@ -20,6 +20,8 @@ pub(crate) struct Setup {
     pub(crate) scene: Scene,
     /// Another whenever layers, sources or views are others: what kernels of any layers depend on.
     pub(crate) version: u64,
+    /// Another whenever the pixel is: together with `version`, what is seen of each source depends on no more.
+    pub(crate) base_version: u64,
     /// What the reflectances in the stack's base belong to, if they are a film's.
     film: Option<FilmKey>,
     pub(crate) stack: Stack,
@@ -74,6 +76,7 @@ impl Setup {
             observer,
             states: pixel::state_names(&scene.display.pixel),
             version: 0,
+            base_version: 0,
             scene: scene.clone(),
         })
     }
@@ -93,6 +96,7 @@ impl Setup {
             let base = base_of(&mut self.stack);
             *base = pixel::base(scene, &mut self.film, Some(base))?;
             self.states = pixel::state_names(&scene.display.pixel);
+            self.base_version += 1;
         }
         if scene.display.layers != last.display.layers {
             let nothing = Base {

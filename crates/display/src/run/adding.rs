@@ -8,11 +8,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_transport::adding::Kernel;
-use papilio_transport::{Cone, Stack};
+use papilio_transport::{Cone, Estimate, Stack};
 use rayon::ThreadPool;
 
 use super::refine::{Refined, finest, largest, refine};
-use super::{Progress, Run, each};
+use super::{Control, Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport};
@@ -25,16 +25,41 @@ pub(crate) type Kernels = Vec<Levels>;
 /// Kernels from the coarsest level on.
 type Levels = Vec<Level>;
 
-/// A kernel and the version of the setup that it was prepared for last.
+/// A kernel and the version of the setup that it was prepared for last; what was seen through it, and the
+/// versions of setup and base that this was.
 #[derive(Debug)]
 pub(crate) struct Level {
     kernel: Kernel,
     version: Option<u64>,
+    seen: Option<((u64, u64), Vec<Estimate>)>,
 }
 
 impl Level {
     fn new(level: u32) -> Self {
-        Self { kernel: Kernel::new(level), version: None }
+        Self { kernel: Kernel::new(level), version: None, seen: None }
+    }
+
+    /// What is seen of each source from these views; `None` if the run was stopped. Other spectra and illuminances
+    /// need nothing new.
+    fn seen(
+        &mut self,
+        setup: &Setup,
+        views: &[ViewPoint],
+        pool: Option<&ThreadPool>,
+        control: &Control<'_>,
+    ) -> Option<&[Estimate]> {
+        let versions = (setup.version, setup.base_version);
+        if self.seen.as_ref().is_none_or(|(of, _)| *of != versions) {
+            let kernel = self.kernel_for(setup, views);
+            let mut seen = vec![None; views.len()];
+            each(pool, &mut seen, |(view, seen)| {
+                if !control.stopped() {
+                    *seen = Some(kernel.estimate(&setup.stack, view));
+                }
+            });
+            self.seen = Some((versions, seen.into_iter().collect::<Option<_>>()?));
+        }
+        self.seen.as_ref().map(|(_, seen)| seen.as_slice())
     }
 
     /// The kernel, ready for these views of the setup.
@@ -123,14 +148,8 @@ impl Runner<'_> {
             levels.push(Level::new(missing as u32));
         }
         let setup = self.run.setup;
-        let kernel = levels[level].kernel_for(setup, views);
-        let mut samples = vec![None; views.len()];
-        each(pool, &mut samples, |(view, sample)| {
-            if !self.run.control.stopped() {
-                *sample = Some(self.run.meter.sample(&kernel.estimate(&setup.stack, view)));
-            }
-        });
-        samples.into_iter().collect()
+        let seen = levels[level].seen(setup, views, pool, self.run.control)?;
+        Some(seen.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
     }
 
     fn difference(&self, finer: &[Sample], coarser: &[Sample]) -> f64 {
