@@ -123,6 +123,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/files": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Keeps a file and says what is in it; its bytes are the body */
+        post: operations["files"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/health": {
         parameters: {
             query?: never;
@@ -506,6 +523,8 @@ export interface components {
             /** @description The scenario: TOML. */
             scenario: string;
         };
+        /** @description What a file is. */
+        FileKind: "bsdf" | "spectrum" | "material" | "pixel" | "map" | "luminaire" | "profile" | "panel";
         /** @description A scenario and the files that it names. */
         Given: {
             /**
@@ -547,6 +566,21 @@ export interface components {
              * @description CIE 1931 y.
              */
             y: number;
+        };
+        /** @description A file that is kept. */
+        Kept: {
+            /** @description Ways to put it to use. */
+            edits: components["schemas"]["Offer"][];
+            /** @description Drawings of it. */
+            figures: components["schemas"]["Figure"][];
+            /** @description By which requests name it: SHA-256 of its bytes. */
+            id: string;
+            /** @description What it is. */
+            kind: components["schemas"]["FileKind"];
+            /** @description Its name. */
+            name: string;
+            /** @description What was found in it, line by line. */
+            words: string[];
         };
         /** @description Luminous shares of a unit beam of the light's spectrum that enters from the view direction; they sum to 1. */
         Ledger: {
@@ -591,8 +625,11 @@ export interface components {
         };
         /** @description A scenario, and changes to it that come first. */
         Live: {
-            /** @description Made before anything is read. */
-            edits?: components["schemas"]["Edit"][];
+            /**
+             * @description Made before anything is read.
+             * @default []
+             */
+            edits: components["schemas"]["Edit"][];
             /**
              * @description Ids of uploaded files by the names that the scenario gives them.
              * @default {}
@@ -608,6 +645,13 @@ export interface components {
         };
         Named_State: {
             [key: string]: components["schemas"]["State"];
+        };
+        /** @description A way to put a file to use. */
+        Offer: {
+            /** @description How. */
+            edits: components["schemas"]["Edit"][];
+            /** @description What it does. */
+            label: string;
         };
         /** @description One thing that is wrong, in the words of the command line. */
         OneError: {
@@ -637,7 +681,7 @@ export interface components {
              * @description Its number, from 0; the last axis is the fastest.
              */
             index: number;
-            /** @description Every metric by its name: `contrast_ratio`, `red.u_prime`. */
+            /** @description Every metric of the first view by its name: `contrast_ratio`, `red.u_prime`; `_de`: its discretisation error. */
             metrics: {
                 [key: string]: number | null;
             };
@@ -1191,6 +1235,11 @@ export interface components {
             phi_deg: number;
             /**
              * Format: double
+             * @description The same of a reader of `viewer.age_years`; null where the scenario gives no age.
+             */
+            reading_surrogate?: number | null;
+            /**
+             * Format: double
              * @description Reading performance of a reader of 20 years, 0 to 1: a surrogate calibrated on Feng 2012,
              *     table 5.3, and null beyond its range.
              */
@@ -1282,6 +1331,11 @@ export interface components {
              * @description Volume of the gamut in CIELAB, where `metrics.gamut_volume` asks for it.
              */
             gamut_volume_cielab?: number | null;
+            /**
+             * Format: double
+             * @description The same of a reader of `viewer.age_years`; null where the scenario gives no age.
+             */
+            reading_surrogate?: number | null;
             /**
              * Format: double
              * @description Reading performance of a reader of 20 years, 0 to 1: a surrogate calibrated on Feng 2012,
@@ -1648,6 +1702,41 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Figure"][];
+                };
+            };
+            /** @description What is wrong */
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FaultBody"];
+                };
+            };
+        };
+    };
+    files: {
+        parameters: {
+            query: {
+                name: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": unknown;
+            };
+        };
+        responses: {
+            /** @description The answer */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Kept"];
                 };
             };
             /** @description What is wrong */

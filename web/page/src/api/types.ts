@@ -20,17 +20,8 @@ export type Angles = Schemas["AnglesSeen"];
 export type Cone = Schemas["ConeSeen"];
 export type WalkState = Schemas["WalkState"];
 export type WalkProgress = Schemas["WalkProgress"];
+export type Upload = Schemas["Kept"];
 export type SweepPoint = Schemas["Point"];
 
 /** A number that may not be defined. */
 export type Num = number | null | undefined;
-
-/** What a dropped file turned out to be. */
-export interface Upload {
-  id: string;
-  name: string;
-  kind: string;
-  words: string[];
-  figures: Figure[];
-  edits: { label: string; edits: Edit[] }[];
-}

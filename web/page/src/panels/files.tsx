@@ -34,8 +34,8 @@ function File({ file }: { file: Dropped }) {
             {audit.edits.map(({ label, edits }) => <button type="button" key={label} class="run" onClick={() => edit(edits)}>{label}</button>)}
           </p>
           <div class="audit">
-            <ul class="words">{audit.words.map((words, i) => <li key={i}>{words}</li>)}</ul>
             <div class="figures">{audit.figures.map(({ name, svg }) => <Drawn key={name} svg={svg} label={`${file.name}: ${name}`} />)}</div>
+            <pre class="words" tabindex={0} aria-label={`What ${file.name} is worth`}>{audit.words.join("\n")}</pre>
           </div>
         </>
       )}

@@ -34,7 +34,7 @@ function put(file: Dropped): void {
 
 /** Files that the server has from its command line: named, without an audit here. */
 export function adopt(ids: Record<string, string>): void {
-  for (const [name, id] of Object.entries(ids)) put({ name, bytes: 0, audit: { id, name, kind: "", words: [], figures: [], edits: [] }, problems: [] });
+  for (const [name, id] of Object.entries(ids)) put({ name, bytes: 0, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [] });
 }
 
 /** Sends a file; it is kept for the next visit once the server has read it. */
