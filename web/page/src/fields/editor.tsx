@@ -52,7 +52,7 @@ function Number_({ id, path, found, value, name, unit, invalid }: Props) {
   const first = found.node.anyOf?.map((one) => one).find((one) => one.type === "number") ?? found.node;
   return (
     <NumberField
-      id={id} name={name} of={split(path)[1]} unit={unit || inheritedUnit(path)} invalid={invalid} describedBy={`${id}-help`}
+      id={id} name={name} of={path.includes(".gap_nm.") ? "gap_nm" : split(path)[1]} unit={unit || inheritedUnit(path)} invalid={invalid} describedBy={`${id}-help`}
       value={typeof value === "number" ? value : undefined} limits={limits(first)} integer={found.node.type === "integer"}
       change={(to) => change(path, to)}
     />

@@ -2,10 +2,11 @@
 // While it is being typed in, the box keeps what was typed; refused values stay, beside their reason.
 
 import { useSignal } from "@preact/signals";
+import { useRef } from "preact/hooks";
 
 import { plain } from "../model/format.ts";
 import type { Limits } from "../model/schema.ts";
-import { position, span, valueAt } from "../model/span.ts";
+import { position, span, valueAt, type Span } from "../model/span.ts";
 
 interface Props {
   id: string;
@@ -23,13 +24,20 @@ interface Props {
   change: (value: number) => void;
 }
 
+/** A span that stays while the slider moves within it, so that its end does not run away from the hand. */
+function useSpan(of: string, limits: Limits, value: number): Span {
+  const kept = useRef<Span | null>(null);
+  if (!kept.current || value < kept.current.min || value > kept.current.max) kept.current = span(of, limits, value);
+  return kept.current;
+}
+
 /** Positions of a slider from end to end. */
 const STEPS = 1000;
 
 export function NumberField(props: Props) {
   const { id, name, of, unit, value, limits, invalid, describedBy, change } = props;
   const typed = useSignal<string | null>(null);
-  const scale = span(of, limits, value ?? (limits.min > 0 ? limits.min : 0));
+  const scale = useSpan(of, limits, value ?? Math.max(0, limits.min));
   const shown = typed.value ?? (value === undefined ? "" : plain(value, 10).replace("−", "-"));
   const take = (text: string) => {
     typed.value = text;

@@ -75,7 +75,7 @@ export function layers(fields: Json): Layer[] {
   const diffuser = at(fields, "display.diffuser");
   const top = isTable(diffuser)
     ? own("display.diffuser", diffuser["model"] === "slab" ? "slab" : "diffuser", diffuser["model"] === "slab" ? "Particles" : "Diffuser", note(diffuser), true)
-    : own("display.glass", "face", glass["surface"] === "fresnel" ? "Bare face" : "Coated face", "", false);
+    : own("display.glass.surface", "face", glass["surface"] === "fresnel" ? "Bare face" : "Coated face", "", false);
   return [...fronts, ...guides, top, own("display.glass", "medium", "Glass", note(glass), false)];
 }
 

@@ -12,7 +12,7 @@ import { Problems } from "./problems.tsx";
 const REST_MS = 300;
 
 export function ConePanel() {
-  const step = useSignal("5");
+  const step = useSignal("3");
   const now = useFollowed<Cone>("cone", { step_deg: Number(step.value) }, REST_MS);
   const before = useFollowed<Cone>("cone", { step_deg: Number(step.value) }, REST_MS, pinned.value?.text ?? null);
   return (
@@ -20,7 +20,7 @@ export function ConePanel() {
       <div class="controls">
         <label for="cone-step">Directions every</label>
         <select id="cone-step" value={step.value} onChange={(event) => (step.value = event.currentTarget.value)}>
-          <option value="5">5°</option><option value="2">2°</option><option value="1">1°</option>
+          <option value="3">3°</option><option value="2">2°</option><option value="1">1°</option>
         </select>
         <span role="status">{now.busy ? "computing…" : ""}</span>
       </div>

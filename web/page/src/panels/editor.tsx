@@ -79,6 +79,7 @@ function Fields({ path }: { path: string }) {
   if (path === "viewer") return <Form path="viewer" />;
   if (path === "lighting") return <Form path="lighting" except={["preset", "directed", "environment", "front_light"]} />;
   if (path === "computing") return <><h3>Solver</h3><Form path="solver" except={["target"]} /><h3>Wavelengths</h3><Form path="spectrum" /><h3>Metrics</h3><Form path="metrics" /></>;
+  if (path === "display.glass.surface") return <Field path={path} />;
   const gap = at(fields.value, `${path}.thickness_nm`) === "gap";
   return <><Form path={path} />{gap && <Field path="display.pixel.gap_nm" />}</>;
 }
