@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
 mod oracle;
+mod page;
 mod peers;
 mod pictures;
 mod python;
@@ -21,10 +22,14 @@ use shell::{Needs, Outcome, cargo};
 type Chore = (&'static str, &'static str, fn() -> Outcome);
 
 const CHORES: [Chore; 8] = [
-    ("test", "format, lints, all tests, documentation, every example scenario", test::test),
+    (
+        "test",
+        "format, lints, all tests, documentation, every example scenario, the web app's page",
+        test::test,
+    ),
     (
         "full",
-        "test, with ten times the seeds and random displays and longer fuzzing; then oracle and deny",
+        "test, with ten times the seeds and random displays, longer fuzzing, all of the page; then oracle and deny",
         full,
     ),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),

@@ -6,6 +6,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::page;
 use crate::shell::{self, Needs, Outcome, cargo};
 
 /// Seeds over which the statistical tests run by default.
@@ -31,7 +32,7 @@ const LOAD_SECONDS: &str = "60";
 
 /// The chore.
 pub(crate) fn test() -> Outcome {
-    all_checks(cargo(TESTS))
+    all_checks(cargo(TESTS), page::EVERYDAY)
 }
 
 /// The chore, with the statistics over that many seeds and random displays.
@@ -42,12 +43,12 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
         .env(STACKS_VARIABLE, stacks.to_string())
         .env(FUZZ_VARIABLE, FUZZ_SECONDS)
         .env(LOAD_VARIABLE, LOAD_SECONDS);
-    all_checks(tests)
+    all_checks(tests, page::ALL)
 }
 
 const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
 
-fn all_checks(tests: Command) -> Outcome {
+fn all_checks(tests: Command, of_page: &str) -> Outcome {
     shell::need(Needs { tool: &["cargo", "fmt"], install: "rustup component add rustfmt" })?;
     shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
     let mut count = Count::default();
@@ -60,6 +61,7 @@ fn all_checks(tests: Command) -> Outcome {
     for scenario in scenarios()? {
         count.check(run_scenario(&scenario));
     }
+    count.page(of_page);
     count.conclude()
 }
 
@@ -86,6 +88,7 @@ struct Count {
     passed: u64,
     failed: u64,
     reasons: Vec<String>,
+    left_out: Vec<String>,
 }
 
 impl Count {
@@ -105,7 +108,7 @@ impl Count {
     fn tests(&mut self, tests: Command) {
         let (mut passed, mut failed) = (0, 0);
         let mut read = |line: &str| {
-            if let Some((p, f)) = summary(line) {
+            if let Some((p, f)) = summary(line).or_else(|| summary_of_node(line)) {
                 passed += p;
                 failed += f;
             }
@@ -118,8 +121,28 @@ impl Count {
         }
     }
 
+    /// The page's tests. They need what nothing else here needs; without it they are left out, and a line says so.
+    fn page(&mut self, which: &str) {
+        let browser = match page::browser() {
+            Ok(browser) => browser,
+            Err(missing) => return self.left_out.push(format!("the web app's page: {missing}")),
+        };
+        let built = page::build();
+        let is_built = built.is_ok();
+        self.check(built);
+        if !is_built {
+            return;
+        }
+        self.tests(page::unit_tests());
+        match page::end_to_end(which, &browser) {
+            Ok(tests) => self.tests(tests),
+            Err(why) => self.fail(1, why),
+        }
+    }
+
     fn conclude(self) -> Outcome {
         println!();
+        self.left_out.iter().for_each(|what| println!("left out: {what}"));
         self.reasons.iter().for_each(|why| println!("failed: {why}"));
         println!("{} passed, {} failed", self.passed, self.failed);
         if self.failed == 0 { Ok(()) } else { Err("not green".to_owned()) }
@@ -136,9 +159,24 @@ fn summary(line: &str) -> Option<(u64, u64)> {
     Some((of("passed")?, of("failed")?))
 }
 
+/// Passed and failed, from a line of node like `# pass 25` or `# fail 1`.
+fn summary_of_node(line: &str) -> Option<(u64, u64)> {
+    let (_, counts) = line.split_once([' ']).filter(|(mark, _)| matches!(*mark, "#" | "\u{2139}"))?;
+    let of = |what: &str| counts.strip_prefix(what)?.trim().parse().ok();
+    of("pass ").map(|passed| (passed, 0)).or_else(|| of("fail ").map(|failed| (0, failed)))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::summary;
+    use super::{summary, summary_of_node};
+
+    #[test]
+    fn summary_lines_of_node() {
+        assert_eq!(summary_of_node("# pass 25"), Some((25, 0)));
+        assert_eq!(summary_of_node("\u{2139} fail 2"), Some((0, 2)));
+        assert_eq!(summary_of_node("# tests 27"), None);
+        assert_eq!(summary_of_node("pass 3"), None);
+    }
 
     #[test]
     fn a_summary_line_of_cargo_test() {
