@@ -9,5 +9,6 @@
 
 mod answers;
 mod client;
+mod description;
 mod hostile;
 mod load;

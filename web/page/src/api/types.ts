@@ -1,5 +1,5 @@
 // The names by which the page knows what the server takes and answers. The types are made from the server's
-// OpenAPI description (`npm run types`).
+// OpenAPI description (`npm run types` makes openapi.d.ts from web/openapi.json).
 
 import type { components } from "./openapi.d.ts";
 

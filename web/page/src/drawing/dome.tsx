@@ -7,6 +7,7 @@ import { degrees, plain } from "../model/format.ts";
 import { at, isTable, listAt, numberAt, textAt, type Json, type Table } from "../model/json.ts";
 import { fields, selected, view } from "../state/design.ts";
 import { set } from "../state/live.ts";
+import { Eye, Sun } from "./glyphs.tsx";
 import { lightShares } from "../model/shares.ts";
 
 export const CENTRE = { x: 230, y: 168 } as const;
@@ -71,29 +72,6 @@ function Handle({ path, theta, name, children, select }: {
       <circle class="target" r="17" />
       {children}
     </g>
-  );
-}
-
-const SUN = Array.from({ length: 8 }, (_, i) => {
-  const [c, s] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];
-  return `M${(9.5 * c).toFixed(1)} ${(9.5 * s).toFixed(1)}L${(13 * c).toFixed(1)} ${(13 * s).toFixed(1)}`;
-}).join("");
-
-function Sun() {
-  return (
-    <>
-      <path class="sun-rays" d={SUN} />
-      <circle class="sun" r="6.5" />
-    </>
-  );
-}
-
-function Eye() {
-  return (
-    <>
-      <path class="eye" d="M-12 0C-7 -8 7 -8 12 0C7 8 -7 8 -12 0Z" />
-      <circle class="iris" r="4.2" />
-    </>
   );
 }
 

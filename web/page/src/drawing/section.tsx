@@ -1,6 +1,7 @@
 // The display cut open: the room above it, then its layers from the front of screen down to the pixel's
 // mirror, not to scale. Every layer is a button; what is chosen is edited beside the drawing.
 
+import { signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { NONE, plain } from "../model/format.ts";
@@ -10,6 +11,7 @@ import { films, layers, material, type Film, type Layer, type Look } from "../mo
 import { answer, fields, selected, shownState, states } from "../state/design.ts";
 import { isLight, painted } from "../model/colour.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
+import { Above } from "./above.tsx";
 import { CENTRE, Dome } from "./dome.tsx";
 
 const LEFT = 14;
@@ -182,6 +184,16 @@ function Patterns() {
   );
 }
 
+/** Whether the room is drawn from above instead of from the side. */
+const fromAbove = signal(false);
+
+function Viewpoint() {
+  const choice = (above: boolean, name: string) => (
+    <button type="button" aria-pressed={fromAbove.value === above} onClick={() => (fromAbove.value = above)}>{name}</button>
+  );
+  return <div class="viewpoint" role="group" aria-label="Draw the room">{choice(false, "Side")}{choice(true, "Above")}</div>;
+}
+
 export function Section() {
   const stack = layers(fields.value);
   const svg = useRef<SVGSVGElement>(null);
@@ -194,11 +206,14 @@ export function Section() {
     if (!known && selected.value.startsWith("display.")) selected.value = stack[0]?.path ?? "display.pixel";
   });
   return (
-    <svg ref={svg} class="section" viewBox={`0 0 460 ${height}`} role="group" aria-label="The display, its light and its viewer">
-      <Patterns />
-      <Dome />
-      {stack.map((layer, i) => <Band key={layer.path} layer={layer} y={tops[i]!} />)}
-      <PixelParts top={bottom} />
-    </svg>
+    <div class="drawing">
+      <Viewpoint />
+      <svg ref={svg} class="section" viewBox={`0 0 460 ${height}`} role="group" aria-label="The display, its light and its viewer">
+        <Patterns />
+        {fromAbove.value ? <Above /> : <Dome />}
+        {stack.map((layer, i) => <Band key={layer.path} layer={layer} y={tops[i]!} />)}
+        <PixelParts top={bottom} />
+      </svg>
+    </div>
   );
 }

@@ -1,0 +1,40 @@
+// Makes docs/pictures/web-*.png anew: the real page, as a reader meets it. `npm run pictures`.
+
+import { join } from "node:path";
+
+import { ROOT, settled, stage } from "./e2e/stage.ts";
+
+const on = await stage();
+const SIZE = { viewport: { width: 1280, height: 860 } };
+const to = (name: string) => join(ROOT, `docs/pictures/web-${name}.png`);
+
+const page = await on.visit(SIZE);
+await page.getByRole("button", { name: "Got it" }).click();
+await settled(page);
+await page.screenshot({ path: to("page") });
+
+// A thinner absorber beside the pinned design, at night.
+const night = await on.visit({ ...SIZE, colorScheme: "dark" });
+await night.getByRole("button", { name: "Got it" }).click();
+await night.getByRole("button", { name: "Pin", exact: true }).click();
+await night.locator('[data-part="display.pixel.film.1"]').click();
+await night.locator('[id="f-display.pixel.film.1.thickness_nm"]').fill("9");
+await night.locator("#tab-compare").click();
+await settled(night);
+await night.screenshot({ path: to("compare") });
+
+// The walk beside the live answer.
+await page.locator("#tab-walk").click();
+await page.locator("#walk-aim").selectOption("0.0001");
+await page.getByRole("button", { name: "Run the walk" }).click();
+await page.locator('[data-phase="done"]').waitFor({ timeout: 120_000 });
+await settled(page);
+await page.locator(".tabs").screenshot({ path: to("walk") });
+
+// A measured diffuser, dropped.
+await page.locator("input[type=file]").first().setInputFiles(join(ROOT, "scenarios/data/H65.bsdf"));
+await page.locator(".file .words").waitFor({ timeout: 60_000 });
+await settled(page);
+await page.locator(".tabs").screenshot({ path: to("file") });
+
+await on.close();
