@@ -32,6 +32,7 @@ await settled(page);
 await page.locator(".tabs").screenshot({ path: to("walk") });
 
 // A measured diffuser, dropped.
+await page.setViewportSize({ width: 1280, height: 1300 });
 await page.locator("input[type=file]").first().setInputFiles(join(ROOT, "scenarios/data/H65.bsdf"));
 await page.locator(".file .words").waitFor({ timeout: 60_000 });
 await settled(page);

@@ -43,7 +43,7 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
       <thead>
         <tr>
           <th scope="col">state</th><th scope="col">Y live</th><th scope="col">Y walk</th>
-          <th scope="col" class="bar-head">walk less live, ±1 and ±2 standard errors</th><th scope="col">z</th><th scope="col" class="words">it</th>
+          <th scope="col" class="bar-head">walk less live, ±1 and ±2 standard errors</th><th scope="col">z</th><th scope="col" class="words">verdict</th>
         </tr>
       </thead>
       <tbody>
@@ -81,7 +81,7 @@ export function WalkPanel() {
         </select>
         <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the walk" />
         <span role="status" data-phase={walk.phase.value}>
-          {now && `${count(now.paths)} paths in ${fixed(now.seconds, 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
+          {now && `${count(now.paths)} paths in ${fixed(now.seconds, now.seconds < 1 ? 2 : 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
           {walk.phase.value === "cancelled" && ", cancelled"}
           {walk.phase.value === "done" && ", done"}
         </span>

@@ -115,7 +115,7 @@ function Marks({ size }: { size: number }) {
     const [u, v] = [s.u_prime ?? NaN, s.v_prime ?? NaN];
     return Math.abs(u) < 0.7 && Math.abs(v) < 0.7 ? [{ name, u, v, se: s.standard_error }] : [];
   });
-  const points = [...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) })), ...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : [])];
+  const points = [...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : []), ...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) }))];
   const names = placed(points, size);
   return (
     <g>

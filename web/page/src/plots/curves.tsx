@@ -45,7 +45,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
   });
   return {
     ...size,
-    padding: [10, 12, 0, 0],
+    padding: [10, props.log ? 30 : 12, 0, 0],
     legend: { show: false },
     cursor: { y: false, points: { size: 7 }, drag: { x: false, y: false } },
     scales: {
