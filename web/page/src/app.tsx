@@ -13,6 +13,7 @@ import { LedgerPanel } from "./panels/ledger.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
 import { Summary } from "./panels/summary.tsx";
+import { Spoken } from "./panels/spoken.tsx";
 import { StatesTable } from "./panels/table.tsx";
 import { Notes } from "./panels/notes.tsx";
 import { SweepPanel } from "./panels/sweep.tsx";
@@ -66,6 +67,7 @@ function Picture() {
       </div>
       <Tabs tabs={TABS} open={openTab} />
       <Notes />
+      <Spoken />
     </main>
   );
 }

@@ -3,7 +3,8 @@
 
 import { useSignal } from "@preact/signals";
 
-import { fields, problems, problemsAt, schema } from "../state/design.ts";
+import { partOf } from "../model/keys.ts";
+import { fields, problems, problemsAt, schema, selected } from "../state/design.ts";
 import { edit, set } from "../state/live.ts";
 import { at, isTable, join, split, tableAt, type Json } from "../model/json.ts";
 import { help, label, unit, type Found } from "../model/schema.ts";
@@ -132,5 +133,12 @@ function start(path: string): Json {
 /** Problems that no field on screen can show. */
 export function Elsewhere() {
   const loose = problems.value.filter((problem) => !problem.path || !document.querySelector(`[data-path="${CSS.escape(problem.path)}"]`));
-  return <Problems of={loose} withPlace />;
+  return (
+    <>
+      <Problems of={loose} withPlace />
+      {loose.filter(({ path }) => path && partOf(path) !== selected.value).map(({ path }) => (
+        <button type="button" key={path} onClick={() => (selected.value = partOf(path!))}>Show {path}</button>
+      ))}
+    </>
+  );
 }

@@ -22,3 +22,8 @@ export function differences(before: Json, now: Json): { path: string; before: Js
     .filter((path) => old.get(path) !== fresh.get(path))
     .map((path) => ({ path, before: old.get(path), now: fresh.get(path) }));
 }
+
+const PARTS = /^(display\.(?:front|layers)\.\d+|display\.pixel\.(?:film\.\d+|states)|display\.\w+|lighting\.(?:directed|environment)\.\d+|lighting\.front_light|lighting|viewer)/;
+
+/** The part of the drawing, or the group of fields, that a key belongs to. */
+export const partOf = (path: string): string => PARTS.exec(path)?.[0] ?? "computing";

@@ -4,7 +4,7 @@ import { Fragment } from "preact";
 
 import type { Num, StateResult } from "../api/types.ts";
 import { digits, fixed, NONE, signed } from "../model/format.ts";
-import { differences } from "../model/keys.ts";
+import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
 import { result, selected, states, text, title, view } from "../state/design.ts";
@@ -12,9 +12,6 @@ import { replace } from "../state/live.ts";
 import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
 
 const shown = (value: Json | undefined): string => (value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value));
-
-/** The part of the drawing that a key belongs to. */
-const partOf = (path: string): string => /^(display\.(?:front|layers)\.\d+|display\.pixel\.film\.\d+|display\.\w+|lighting\.\w+\.\d+|lighting|viewer)/.exec(path)?.[0] ?? "computing";
 
 function Keys() {
   const changed = differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json);

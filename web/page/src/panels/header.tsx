@@ -29,11 +29,13 @@ export const fileName = (): string => title.value.toLowerCase().replace(/[^a-z0-
 async function copyLink(): Promise<void> {
   const fragment = await packed(text.value);
   history.replaceState(null, "", `#${fragment}`);
+  const left = Object.keys(fileIds.value).filter((name) => text.value.includes(JSON.stringify(name)));
+  const without = left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
   try {
     await navigator.clipboard.writeText(location.href);
-    said.value = "The link is copied; it holds the whole scenario.";
+    said.value = `The link is copied; it holds the whole scenario${without}.`;
   } catch {
-    said.value = "The address now holds the whole scenario.";
+    said.value = `The address now holds the whole scenario${without}.`;
   }
 }
 

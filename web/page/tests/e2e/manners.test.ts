@@ -38,6 +38,8 @@ for (const colorScheme of ["light", "dark"] as const) {
       await page.getByRole("navigation").getByRole("button", { name: part }).click();
       assert.deepEqual(await violations(page), [], part);
     }
+    await page.getByRole("button", { name: "Above" }).click();
+    assert.deepEqual(await violations(page), [], "from above");
     await page.getByRole("button", { name: "TOML" }).click();
     assert.deepEqual(await violations(page), [], "TOML");
   });
