@@ -7,7 +7,6 @@ const server = process.env["PAPILIO"] ?? "http://127.0.0.1:7417";
 
 export default defineConfig({
   base: "./",
-  esbuild: { jsx: "automatic", jsxImportSource: "preact" },
   // A strict Content-Security-Policy allows no data: addresses for fonts and scripts.
   build: { target: "es2022", assetsInlineLimit: 0, modulePreload: { polyfill: false } },
   server: {

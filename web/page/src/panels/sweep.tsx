@@ -1,5 +1,6 @@
 // A metric over one key as a curve, over two as a map; the same sweep as `papilio sweep` runs.
 
+import type { SweepPoint } from "../api/types.ts";
 import { digits } from "../model/format.ts";
 import { label, unit } from "../model/schema.ts";
 import { split } from "../model/json.ts";
@@ -72,6 +73,7 @@ function Plot() {
 
 export function SweepPanel() {
   if (axes.value.length === 0) addAxis();
+  const end = points.value.reduce<SweepPoint | null>((last, point) => (last && last.index > point.index ? last : point), null);
   const running = sweep.phase.value === "running";
   const total = axes.value.reduce((product, { count }) => product * count, 1);
   return (
@@ -90,7 +92,7 @@ export function SweepPanel() {
       </div>
       <Problems of={sweep.problems.value} />
       <Plot />
-      {points.value.length > 0 && <p class="remark">{points.value.length} points; the last: {digits(points.value.at(-1)?.metrics[metric.value], 4)}.</p>}
+      {end && <p class="remark">{points.value.length} points; the last: {digits(end.metrics[metric.value], 4)}.</p>}
     </>
   );
 }

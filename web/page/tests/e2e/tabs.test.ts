@@ -1,0 +1,74 @@
+// Angles, all directions, energy, sweeps: each holds the numbers that it should.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { figure, settled, stage, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+test("metric against viewing angle: under the pointer at the view stands the number above", async () => {
+  const page = await on.visit();
+  await page.locator("#tab-angles").click();
+  await settled(page);
+  await page.locator("#tab-panel .u-over").scrollIntoViewIfNeeded();
+  const box = (await page.locator("#tab-panel .u-over").boundingBox())!;
+  // From -80 to 80 deg; the view is at 8.
+  await page.mouse.move(box.x + (box.width * 88) / 160, box.y + box.height / 2);
+  assert.equal(await page.locator(".read b").innerText(), "8°");
+  assert.equal(await page.locator(".read output").first().innerText(), await figure(page, "Contrast : 1"));
+  await page.locator("#angle-metric").selectOption("L_star");
+  assert.equal(await page.locator(".read output").count(), 8);
+  assert.deepEqual(on.complaints, []);
+});
+
+test("all directions: the program's own maps", async () => {
+  const page = await on.visit();
+  await page.locator("#tab-cone").click();
+  const map = page.locator("#tab-panel img.drawn");
+  await map.waitFor({ timeout: 60_000 });
+  assert.ok(await map.evaluate((img: HTMLImageElement) => img.decode().then(() => img.naturalWidth > 500)));
+  assert.deepEqual(on.complaints, []);
+});
+
+test("energy: the shares of every state sum to 100 %", async () => {
+  const page = await on.visit();
+  await page.locator("#tab-energy").click();
+  for (const row of await page.locator(".ledger tbody tr").all()) {
+    const shares = (await row.locator("td:not(.bar-cell)").allInnerTexts()).map(Number);
+    assert.ok(Math.abs(shares.reduce((sum, share) => sum + share, 0) - 100) < 0.03, shares.join());
+  }
+});
+
+test("spectra: values under the pointer", async () => {
+  const page = await on.visit();
+  await settled(page);
+  await page.locator(".spectra .u-over").hover();
+  assert.match(await page.locator(".spectra figcaption").innerText(), /at \d+ nm/);
+  const values = (await page.locator(".spectra output").allInnerTexts()).map(Number);
+  assert.ok(values.length === 8 && values.every((value) => value > 0 && value < 1.5), values.join());
+});
+
+test("a sweep over one key ends at the live number; over two keys it is a map", async () => {
+  const page = await on.visit();
+  await page.locator("#tab-sweep").click();
+  await page.getByLabel("Key of axis 1").selectOption("display.diffuser.haze");
+  const axis = page.locator(".controls.axis").first();
+  await axis.getByLabel("from").fill("0.5");
+  await axis.getByLabel("to").fill("0.78");
+  await axis.getByLabel("count").fill("4");
+  await axis.getByLabel("count").press("Enter");
+  await page.getByRole("button", { name: "Sweep 4 points" }).click();
+  await page.locator('[data-phase="done"]').waitFor();
+  const last = /the last: (\d+\.\d+)/.exec(await page.locator("#tab-panel").innerText())![1]!;
+  assert.equal(Number(last).toFixed(2), await figure(page, "Gamut % sRGB"));
+
+  await page.getByRole("button", { name: "Add a second key" }).click();
+  await page.getByRole("button", { name: /Sweep \d+ points/ }).click();
+  await page.locator('[data-phase="running"]').waitFor();
+  await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
+  assert.ok((await page.locator(".map-plot rect").count()) > 40);
+  assert.deepEqual(on.complaints, []);
+});
