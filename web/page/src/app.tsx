@@ -32,11 +32,23 @@ function Design() {
   return (
     <section class="design" aria-label="Design">
       <div class="switch" role="group" aria-label="Show the design as">
-        <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>Drawing</button>
-        <button type="button" aria-pressed={source.value} onClick={() => (source.value = true)}>TOML</button>
+        <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>
+          Drawing
+        </button>
+        <button type="button" aria-pressed={source.value} onClick={() => (source.value = true)}>
+          TOML
+        </button>
         <Room />
       </div>
-      {source.value ? <Source /> : <><Section /><Toolbar /><FieldsPanel /></>}
+      {source.value ? (
+        <Source />
+      ) : (
+        <>
+          <Section />
+          <Toolbar />
+          <FieldsPanel />
+        </>
+      )}
     </section>
   );
 }
@@ -87,8 +99,20 @@ export function App() {
     <>
       <Header />
       <Welcome />
-      {answer.value && <div class="bench"><Design /><Picture /></div>}
-      {!answer.value && (problems.value.length > 0 ? <Broken /> : <p class="starting" role="status">Computing…</p>)}
+      {answer.value && (
+        <div class="bench">
+          <Design />
+          <Picture />
+        </div>
+      )}
+      {!answer.value &&
+        (problems.value.length > 0 ? (
+          <Broken />
+        ) : (
+          <p class="starting" role="status">
+            Computing…
+          </p>
+        ))}
     </>
   );
 }

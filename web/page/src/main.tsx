@@ -20,13 +20,16 @@ import { followTheme } from "./state/theme.ts";
 import { history as steps } from "./state/undo.ts";
 import "./style/page.css";
 
-
 /** The token of a server beyond loopback comes in the fragment, and does not stay in the address. */
 function takeToken(): void {
   const given = /(?:^#|&)token=([^&]+)/.exec(location.hash)?.[1];
   if (given) {
     sessionStorage.setItem("papilio.token", decodeURIComponent(given));
-    history.replaceState(null, "", location.hash.replace(/&?token=[^&]+/, "").replace(/^#&?$/, "") || location.pathname);
+    history.replaceState(
+      null,
+      "",
+      location.hash.replace(/&?token=[^&]+/, "").replace(/^#&?$/, "") || location.pathname,
+    );
   }
   api.useToken(sessionStorage.getItem("papilio.token") ?? "");
 }
@@ -47,7 +50,9 @@ async function firstText(): Promise<string> {
 }
 
 function keys(event: KeyboardEvent): void {
-  const typing = event.target instanceof HTMLTextAreaElement || (event.target instanceof HTMLInputElement && event.target.type === "text");
+  const typing =
+    event.target instanceof HTMLTextAreaElement ||
+    (event.target instanceof HTMLInputElement && event.target.type === "text");
   if (!(event.ctrlKey || event.metaKey) || event.altKey || typing) return;
   const key = event.key.toLowerCase();
   if (key === "z" && !event.shiftKey) undo();
@@ -70,9 +75,13 @@ async function start(): Promise<void> {
   replace(first);
   const before = recallDesign()?.pinned;
   if (before) void repin(before);
-  addEventListener("hashchange", () => void unpacked(location.hash).then((linked) => linked !== null && replace(linked)));
+  addEventListener(
+    "hashchange",
+    () => void unpacked(location.hash).then((linked) => linked !== null && replace(linked)),
+  );
   effect(() => {
-    if (text.value) rememberDesign({ text: text.value, past: steps.value.past.slice(-20), pinned: pinned.value?.text ?? null });
+    if (text.value)
+      rememberDesign({ text: text.value, past: steps.value.past.slice(-20), pinned: pinned.value?.text ?? null });
   });
 }
 

@@ -6,7 +6,10 @@ const BASE = "api/v1";
 
 /** Why a request was not answered. */
 export class Refused extends Error {
-  constructor(readonly status: number, readonly problems: readonly Problem[]) {
+  constructor(
+    readonly status: number,
+    readonly problems: readonly Problem[],
+  ) {
     super(problems.map((problem) => problem.message).join("; "));
   }
 }
@@ -26,7 +29,9 @@ async function refusal(response: Response): Promise<Refused> {
   } catch {
     // Not the server's own words: a proxy's, say.
   }
-  return new Refused(response.status, [{ message: text.trim().slice(0, 400) || `The server answered ${response.status}.` }]);
+  return new Refused(response.status, [
+    { message: text.trim().slice(0, 400) || `The server answered ${response.status}.` },
+  ]);
 }
 
 async function send(path: string, init: RequestInit): Promise<Response> {
@@ -35,13 +40,16 @@ async function send(path: string, init: RequestInit): Promise<Response> {
     response = await fetch(`${BASE}/${path}`, init);
   } catch (why) {
     if (init.signal?.aborted) throw why;
-    throw new Refused(0, [{ message: "Papilio does not answer.", hint: "Is `papilio serve` still running? What you change is kept here." }]);
+    throw new Refused(0, [
+      { message: "Papilio does not answer.", hint: "Is `papilio serve` still running? What you change is kept here." },
+    ]);
   }
   if (!response.ok) throw await refusal(response);
   return response;
 }
 
-export const get = async <T>(path: string): Promise<T> => (await send(path, { headers: headers() })).json() as Promise<T>;
+export const get = async <T>(path: string): Promise<T> =>
+  (await send(path, { headers: headers() })).json() as Promise<T>;
 
 const posting = (body: unknown, signal?: AbortSignal): RequestInit => ({
   method: "POST",
@@ -77,7 +85,11 @@ export async function upload<T>(name: string, bytes: Blob): Promise<T> {
 }
 
 /** Events of a long work as they come; aborting the signal ends the work on the server, too. */
-export async function* events(path: string, body: unknown, signal: AbortSignal): AsyncGenerator<{ event: string; data: unknown }> {
+export async function* events(
+  path: string,
+  body: unknown,
+  signal: AbortSignal,
+): AsyncGenerator<{ event: string; data: unknown }> {
   const response = await send(path, posting(body, signal));
   if (!response.body) return;
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
@@ -90,7 +102,8 @@ export async function* events(path: string, body: unknown, signal: AbortSignal):
     held = parts.pop() ?? "";
     for (const part of parts) {
       const lines = part.split("\n");
-      const of = (key: string) => lines.filter((line) => line.startsWith(key)).map((line) => line.slice(key.length).trim());
+      const of = (key: string) =>
+        lines.filter((line) => line.startsWith(key)).map((line) => line.slice(key.length).trim());
       const data = of("data:").join("\n");
       if (data) yield { event: of("event:")[0] ?? "message", data: JSON.parse(data) as unknown };
     }

@@ -44,18 +44,34 @@ function under(event: PointerEvent): Direction {
 }
 
 /** Something that is dragged over the hemisphere; `path` is its table. */
-function Handle({ path, theta, phi, name, children }: Direction & { path: string; name: string; children: ComponentChildren }) {
+function Handle({
+  path,
+  theta,
+  phi,
+  name,
+  children,
+}: Direction & { path: string; name: string; children: ComponentChildren }) {
   const move = (to: Direction) =>
-    edit([{ op: "set", path: `${path}.theta_deg`, value: to.theta }, { op: "set", path: `${path}.phi_deg`, value: to.phi }], `${path}.direction`);
+    edit(
+      [
+        { op: "set", path: `${path}.theta_deg`, value: to.theta },
+        { op: "set", path: `${path}.phi_deg`, value: to.phi },
+      ],
+      `${path}.direction`,
+    );
   const grab = (event: PointerEvent) => {
     selected.value = path;
     (event.currentTarget as Element).setPointerCapture(event.pointerId);
   };
-  const drag = (event: PointerEvent) => (event.currentTarget as Element).hasPointerCapture(event.pointerId) && move(under(event));
+  const drag = (event: PointerEvent) =>
+    (event.currentTarget as Element).hasPointerCapture(event.pointerId) && move(under(event));
   const press = (event: KeyboardEvent) => {
     const size = event.shiftKey ? 5 : 1;
     const steps: Record<string, Direction> = {
-      ArrowUp: { theta: theta + size, phi }, ArrowDown: { theta: theta - size, phi }, ArrowLeft: { theta, phi: phi + 5 * size }, ArrowRight: { theta, phi: phi - 5 * size },
+      ArrowUp: { theta: theta + size, phi },
+      ArrowDown: { theta: theta - size, phi },
+      ArrowLeft: { theta, phi: phi + 5 * size },
+      ArrowRight: { theta, phi: phi - 5 * size },
     };
     const to = steps[event.key];
     if (!to) return;
@@ -65,10 +81,20 @@ function Handle({ path, theta, phi, name, children }: Direction & { path: string
   const [x, y] = point({ theta, phi });
   return (
     <g
-      class={selected.value === path ? "handle chosen" : "handle"} transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}
-      role="slider" tabindex={0} aria-label={`${name}, inclination; left and right turn its azimuth`} aria-valuemin={-STEEPEST} aria-valuemax={STEEPEST}
-      aria-valuenow={theta} aria-valuetext={`${theta} degrees, azimuth ${phi} degrees`} data-handle={`${path}.direction`}
-      onPointerDown={grab} onPointerMove={drag} onKeyDown={press} onFocus={() => (selected.value = path)}
+      class={selected.value === path ? "handle chosen" : "handle"}
+      transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}
+      role="slider"
+      tabindex={0}
+      aria-label={`${name}, inclination; left and right turn its azimuth`}
+      aria-valuemin={-STEEPEST}
+      aria-valuemax={STEEPEST}
+      aria-valuenow={theta}
+      aria-valuetext={`${theta} degrees, azimuth ${phi} degrees`}
+      data-handle={`${path}.direction`}
+      onPointerDown={grab}
+      onPointerMove={drag}
+      onKeyDown={press}
+      onFocus={() => (selected.value = path)}
     >
       <circle class="target" r="17" />
       {children}
@@ -80,18 +106,26 @@ function Rings() {
   return (
     <g aria-hidden="true">
       <circle class="sky" cx={MIDDLE.x} cy={MIDDLE.y} r={RADIUS} />
-      {[30, 60, 90].map((theta) => <circle key={theta} class="rim" cx={MIDDLE.x} cy={MIDDLE.y} r={(RADIUS * theta) / 90} />)}
+      {[30, 60, 90].map((theta) => (
+        <circle key={theta} class="rim" cx={MIDDLE.x} cy={MIDDLE.y} r={(RADIUS * theta) / 90} />
+      ))}
       {[0, 90, 180, 270].map((phi) => {
         const [x, y] = point({ theta: 90, phi });
         const [tx, ty] = point({ theta: 104, phi });
         return (
           <g key={phi}>
             <path class="tick" d={`M${MIDDLE.x} ${MIDDLE.y}L${x} ${y}`} />
-            <text class="scale" x={tx} y={ty + 4} text-anchor={phi === 0 ? "start" : phi === 180 ? "end" : "middle"}>{degrees(phi)}</text>
+            <text class="scale" x={tx} y={ty + 4} text-anchor={phi === 0 ? "start" : phi === 180 ? "end" : "middle"}>
+              {degrees(phi)}
+            </text>
           </g>
         );
       })}
-      {[30, 60].map((theta) => <text key={theta} class="scale" x={MIDDLE.x + 4} y={MIDDLE.y + (RADIUS * theta) / 90 - 3}>{degrees(theta)}</text>)}
+      {[30, 60].map((theta) => (
+        <text key={theta} class="scale" x={MIDDLE.x + 4} y={MIDDLE.y + (RADIUS * theta) / 90 - 3}>
+          {degrees(theta)}
+        </text>
+      ))}
     </g>
   );
 }
@@ -105,16 +139,28 @@ export function Above() {
       {listAt(fields.value, "lighting.directed").map((source, i) => {
         const from = { theta: numberAt(source, "theta_deg") ?? 0, phi: numberAt(source, "phi_deg") ?? 0 };
         const [mx, my] = point({ theta: -from.theta, phi: from.phi });
-        return isTable(source) && (
-          <g key={i}>
-            <circle class="mirror" cx={mx} cy={my} r="5"><title>Its mirror image is seen from here</title></circle>
-            <Handle path={`lighting.directed.${i}`} name={`Light ${i + 1}`} {...from}><Sun /></Handle>
-          </g>
+        return (
+          isTable(source) && (
+            <g key={i}>
+              <circle class="mirror" cx={mx} cy={my} r="5">
+                <title>Its mirror image is seen from here</title>
+              </circle>
+              <Handle path={`lighting.directed.${i}`} name={`Light ${i + 1}`} {...from}>
+                <Sun />
+              </Handle>
+            </g>
+          )
         );
       })}
-      {theta !== undefined
-        ? <Handle path="viewer" name="Viewer" theta={theta} phi={phi}><Eye /></Handle>
-        : <text class="scale" x={MIDDLE.x} y={CENTRE.y + 4} text-anchor="middle">several views: they are moved from the side, or by their fields</text>}
+      {theta !== undefined ? (
+        <Handle path="viewer" name="Viewer" theta={theta} phi={phi}>
+          <Eye />
+        </Handle>
+      ) : (
+        <text class="scale" x={MIDDLE.x} y={CENTRE.y + 4} text-anchor="middle">
+          several views: they are moved from the side, or by their fields
+        </text>
+      )}
     </g>
   );
 }

@@ -43,7 +43,9 @@ export function addLayer(kind: string): void {
 
 /** The edits that state the panel as free layers, with one more. */
 function freeing(list: Table[], place: number, starter: Table): Edit[] {
-  const gone = ["display.front", "display.diffuser", "display.glass"].filter((path) => at(fields.value, path) !== undefined);
+  const gone = ["display.front", "display.diffuser", "display.glass"].filter(
+    (path) => at(fields.value, path) !== undefined,
+  );
   const all = [...list.slice(0, place), starter, ...list.slice(place)];
   return [...gone.map((path): Edit => ({ op: "remove", path })), { op: "set", path: "display.layers", value: all }];
 }
@@ -68,7 +70,8 @@ export function addLight(kind: string): void {
   }
   const list = kind === "directed" ? "lighting.directed" : "lighting.environment";
   const index = listAt(all, list).length;
-  const value = kind === "directed" ? { theta_deg: 30, share: NEW_SHARE } : { ...MODELS["environment"]![kind], share: NEW_SHARE };
+  const value =
+    kind === "directed" ? { theta_deg: 30, share: NEW_SHARE } : { ...MODELS["environment"]![kind], share: NEW_SHARE };
   edit([...shrunk(1 - NEW_SHARE), { op: "insert", path: list, index, value }]);
   selected.value = `${list}.${index}`;
 }
@@ -105,7 +108,11 @@ export function removeSelected(): void {
   const light = /^lighting\.(directed|environment)\.\d+$/.test(path);
   edit(light ? without(fields.value, path) : [{ op: "remove", path }]);
   const here = entry(path);
-  selected.value = light ? "lighting" : here && here.index > 0 ? `${here.list}.${here.index - 1}` : (layers(fields.value)[0]?.path ?? "display.pixel");
+  selected.value = light
+    ? "lighting"
+    : here && here.index > 0
+      ? `${here.list}.${here.index - 1}`
+      : (layers(fields.value)[0]?.path ?? "display.pixel");
 }
 
 export function canMove(by: number): boolean {

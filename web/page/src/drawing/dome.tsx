@@ -33,10 +33,23 @@ function under(event: PointerEvent): number {
   return Math.min(89, Math.max(-89, Number((Math.round(angle / step) * step).toFixed(1))));
 }
 
-const KEYS: Record<string, number> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageUp: 10, PageDown: -10 };
+const KEYS: Record<string, number> = {
+  ArrowLeft: -1,
+  ArrowDown: -1,
+  ArrowRight: 1,
+  ArrowUp: 1,
+  PageUp: 10,
+  PageDown: -10,
+};
 
 /** Something that is dragged along the half circle. */
-function Handle({ path, theta, name, children, select }: {
+function Handle({
+  path,
+  theta,
+  name,
+  children,
+  select,
+}: {
   path: string;
   theta: number;
   name: string;
@@ -65,9 +78,18 @@ function Handle({ path, theta, name, children, select }: {
     <g
       class={selected.value === select ? "handle chosen" : "handle"}
       transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}
-      role="slider" tabindex={0} aria-label={`${name}, inclination`} aria-valuemin={-89} aria-valuemax={89} aria-valuenow={theta}
-      aria-valuetext={`${theta} degrees`} data-handle={path}
-      onPointerDown={grab} onPointerMove={drag} onKeyDown={press} onFocus={() => (selected.value = select)}
+      role="slider"
+      tabindex={0}
+      aria-label={`${name}, inclination`}
+      aria-valuemin={-89}
+      aria-valuemax={89}
+      aria-valuenow={theta}
+      aria-valuetext={`${theta} degrees`}
+      data-handle={path}
+      onPointerDown={grab}
+      onPointerMove={drag}
+      onKeyDown={press}
+      onFocus={() => (selected.value = select)}
     >
       <circle class="target" r="17" />
       {children}
@@ -79,7 +101,11 @@ function Handle({ path, theta, name, children, select }: {
 function Tag({ theta, text, radius = RADIUS + 21 }: { theta: number; text: string; radius?: number }) {
   const [x, y] = point(theta, radius);
   const anchor = theta < -20 ? "end" : theta > 20 ? "start" : "middle";
-  return <text class="tag" x={x} y={y + 4} text-anchor={anchor}>{text}</text>;
+  return (
+    <text class="tag" x={x} y={y + 4} text-anchor={anchor}>
+      {text}
+    </text>
+  );
 }
 
 /** A source in its own plane; the plane of drawing is phi = 0. */
@@ -94,10 +120,18 @@ function Directed({ source, index }: { source: Table; index: number }) {
   const [mx, my] = point(-theta);
   return (
     <>
-      <path class="beam" d={`M${x} ${y}L${CENTRE.x} ${CENTRE.y}`} ref={(p) => p?.style.setProperty("opacity", String(0.25 + 0.75 * strength))} />
-      <circle class="mirror" cx={mx} cy={my} r="5"><title>Its mirror image is seen from here</title></circle>
+      <path
+        class="beam"
+        d={`M${x} ${y}L${CENTRE.x} ${CENTRE.y}`}
+        ref={(p) => p?.style.setProperty("opacity", String(0.25 + 0.75 * strength))}
+      />
+      <circle class="mirror" cx={mx} cy={my} r="5">
+        <title>Its mirror image is seen from here</title>
+      </circle>
       {radius > 0 && <path class="disc" d={arc(Math.max(-90, theta - radius), Math.min(90, theta + radius))} />}
-      <Handle path={`${path}.theta_deg`} select={path} theta={theta} name={`Light ${index + 1}`}><Sun /></Handle>
+      <Handle path={`${path}.theta_deg`} select={path} theta={theta} name={`Light ${index + 1}`}>
+        <Sun />
+      </Handle>
       <Tag theta={theta} text={`${degrees(theta)}${turned}`} />
     </>
   );
@@ -109,16 +143,29 @@ function Environment({ source, index }: { source: Table; index: number }) {
   const model = textAt(source, "model") ?? "";
   const n = (key: string, other: number) => numberAt(source, key) ?? other;
   const [from, to] =
-    model === "ring" ? [n("theta_deg", 35) - n("width_deg", 10) / 2, n("theta_deg", 35) + n("width_deg", 10) / 2]
-    : model === "cap" ? [n("from_deg", 0), n("to_deg", 90)]
-    : [0, 90];
+    model === "ring"
+      ? [n("theta_deg", 35) - n("width_deg", 10) / 2, n("theta_deg", 35) + n("width_deg", 10) / 2]
+      : model === "cap"
+        ? [n("from_deg", 0), n("to_deg", 90)]
+        : [0, 90];
   const choose = () => (selected.value = path);
   return (
     <g
-      class={`surround ${model} ${selected.value === path ? "chosen" : ""}`} role="button" tabindex={0} aria-label={`${model} light, share ${n("share", 0)}`}
-      aria-pressed={selected.value === path} onClick={choose} onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
+      class={`surround ${model} ${selected.value === path ? "chosen" : ""}`}
+      role="button"
+      tabindex={0}
+      aria-label={`${model} light, share ${n("share", 0)}`}
+      aria-pressed={selected.value === path}
+      onClick={choose}
+      onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
     >
-      <path d={from <= 0 ? arc(-to, to, RADIUS - 9 - 8 * index) : arc(-to, -from, RADIUS - 9 - 8 * index) + arc(from, to, RADIUS - 9 - 8 * index)} />
+      <path
+        d={
+          from <= 0
+            ? arc(-to, to, RADIUS - 9 - 8 * index)
+            : arc(-to, -from, RADIUS - 9 - 8 * index) + arc(from, to, RADIUS - 9 - 8 * index)
+        }
+      />
     </g>
   );
 }
@@ -146,7 +193,11 @@ function Scale() {
       })}
       {[-60, -30, 0, 30, 60].map((angle) => {
         const [x, y] = point(angle, RADIUS - 16);
-        return <text key={angle} class="scale" x={x} y={y + 3.5} text-anchor="middle">{degrees(angle)}</text>;
+        return (
+          <text key={angle} class="scale" x={x} y={y + 3.5} text-anchor="middle">
+            {degrees(angle)}
+          </text>
+        );
       })}
     </g>
   );
@@ -161,15 +212,23 @@ export function Dome() {
   return (
     <g class="dome">
       <g
-        class={selected.value === "lighting" ? "diffuse chosen" : "diffuse"} role="button" tabindex={0} aria-pressed={selected.value === "lighting"}
-        aria-label={`Diffuse light, share ${plain(diffuse, 3)}`} onClick={choose}
+        class={selected.value === "lighting" ? "diffuse chosen" : "diffuse"}
+        role="button"
+        tabindex={0}
+        aria-pressed={selected.value === "lighting"}
+        aria-label={`Diffuse light, share ${plain(diffuse, 3)}`}
+        onClick={choose}
         onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
       >
         <path class="sky" d={`${arc(-90, 90)}Z`} ref={(p) => p?.style.setProperty("--share", String(diffuse))} />
       </g>
       <Scale />
-      {listAt(all, "lighting.environment").map((source, i) => <Environment key={i} source={source as Table} index={i} />)}
-      {listAt(all, "lighting.directed").map((source, i) => <Directed key={i} source={source as Table} index={i} />)}
+      {listAt(all, "lighting.environment").map((source, i) => (
+        <Environment key={i} source={source as Table} index={i} />
+      ))}
+      {listAt(all, "lighting.directed").map((source, i) => (
+        <Directed key={i} source={source as Table} index={i} />
+      ))}
       {viewers.map(({ path, theta }, i) => {
         const [x, y] = point(theta, RADIUS - 16);
         const now = shown !== undefined && Math.abs(theta - shown) < 1e-6;
@@ -177,9 +236,22 @@ export function Dome() {
           <g key={i}>
             {now && <path class="sight" d={`M${CENTRE.x} ${CENTRE.y}L${x} ${y}`} />}
             {path ? (
-              <Handle path={path} select="viewer" theta={theta} name={viewers.length > 1 ? `Viewer ${i + 1}` : "Viewer"}><Eye /></Handle>
+              <Handle
+                path={path}
+                select="viewer"
+                theta={theta}
+                name={viewers.length > 1 ? `Viewer ${i + 1}` : "Viewer"}
+              >
+                <Eye />
+              </Handle>
             ) : (
-              <circle class={now ? "seen now" : "seen"} cx={point(theta)[0]} cy={point(theta)[1]} r={now ? 5 : 3} onClick={() => (selected.value = "viewer")} />
+              <circle
+                class={now ? "seen now" : "seen"}
+                cx={point(theta)[0]}
+                cy={point(theta)[1]}
+                r={now ? 5 : 3}
+                onClick={() => (selected.value = "viewer")}
+              />
             )}
             {path && <Tag theta={theta} text={degrees(theta)} />}
           </g>

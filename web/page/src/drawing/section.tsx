@@ -16,7 +16,16 @@ import { CENTRE, Dome } from "./dome.tsx";
 
 const LEFT = 14;
 const WIDTH = 432;
-const HEIGHTS: Record<Look, number> = { sheet: 19, guide: 19, diffuser: 26, slab: 32, medium: 27, face: 17, coating: 19, rough: 20 };
+const HEIGHTS: Record<Look, number> = {
+  sheet: 19,
+  guide: 19,
+  diffuser: 26,
+  slab: 32,
+  medium: 27,
+  face: 17,
+  coating: 19,
+  rough: 20,
+};
 const FILM = 18;
 /** Height of the largest gap. */
 const GAP = 44;
@@ -30,14 +39,21 @@ function Part({ path, children, y }: { path: string; children: preact.ComponentC
     else if (event.key === "Delete" || event.key === "Backspace") removeSelected();
     else if (event.altKey && event.key === "ArrowUp") moveSelected(-1);
     else if (event.altKey && event.key === "ArrowDown") moveSelected(1);
-    else if (event.key === "ArrowUp" || event.key === "ArrowDown") neighbour(event.currentTarget as Element, event.key === "ArrowUp" ? -1 : 1);
+    else if (event.key === "ArrowUp" || event.key === "ArrowDown")
+      neighbour(event.currentTarget as Element, event.key === "ArrowUp" ? -1 : 1);
     else return;
     event.preventDefault();
   };
   return (
     <g
-      class={chosen ? "part chosen" : "part"} role="button" tabindex={0} aria-pressed={chosen} data-part={path}
-      transform={`translate(0 ${y})`} onClick={() => (selected.value = path)} onKeyDown={press}
+      class={chosen ? "part chosen" : "part"}
+      role="button"
+      tabindex={0}
+      aria-pressed={chosen}
+      data-part={path}
+      transform={`translate(0 ${y})`}
+      onClick={() => (selected.value = path)}
+      onKeyDown={press}
     >
       {children}
     </g>
@@ -54,8 +70,12 @@ function neighbour(from: Element, by: number): void {
 function Words({ name, note, height }: { name: string; note: string; height: number }) {
   return (
     <>
-      <text class="name" x={LEFT + 9} y={height / 2 + 4}>{name}</text>
-      <text class="note" x={LEFT + WIDTH - 9} y={height / 2 + 4} text-anchor="end">{note}</text>
+      <text class="name" x={LEFT + 9} y={height / 2 + 4}>
+        {name}
+      </text>
+      <text class="note" x={LEFT + WIDTH - 9} y={height / 2 + 4} text-anchor="end">
+        {note}
+      </text>
     </>
   );
 }
@@ -66,7 +86,9 @@ function Band({ layer, y }: { layer: Layer; y: number }) {
   return (
     <Part path={layer.path} y={y}>
       <rect class={`band ${air ? "air" : layer.look}`} x={LEFT} width={WIDTH} height={height} />
-      {(layer.look === "diffuser" || layer.look === "slab") && <rect class="grain" x={LEFT} width={WIDTH} height={height} fill={`url(#grain-${layer.look})`} />}
+      {(layer.look === "diffuser" || layer.look === "slab") && (
+        <rect class="grain" x={LEFT} width={WIDTH} height={height} fill={`url(#grain-${layer.look})`} />
+      )}
       {layer.look === "rough" && <path class="rough-line" d={zigzag(height)} />}
       <Words name={layer.name} note={layer.note} height={height} />
     </Part>
@@ -99,7 +121,11 @@ function Gaps({ y, film }: { y: number; film: Film }) {
   const area = (name: string) => Number(at(all, join("display.pixel.area", name)) ?? 0);
   const sum = names.reduce((total, name) => total + area(name), 0) || 1;
   const parts = names.flatMap((name) => gaps(all, name, drive.get(name) ?? 0).map((part) => ({ name, ...part })));
-  const deepest = Math.max(1, ...names.flatMap((name) => [Number(at(all, join("display.pixel.gap_nm", name)) ?? 0)]), ...parts.map(({ gap }) => gap));
+  const deepest = Math.max(
+    1,
+    ...names.flatMap((name) => [Number(at(all, join("display.pixel.gap_nm", name)) ?? 0)]),
+    ...parts.map(({ gap }) => gap),
+  );
   const dark = Number(at(all, "display.pixel.gap_nm.dark")) || 0;
   const driven = (part: { gap: number } | undefined) => part !== undefined && part.gap > dark;
   let x = LEFT;
@@ -113,13 +139,29 @@ function Gaps({ y, film }: { y: number; film: Film }) {
         const depth = (GAP * gap) / deepest;
         return (
           <g key={i} transform={`translate(${from.toFixed(2)} 0)`}>
-            <rect class="cavity" width={Math.max(0, width - 2)} x="1" height={depth} fill={driven({ gap }) ? stateColour(name) : DARK} />
+            <rect
+              class="cavity"
+              width={Math.max(0, width - 2)}
+              x="1"
+              height={depth}
+              fill={driven({ gap }) ? stateColour(name) : DARK}
+            />
             <rect class="mirror-block" width={Math.max(0, width - 2)} x="1" y={depth} height={MIRROR} />
-            {width > 46 && <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">{width > 84 ? `${name} ${plain(gap, 4)}` : plain(gap, 4)}</text>}
+            {width > 46 && (
+              <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">
+                {width > 84 ? `${name} ${plain(gap, 4)}` : plain(gap, 4)}
+              </text>
+            )}
           </g>
         );
       })}
-      <text class={isLight(driven(parts[0]) ? stateColour(parts[0]!.name) : DARK) ? "gap-word on-light" : "gap-word"} x={LEFT + 9} y={14}>{film.material === "air" ? "air gap" : `gap of ${film.material}`}</text>
+      <text
+        class={isLight(driven(parts[0]) ? stateColour(parts[0]!.name) : DARK) ? "gap-word on-light" : "gap-word"}
+        x={LEFT + 9}
+        y={14}
+      >
+        {film.material === "air" ? "air gap" : `gap of ${film.material}`}
+      </text>
     </Part>
   );
 }
@@ -139,7 +181,8 @@ function PixelParts({ top }: { top: number }) {
   const all = fields.value;
   const model = textAt(all, "display.pixel.model") ?? "";
   if (model !== "film") {
-    const note = model === "uniform" ? textAt(all, "display.pixel.kind") : material(at(all, "display.pixel.file") as Json);
+    const note =
+      model === "uniform" ? textAt(all, "display.pixel.kind") : material(at(all, "display.pixel.file") as Json);
     return (
       <Part path="display.pixel" y={top}>
         <rect class="band block" x={LEFT} width={WIDTH} height={44} />
@@ -151,14 +194,22 @@ function PixelParts({ top }: { top: number }) {
   const rows = films(all).map((film) => {
     const here = y;
     y += film.thickness === null ? GAP + MIRROR + 6 : FILM;
-    return film.thickness === null ? <Gaps key={film.path} film={film} y={here} /> : <FilmBand key={film.path} film={film} y={here} />;
+    return film.thickness === null ? (
+      <Gaps key={film.path} film={film} y={here} />
+    ) : (
+      <FilmBand key={film.path} film={film} y={here} />
+    );
   });
   return (
     <>
       {rows}
       <Part path="display.pixel" y={y}>
         <rect class="band metal substrate" x={LEFT} width={WIDTH} height={22} />
-        <Words name={`${material(at(all, "display.pixel.substrate"))} mirror`} note={`fill factor ${plain(Number(at(all, "display.pixel.fill_factor") ?? 1))}`} height={22} />
+        <Words
+          name={`${material(at(all, "display.pixel.substrate"))} mirror`}
+          note={`fill factor ${plain(Number(at(all, "display.pixel.fill_factor") ?? 1))}`}
+          height={22}
+        />
       </Part>
     </>
   );
@@ -167,7 +218,9 @@ function PixelParts({ top }: { top: number }) {
 function pixelHeight(): number {
   if (textAt(fields.value, "display.pixel.model") !== "film") return 44;
   const rows = listAt(fields.value, "display.pixel.film");
-  return rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAP + MIRROR + 6 : FILM), 0) + 22;
+  return (
+    rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAP + MIRROR + 6 : FILM), 0) + 22
+  );
 }
 
 /** Grains of a diffuser and particles of a slab. */
@@ -175,10 +228,13 @@ function Patterns() {
   return (
     <defs>
       <pattern id="grain-diffuser" width="14" height="10" patternUnits="userSpaceOnUse">
-        <circle cx="3" cy="3" r="1" /><circle cx="10" cy="7" r="1" />
+        <circle cx="3" cy="3" r="1" />
+        <circle cx="10" cy="7" r="1" />
       </pattern>
       <pattern id="grain-slab" width="22" height="18" patternUnits="userSpaceOnUse">
-        <circle cx="5" cy="5" r="2.2" /><circle cx="16" cy="9" r="1.6" /><circle cx="8" cy="14" r="1.4" />
+        <circle cx="5" cy="5" r="2.2" />
+        <circle cx="16" cy="9" r="1.6" />
+        <circle cx="8" cy="14" r="1.4" />
       </pattern>
     </defs>
   );
@@ -189,9 +245,16 @@ const fromAbove = signal(false);
 
 function Viewpoint() {
   const choice = (above: boolean, name: string) => (
-    <button type="button" aria-pressed={fromAbove.value === above} onClick={() => (fromAbove.value = above)}>{name}</button>
+    <button type="button" aria-pressed={fromAbove.value === above} onClick={() => (fromAbove.value = above)}>
+      {name}
+    </button>
   );
-  return <div class="viewpoint" role="group" aria-label="Draw the room">{choice(false, "Side")}{choice(true, "Above")}</div>;
+  return (
+    <div class="viewpoint" role="group" aria-label="Draw the room">
+      {choice(false, "Side")}
+      {choice(true, "Above")}
+    </div>
+  );
 }
 
 export function Section() {
@@ -208,10 +271,18 @@ export function Section() {
   return (
     <div class="drawing">
       <Viewpoint />
-      <svg ref={svg} class="section" viewBox={`0 0 460 ${height}`} role="group" aria-label="The display, its light and its viewer">
+      <svg
+        ref={svg}
+        class="section"
+        viewBox={`0 0 460 ${height}`}
+        role="group"
+        aria-label="The display, its light and its viewer"
+      >
         <Patterns />
         {fromAbove.value ? <Above /> : <Dome />}
-        {stack.map((layer, i) => <Band key={layer.path} layer={layer} y={tops[i]!} />)}
+        {stack.map((layer, i) => (
+          <Band key={layer.path} layer={layer} y={tops[i]!} />
+        ))}
         <PixelParts top={bottom} />
       </svg>
     </div>

@@ -1,6 +1,12 @@
 // One of a few words.
 
-export function Choice({ id, value, options, change, label }: {
+export function Choice({
+  id,
+  value,
+  options,
+  change,
+  label,
+}: {
   id?: string;
   value: string;
   options: readonly string[];
@@ -9,7 +15,11 @@ export function Choice({ id, value, options, change, label }: {
 }) {
   return (
     <select id={id} aria-label={label} value={value} onChange={(event) => change(event.currentTarget.value)}>
-      {options.map((option) => <option key={option} value={option}>{option}</option>)}
+      {options.map((option) => (
+        <option key={option} value={option}>
+          {option}
+        </option>
+      ))}
     </select>
   );
 }

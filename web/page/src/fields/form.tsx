@@ -18,12 +18,15 @@ export function Form({ path, except = [], only }: { path: string; except?: strin
   const found = schema.value?.find(path, fields.value);
   if (!found || !schema.value) return null;
   const value = tableAt(fields.value, path);
-  const wanted = (key: string) => !except.includes(key) && (only?.includes(key) ?? true) && !isNested(found, key, value);
+  const wanted = (key: string) =>
+    !except.includes(key) && (only?.includes(key) ?? true) && !isNested(found, key, value);
   const { shown, more } = schema.value.keys(found.node, value);
   return (
     <>
       <Model path={path} found={found} value={value} />
-      {shown.filter(wanted).map((key) => <Field key={join(path, key)} path={join(path, key)} />)}
+      {shown.filter(wanted).map((key) => (
+        <Field key={join(path, key)} path={join(path, key)} />
+      ))}
       <More path={path} keys={more.filter(wanted)} />
     </>
   );
@@ -34,7 +37,9 @@ function isNested(found: Found, key: string, value: Json): boolean {
   const node = schema.value!.chosen(found.node, value).properties?.[key];
   if (!node) return true;
   const { node: inner } = schema.value!.follow(node);
-  return inner.type === "array" && inner.items !== undefined && schema.value!.follow(inner.items).node.type === "object";
+  return (
+    inner.type === "array" && inner.items !== undefined && schema.value!.follow(inner.items).node.type === "object"
+  );
 }
 
 /** What chooses between alternatives: `model` or `kind`. */
@@ -72,7 +77,11 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
     <div class={wrong.length > 0 ? "field wrong" : "field"} data-path={path}>
       <label for={id}>{text}</label>
       <Editor id={id} path={path} found={found} value={value} name={text} unit={unit(key)} invalid={wrong.length > 0} />
-      {!bare && <p class="help" id={`${id}-help`}>{help(found.node)}</p>}
+      {!bare && (
+        <p class="help" id={`${id}-help`}>
+          {help(found.node)}
+        </p>
+      )}
       <Problems of={wrong} />
     </div>
   );
@@ -83,13 +92,22 @@ const isMap = ({ node }: Found): boolean => typeof node.additionalProperties ===
 /** A table whose keys are free names: areas, gaps, reflectances of states. */
 function MapOf({ path, found, name }: { path: string; found: Found; name: string }) {
   const entries = Object.keys(tableAt(fields.value, path));
-  if (typeof found.node.additionalProperties === "object" && entries.some((key) => isTable(at(fields.value, join(path, key))))) return null;
+  if (
+    typeof found.node.additionalProperties === "object" &&
+    entries.some((key) => isTable(at(fields.value, join(path, key))))
+  )
+    return null;
   const wrong = problemsAt(path);
   return (
     <fieldset class="map" data-path={path}>
-      <legend>{name}{unit(split(path)[1]) && <small> {unit(split(path)[1])}</small>}</legend>
+      <legend>
+        {name}
+        {unit(split(path)[1]) && <small> {unit(split(path)[1])}</small>}
+      </legend>
       <p class="help">{help(found.node)}</p>
-      {entries.map((key) => <Field key={key} path={join(path, key)} name={key} bare />)}
+      {entries.map((key) => (
+        <Field key={key} path={join(path, key)} name={key} bare />
+      ))}
       <Problems of={wrong} />
     </fieldset>
   );
@@ -102,13 +120,18 @@ function More({ path, keys }: { path: string; keys: string[] }) {
   const add = (key: string) => edit([{ op: "set", path: join(path, key), value: start(join(path, key)) }]);
   return (
     <details class="more" open={open.value} onToggle={(event) => (open.value = event.currentTarget.open)}>
-      <summary>{keys.length} more {keys.length === 1 ? "key" : "keys"}</summary>
-      {open.value && keys.map((key) => (
-        <div class="field" key={key}>
-          <button type="button" class="quiet" onClick={() => add(key)}>Set {label(key).toLowerCase()}</button>
-          <p class="help">{help(schema.value?.find(join(path, key), fields.value)?.node ?? {})}</p>
-        </div>
-      ))}
+      <summary>
+        {keys.length} more {keys.length === 1 ? "key" : "keys"}
+      </summary>
+      {open.value &&
+        keys.map((key) => (
+          <div class="field" key={key}>
+            <button type="button" class="quiet" onClick={() => add(key)}>
+              Set {label(key).toLowerCase()}
+            </button>
+            <p class="help">{help(schema.value?.find(join(path, key), fields.value)?.node ?? {})}</p>
+          </div>
+        ))}
     </details>
   );
 }
@@ -126,19 +149,28 @@ function start(path: string): Json {
   if (found?.def === "FrontLight") return { illuminance_lx: 100 };
   if (node.type === "object") return {};
   if (node.type === "string") return "";
-  const { min, max } = { min: node.minimum ?? node.exclusiveMinimum ?? 0, max: node.maximum ?? node.exclusiveMaximum ?? 1 };
+  const { min, max } = {
+    min: node.minimum ?? node.exclusiveMinimum ?? 0,
+    max: node.maximum ?? node.exclusiveMaximum ?? 1,
+  };
   return min > 0 ? min : max <= 1 ? (min + max) / 2 : Math.min(1, max);
 }
 
 /** Problems that no field on screen can show. */
 export function Elsewhere() {
-  const loose = problems.value.filter((problem) => !problem.path || !document.querySelector(`[data-path="${CSS.escape(problem.path)}"]`));
+  const loose = problems.value.filter(
+    (problem) => !problem.path || !document.querySelector(`[data-path="${CSS.escape(problem.path)}"]`),
+  );
   return (
     <>
       <Problems of={loose} withPlace />
-      {loose.filter(({ path }) => path && partOf(path) !== selected.value).map(({ path }) => (
-        <button type="button" key={path} onClick={() => (selected.value = partOf(path!))}>Show {path}</button>
-      ))}
+      {loose
+        .filter(({ path }) => path && partOf(path) !== selected.value)
+        .map(({ path }) => (
+          <button type="button" key={path} onClick={() => (selected.value = partOf(path!))}>
+            Show {path}
+          </button>
+        ))}
     </>
   );
 }

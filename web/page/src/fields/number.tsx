@@ -52,7 +52,9 @@ export function NumberField(props: Props) {
     const sign = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (sign === 0 || value === undefined) return;
     event.preventDefault();
-    const size = scale.log ? Math.abs(value) * 0.01 : Math.max(scale.step, 10 ** Math.floor(Math.log10(Math.abs(value) || 1) - 1));
+    const size = scale.log
+      ? Math.abs(value) * 0.01
+      : Math.max(scale.step, 10 ** Math.floor(Math.log10(Math.abs(value) || 1) - 1));
     typed.value = null;
     change(Number((value + sign * (props.integer ? 1 : size) * (event.shiftKey ? 10 : 1)).toPrecision(8)));
   };

@@ -44,10 +44,20 @@ const encoded = (linear: number): number => {
 
 /** A hex colour of linear sRGB, clipped. */
 export const hex = (linear: Triple): string =>
-  "#" + linear.map((c) => Math.round(255 * encoded(c)).toString(16).padStart(2, "0")).join("");
+  "#" +
+  linear
+    .map((c) =>
+      Math.round(255 * encoded(c))
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("");
 
 /** Colours of some states in one light, and by what they were dimmed (1: not). */
-export function painted(states: readonly Triple[], white: readonly [number, number]): { colours: string[]; divisor: number } {
+export function painted(
+  states: readonly Triple[],
+  white: readonly [number, number],
+): { colours: string[]; divisor: number } {
   const channels = states.map((xyz) => linearSrgb(adapted(xyz, white)));
   const brightest = Math.max(0, ...channels.flat().filter(Number.isFinite));
   const divisor = brightest > CLIPPED ? brightest : 1;

@@ -5,8 +5,14 @@ import { at, isTable, join, numberAt, tableAt, type Json } from "./json.ts";
 export type Drive = number | { gap_nm: number };
 
 const MIXED: Record<string, readonly string[]> = {
-  white: ["red", "green", "blue"], black: [], red: ["red"], green: ["green"], blue: ["blue"],
-  cyan: ["green", "blue"], magenta: ["red", "blue"], yellow: ["red", "green"],
+  white: ["red", "green", "blue"],
+  black: [],
+  red: ["red"],
+  green: ["green"],
+  blue: ["blue"],
+  cyan: ["green", "blue"],
+  magenta: ["red", "blue"],
+  yellow: ["red", "green"],
 };
 
 export const subPixels = (fields: Json): string[] => {
@@ -19,12 +25,14 @@ export const subPixels = (fields: Json): string[] => {
 /** How a state drives each sub-pixel; those that it does not name are dark. */
 export function drives(fields: Json, state: string): Map<string, Drive> {
   const own = at(fields, join("display.pixel.states", state));
-  return new Map(subPixels(fields).map((name): [string, Drive] => {
-    const said = isTable(own) ? own[name] : undefined;
-    if (isTable(said)) return [name, { gap_nm: Number(said["gap_nm"]) }];
-    if (typeof said === "number") return [name, said];
-    return [name, !isTable(own) && MIXED[state]?.includes(name) ? 1 : 0];
-  }));
+  return new Map(
+    subPixels(fields).map((name): [string, Drive] => {
+      const said = isTable(own) ? own[name] : undefined;
+      if (isTable(said)) return [name, { gap_nm: Number(said["gap_nm"]) }];
+      if (typeof said === "number") return [name, said];
+      return [name, !isTable(own) && MIXED[state]?.includes(name) ? 1 : 0];
+    }),
+  );
 }
 
 export const isDefaultState = (fields: Json, state: string): boolean =>
@@ -35,5 +43,8 @@ export function gaps(fields: Json, sub: string, drive: Drive): { part: number; g
   const dark = numberAt(fields, "display.pixel.gap_nm.dark") ?? 0;
   const own = numberAt(fields, join("display.pixel.gap_nm", sub)) ?? dark;
   if (typeof drive !== "number") return [{ part: 1, gap: drive.gap_nm }];
-  return [{ part: drive, gap: own }, { part: 1 - drive, gap: dark }].filter(({ part }) => part > 0);
+  return [
+    { part: drive, gap: own },
+    { part: 1 - drive, gap: dark },
+  ].filter(({ part }) => part > 0);
 }

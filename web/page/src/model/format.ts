@@ -2,7 +2,8 @@
 
 export const NONE = "–";
 
-const finite = (value: number | null | undefined): value is number => typeof value === "number" && Number.isFinite(value);
+const finite = (value: number | null | undefined): value is number =>
+  typeof value === "number" && Number.isFinite(value);
 
 /** A number with so many decimals, its minus sign a real one. */
 export function fixed(value: number | null | undefined, decimals: number): string {
@@ -46,7 +47,9 @@ export function plain(value: number, count = 6): string {
 
 /** A large count with thin spaces between thousands. */
 export function count(value: number): string {
-  return Math.round(value).toString().replace(/\B(?=(\d{3})+$)/g, " ");
+  return Math.round(value)
+    .toString()
+    .replace(/\B(?=(\d{3})+$)/g, " ");
 }
 
 /** Degrees. */

@@ -16,14 +16,18 @@ export const numbers = (fields: Json): [string, number][] =>
   leaves(fields).filter((leaf): leaf is [string, number] => typeof leaf[1] === "number");
 
 /** Keys whose values differ, with both. */
-export function differences(before: Json, now: Json): { path: string; before: Json | undefined; now: Json | undefined }[] {
+export function differences(
+  before: Json,
+  now: Json,
+): { path: string; before: Json | undefined; now: Json | undefined }[] {
   const [old, fresh] = [new Map(leaves(before)), new Map(leaves(now))];
   return [...new Set([...old.keys(), ...fresh.keys()])]
     .filter((path) => old.get(path) !== fresh.get(path))
     .map((path) => ({ path, before: old.get(path), now: fresh.get(path) }));
 }
 
-const PARTS = /^(display\.(?:front|layers)\.\d+|display\.pixel\.(?:film\.\d+|states)|display\.\w+|lighting\.(?:directed|environment)\.\d+|lighting\.front_light|lighting|viewer)/;
+const PARTS =
+  /^(display\.(?:front|layers)\.\d+|display\.pixel\.(?:film\.\d+|states)|display\.\w+|lighting\.(?:directed|environment)\.\d+|lighting\.front_light|lighting|viewer)/;
 
 /** The part of the drawing, or the group of fields, that a key belongs to. */
 export const partOf = (path: string): string => PARTS.exec(path)?.[0] ?? "computing";

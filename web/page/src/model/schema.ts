@@ -44,7 +44,9 @@ export class Schema {
   chosen(node: Node, value: Json | undefined): Node {
     const table = isTable(value) ? value : {};
     const fits = (one: Node) =>
-      Object.entries(one.properties ?? {}).every(([key, { const: fixed }]) => fixed === undefined || fixed === table[key]);
+      Object.entries(one.properties ?? {}).every(
+        ([key, { const: fixed }]) => fixed === undefined || fixed === table[key],
+      );
     return node.oneOf?.map((one) => this.follow(one).node).find(fits) ?? node;
   }
 
@@ -85,7 +87,8 @@ export class Schema {
     const needed = new Set(chosen.required ?? []);
     const there = (key: string) => needed.has(key) || value[key] !== undefined;
     // Keys that have a default matter less than those that were given without one.
-    const rank = (key: string) => (needed.has(key) ? 0 : this.follow(chosen.properties![key]!).node.default === undefined ? 1 : 2);
+    const rank = (key: string) =>
+      needed.has(key) ? 0 : this.follow(chosen.properties![key]!).node.default === undefined ? 1 : 2;
     return {
       shown: all.filter(there).sort((a, b) => rank(a) - rank(b)),
       more: all.filter((key) => !there(key)),
@@ -94,13 +97,32 @@ export class Schema {
 }
 
 const UNITS: readonly (readonly [string, string])[] = [
-  ["_cd_m2", "cd/m²"], ["_nm", "nm"], ["_mm", "mm"], ["_deg", "°"], ["_lx", "lx"], ["_m", "m"], ["_K", "K"],
+  ["_cd_m2", "cd/m²"],
+  ["_nm", "nm"],
+  ["_mm", "mm"],
+  ["_deg", "°"],
+  ["_lx", "lx"],
+  ["_m", "m"],
+  ["_K", "K"],
 ];
 
 const NAMES: Record<string, string> = {
-  theta_deg: "Inclination θ", phi_deg: "Azimuth φ", share: "Share of light", diffuse: "Diffuse share",
-  n: "n", k: "k", gap_nm: "Gap", area: "Area", index: "Index", field_deg: "Field", radius_deg: "Angular radius",
-  led_nm: "LED peak", planck_K: "Black body", daylight_K: "Daylight", range_nm: "Range", step_nm: "Step",
+  theta_deg: "Inclination θ",
+  phi_deg: "Azimuth φ",
+  share: "Share of light",
+  diffuse: "Diffuse share",
+  n: "n",
+  k: "k",
+  gap_nm: "Gap",
+  area: "Area",
+  index: "Index",
+  field_deg: "Field",
+  radius_deg: "Angular radius",
+  led_nm: "LED peak",
+  planck_K: "Black body",
+  daylight_K: "Daylight",
+  range_nm: "Range",
+  step_nm: "Step",
 };
 
 export const unit = (key: string): string => UNITS.find(([end]) => key.endsWith(end))?.[1] ?? "";

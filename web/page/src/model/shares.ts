@@ -24,7 +24,12 @@ export function lightShares(fields: Json): Map<string, number> {
 
 /** Areas of the sub-pixels, by path. */
 export const areaShares = (fields: Json): Map<string, number> =>
-  new Map(Object.entries(tableAt(fields, "display.pixel.area")).map(([name, area]) => [join("display.pixel.area", name), Number(area)]));
+  new Map(
+    Object.entries(tableAt(fields, "display.pixel.area")).map(([name, area]) => [
+      join("display.pixel.area", name),
+      Number(area),
+    ]),
+  );
 
 /** The group of shares that a path belongs to, or null. */
 export function groupOf(fields: Json, path: string): Map<string, number> | null {
@@ -39,7 +44,12 @@ export function balanced(group: ReadonlyMap<string, number>, path: string, value
   const before = others.reduce((sum, [, share]) => sum + share, 0);
   const rest = rounded(1 - moved);
   const scaled = others.map(([other, share], i) => {
-    const part = before > 0 ? share / before : other === "lighting.diffuse" || (i === others.length - 1 && !group.has("lighting.diffuse")) ? 1 : 0;
+    const part =
+      before > 0
+        ? share / before
+        : other === "lighting.diffuse" || (i === others.length - 1 && !group.has("lighting.diffuse"))
+          ? 1
+          : 0;
     return [other, rounded(rest * part)] as const;
   });
   const off = rounded(rest - scaled.reduce((sum, [, share]) => sum + share, 0));

@@ -37,8 +37,14 @@ const USEFUL: Record<string, Span> = {
 /** The span for a key; it widens to hold the value. */
 export function span(key: string, limits: Limits, value: number): Span {
   const width = limits.max - limits.min;
-  const all: Span = { min: limits.min, max: limits.max, step: width <= 2 ? 0.001 : width <= 200 ? 0.1 : 0.5, log: false };
-  const useful = USEFUL[key] ?? (Number.isFinite(width) && width <= 720 ? all : { min: 0, max: 10, step: 0.01, log: false });
+  const all: Span = {
+    min: limits.min,
+    max: limits.max,
+    step: width <= 2 ? 0.001 : width <= 200 ? 0.1 : 0.5,
+    log: false,
+  };
+  const useful =
+    USEFUL[key] ?? (Number.isFinite(width) && width <= 720 ? all : { min: 0, max: 10, step: 0.01, log: false });
   return {
     ...useful,
     min: Math.max(limits.min, Math.min(useful.min, value)),

@@ -28,7 +28,8 @@ export interface Film {
 /** A material in a few letters. */
 export function material(value: Json | undefined): string {
   if (typeof value === "number") return `n ${plain(value)}`;
-  if (isTable(value)) return `n ${plain(Number(value["n"] ?? 1))}${value["k"] ? ` k ${plain(Number(value["k"]))}` : ""}`;
+  if (isTable(value))
+    return `n ${plain(Number(value["n"] ?? 1))}${value["k"] ? ` k ${plain(Number(value["k"]))}` : ""}`;
   return typeof value === "string" ? (value.split("/").at(-1) ?? value) : "–";
 }
 
@@ -36,45 +37,79 @@ const share = (value: Json | undefined): string => (typeof value === "number" ? 
 
 /** What is said of a layer beside its name. */
 function note(table: Table): string {
-  const say = (key: string, name = label(key).toLowerCase()) => (table[key] === undefined ? [] : [`${name} ${share(table[key])}`]);
+  const say = (key: string, name = label(key).toLowerCase()) =>
+    table[key] === undefined ? [] : [`${name} ${share(table[key])}`];
   const kind = table["kind"];
   const model = textAt(table, "model");
-  if (kind === "sheet" || (kind === undefined && (table["reflectance"] !== undefined || table["absorptance"] !== undefined)))
+  if (
+    kind === "sheet" ||
+    (kind === undefined && (table["reflectance"] !== undefined || table["absorptance"] !== undefined))
+  )
     return [...say("reflectance", "R"), ...say("absorptance", "A")].join(", ");
   if (kind === "coating") return `${listAt(table, "film").length} films`;
   if (kind === "rough") return say("alpha", "α").join("");
-  if (kind === "slab" || model === "slab") return [...say("optical_thickness", "τ"), ...say("anisotropy", "g")].join(", ");
+  if (kind === "slab" || model === "slab")
+    return [...say("optical_thickness", "τ"), ...say("anisotropy", "g")].join(", ");
   if (model === "measured") return material(table["file"]);
   if (model) return [...say("haze"), ...say("width", "b"), ...say("alpha", "α")].join(", ") || model;
   return [material(table["index"]), ...say("internal_transmittance", "T"), ...say("thickness_mm", "mm")].join(", ");
 }
 
 const NAMES: Record<string, readonly [string, Look]> = {
-  medium: ["Medium", "medium"], slab: ["Particles", "slab"], fresnel: ["Bare face", "face"], coated: ["Coated face", "face"],
-  coating: ["Coating", "coating"], rough: ["Rough face", "rough"], diffuser: ["Diffuser", "diffuser"], sheet: ["Sheet", "sheet"],
+  medium: ["Medium", "medium"],
+  slab: ["Particles", "slab"],
+  fresnel: ["Bare face", "face"],
+  coated: ["Coated face", "face"],
+  coating: ["Coating", "coating"],
+  rough: ["Rough face", "rough"],
+  diffuser: ["Diffuser", "diffuser"],
+  sheet: ["Sheet", "sheet"],
 };
 
 function entry(list: string, index: number, value: Json): Layer {
   const table = isTable(value) ? value : {};
   const [name, look] = NAMES[textAt(table, "kind") ?? ""] ?? ["Front", "sheet" as Look];
   const air = textAt(table, "kind") === "medium" && table["index"] === "air";
-  return { path: join(list, index), look, name: air ? "Air gap" : name, note: air ? "" : note(table), list, index, removable: true };
+  return {
+    path: join(list, index),
+    look,
+    name: air ? "Air gap" : name,
+    note: air ? "" : note(table),
+    list,
+    index,
+    removable: true,
+  };
 }
 
-const own = (path: string, look: Look, name: string, words: string, removable: boolean): Layer =>
-  ({ path, look, name, note: words, list: null, index: 0, removable });
+const own = (path: string, look: Look, name: string, words: string, removable: boolean): Layer => ({
+  path,
+  look,
+  name,
+  note: words,
+  list: null,
+  index: 0,
+  removable,
+});
 
 /** The layers over the pixel, top to bottom. */
 export function layers(fields: Json): Layer[] {
   const guide = at(fields, "lighting.front_light");
-  const guides = isTable(guide) ? [own("lighting.front_light", "guide", "Front light", `${plain(Number(guide["illuminance_lx"]))} lx`, true)] : [];
+  const guides = isTable(guide)
+    ? [own("lighting.front_light", "guide", "Front light", `${plain(Number(guide["illuminance_lx"]))} lx`, true)]
+    : [];
   const free = listAt(fields, "display.layers");
   if (free.length > 0) return [...guides, ...free.map((value, i) => entry("display.layers", i, value))];
   const fronts = listAt(fields, "display.front").map((value, i) => entry("display.front", i, value));
   const glass = tableAt(fields, "display.glass");
   const diffuser = at(fields, "display.diffuser");
   const top = isTable(diffuser)
-    ? own("display.diffuser", diffuser["model"] === "slab" ? "slab" : "diffuser", diffuser["model"] === "slab" ? "Particles" : "Diffuser", note(diffuser), true)
+    ? own(
+        "display.diffuser",
+        diffuser["model"] === "slab" ? "slab" : "diffuser",
+        diffuser["model"] === "slab" ? "Particles" : "Diffuser",
+        note(diffuser),
+        true,
+      )
     : own("display.glass.surface", "face", glass["surface"] === "fresnel" ? "Bare face" : "Coated face", "", false);
   return [...fronts, ...guides, top, own("display.glass", "medium", "Glass", note(glass), false)];
 }
@@ -82,7 +117,11 @@ export function layers(fields: Json): Layer[] {
 export function films(fields: Json): Film[] {
   return listAt(fields, "display.pixel.film").map((value, i) => {
     const thickness = at(value, "thickness_nm");
-    return { path: `display.pixel.film.${i}`, material: material(at(value, "material")), thickness: typeof thickness === "number" ? thickness : null };
+    return {
+      path: `display.pixel.film.${i}`,
+      material: material(at(value, "material")),
+      thickness: typeof thickness === "number" ? thickness : null,
+    };
   });
 }
 
@@ -92,7 +131,11 @@ export function freed(fields: Json): Table[] {
   const { surface, ...glass } = tableAt(fields, "display.glass");
   const diffuser = at(fields, "display.diffuser");
   const { model, ...rest } = isTable(diffuser) ? diffuser : {};
-  const top: Table = !isTable(diffuser) ? { kind: surface ?? "coated" } : model === "slab" ? { kind: "slab", ...rest } : { kind: "diffuser", model: model!, ...rest };
+  const top: Table = !isTable(diffuser)
+    ? { kind: surface ?? "coated" }
+    : model === "slab"
+      ? { kind: "slab", ...rest }
+      : { kind: "diffuser", model: model!, ...rest };
   return [...fronts, top, { kind: "medium", index: 1.5, ...glass }];
 }
 
@@ -119,12 +162,17 @@ export const MODELS: Record<string, Record<string, Table>> = {
   },
   "display.pixel": {
     film: {
-      model: "film", substrate: "Al", fill_factor: 0.873,
+      model: "film",
+      substrate: "Al",
+      fill_factor: 0.873,
       area: { red: 0.493, green: 0.381, blue: 0.126 },
       gap_nm: { red: 275.9, green: 192.3, blue: 137.8, dark: 20 },
       film: [
-        { material: "Si3N4", thickness_nm: 55.9 }, { material: "Cr:Johnson", thickness_nm: 12.15 },
-        { material: "SiO2", thickness_nm: 38.6 }, { material: "AlOx", thickness_nm: 9 }, { material: "air", thickness_nm: "gap" },
+        { material: "Si3N4", thickness_nm: 55.9 },
+        { material: "Cr:Johnson", thickness_nm: 12.15 },
+        { material: "SiO2", thickness_nm: 38.6 },
+        { material: "AlOx", thickness_nm: 9 },
+        { material: "air", thickness_nm: "gap" },
       ],
     },
     uniform: { model: "uniform", kind: "lambertian", reflectance: { white: 0.5, black: 0.02 } },

@@ -15,10 +15,19 @@ import { Problems } from "./problems.tsx";
 
 /** Quantities of the display, and of each state, by their names in result.json. */
 const OF_DISPLAY: Record<string, string> = {
-  contrast_ratio: "Contrast ratio", gamut_percent_srgb: "Gamut (% of sRGB)", gamut_percent_ebu: "Gamut (% of EBU)", text_contrast: "Text contrast",
+  contrast_ratio: "Contrast ratio",
+  gamut_percent_srgb: "Gamut (% of sRGB)",
+  gamut_percent_ebu: "Gamut (% of EBU)",
+  text_contrast: "Text contrast",
 };
 const OF_STATES: Record<string, string> = {
-  Y: "Luminous reflectance factor Y", luminance_cd_m2: "Luminance (cd/m²)", L_star: "Lightness L*", u_prime: "u′", v_prime: "v′", shift_with_angle_uv: "Colour shift Δu′v′", peak_nm: "Peak (nm)",
+  Y: "Luminous reflectance factor Y",
+  luminance_cd_m2: "Luminance (cd/m²)",
+  L_star: "Lightness L*",
+  u_prime: "u′",
+  v_prime: "v′",
+  shift_with_angle_uv: "Colour shift Δu′v′",
+  peak_nm: "Peak (nm)",
 };
 const NAMES: Record<string, string> = { ...OF_DISPLAY, ...OF_STATES };
 const nameOf = (metric: string): string => NAMES[metric] ?? metric;
@@ -27,8 +36,22 @@ const REST_MS = 60;
 
 function curvesOf(angles: Angles | null, metric: string): Curve[] {
   if (!angles) return [];
-  if (metric in OF_DISPLAY) return [{ name: nameOf(metric), values: angles.metrics[metric] ?? [], colour: dark.value ? "#7da4f2" : "#2b5fc7", dash: [], width: 2 }];
-  return Object.entries(angles.states).map(([name, values], i) => ({ name, values: values[metric] ?? [], ...lineOf(name, i), width: 1.8 }));
+  if (metric in OF_DISPLAY)
+    return [
+      {
+        name: nameOf(metric),
+        values: angles.metrics[metric] ?? [],
+        colour: dark.value ? "#7da4f2" : "#2b5fc7",
+        dash: [],
+        width: 2,
+      },
+    ];
+  return Object.entries(angles.states).map(([name, values], i) => ({
+    name,
+    values: values[metric] ?? [],
+    ...lineOf(name, i),
+    width: 1.8,
+  }));
 }
 
 export function AnglesPanel() {
@@ -49,19 +72,41 @@ export function AnglesPanel() {
       <div class="controls">
         <label for="angle-metric">Show</label>
         <select id="angle-metric" value={metric.value} onChange={(event) => (metric.value = event.currentTarget.value)}>
-          {Object.entries(NAMES).map(([key, name]) => <option key={key} value={key}>{name}</option>)}
+          {Object.entries(NAMES).map(([key, name]) => (
+            <option key={key} value={key}>
+              {name}
+            </option>
+          ))}
         </select>
         <label for="angle-phi">in the plane of azimuth</label>
-        <NumberField id="angle-phi" name="Azimuth of the plane" of="phi_deg" unit="°" value={phi.value} limits={{ min: -180, max: 180 }} invalid={false} describedBy="angle-remark" change={(to) => (phi.value = to)} />
+        <NumberField
+          id="angle-phi"
+          name="Azimuth of the plane"
+          of="phi_deg"
+          unit="°"
+          value={phi.value}
+          limits={{ min: -180, max: 180 }}
+          invalid={false}
+          describedBy="angle-remark"
+          change={(to) => (phi.value = to)}
+        />
       </div>
       <Problems of={now.problems} />
       <div class={now.busy ? "with-key waiting" : "with-key"}>
         <Curves
-          x={x} curves={[...own, ...dashed]} xName="Viewing angle θ (°)" yName={nameOf(metric.value)} height={300}
-          label={`${nameOf(metric.value)} against viewing angle`} hover={(index) => (under.value = index)} marked={view.value?.theta_deg}
+          x={x}
+          curves={[...own, ...dashed]}
+          xName="Viewing angle θ (°)"
+          yName={nameOf(metric.value)}
+          height={300}
+          label={`${nameOf(metric.value)} against viewing angle`}
+          hover={(index) => (under.value = index)}
+          marked={view.value?.theta_deg}
         />
         <ul class="curve-key read">
-          <li><b>{theta === undefined ? "" : degrees(theta)}</b></li>
+          <li>
+            <b>{theta === undefined ? "" : degrees(theta)}</b>
+          </li>
           {own.map((curve, i) => (
             <li key={curve.name}>
               {metric.value in OF_STATES ? <Sample name={curve.name} index={i} /> : null}
@@ -72,7 +117,9 @@ export function AnglesPanel() {
           ))}
         </ul>
       </div>
-      <p class="remark" id="angle-remark">The dotted line is the view that is shown above. A lamp without angular radius has no mirror image of its own.</p>
+      <p class="remark" id="angle-remark">
+        The dotted line is the view that is shown above. A lamp without angular radius has no mirror image of its own.
+      </p>
     </>
   );
 }

@@ -11,19 +11,32 @@ import { result, selected, states, text, title, view } from "../state/design.ts"
 import { replace } from "../state/live.ts";
 import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
 
-const shown = (value: Json | undefined): string => (value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value));
+const shown = (value: Json | undefined): string =>
+  value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value);
 
 function Keys() {
   const changed = differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json);
-  if (changed.length === 0) return <p class="remark">No key differs yet: change the design, and the differences appear here.</p>;
+  if (changed.length === 0)
+    return <p class="remark">No key differs yet: change the design, and the differences appear here.</p>;
   return (
     <table class="numbers">
-      <thead><tr><th scope="col">key</th><th scope="col">pinned</th><th scope="col">now</th></tr></thead>
+      <thead>
+        <tr>
+          <th scope="col">key</th>
+          <th scope="col">pinned</th>
+          <th scope="col">now</th>
+        </tr>
+      </thead>
       <tbody>
         {changed.slice(0, 60).map(({ path, before, now }) => (
           <tr key={path}>
-            <th scope="row"><button type="button" class="key-link" onClick={() => (selected.value = partOf(path))}><code>{path}</code></button></th>
-            <td>{shown(before)}</td><td>{shown(now)}</td>
+            <th scope="row">
+              <button type="button" class="key-link" onClick={() => (selected.value = partOf(path))}>
+                <code>{path}</code>
+              </button>
+            </th>
+            <td>{shown(before)}</td>
+            <td>{shown(now)}</td>
           </tr>
         ))}
       </tbody>
@@ -49,8 +62,16 @@ function Colours() {
         return (
           <Fragment key={name}>
             <span>{name}</span>
-            <span class="swatch half" ref={(e) => e?.style.setProperty("background-color", before.get(name) ?? "")} title="pinned" />
-            <span class="swatch half" ref={(e) => e?.style.setProperty("background-color", now.get(name) ?? "")} title="now" />
+            <span
+              class="swatch half"
+              ref={(e) => e?.style.setProperty("background-color", before.get(name) ?? "")}
+              title="pinned"
+            />
+            <span
+              class="swatch half"
+              ref={(e) => e?.style.setProperty("background-color", now.get(name) ?? "")}
+              title="now"
+            />
             <span>Y {was ? `${fixed(100 * was.Y, 1)} → ${fixed(100 * state.Y, 1)} %` : NONE}</span>
             <span>ΔL* {was ? signed((state.L_star ?? NaN) - (was.L_star ?? NaN), 1) : NONE}</span>
             <span>ΔE*ab {was ? fixed(distance(state, was), 1) : NONE}</span>
@@ -73,8 +94,12 @@ export function ComparePanel() {
   if (!before) {
     return (
       <div class="controls">
-        <button type="button" class="run" onClick={pin}>Pin this design</button>
-        <span class="remark">It stays beside the one on the bench: in the patches, both diagrams, the tables, and here, key by key.</span>
+        <button type="button" class="run" onClick={pin}>
+          Pin this design
+        </button>
+        <span class="remark">
+          It stays beside the one on the bench: in the patches, both diagrams, the tables, and here, key by key.
+        </span>
       </div>
     );
   }
@@ -82,13 +107,24 @@ export function ComparePanel() {
   return (
     <>
       <div class="controls">
-        <span>Pinned: <b>{before.title}</b>{same ? ", the same as now" : `; on the bench: ${title.value}`}</span>
-        <button type="button" onClick={swap}>Swap</button>
-        <button type="button" onClick={pin}>Pin this one instead</button>
-        <button type="button" onClick={unpin}>Unpin</button>
+        <span>
+          Pinned: <b>{before.title}</b>
+          {same ? ", the same as now" : `; on the bench: ${title.value}`}
+        </span>
+        <button type="button" onClick={swap}>
+          Swap
+        </button>
+        <button type="button" onClick={pin}>
+          Pin this one instead
+        </button>
+        <button type="button" onClick={unpin}>
+          Unpin
+        </button>
       </div>
       <div class="compare">
-        <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ"><Keys /></div>
+        <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ">
+          <Keys />
+        </div>
         <Colours />
       </div>
     </>

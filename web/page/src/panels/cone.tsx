@@ -20,18 +20,24 @@ export function ConePanel() {
       <div class="controls">
         <label for="cone-step">Directions every</label>
         <select id="cone-step" value={step.value} onChange={(event) => (step.value = event.currentTarget.value)}>
-          <option value="3">3°</option><option value="2">2°</option><option value="1">1°</option>
+          <option value="3">3°</option>
+          <option value="2">2°</option>
+          <option value="1">1°</option>
         </select>
         <span role="status">{now.busy ? "computing…" : ""}</span>
       </div>
       <Problems of={now.problems} />
       <div class={now.busy ? "waiting" : ""}>
-        {now.value?.figures.map(({ name, svg }) => <Drawn key={name} svg={svg} label={`${name}: maps over all viewing directions`} />)}
+        {now.value?.figures.map(({ name, svg }) => (
+          <Drawn key={name} svg={svg} label={`${name}: maps over all viewing directions`} />
+        ))}
       </div>
       {before.value && pinned.value && (
         <>
           <h3>Pinned: {pinned.value.title}</h3>
-          {before.value.figures.map(({ name, svg }) => <Drawn key={name} svg={svg} label={`${name} of the pinned design`} />)}
+          {before.value.figures.map(({ name, svg }) => (
+            <Drawn key={name} svg={svg} label={`${name} of the pinned design`} />
+          ))}
         </>
       )}
     </>

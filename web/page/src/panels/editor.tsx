@@ -1,6 +1,5 @@
 // The fields of what is chosen in the drawing, under its name and its key in the scenario.
 
-
 import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { films, layers, STARTERS } from "../model/stack.ts";
@@ -19,7 +18,11 @@ function nameOf(path: string): string {
   if (path.startsWith("lighting.directed.")) return `Light ${Number(path.split(".")[2]) + 1}`;
   if (path.startsWith("lighting.environment.")) return `Surround ${Number(path.split(".")[2]) + 1}`;
   const names: Record<string, string> = {
-    "display.pixel": "Pixel", "display.pixel.states": "Drive states", lighting: "Room light", viewer: "Viewer", computing: "Computing",
+    "display.pixel": "Pixel",
+    "display.pixel.states": "Drive states",
+    lighting: "Room light",
+    viewer: "Viewer",
+    computing: "Computing",
   };
   return names[path] ?? path;
 }
@@ -29,9 +32,21 @@ const CHIPS = ["display.pixel", "display.pixel.states", "lighting", "viewer", "c
 /** A menu of things to add; it shows its own name. */
 function Add({ name, options, add }: { name: string; options: readonly string[]; add: (what: string) => void }) {
   return (
-    <select class="add" aria-label={name} value="" onChange={(event) => { add(event.currentTarget.value); event.currentTarget.value = ""; }}>
+    <select
+      class="add"
+      aria-label={name}
+      value=""
+      onChange={(event) => {
+        add(event.currentTarget.value);
+        event.currentTarget.value = "";
+      }}
+    >
       <option value="">{name}</option>
-      {options.map((option) => <option key={option} value={option}>{option}</option>)}
+      {options.map((option) => (
+        <option key={option} value={option}>
+          {option}
+        </option>
+      ))}
     </select>
   );
 }
@@ -40,9 +55,18 @@ function Add({ name, options, add }: { name: string; options: readonly string[];
 export function Room() {
   const now = textAt(fields.value, "lighting.preset") ?? "";
   return (
-    <select class="room" aria-label="Room preset" value={now} onChange={(event) => event.currentTarget.value && set("lighting", { preset: event.currentTarget.value }, "")}>
+    <select
+      class="room"
+      aria-label="Room preset"
+      value={now}
+      onChange={(event) => event.currentTarget.value && set("lighting", { preset: event.currentTarget.value }, "")}
+    >
       <option value="">Room or standard</option>
-      {PRESETS.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
+      {PRESETS.value.map(({ name, summary }) => (
+        <option key={name} value={name} title={summary}>
+          {name}
+        </option>
+      ))}
     </select>
   );
 }
@@ -51,11 +75,31 @@ export function Toolbar() {
   const film = textAt(fields.value, "display.pixel.model") === "film";
   return (
     <div class="toolbar" role="toolbar" aria-label="Parts of the display">
-      <Add name="Add layer" options={[...Object.keys(STARTERS), ...(film ? ["film of the pixel"] : [])]} add={(what) => (what === "film of the pixel" ? addFilm() : addLayer(what))} />
-      <Add name="Add light" options={["directed", "ring", "cap", "sky", ...(at(fields.value, "lighting.front_light") ? [] : ["front light"])]} add={addLight} />
-      <button type="button" disabled={!canMove(-1)} onClick={() => moveSelected(-1)} title="Up (Alt + arrow up)">Up</button>
-      <button type="button" disabled={!canMove(1)} onClick={() => moveSelected(1)} title="Down (Alt + arrow down)">Down</button>
-      <button type="button" disabled={!canRemove()} onClick={removeSelected} title="Remove (Delete)">Remove</button>
+      <Add
+        name="Add layer"
+        options={[...Object.keys(STARTERS), ...(film ? ["film of the pixel"] : [])]}
+        add={(what) => (what === "film of the pixel" ? addFilm() : addLayer(what))}
+      />
+      <Add
+        name="Add light"
+        options={[
+          "directed",
+          "ring",
+          "cap",
+          "sky",
+          ...(at(fields.value, "lighting.front_light") ? [] : ["front light"]),
+        ]}
+        add={addLight}
+      />
+      <button type="button" disabled={!canMove(-1)} onClick={() => moveSelected(-1)} title="Up (Alt + arrow up)">
+        Up
+      </button>
+      <button type="button" disabled={!canMove(1)} onClick={() => moveSelected(1)} title="Down (Alt + arrow down)">
+        Down
+      </button>
+      <button type="button" disabled={!canRemove()} onClick={removeSelected} title="Remove (Delete)">
+        Remove
+      </button>
     </div>
   );
 }
@@ -66,9 +110,15 @@ function Refusal() {
   const waiting = pending.value.length + (draft.value === null ? 0 : 1);
   return (
     <div class="refusal">
-      <p><b>{waiting > 0 ? "Not applied yet." : "Not computed."}</b> The picture shows the last design that computes.</p>
+      <p>
+        <b>{waiting > 0 ? "Not applied yet." : "Not computed."}</b> The picture shows the last design that computes.
+      </p>
       <Elsewhere />
-      {waiting > 0 && <button type="button" onClick={putBack}>Put it back</button>}
+      {waiting > 0 && (
+        <button type="button" onClick={putBack}>
+          Put it back
+        </button>
+      )}
     </div>
   );
 }
@@ -77,11 +127,27 @@ function Fields({ path }: { path: string }) {
   if (path === "display.pixel.states") return <StatesEditor />;
   if (path === "display.pixel") return <Form path={path} except={["film", "states"]} />;
   if (path === "viewer") return <Form path="viewer" />;
-  if (path === "lighting") return <Form path="lighting" except={["preset", "directed", "environment", "front_light"]} />;
-  if (path === "computing") return <><h3>Solver</h3><Form path="solver" except={["target"]} /><h3>Wavelengths</h3><Form path="spectrum" /><h3>Metrics</h3><Form path="metrics" /></>;
+  if (path === "lighting")
+    return <Form path="lighting" except={["preset", "directed", "environment", "front_light"]} />;
+  if (path === "computing")
+    return (
+      <>
+        <h3>Solver</h3>
+        <Form path="solver" except={["target"]} />
+        <h3>Wavelengths</h3>
+        <Form path="spectrum" />
+        <h3>Metrics</h3>
+        <Form path="metrics" />
+      </>
+    );
   if (path === "display.glass.surface") return <Field path={path} />;
   const gap = at(fields.value, `${path}.thickness_nm`) === "gap";
-  return <><Form path={path} />{gap && <Field path="display.pixel.gap_nm" />}</>;
+  return (
+    <>
+      <Form path={path} />
+      {gap && <Field path="display.pixel.gap_nm" />}
+    </>
+  );
 }
 
 export function FieldsPanel() {
@@ -90,7 +156,9 @@ export function FieldsPanel() {
     <section class="editor" aria-label="Fields of what is chosen">
       <nav class="chips" aria-label="Parts of the scenario">
         {CHIPS.map((chip) => (
-          <button type="button" key={chip} aria-pressed={path === chip} onClick={() => (selected.value = chip)}>{nameOf(chip)}</button>
+          <button type="button" key={chip} aria-pressed={path === chip} onClick={() => (selected.value = chip)}>
+            {nameOf(chip)}
+          </button>
         ))}
       </nav>
       <header>

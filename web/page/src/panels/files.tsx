@@ -9,8 +9,14 @@ import { take } from "./drop.tsx";
 import { Problems } from "./problems.tsx";
 
 const KINDS: Record<string, string> = {
-  bsdf: "measured scattering", spectrum: "spectrum", material: "n and k of a material", pixel: "table of a pixel", map: "map of light",
-  luminaire: "luminaire", profile: "profile of light", panel: "measured panel",
+  bsdf: "measured scattering",
+  spectrum: "spectrum",
+  material: "n and k of a material",
+  pixel: "table of a pixel",
+  map: "map of light",
+  luminaire: "luminaire",
+  profile: "profile of light",
+  panel: "measured panel",
 };
 
 function size(bytes: number): string {
@@ -23,19 +29,34 @@ function File({ file }: { file: Dropped }) {
     <article class="file">
       <header>
         <h3>{file.name}</h3>
-        <small>{audit ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}{size(file.bytes)}</small>
-        <button type="button" onClick={() => void forget(file.name)} aria-label={`Forget ${file.name}`}>Forget</button>
+        <small>
+          {audit ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}
+          {size(file.bytes)}
+        </small>
+        <button type="button" onClick={() => void forget(file.name)} aria-label={`Forget ${file.name}`}>
+          Forget
+        </button>
       </header>
       {!audit && file.problems.length === 0 && <p role="status">Reading…</p>}
       <Problems of={file.problems} />
       {audit && (
         <>
           <p class="uses">
-            {audit.edits.map(({ label, edits }) => <button type="button" key={label} class="run" onClick={() => edit(edits)}>{label}</button>)}
+            {audit.edits.map(({ label, edits }) => (
+              <button type="button" key={label} class="run" onClick={() => edit(edits)}>
+                {label}
+              </button>
+            ))}
           </p>
           <div class="audit">
-            <div class="figures">{audit.figures.map(({ name, svg }) => <Drawn key={name} svg={svg} label={`${file.name}: ${name}`} />)}</div>
-            <pre class="words" tabindex={0} aria-label={`What ${file.name} is worth`}>{audit.words.join("\n")}</pre>
+            <div class="figures">
+              {audit.figures.map(({ name, svg }) => (
+                <Drawn key={name} svg={svg} label={`${file.name}: ${name}`} />
+              ))}
+            </div>
+            <pre class="words" tabindex={0} aria-label={`What ${file.name} is worth`}>
+              {audit.words.join("\n")}
+            </pre>
           </div>
         </>
       )}
@@ -48,11 +69,26 @@ export function FilesPanel() {
   return (
     <>
       <div class="controls">
-        <button type="button" onClick={() => chooser.current?.click()}>Choose files</button>
-        <input ref={chooser} class="hidden" type="file" multiple tabindex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
-        <span class="remark">or drop them anywhere: BSDF (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light maps, IES luminaires. They stay on this machine.</span>
+        <button type="button" onClick={() => chooser.current?.click()}>
+          Choose files
+        </button>
+        <input
+          ref={chooser}
+          class="hidden"
+          type="file"
+          multiple
+          tabindex={-1}
+          aria-hidden="true"
+          onChange={(event) => void take([...(event.currentTarget.files ?? [])])}
+        />
+        <span class="remark">
+          or drop them anywhere: BSDF (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light maps, IES
+          luminaires. They stay on this machine.
+        </span>
       </div>
-      {files.value.map((file) => <File key={file.name} file={file} />)}
+      {files.value.map((file) => (
+        <File key={file.name} file={file} />
+      ))}
     </>
   );
 }

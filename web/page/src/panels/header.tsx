@@ -24,7 +24,11 @@ export const undo = (): void => step(undone());
 export const redo = (): void => step(redone());
 
 /** A file's name for the design. */
-export const fileName = (): string => title.value.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "scenario";
+export const fileName = (): string =>
+  title.value
+    .toLowerCase()
+    .replace(/[^a-z0-9]+/g, "-")
+    .replace(/^-|-$/g, "") || "scenario";
 
 async function copyLink(): Promise<void> {
   const fragment = await packed(text.value);
@@ -44,7 +48,18 @@ async function openExample(name: string): Promise<void> {
 }
 
 /** What a design is exported as: the command line's own files. */
-const EXPORTS = ["report.html", "result.json", "states.csv", "spectra.csv", "overview.svg", "overview.png", "chromaticity.svg", "spectra.svg", "patches.svg", "cone.svg"];
+const EXPORTS = [
+  "report.html",
+  "result.json",
+  "states.csv",
+  "spectra.csv",
+  "overview.svg",
+  "overview.png",
+  "chromaticity.svg",
+  "spectra.svg",
+  "patches.svg",
+  "cone.svg",
+];
 
 async function exportAs(what: string): Promise<void> {
   if (!what) return;
@@ -70,33 +85,104 @@ const THEMES: readonly Theme[] = ["system", "light", "dark"];
 
 export function Header() {
   const chooser = useRef<HTMLInputElement>(null);
-  const retitle = (name: string) => (name === "" && at(fields.value, "title") !== undefined ? edit([{ op: "remove", path: "title" }]) : set("title", name));
+  const retitle = (name: string) =>
+    name === "" && at(fields.value, "title") !== undefined
+      ? edit([{ op: "remove", path: "title" }])
+      : set("title", name);
   return (
     <header class="head">
-      <h1><Mark />Papilio</h1>
-      <input class="title" aria-label="Title of the design" value={title.value} onChange={(event) => retitle(event.currentTarget.value)} spellcheck={false} />
+      <h1>
+        <Mark />
+        Papilio
+      </h1>
+      <input
+        class="title"
+        aria-label="Title of the design"
+        value={title.value}
+        onChange={(event) => retitle(event.currentTarget.value)}
+        spellcheck={false}
+      />
       <div class="tools">
-        <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">Undo</button>
-        <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">Redo</button>
-        <select class="examples" aria-label="Examples" value="" onChange={(event) => { void openExample(event.currentTarget.value); event.currentTarget.value = ""; }}>
+        <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">
+          Undo
+        </button>
+        <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">
+          Redo
+        </button>
+        <select
+          class="examples"
+          aria-label="Examples"
+          value=""
+          onChange={(event) => {
+            void openExample(event.currentTarget.value);
+            event.currentTarget.value = "";
+          }}
+        >
           <option value="">Examples</option>
-          {EXAMPLES.value.map(({ name, summary }) => <option key={name} value={name} title={summary}>{name}</option>)}
+          {EXAMPLES.value.map(({ name, summary }) => (
+            <option key={name} value={name} title={summary}>
+              {name}
+            </option>
+          ))}
         </select>
-        <button type="button" onClick={() => chooser.current?.click()} title="A scenario, or a measured file">Open</button>
-        <input ref={chooser} class="hidden" type="file" multiple tabindex={-1} aria-hidden="true" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
-        <button type="button" onClick={() => save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }))}>Save</button>
-        <select class="export" aria-label="Export" value="" onChange={(event) => { void exportAs(event.currentTarget.value); event.currentTarget.value = ""; }}>
+        <button type="button" onClick={() => chooser.current?.click()} title="A scenario, or a measured file">
+          Open
+        </button>
+        <input
+          ref={chooser}
+          class="hidden"
+          type="file"
+          multiple
+          tabindex={-1}
+          aria-hidden="true"
+          onChange={(event) => void take([...(event.currentTarget.files ?? [])])}
+        />
+        <button
+          type="button"
+          onClick={() => save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }))}
+        >
+          Save
+        </button>
+        <select
+          class="export"
+          aria-label="Export"
+          value=""
+          onChange={(event) => {
+            void exportAs(event.currentTarget.value);
+            event.currentTarget.value = "";
+          }}
+        >
           <option value="">Export</option>
-          {EXPORTS.map((what) => <option key={what} value={what}>{what}</option>)}
+          {EXPORTS.map((what) => (
+            <option key={what} value={what}>
+              {what}
+            </option>
+          ))}
         </select>
-        <button type="button" onClick={() => void copyLink()}>Link</button>
-        <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : pin())}>{pinned.value ? "Unpin" : "Pin"}</button>
-        <button type="button" class="run" onClick={() => (openTab.value = "walk")}>Run</button>
-        <select aria-label="Colours of the page" value={theme.value} onChange={(event) => (theme.value = event.currentTarget.value as Theme)}>
-          {THEMES.map((one) => <option key={one} value={one}>{one}</option>)}
+        <button type="button" onClick={() => void copyLink()}>
+          Link
+        </button>
+        <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : pin())}>
+          {pinned.value ? "Unpin" : "Pin"}
+        </button>
+        <button type="button" class="run" onClick={() => (openTab.value = "walk")}>
+          Run
+        </button>
+        <select
+          aria-label="Colours of the page"
+          value={theme.value}
+          onChange={(event) => (theme.value = event.currentTarget.value as Theme)}
+        >
+          {THEMES.map((one) => (
+            <option key={one} value={one}>
+              {one}
+            </option>
+          ))}
         </select>
       </div>
-      <p class="said" role="status">{said.value}</p>
+      <p class="said" role="status">
+        {said.value}
+      </p>
     </header>
   );
 }

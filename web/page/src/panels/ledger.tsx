@@ -14,7 +14,13 @@ const share = (ledger: Pick<Ledger, "returned" | "absorbed" | "unaccounted">, pa
 function Bar({ name, ledger }: { name: string; ledger: Ledger }) {
   let from = 0;
   return (
-    <svg class="ledger-bar" viewBox="0 0 1000 26" preserveAspectRatio="none" role="img" aria-label={`${name}: ${fixed(100 * ledger.returned, 1)} per cent returns`}>
+    <svg
+      class="ledger-bar"
+      viewBox="0 0 1000 26"
+      preserveAspectRatio="none"
+      role="img"
+      aria-label={`${name}: ${fixed(100 * ledger.returned, 1)} per cent returns`}
+    >
       {PARTS.map((part) => {
         const width = Math.max(0, 1000 * share(ledger, part));
         const x = from;
@@ -35,22 +41,38 @@ export function LedgerPanel() {
           <thead>
             <tr>
               <th scope="col">state</th>
-              <th scope="col" class="bar-head">a beam from the view direction</th>
-              {used.map((part) => <th scope="col" key={part}><span class={`chip share ${part}`} />{part === "returned" ? "returns" : part} %</th>)}
+              <th scope="col" class="bar-head">
+                a beam from the view direction
+              </th>
+              {used.map((part) => (
+                <th scope="col" key={part}>
+                  <span class={`chip share ${part}`} />
+                  {part === "returned" ? "returns" : part} %
+                </th>
+              ))}
             </tr>
           </thead>
           <tbody>
             {all.map(([name, ledger]) => (
               <tr key={name}>
                 <th scope="row">{name}</th>
-                <td class="bar-cell"><Bar name={name} ledger={ledger} /></td>
-                {used.map((part) => <td key={part}>{withError(100 * share(ledger, part), 100 * share(ledger.standard_error, part), 2)}</td>)}
+                <td class="bar-cell">
+                  <Bar name={name} ledger={ledger} />
+                </td>
+                {used.map((part) => (
+                  <td key={part}>
+                    {withError(100 * share(ledger, part), 100 * share(ledger.standard_error, part), 2)}
+                  </td>
+                ))}
               </tr>
             ))}
           </tbody>
         </table>
       </div>
-      <p class="remark">Luminous shares of a unit beam of the room's light that enters from where the viewer is; what does not return is absorbed in that part.</p>
+      <p class="remark">
+        Luminous shares of a unit beam of the room's light that enters from where the viewer is; what does not return is
+        absorbed in that part.
+      </p>
     </>
   );
 }

@@ -8,10 +8,20 @@ export function Notes() {
   const took = answer.value?.cost_ms;
   return (
     <footer class="notes">
-      {now.warnings.map((words) => <p class="warning" key={words}><b>Warning:</b> {words}</p>)}
-      {now.notes.map((words) => <p key={words}><b>Note:</b> {words}</p>)}
+      {now.warnings.map((words) => (
+        <p class="warning" key={words}>
+          <b>Warning:</b> {words}
+        </p>
+      ))}
+      {now.notes.map((words) => (
+        <p key={words}>
+          <b>Note:</b> {words}
+        </p>
+      ))}
       <p class="trace">
-        Papilio {now.papilio}, {now.solver.method}{took === undefined ? "" : `, ${took.toFixed(1)} ms`}; scenario <code title={`SHA-256 of the scenario and its files: ${now.hash}`}>{now.hash.slice(0, 12)}</code>
+        Papilio {now.papilio}, {now.solver.method}
+        {took === undefined ? "" : `, ${took.toFixed(1)} ms`}; scenario{" "}
+        <code title={`SHA-256 of the scenario and its files: ${now.hash}`}>{now.hash.slice(0, 12)}</code>
       </p>
     </footer>
   );

@@ -9,12 +9,26 @@ export function Readability() {
   const now = view.value;
   if (!now) return null;
   const rows: [string, string, string][] = [
-    ["Text luminance", withError(now.text_luminance_cd_m2, now.standard_error.text_luminance_cd_m2, 1), "cd/m², three quarters white, one quarter black"],
-    ["Text contrast", withError(now.text_contrast, now.standard_error.text_contrast, 3), "(white − black)/(white + black/3)"],
+    [
+      "Text luminance",
+      withError(now.text_luminance_cd_m2, now.standard_error.text_luminance_cd_m2, 1),
+      "cd/m², three quarters white, one quarter black",
+    ],
+    [
+      "Text contrast",
+      withError(now.text_contrast, now.standard_error.text_contrast, 3),
+      "(white − black)/(white + black/3)",
+    ],
     ...AGES.map((age): [string, string, string] => {
       const key = `reading_surrogate_age_${age}` as const;
       const value = now[key];
-      return [`Small print, ${age} years`, typeof value !== "number" ? NONE : `${withError(100 * value, 100 * (now.standard_error[key] ?? 0), 1)} %`, typeof value !== "number" ? "out of the surrogate's range (text of 1000 to 5200 cd/m², contrast .35 to .9)" : "reading performance, a surrogate calibrated on Feng 2012, table 5.3"];
+      return [
+        `Small print, ${age} years`,
+        typeof value !== "number" ? NONE : `${withError(100 * value, 100 * (now.standard_error[key] ?? 0), 1)} %`,
+        typeof value !== "number"
+          ? "out of the surrogate's range (text of 1000 to 5200 cd/m², contrast .35 to .9)"
+          : "reading performance, a surrogate calibrated on Feng 2012, table 5.3",
+      ];
     }),
   ];
   return (
@@ -22,7 +36,11 @@ export function Readability() {
       <table class="numbers readability">
         <tbody>
           {rows.map(([name, value, help]) => (
-            <tr key={name}><th scope="row">{name}</th><td>{value}</td><td class="words">{help}</td></tr>
+            <tr key={name}>
+              <th scope="row">{name}</th>
+              <td>{value}</td>
+              <td class="words">{help}</td>
+            </tr>
           ))}
         </tbody>
       </table>

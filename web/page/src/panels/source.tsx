@@ -10,16 +10,26 @@ export function Source() {
   const area = useRef<HTMLTextAreaElement>(null);
   const shown = draft.value ?? text.value;
   useEffect(() => {
-    if (area.current && area.current.value !== shown && document.activeElement !== area.current) area.current.value = shown;
+    if (area.current && area.current.value !== shown && document.activeElement !== area.current)
+      area.current.value = shown;
   }, [shown]);
   return (
     <div class="source">
-      <label for="source">The scenario, as <code>papilio run</code> takes it</label>
+      <label for="source">
+        The scenario, as <code>papilio run</code> takes it
+      </label>
       <textarea
-        id="source" ref={area} spellcheck={false} defaultValue={shown} aria-invalid={problems.value.length > 0} aria-describedby="source-errors"
+        id="source"
+        ref={area}
+        spellcheck={false}
+        defaultValue={shown}
+        aria-invalid={problems.value.length > 0}
+        aria-describedby="source-errors"
         onInput={(event) => replace(event.currentTarget.value, "source")}
       />
-      <div id="source-errors"><Elsewhere /></div>
+      <div id="source-errors">
+        <Elsewhere />
+      </div>
     </div>
   );
 }

@@ -21,5 +21,9 @@ export function Spoken() {
     const rest = setTimeout(say, REST_MS);
     return () => clearTimeout(rest);
   }, [now]);
-  return <p class="spoken" role="status">{words.value}</p>;
+  return (
+    <p class="spoken" role="status">
+      {words.value}
+    </p>
+  );
 }

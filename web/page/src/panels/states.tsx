@@ -11,7 +11,9 @@ import { fields, shownState, states } from "../state/design.ts";
 import { edit, set } from "../state/live.ts";
 
 function drive(state: string, sub: string, to: Drive): void {
-  const own = Object.fromEntries([...drives(fields.value, state)].map(([name, value]) => [name, name === sub ? to : value]));
+  const own = Object.fromEntries(
+    [...drives(fields.value, state)].map(([name, value]) => [name, name === sub ? to : value]),
+  );
   const named = Object.fromEntries(Object.entries(own).filter(([, value]) => value !== 0));
   set(join("display.pixel.states", state), named, `${state}.${sub}`);
 }
@@ -24,10 +26,21 @@ function SubPixel({ state, sub, value }: { state: string; sub: string; value: Dr
     <div class="field">
       <label for={id}>{sub}</label>
       <div class="pair">
-        <Choice label={`${sub}: driven by`} value={analogue ? "gap" : "share"} options={["share", "gap"]} change={(as) => drive(state, sub, as === "gap" ? { gap_nm: own } : 1)} />
+        <Choice
+          label={`${sub}: driven by`}
+          value={analogue ? "gap" : "share"}
+          options={["share", "gap"]}
+          change={(as) => drive(state, sub, as === "gap" ? { gap_nm: own } : 1)}
+        />
         <NumberField
-          id={id} name={sub} of={analogue ? "gap_nm" : ""} unit={analogue ? "nm" : ""} value={analogue ? value.gap_nm : value}
-          limits={analogue ? { min: 0, max: 1e6 } : { min: 0, max: 1 }} invalid={false} describedBy="f-state-help"
+          id={id}
+          name={sub}
+          of={analogue ? "gap_nm" : ""}
+          unit={analogue ? "nm" : ""}
+          value={analogue ? value.gap_nm : value}
+          limits={analogue ? { min: 0, max: 1e6 } : { min: 0, max: 1 }}
+          invalid={false}
+          describedBy="f-state-help"
           change={(to) => drive(state, sub, analogue ? { gap_nm: to } : to)}
         />
       </div>
@@ -49,7 +62,13 @@ function NewState() {
   return (
     <form class="inline-form" onSubmit={add}>
       <label for="f-new-state">New state</label>
-      <input id="f-new-state" value={name.value} maxLength={64} onInput={(event) => (name.value = event.currentTarget.value)} placeholder="orange" />
+      <input
+        id="f-new-state"
+        value={name.value}
+        maxLength={64}
+        onInput={(event) => (name.value = event.currentTarget.value)}
+        placeholder="orange"
+      />
       <button type="submit">Add</button>
     </form>
   );
@@ -57,19 +76,41 @@ function NewState() {
 
 export function StatesEditor() {
   const state = shownState.value;
-  if (textAt(fields.value, "display.pixel.model") !== "film") return <p class="help">Only a pixel of films has states that can be driven; a table or a uniform pixel brings its own.</p>;
+  if (textAt(fields.value, "display.pixel.model") !== "film")
+    return (
+      <p class="help">
+        Only a pixel of films has states that can be driven; a table or a uniform pixel brings its own.
+      </p>
+    );
   const own = at(fields.value, join("display.pixel.states", state)) !== undefined;
   return (
     <>
       <div class="field">
         <label for="f-state">State</label>
-        <Choice id="f-state" value={state} options={states.value.map(([name]) => name)} change={(name) => (shownState.value = name)} />
+        <Choice
+          id="f-state"
+          value={state}
+          options={states.value.map(([name]) => name)}
+          change={(name) => (shownState.value = name)}
+        />
         <p class="help" id="f-state-help">
-          Share of each sub-pixel's area at its own colour, the rest dark; or an analogue gap. {isDefaultState(fields.value, state) && "This is a default state; a change makes it your own."}
+          Share of each sub-pixel's area at its own colour, the rest dark; or an analogue gap.{" "}
+          {isDefaultState(fields.value, state) && "This is a default state; a change makes it your own."}
         </p>
       </div>
-      {[...drives(fields.value, state)].map(([sub, value]) => <SubPixel key={sub} state={state} sub={sub} value={value} />)}
-      {own && <button type="button" onClick={() => { edit([{ op: "remove", path: join("display.pixel.states", state) }]); }}>Remove this state</button>}
+      {[...drives(fields.value, state)].map(([sub, value]) => (
+        <SubPixel key={sub} state={state} sub={sub} value={value} />
+      ))}
+      {own && (
+        <button
+          type="button"
+          onClick={() => {
+            edit([{ op: "remove", path: join("display.pixel.states", state) }]);
+          }}
+        >
+          Remove this state
+        </button>
+      )}
       <NewState />
     </>
   );

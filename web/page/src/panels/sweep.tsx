@@ -7,7 +7,19 @@ import { split } from "../model/json.ts";
 import { Curves } from "../plots/curves.tsx";
 import { Map } from "../plots/map.tsx";
 import { edit } from "../state/live.ts";
-import { asEdits, axes, axisFor, keys, metric, points, run, sweep, swept, valuesOf, type Axis } from "../state/sweep.ts";
+import {
+  asEdits,
+  axes,
+  axisFor,
+  keys,
+  metric,
+  points,
+  run,
+  sweep,
+  swept,
+  valuesOf,
+  type Axis,
+} from "../state/sweep.ts";
 import { dark } from "../state/theme.ts";
 import { Problems } from "./problems.tsx";
 import { selected, states } from "../state/design.ts";
@@ -31,19 +43,41 @@ function put(index: number, axis: Axis): void {
 function AxisFields({ axis, index }: { axis: Axis; index: number }) {
   const number = (key: "from" | "to" | "count") => (
     <label>
-      {key} <input inputMode="decimal" value={axis[key]} onChange={(event) => {
-        const value = Number(event.currentTarget.value);
-        if (Number.isFinite(value)) put(index, { ...axis, [key]: key === "count" ? Math.max(2, Math.min(101, Math.round(value))) : value });
-      }} />
+      {key}{" "}
+      <input
+        inputMode="decimal"
+        value={axis[key]}
+        onChange={(event) => {
+          const value = Number(event.currentTarget.value);
+          if (Number.isFinite(value))
+            put(index, { ...axis, [key]: key === "count" ? Math.max(2, Math.min(101, Math.round(value))) : value });
+        }}
+      />
     </label>
   );
   return (
     <div class="controls axis">
-      <select aria-label={`Key of axis ${index + 1}`} value={axis.path} onChange={(event) => put(index, axisFor(event.currentTarget.value, axis.count))}>
-        {keys.value.map((path) => <option key={path} value={path}>{path}</option>)}
+      <select
+        aria-label={`Key of axis ${index + 1}`}
+        value={axis.path}
+        onChange={(event) => put(index, axisFor(event.currentTarget.value, axis.count))}
+      >
+        {keys.value.map((path) => (
+          <option key={path} value={path}>
+            {path}
+          </option>
+        ))}
       </select>
-      {number("from")}{number("to")}{number("count")}
-      <button type="button" onClick={() => (axes.value = axes.value.filter((_, i) => i !== index))} aria-label={`Remove axis ${index + 1}`}>Remove</button>
+      {number("from")}
+      {number("to")}
+      {number("count")}
+      <button
+        type="button"
+        onClick={() => (axes.value = axes.value.filter((_, i) => i !== index))}
+        aria-label={`Remove axis ${index + 1}`}
+      >
+        Remove
+      </button>
     </div>
   );
 }
@@ -54,7 +88,11 @@ function addAxis(): void {
   const free = keys.value.filter((path) => !taken.includes(path));
   const near = free.find((path) => path.startsWith(selected.value) && !/straight|phi|fill/.test(path)) ?? free[0];
   const count = axes.value.length === 0 ? FINE : COARSE;
-  if (near) axes.value = [...axes.value.map((axis) => ({ ...axis, count: Math.min(axis.count, axes.value.length ? COARSE : FINE) })), axisFor(near, count)];
+  if (near)
+    axes.value = [
+      ...axes.value.map((axis) => ({ ...axis, count: Math.min(axis.count, axes.value.length ? COARSE : FINE) })),
+      axisFor(near, count),
+    ];
 }
 
 function Plot() {
@@ -64,35 +102,96 @@ function Plot() {
   const name = metric.value;
   if (!second) {
     const x = valuesOf(first);
-    const curve = { name, values: x.map((_, i) => by.get(i) ?? null), colour: dark.value ? "#7da4f2" : "#2b5fc7", dash: [], width: 2 };
-    return <Curves x={x} curves={[curve]} xName={nameOf(first.path)} yName={name} height={300} label={`${name} against ${first.path}`} />;
+    const curve = {
+      name,
+      values: x.map((_, i) => by.get(i) ?? null),
+      colour: dark.value ? "#7da4f2" : "#2b5fc7",
+      dash: [],
+      width: 2,
+    };
+    return (
+      <Curves
+        x={x}
+        curves={[curve]}
+        xName={nameOf(first.path)}
+        yName={name}
+        height={300}
+        label={`${name} against ${first.path}`}
+      />
+    );
   }
   const [ys, xs] = [valuesOf(first), valuesOf(second)];
-  return <Map xs={xs} ys={ys} xName={nameOf(second.path)} yName={nameOf(first.path)} name={name} values={ys.map((_, j) => xs.map((__, i) => by.get(j * xs.length + i) ?? null))} />;
+  return (
+    <Map
+      xs={xs}
+      ys={ys}
+      xName={nameOf(second.path)}
+      yName={nameOf(first.path)}
+      name={name}
+      values={ys.map((_, j) => xs.map((__, i) => by.get(j * xs.length + i) ?? null))}
+    />
+  );
 }
 
 export function SweepPanel() {
   if (axes.value.length === 0) addAxis();
-  const end = points.value.reduce<SweepPoint | null>((last, point) => (last && last.index > point.index ? last : point), null);
+  const end = points.value.reduce<SweepPoint | null>(
+    (last, point) => (last && last.index > point.index ? last : point),
+    null,
+  );
   const running = sweep.phase.value === "running";
   const total = axes.value.reduce((product, { count }) => product * count, 1);
   return (
     <>
-      {axes.value.map((axis, i) => <AxisFields key={i} axis={axis} index={i} />)}
+      {axes.value.map((axis, i) => (
+        <AxisFields key={i} axis={axis} index={i} />
+      ))}
       <div class="controls">
-        {axes.value.length < 2 && <button type="button" onClick={addAxis}>Add a second key</button>}
+        {axes.value.length < 2 && (
+          <button type="button" onClick={addAxis}>
+            Add a second key
+          </button>
+        )}
         <label for="sweep-metric">Metric</label>
         <select id="sweep-metric" value={metric.value} onChange={(event) => (metric.value = event.currentTarget.value)}>
-          {[...METRICS, ...states.value.flatMap(([name]) => OF_STATES.map((of) => `${name}.${of}`))].map((one) => <option key={one} value={one}>{one}</option>)}
+          {[...METRICS, ...states.value.flatMap(([name]) => OF_STATES.map((of) => `${name}.${of}`))].map((one) => (
+            <option key={one} value={one}>
+              {one}
+            </option>
+          ))}
         </select>
-        {running ? <button type="button" onClick={sweep.cancel}>Cancel</button> : <button type="button" class="run" onClick={() => void run()}>Sweep {total} points</button>}
+        {running ? (
+          <button type="button" onClick={sweep.cancel}>
+            Cancel
+          </button>
+        ) : (
+          <button type="button" class="run" onClick={() => void run()}>
+            Sweep {total} points
+          </button>
+        )}
         <progress max={total} value={points.value.length} aria-label="Progress of the sweep" />
-        <span role="status" data-phase={sweep.phase.value}>{running ? `${points.value.length} of ${total}` : sweep.phase.value === "done" ? `${points.value.length} points, done` : ""}</span>
-        <button type="button" onClick={() => edit(asEdits())} title="The scenario then runs as `papilio sweep FILE`, too">Keep in the scenario</button>
+        <span role="status" data-phase={sweep.phase.value}>
+          {running
+            ? `${points.value.length} of ${total}`
+            : sweep.phase.value === "done"
+              ? `${points.value.length} points, done`
+              : ""}
+        </span>
+        <button
+          type="button"
+          onClick={() => edit(asEdits())}
+          title="The scenario then runs as `papilio sweep FILE`, too"
+        >
+          Keep in the scenario
+        </button>
       </div>
       <Problems of={sweep.problems.value} />
       <Plot />
-      {end && <p class="remark">{points.value.length} points; the last: {digits(end.metrics[metric.value], 4)}.</p>}
+      {end && (
+        <p class="remark">
+          {points.value.length} points; the last: {digits(end.metrics[metric.value], 4)}.
+        </p>
+      )}
     </>
   );
 }

@@ -27,7 +27,12 @@ const COLUMNS: readonly Column[] = [
   { head: "v′", decimals: 4, help: "CIE 1976 chromaticity", of: (v) => v.v_prime },
   { head: "dR", decimals: 4, help: "u′v′ distance from D65 (Feng 2012, table 5.1)", of: (v) => v.distance_from_d65_uv },
   { head: "peak nm", decimals: 1, help: "Largest reflectance factor between 400 and 700 nm", of: (v) => v.peak_nm },
-  { head: "R hemi", decimals: 4, help: "Luminous reflectance factor in the diffuse light alone (Feng 2012, eq. 3-1)", of: (v) => v.R_hemi },
+  {
+    head: "R hemi",
+    decimals: 4,
+    help: "Luminous reflectance factor in the diffuse light alone (Feng 2012, eq. 3-1)",
+    of: (v) => v.R_hemi,
+  },
   { head: "R dir", decimals: 4, help: "The same in the first directed source alone", of: (v) => v.R_dir?.[0] },
 ];
 
@@ -40,7 +45,17 @@ function small(value: number | null | undefined): string {
   return `± ${value < 1e-4 ? value.toExponential(0).replace("e-", "e−") : Number(value.toPrecision(2))}`;
 }
 
-function Cell({ column, state, before, errors }: { column: Column; state: StateResult; before: StateResult | undefined; errors: boolean }) {
+function Cell({
+  column,
+  state,
+  before,
+  errors,
+}: {
+  column: Column;
+  state: StateResult;
+  before: StateResult | undefined;
+  errors: boolean;
+}) {
   const value = column.of(state);
   const se = column.of(errorOf(state));
   const seen = errors ? small(se) : error(se, column.decimals);
@@ -49,7 +64,9 @@ function Cell({ column, state, before, errors }: { column: Column; state: StateR
     <td>
       {fixed(value, column.decimals)}
       {seen && <small>{seen}</small>}
-      {before && typeof was === "number" && typeof value === "number" && <small class="difference">{signed(value - was, column.decimals)}</small>}
+      {before && typeof was === "number" && typeof value === "number" && (
+        <small class="difference">{signed(value - was, column.decimals)}</small>
+      )}
     </td>
   );
 }
@@ -67,7 +84,11 @@ export function StatesTable() {
           <thead>
             <tr>
               <th scope="col">state</th>
-              {COLUMNS.map(({ head, help }) => <th scope="col" key={head} title={help}>{head}</th>)}
+              {COLUMNS.map(({ head, help }) => (
+                <th scope="col" key={head} title={help}>
+                  {head}
+                </th>
+              ))}
             </tr>
           </thead>
           <tbody>
@@ -77,15 +98,28 @@ export function StatesTable() {
                   <span class="chip" ref={(e) => e?.style.setProperty("background-color", colours.get(name) ?? "")} />
                   {name}
                 </th>
-                {COLUMNS.map((column) => <Cell key={column.head} column={column} state={state} before={pinnedView.value?.states[name]} errors={errors.value} />)}
+                {COLUMNS.map((column) => (
+                  <Cell
+                    key={column.head}
+                    column={column}
+                    state={state}
+                    before={pinnedView.value?.states[name]}
+                    errors={errors.value}
+                  />
+                ))}
               </tr>
             ))}
           </tbody>
         </table>
       </div>
       <p class="remark">
-        {adding ? `Adding: ${solver.nodes} nodes, no noise; discretisation error of Y at most ${(100 * solver.relative_error_reached).toPrecision(2)} %. ` : `Walk: standard errors of one sigma, ${solver.degrees_of_freedom} degrees of freedom. `}
-        <label class="toggle inline"><input type="checkbox" checked={errors.value} onChange={(e) => (errors.value = e.currentTarget.checked)} /> show errors however small</label>
+        {adding
+          ? `Adding: ${solver.nodes} nodes, no noise; discretisation error of Y at most ${(100 * solver.relative_error_reached).toPrecision(2)} %. `
+          : `Walk: standard errors of one sigma, ${solver.degrees_of_freedom} degrees of freedom. `}
+        <label class="toggle inline">
+          <input type="checkbox" checked={errors.value} onChange={(e) => (errors.value = e.currentTarget.checked)} />{" "}
+          show errors however small
+        </label>
       </p>
     </>
   );

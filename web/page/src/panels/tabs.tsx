@@ -26,14 +26,22 @@ export function Tabs({ tabs, open }: { tabs: readonly Tab[]; open: Signal<string
       <div role="tablist" aria-label="More about this design" onKeyDown={press}>
         {tabs.map(({ id, name }) => (
           <button
-            type="button" key={id} id={`tab-${id}`} role="tab" aria-selected={id === current.id} aria-controls="tab-panel" tabindex={id === current.id ? 0 : -1}
+            type="button"
+            key={id}
+            id={`tab-${id}`}
+            role="tab"
+            aria-selected={id === current.id}
+            aria-controls="tab-panel"
+            tabindex={id === current.id ? 0 : -1}
             onClick={() => (open.value = id)}
           >
             {name}
           </button>
         ))}
       </div>
-      <div id="tab-panel" role="tabpanel" aria-labelledby={`tab-${current.id}`}>{current.body()}</div>
+      <div id="tab-panel" role="tabpanel" aria-labelledby={`tab-${current.id}`}>
+        {current.body()}
+      </div>
     </section>
   );
 }

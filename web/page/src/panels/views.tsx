@@ -12,8 +12,16 @@ export function Views() {
   return (
     <p class="views">
       <label for="view">seen from</label>{" "}
-      <select id="view" value={String(viewIndex.value)} onChange={(event) => showView(Number(event.currentTarget.value))}>
-        {all.map((one, i) => <option key={i} value={String(i)}>{name(one.theta_deg, one.phi_deg)}</option>)}
+      <select
+        id="view"
+        value={String(viewIndex.value)}
+        onChange={(event) => showView(Number(event.currentTarget.value))}
+      >
+        {all.map((one, i) => (
+          <option key={i} value={String(i)}>
+            {name(one.theta_deg, one.phi_deg)}
+          </option>
+        ))}
       </select>
     </p>
   );

@@ -18,11 +18,17 @@ const LIMIT = 4;
 
 /** The walk's Y less the live one, over it, with bars of one and two standard errors; the middle is the live answer. */
 function Bars({ state, target }: { state: WalkState; target: number }) {
-  const x = (relative: number) => WIDTH / 2 + (Math.max(-LIMIT, Math.min(LIMIT, relative / target)) * WIDTH) / (2 * LIMIT);
+  const x = (relative: number) =>
+    WIDTH / 2 + (Math.max(-LIMIT, Math.min(LIMIT, relative / target)) * WIDTH) / (2 * LIMIT);
   const off = (state.Y - state.live_Y) / state.live_Y;
   const se = state.Y_se / state.live_Y;
   return (
-    <svg class="bars" viewBox={`0 0 ${WIDTH} 18`} role="img" aria-label={`${fixed(100 * off, 3)} per cent from the live answer, standard error ${fixed(100 * se, 3)} per cent`}>
+    <svg
+      class="bars"
+      viewBox={`0 0 ${WIDTH} 18`}
+      role="img"
+      aria-label={`${fixed(100 * off, 3)} per cent from the live answer, standard error ${fixed(100 * se, 3)} per cent`}
+    >
       <path class="zero" d={`M${WIDTH / 2} 0V18`} />
       <path class="bar-2" d={`M${x(off - 2 * se)} 9H${x(off + 2 * se)}`} />
       <path class="bar-1" d={`M${x(off - se)} 9H${x(off + se)}`} />
@@ -32,7 +38,8 @@ function Bars({ state, target }: { state: WalkState; target: number }) {
 }
 
 /** Decimals that show two digits of the error. */
-const decimals = ({ Y_se: se }: WalkState): number => (se > 0 ? Math.min(9, Math.max(4, 1 - Math.floor(Math.log10(se)))) : 5);
+const decimals = ({ Y_se: se }: WalkState): number =>
+  se > 0 ? Math.min(9, Math.max(4, 1 - Math.floor(Math.log10(se)))) : 5;
 
 /** Agreement in words: how likely so large a distance is by chance is what counts. */
 const verdict = (z: number): string => (Math.abs(z) < 2 ? "agrees" : Math.abs(z) < 3 ? "agrees, barely" : "look again");
@@ -42,8 +49,16 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
     <table class="numbers walk">
       <thead>
         <tr>
-          <th scope="col">state</th><th scope="col">Y live</th><th scope="col">Y walk</th>
-          <th scope="col" class="bar-head">walk less live, ±1 and ±2 standard errors</th><th scope="col">z</th><th scope="col" class="words">verdict</th>
+          <th scope="col">state</th>
+          <th scope="col">Y live</th>
+          <th scope="col">Y walk</th>
+          <th scope="col" class="bar-head">
+            walk less live, ±1 and ±2 standard errors
+          </th>
+          <th scope="col">z</th>
+          <th scope="col" class="words">
+            verdict
+          </th>
         </tr>
       </thead>
       <tbody>
@@ -51,8 +66,12 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
           <tr key={state.name}>
             <th scope="row">{state.name}</th>
             <td>{fixed(state.live_Y, decimals(state))}</td>
-            <td>{fixed(state.Y, decimals(state))} ± {fixed(state.Y_se, decimals(state))}</td>
-            <td class="bar-cell"><Bars state={state} target={target} /></td>
+            <td>
+              {fixed(state.Y, decimals(state))} ± {fixed(state.Y_se, decimals(state))}
+            </td>
+            <td class="bar-cell">
+              <Bars state={state} target={target} />
+            </td>
             <td>{signed(state.z, 1)}</td>
             <td class="words">{verdict(state.z ?? 0)}</td>
           </tr>
@@ -71,33 +90,75 @@ export function WalkPanel() {
   return (
     <>
       <div class="controls">
-        {running
-          ? <button type="button" onClick={walk.cancel}>Cancel</button>
-          : <button type="button" class="run" onClick={() => void run()}>{now ? "Run again" : "Run the walk"}</button>}
+        {running ? (
+          <button type="button" onClick={walk.cancel}>
+            Cancel
+          </button>
+        ) : (
+          <button type="button" class="run" onClick={() => void run()}>
+            {now ? "Run again" : "Run the walk"}
+          </button>
+        )}
         <label for="walk-aim">to a relative error of</label>
-        <select id="walk-aim" value={String(aim.value ?? "")} disabled={running} onChange={(event) => (aim.value = event.currentTarget.value === "" ? null : Number(event.currentTarget.value))}>
-          <option value="">{digits(100 * (numberAt(fields.value, "solver.relative_error") ?? 0.001), 2)} %, as in the scenario</option>
-          {AIMS.map((one) => <option key={one} value={String(one)}>{plain(100 * one)} %</option>)}
+        <select
+          id="walk-aim"
+          value={String(aim.value ?? "")}
+          disabled={running}
+          onChange={(event) =>
+            (aim.value = event.currentTarget.value === "" ? null : Number(event.currentTarget.value))
+          }
+        >
+          <option value="">
+            {digits(100 * (numberAt(fields.value, "solver.relative_error") ?? 0.001), 2)} %, as in the scenario
+          </option>
+          {AIMS.map((one) => (
+            <option key={one} value={String(one)}>
+              {plain(100 * one)} %
+            </option>
+          ))}
         </select>
         <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the walk" />
         <span role="status" data-phase={walk.phase.value}>
-          {now && `${count(now.paths)} paths in ${fixed(now.seconds, now.seconds < 1 ? 2 : 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
+          {now &&
+            `${count(now.paths)} paths in ${fixed(now.seconds, now.seconds < 1 ? 2 : 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
           {walk.phase.value === "cancelled" && ", cancelled"}
           {walk.phase.value === "done" && ", done"}
         </span>
       </div>
       <Problems of={walk.problems.value} />
       {stale.value && <p class="remark warning">The design has changed since; this walk is of the earlier one.</p>}
-      {states.length > 0 && <div class={stale.value ? "scroll stale" : "scroll"} tabindex={0} role="region" aria-label="Walk and live answer"><Rows states={states} target={target} /></div>}
+      {states.length > 0 && (
+        <div
+          class={stale.value ? "scroll stale" : "scroll"}
+          tabindex={0}
+          role="region"
+          aria-label="Walk and live answer"
+        >
+          <Rows states={states} target={target} />
+        </div>
+      )}
       {course.value.length > 1 && (
         <Curves
-          x={course.value.map(([paths]) => paths)} xName="Paths" yName="Error of Y (%)" height={170} log label="Relative error against paths"
-          curves={[{ name: "error", values: course.value.map(([, error]) => 100 * error), colour: dark.value ? "#7da4f2" : "#2b5fc7", dash: [], width: 2 }]}
+          x={course.value.map(([paths]) => paths)}
+          xName="Paths"
+          yName="Error of Y (%)"
+          height={170}
+          log
+          label="Relative error against paths"
+          curves={[
+            {
+              name: "error",
+              values: course.value.map(([, error]) => 100 * error),
+              colour: dark.value ? "#7da4f2" : "#2b5fc7",
+              dash: [],
+              width: 2,
+            },
+          ]}
         />
       )}
       <p class="remark">
-        The walk follows light path by path and shares no integration with the live answer. Its errors are one sigma, of independent replicates; z is their distance in standard errors.
-       
+        The walk follows light path by path and shares no integration with the live answer. Its errors are one sigma, of
+        independent replicates; z is their distance in standard errors.
       </p>
     </>
   );

@@ -16,10 +16,12 @@ export function Welcome() {
   return (
     <aside class="welcome">
       <p>
-        <b>This is a reflective display on a bench.</b> Drag the lamp or the eye, click a layer and move its sliders: colours, gamut and contrast
-        follow at once, and every number is the one that <code>papilio run</code> prints.
+        <b>This is a reflective display on a bench.</b> Drag the lamp or the eye, click a layer and move its sliders:
+        colours, gamut and contrast follow at once, and every number is the one that <code>papilio run</code> prints.
       </p>
-      <button type="button" onClick={close}>Got it</button>
+      <button type="button" onClick={close}>
+        Got it
+      </button>
     </aside>
   );
 }

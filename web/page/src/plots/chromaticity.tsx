@@ -78,23 +78,46 @@ function Wavelength({ nm }: { nm: number }) {
   return (
     <>
       <path class="axis" d={`M${px} ${py}L${px + 5 * ox} ${py + 5 * oy}`} />
-      <text class="scale" x={px + 9 * ox} y={py + 9 * oy + 4 + 4 * oy} text-anchor={anchor}>{nm}</text>
+      <text class="scale" x={px + 9 * ox} y={py + 9 * oy + 4 + 4 * oy} text-anchor={anchor}>
+        {nm}
+      </text>
     </>
   );
 }
 
 function Axes() {
-  const [us, vs] = [[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6]];
+  const [us, vs] = [
+    [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+    [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+  ];
   return (
     <g aria-hidden="true">
-      {us.map((u) => <path key={u} class="grid" d={`M${x(u)} ${y(0)}V${y(0.62)}`} />)}
-      {vs.map((v) => <path key={v} class="grid" d={`M${x(0) - 34} ${y(v)}H${x(0.64)}`} />)}
+      {us.map((u) => (
+        <path key={u} class="grid" d={`M${x(u)} ${y(0)}V${y(0.62)}`} />
+      ))}
+      {vs.map((v) => (
+        <path key={v} class="grid" d={`M${x(0) - 34} ${y(v)}H${x(0.64)}`} />
+      ))}
       <path class="axis" d={`M${x(0) - 34} ${y(0)}H${x(0.64)}`} />
-      {us.map((u) => <text key={u} class="scale" x={x(u)} y={y(0) + 17} text-anchor="middle">{u.toFixed(1)}</text>)}
-      {vs.slice(1).map((v) => <text key={v} class="scale" x={x(0) - 40} y={y(v) + 4} text-anchor="end">{v.toFixed(1)}</text>)}
-      <text class="scale" x={x(0.32)} y={HEIGHT - 4} text-anchor="middle">u′</text>
-      <text class="scale" x={6} y={y(0.31)}>v′</text>
-      {NAMED_NM.map((nm) => <Wavelength key={nm} nm={nm} />)}
+      {us.map((u) => (
+        <text key={u} class="scale" x={x(u)} y={y(0) + 17} text-anchor="middle">
+          {u.toFixed(1)}
+        </text>
+      ))}
+      {vs.slice(1).map((v) => (
+        <text key={v} class="scale" x={x(0) - 40} y={y(v) + 4} text-anchor="end">
+          {v.toFixed(1)}
+        </text>
+      ))}
+      <text class="scale" x={x(0.32)} y={HEIGHT - 4} text-anchor="middle">
+        u′
+      </text>
+      <text class="scale" x={6} y={y(0.31)}>
+        v′
+      </text>
+      {NAMED_NM.map((nm) => (
+        <Wavelength key={nm} nm={nm} />
+      ))}
     </g>
   );
 }
@@ -102,7 +125,9 @@ function Axes() {
 export function gamut(of: View | null): Uv[] | null {
   const corners = ["red", "green", "blue"].map((name): Uv | null => {
     const state = of?.states[name];
-    return typeof state?.u_prime === "number" && typeof state.v_prime === "number" ? [state.u_prime, state.v_prime] : null;
+    return typeof state?.u_prime === "number" && typeof state.v_prime === "number"
+      ? [state.u_prime, state.v_prime]
+      : null;
   });
   return corners.every((corner) => corner !== null) ? (corners as Uv[]) : null;
 }
@@ -115,7 +140,10 @@ function Marks({ size }: { size: number }) {
     const [u, v] = [s.u_prime ?? NaN, s.v_prime ?? NaN];
     return Math.abs(u) < 0.7 && Math.abs(v) < 0.7 ? [{ name, u, v, se: s.standard_error }] : [];
   });
-  const points = [...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : []), ...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) }))];
+  const points = [
+    ...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : []),
+    ...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) })),
+  ];
   const names = placed(points, size);
   return (
     <g>
@@ -123,9 +151,18 @@ function Marks({ size }: { size: number }) {
       {shown.map(({ name, u, v, se }) => (
         <g key={name}>
           {SCALE * ((se.u_prime ?? 0) + (se.v_prime ?? 0)) > 2 && (
-            <path class="se" d={`M${x(u - (se.u_prime ?? 0))} ${y(v)}H${x(u + (se.u_prime ?? 0))}M${x(u)} ${y(v - (se.v_prime ?? 0))}V${y(v + (se.v_prime ?? 0))}`} />
+            <path
+              class="se"
+              d={`M${x(u - (se.u_prime ?? 0))} ${y(v)}H${x(u + (se.u_prime ?? 0))}M${x(u)} ${y(v - (se.v_prime ?? 0))}V${y(v + (se.v_prime ?? 0))}`}
+            />
           )}
-          <circle class={name === shownState.value ? "mark chosen" : "mark"} cx={x(u)} cy={y(v)} r={name === shownState.value ? 7 : 6} fill={colours.get(name) ?? "#888888"}>
+          <circle
+            class={name === shownState.value ? "mark chosen" : "mark"}
+            cx={x(u)}
+            cy={y(v)}
+            r={name === shownState.value ? 7 : 6}
+            fill={colours.get(name) ?? "#888888"}
+          >
             <title>{`${name}: u′ ${fixed(u, 4)}, v′ ${fixed(v, 4)}`}</title>
           </circle>
         </g>
@@ -133,7 +170,9 @@ function Marks({ size }: { size: number }) {
       {names.map(({ name, x: nx, y: ny, anchor, from }) => (
         <g key={name} class="mark-name">
           {from && <path class="leader" d={`M${from[0]} ${from[1]}L${from[2]} ${from[3]}`} />}
-          <text x={nx} y={ny} text-anchor={anchor}>{name}</text>
+          <text x={nx} y={ny} text-anchor={anchor}>
+            {name}
+          </text>
         </g>
       ))}
     </g>
@@ -145,7 +184,9 @@ function Key({ size }: { size: number }) {
   const line = (text: string, kind: string, at: number) => (
     <g transform={`translate(${x(0.43) - 30 * size} ${y(0.16) + 18 * size * at})`} key={kind}>
       <path class={kind} d="M0 -4H24" />
-      <text class="key" x="31">{text}</text>
+      <text class="key" x="31">
+        {text}
+      </text>
     </g>
   );
   const percent = (key: "gamut_percent_srgb" | "gamut_percent_ebu", of: string) =>
@@ -177,10 +218,16 @@ export function Chromaticity() {
   }, []);
   return (
     <figure class="chromaticity">
-      <figcaption>Chromaticity <small>u′v′, CIE 1976</small></figcaption>
+      <figcaption>
+        Chromaticity <small>u′v′, CIE 1976</small>
+      </figcaption>
       <div class="canvas" ref={holder}>
         <Tint />
-        <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table">
+        <svg
+          viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+          role="img"
+          aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table"
+        >
           <Axes />
           <path class="locus" d={OUTLINE} />
           <path class="srgb" d={path(SRGB)} />

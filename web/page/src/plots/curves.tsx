@@ -37,11 +37,21 @@ const ink = () => (dark.value ? "#b4b9c1" : "#555555");
 const faint = () => (dark.value ? "#2b2f36" : "#ececec");
 
 /** The size of the plot in its box. */
-const sizeIn = (box: HTMLElement, height: number | undefined) => ({ width: box.clientWidth || 400, height: height ?? Math.max(200, box.clientHeight) });
+const sizeIn = (box: HTMLElement, height: number | undefined) => ({
+  width: box.clientWidth || 400,
+  height: height ?? Math.max(200, box.clientHeight),
+});
 
 function options(props: Props, size: { width: number; height: number }): uPlot.Options {
   const axis = (label: string): uPlot.Axis => ({
-    stroke: ink, grid: { stroke: faint, width: 1 }, ticks: { stroke: faint, width: 1, size: 5 }, font: FONT, labelFont: FONT, label, labelSize: 18, labelGap: 2,
+    stroke: ink,
+    grid: { stroke: faint, width: 1 },
+    ticks: { stroke: faint, width: 1, size: 5 },
+    font: FONT,
+    labelFont: FONT,
+    label,
+    labelSize: 18,
+    labelGap: 2,
   });
   return {
     ...size,
@@ -50,12 +60,31 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     cursor: { y: false, points: { size: 7 }, drag: { x: false, y: false } },
     scales: {
       x: { time: false, ...(props.log ? { distr: 3 as const } : {}) },
-      y: props.log ? { distr: 3 } : { range: (_, low, high) => nice(Math.min(low ?? 0, props.range?.[0] ?? Infinity), Math.max(high ?? 1, props.range?.[1] ?? -Infinity)) },
+      y: props.log
+        ? { distr: 3 }
+        : {
+            range: (_, low, high) =>
+              nice(
+                Math.min(low ?? 0, props.range?.[0] ?? Infinity),
+                Math.max(high ?? 1, props.range?.[1] ?? -Infinity),
+              ),
+          },
     },
-    axes: [{ ...axis(props.xName), size: 30, space: 44 }, { ...axis(props.yName), size: 46, space: 34 }],
-    series: [{}, ...props.curves.map((curve): uPlot.Series => ({
-      label: curve.name, stroke: curve.colour, width: curve.width, dash: [...curve.dash], points: { show: false }, spanGaps: false,
-    }))],
+    axes: [
+      { ...axis(props.xName), size: 30, space: 44 },
+      { ...axis(props.yName), size: 46, space: 34 },
+    ],
+    series: [
+      {},
+      ...props.curves.map((curve): uPlot.Series => ({
+        label: curve.name,
+        stroke: curve.colour,
+        width: curve.width,
+        dash: [...curve.dash],
+        points: { show: false },
+        spanGaps: false,
+      })),
+    ],
     hooks: {
       setCursor: [(plot) => props.hover?.(plot.cursor.idx ?? null)],
       draw: [(plot) => mark(plot)],
@@ -90,10 +119,17 @@ function nice(low: number, high: number): [number, number] {
 
 export function Curves(props: Props) {
   const holder = useRef<HTMLDivElement>(null);
-  const plot = useRef<uPlot & { marked?: number } | null>(null);
+  const plot = useRef<(uPlot & { marked?: number }) | null>(null);
   const latest = useRef(props);
   latest.current = props;
-  const look = JSON.stringify([dark.value, props.log, props.xName, props.yName, props.height, props.curves.map(({ name, colour, dash, width }) => [name, colour, dash, width])]);
+  const look = JSON.stringify([
+    dark.value,
+    props.log,
+    props.xName,
+    props.yName,
+    props.height,
+    props.curves.map(({ name, colour, dash, width }) => [name, colour, dash, width]),
+  ]);
   useEffect(() => {
     const box = holder.current;
     if (!box) return;
@@ -114,7 +150,15 @@ export function Curves(props: Props) {
     else plot.current.marked = props.marked;
     plot.current.setData(data(props));
   }, [props.x, props.curves, props.marked]);
-  return <div class={props.height === undefined ? "curves fill" : "curves"} role="img" aria-label={props.label} ref={holder} />;
+  return (
+    <div
+      class={props.height === undefined ? "curves fill" : "curves"}
+      role="img"
+      aria-label={props.label}
+      ref={holder}
+    />
+  );
 }
 
-const data = (props: Props): uPlot.AlignedData => [props.x, ...props.curves.map((curve) => curve.values)] as unknown as uPlot.AlignedData;
+const data = (props: Props): uPlot.AlignedData =>
+  [props.x, ...props.curves.map((curve) => curve.values)] as unknown as uPlot.AlignedData;

@@ -4,7 +4,13 @@ import { useSignal } from "@preact/signals";
 
 import { digits } from "../model/format.ts";
 
-const STOPS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 190, 90], [224, 186, 28]] as const;
+const STOPS = [
+  [68, 1, 84],
+  [59, 82, 139],
+  [33, 145, 140],
+  [94, 190, 90],
+  [224, 186, 28],
+] as const;
 
 /** Part `t` of a ramp from dark violet over green to yellow, that of the command line's maps. */
 function ramp(t: number): string {
@@ -37,22 +43,71 @@ export function Map({ xs, ys, xName, yName, name, values }: Props) {
   const every = (count: number) => Math.ceil(count / 7);
   return (
     <div class="map-plot">
-      <svg viewBox={`0 0 ${LEFT + WIDTH + 90} ${TOP + HEIGHT + 44}`} role="img" aria-label={`${name} over ${xName} and ${yName}, from ${digits(low, 3)} to ${digits(high, 3)}`} onPointerLeave={() => (under.value = null)}>
-        {values.flatMap((row, j) => row.map((value, i) => value === null ? null : (
-          <rect
-            key={`${i} ${j}`} x={LEFT + i * w} y={TOP + HEIGHT - (j + 1) * h} width={w + 0.3} height={h + 0.3}
-            fill={ramp(high > low ? (value - low) / (high - low) : 0.5)} onPointerEnter={() => (under.value = [i, j])}
-          />
-        )))}
+      <svg
+        viewBox={`0 0 ${LEFT + WIDTH + 90} ${TOP + HEIGHT + 44}`}
+        role="img"
+        aria-label={`${name} over ${xName} and ${yName}, from ${digits(low, 3)} to ${digits(high, 3)}`}
+        onPointerLeave={() => (under.value = null)}
+      >
+        {values.flatMap((row, j) =>
+          row.map((value, i) =>
+            value === null ? null : (
+              <rect
+                key={`${i} ${j}`}
+                x={LEFT + i * w}
+                y={TOP + HEIGHT - (j + 1) * h}
+                width={w + 0.3}
+                height={h + 0.3}
+                fill={ramp(high > low ? (value - low) / (high - low) : 0.5)}
+                onPointerEnter={() => (under.value = [i, j])}
+              />
+            ),
+          ),
+        )}
         {at && <rect class="cell" x={LEFT + at[0] * w} y={TOP + HEIGHT - (at[1] + 1) * h} width={w} height={h} />}
-        {xs.map((x, i) => i % every(xs.length) === 0 && <text key={i} x={LEFT + (i + 0.5) * w} y={TOP + HEIGHT + 16} text-anchor="middle">{digits(x, 3)}</text>)}
-        {ys.map((y, j) => j % every(ys.length) === 0 && <text key={j} x={LEFT - 7} y={TOP + HEIGHT - (j + 0.5) * h + 4} text-anchor="end">{digits(y, 3)}</text>)}
-        <text x={LEFT + WIDTH / 2} y={TOP + HEIGHT + 37} text-anchor="middle">{xName}</text>
-        <text transform={`translate(12 ${TOP + HEIGHT / 2}) rotate(-90)`} text-anchor="middle">{yName}</text>
-        {Array.from({ length: 20 }, (_, i) => <rect key={i} x={LEFT + WIDTH + 18} y={TOP + HEIGHT - ((i + 1) * HEIGHT) / 20} width="14" height={HEIGHT / 20 + 0.3} fill={ramp((i + 0.5) / 20)} />)}
-        {[0, 0.5, 1].map((t) => <text key={t} x={LEFT + WIDTH + 38} y={TOP + HEIGHT * (1 - t) + (t === 1 ? 10 : t === 0 ? 0 : 4)}>{digits(low + t * (high - low), 3)}</text>)}
+        {xs.map(
+          (x, i) =>
+            i % every(xs.length) === 0 && (
+              <text key={i} x={LEFT + (i + 0.5) * w} y={TOP + HEIGHT + 16} text-anchor="middle">
+                {digits(x, 3)}
+              </text>
+            ),
+        )}
+        {ys.map(
+          (y, j) =>
+            j % every(ys.length) === 0 && (
+              <text key={j} x={LEFT - 7} y={TOP + HEIGHT - (j + 0.5) * h + 4} text-anchor="end">
+                {digits(y, 3)}
+              </text>
+            ),
+        )}
+        <text x={LEFT + WIDTH / 2} y={TOP + HEIGHT + 37} text-anchor="middle">
+          {xName}
+        </text>
+        <text transform={`translate(12 ${TOP + HEIGHT / 2}) rotate(-90)`} text-anchor="middle">
+          {yName}
+        </text>
+        {Array.from({ length: 20 }, (_, i) => (
+          <rect
+            key={i}
+            x={LEFT + WIDTH + 18}
+            y={TOP + HEIGHT - ((i + 1) * HEIGHT) / 20}
+            width="14"
+            height={HEIGHT / 20 + 0.3}
+            fill={ramp((i + 0.5) / 20)}
+          />
+        ))}
+        {[0, 0.5, 1].map((t) => (
+          <text key={t} x={LEFT + WIDTH + 38} y={TOP + HEIGHT * (1 - t) + (t === 1 ? 10 : t === 0 ? 0 : 4)}>
+            {digits(low + t * (high - low), 3)}
+          </text>
+        ))}
       </svg>
-      <output>{at ? `${xName} ${digits(xs[at[0]], 4)}, ${yName} ${digits(ys[at[1]], 4)}: ${digits(values[at[1]]?.[at[0]], 5)}` : name}</output>
+      <output>
+        {at
+          ? `${xName} ${digits(xs[at[0]], 4)}, ${yName} ${digits(ys[at[1]], 4)}: ${digits(values[at[1]]?.[at[0]], 5)}`
+          : name}
+      </output>
     </div>
   );
 }

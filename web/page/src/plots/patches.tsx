@@ -13,22 +13,37 @@ import { pinned, pinnedView } from "../state/pin.ts";
 export function coloursOf(result: Result | null, view: View | null): { colours: Map<string, string>; divisor: number } {
   if (!result || !view) return { colours: new Map(), divisor: 1 };
   const all = Object.entries(view.states);
-  const { colours, divisor } = painted(all.map(([, s]) => [s.X, s.Y, s.Z] as const), [result.illuminant.x, result.illuminant.y]);
+  const { colours, divisor } = painted(
+    all.map(([, s]) => [s.X, s.Y, s.Z] as const),
+    [result.illuminant.x, result.illuminant.y],
+  );
   return { colours: new Map(all.map(([name], i) => [name, colours[i]!])), divisor };
 }
 
 export const useColours = () => useComputed(() => coloursOf(result.value, view.value));
 
-function Patch({ name, state, colour, before }: { name: string; state: StateResult; colour: string; before: string | undefined }) {
+function Patch({
+  name,
+  state,
+  colour,
+  before,
+}: {
+  name: string;
+  state: StateResult;
+  colour: string;
+  before: string | undefined;
+}) {
   const chosen = shownState.value === name;
   const choose = () => {
     shownState.value = name;
     if (chosen) selected.value = "display.pixel.states";
   };
   return (
-    <button
-      type="button" class={chosen ? "patch chosen" : "patch"} aria-pressed={chosen} onClick={choose}>
-      <span class={isLight(colour) ? "swatch light" : "swatch"} ref={(e) => e?.style.setProperty("background-color", colour)}>
+    <button type="button" class={chosen ? "patch chosen" : "patch"} aria-pressed={chosen} onClick={choose}>
+      <span
+        class={isLight(colour) ? "swatch light" : "swatch"}
+        ref={(e) => e?.style.setProperty("background-color", colour)}
+      >
         {before && <span class="before" ref={(e) => e?.style.setProperty("background-color", before)} />}
       </span>
       <b>{name}</b>
@@ -46,7 +61,13 @@ export function Patches() {
     <section class="patches" aria-label="States as colour patches">
       <div class="row">
         {states.value.map(([name, state]) => (
-          <Patch key={name} name={name} state={state} colour={colours.get(name) ?? "#888888"} before={before.value.get(name)} />
+          <Patch
+            key={name}
+            name={name}
+            state={state}
+            colour={colours.get(name) ?? "#888888"}
+            before={before.value.get(name)}
+          />
         ))}
       </div>
       {(divisor > 1 || pinned.value) && (

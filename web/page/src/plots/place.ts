@@ -7,10 +7,14 @@ export interface Named {
 }
 
 /** How far a point is from a box. */
-const from = ({ left, right, top, bottom }: Box, { x, y }: Named): number => Math.hypot(Math.max(left - x, 0, x - right), Math.max(top - y, 0, y - bottom));
+const from = ({ left, right, top, bottom }: Box, { x, y }: Named): number =>
+  Math.hypot(Math.max(left - x, 0, x - right), Math.max(top - y, 0, y - bottom));
 
 /** Whether the middle or the end of a leader lies in a box. */
-const within = ({ left, right, top, bottom }: Box, [x0, y0, x1, y1]: readonly [number, number, number, number]): boolean =>
+const within = (
+  { left, right, top, bottom }: Box,
+  [x0, y0, x1, y1]: readonly [number, number, number, number],
+): boolean =>
   [0.35, 0.7, 1].some((t) => {
     const [x, y] = [x0 + t * (x1 - x0), y0 + t * (y1 - y0)];
     return x > left && x < right && y > top && y < bottom;
@@ -32,7 +36,8 @@ interface Box {
 /** Width of a letter, px of the drawing, where letters are of plain size. */
 const LETTER = 6.3;
 const overlap = (a: Box, b: Box): number =>
-  Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
+  Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) *
+  Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
 
 /** A name at a distance in one of eight directions. */
 function candidate(point: Named, angle: number, distance: number, size: number): { placed: Placed; box: Box } {
@@ -42,8 +47,14 @@ function candidate(point: Named, angle: number, distance: number, size: number):
   const half = 8 * size;
   const anchor = c > 0.4 ? "start" : c < -0.4 ? "end" : "middle";
   const left = anchor === "start" ? px : anchor === "end" ? px - width : px - width / 2;
-  const leader = distance > 14 ? ([point.x + 7 * c, point.y + 7 * s, point.x + (distance - 3) * c, point.y + (distance - 3) * s] as const) : null;
-  return { placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from: leader }, box: { left, right: left + width, top: py - half + 3 * s, bottom: py + half + 3 * s } };
+  const leader =
+    distance > 14
+      ? ([point.x + 7 * c, point.y + 7 * s, point.x + (distance - 3) * c, point.y + (distance - 3) * s] as const)
+      : null;
+  return {
+    placed: { name: point.name, x: px, y: py + 4 + 3 * s, anchor, from: leader },
+    box: { left, right: left + width, top: py - half + 3 * s, bottom: py + half + 3 * s },
+  };
 }
 
 /** Places for letters of `size` times the plain one. */
@@ -58,7 +69,13 @@ export function placed(points: readonly Named[], size: number): Placed[] {
         const crowd = [...marks, ...taken].reduce((sum, box) => sum + overlap(one.box, box), 0);
         const leader = marks.reduce((sum, box) => sum + (one.placed.from && within(box, one.placed.from) ? 60 : 0), 0);
         const astray = points.some((other) => other !== point && from(one.box, other) < from(one.box, point)) ? 80 : 0;
-        const cost = crowd * 10 + leader + astray + distance + (turn === 0 ? 0 : turn === 4 ? 1 : 2) + (one.box.left < 60 ? 200 : 0);
+        const cost =
+          crowd * 10 +
+          leader +
+          astray +
+          distance +
+          (turn === 0 ? 0 : turn === 4 ? 1 : 2) +
+          (one.box.left < 60 ? 200 : 0);
         if (!best || cost < best.cost) best = { ...one, cost };
       }
     }

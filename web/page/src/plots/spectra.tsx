@@ -35,10 +35,25 @@ export function Spectra() {
   const wavelengths = useComputed(() => result.value?.wavelength_nm ?? []);
   const curves = useComputed((): Curve[] => {
     const shown = states.value.filter(([name]) => !hidden.value.has(name));
-    const own = shown.map(([name], i) => ({ name, values: spectrum(view.value, name), ...lineOf(name, i), width: name === shownState.value ? 3 : 1.8 }));
+    const own = shown.map(([name], i) => ({
+      name,
+      values: spectrum(view.value, name),
+      ...lineOf(name, i),
+      width: name === shownState.value ? 3 : 1.8,
+    }));
     const kept = pinnedView.value;
-    const before = kept && spectrum(kept, shownState.value).length === wavelengths.value.length
-      ? [{ name: "pinned", values: spectrum(kept, shownState.value), colour: dark.value ? "#ffffff" : "#000000", dash: [2, 4], width: 1.4 }] : [];
+    const before =
+      kept && spectrum(kept, shownState.value).length === wavelengths.value.length
+        ? [
+            {
+              name: "pinned",
+              values: spectrum(kept, shownState.value),
+              colour: dark.value ? "#ffffff" : "#000000",
+              dash: [2, 4],
+              width: 1.4,
+            },
+          ]
+        : [];
     return [...own, ...before];
   });
   const toggle = (name: string) => {
@@ -52,11 +67,19 @@ export function Spectra() {
   const name = radiance ? "Radiance (W/(m² sr nm))" : "Reflectance factor";
   return (
     <figure class="spectra">
-      <figcaption>Spectra <small>{nm === null || nm === undefined ? "move over the curves to read them" : `at ${fixed(nm, 0)} nm`}</small></figcaption>
+      <figcaption>
+        Spectra{" "}
+        <small>{nm === null || nm === undefined ? "move over the curves to read them" : `at ${fixed(nm, 0)} nm`}</small>
+      </figcaption>
       <div class="with-key">
         <Curves
-          x={wavelengths.value} curves={curves.value} xName="Wavelength (nm)" yName={name} range={radiance ? [0, 0] : [0, 0.1]}
-          label={`${name} of each state against wavelength; the numbers are in spectra.csv`} hover={(index) => (under.value = index)}
+          x={wavelengths.value}
+          curves={curves.value}
+          xName="Wavelength (nm)"
+          yName={name}
+          range={radiance ? [0, 0] : [0, 0.1]}
+          label={`${name} of each state against wavelength; the numbers are in spectra.csv`}
+          hover={(index) => (under.value = index)}
         />
         <ul class="curve-key">
           {states.value.map(([state], i) => (

@@ -12,7 +12,8 @@ export function merged(edits: readonly Edit[], more: readonly Edit[]): Edit[] {
   const all = [...edits];
   for (const edit of more) {
     const barrier = all.findLastIndex((earlier) => earlier.op !== "set");
-    const same = edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && e.path === edit.path) : -1;
+    const same =
+      edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && e.path === edit.path) : -1;
     if (same >= 0) all.splice(same, 1);
     all.push(edit);
   }

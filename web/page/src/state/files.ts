@@ -34,14 +34,16 @@ function put(file: Dropped): void {
 
 /** Files that the server has from its command line: named, without an audit here. */
 export function adopt(ids: Record<string, string>): void {
-  for (const [name, id] of Object.entries(ids)) put({ name, bytes: 0, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [] });
+  for (const [name, id] of Object.entries(ids))
+    put({ name, bytes: 0, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [] });
 }
 
 /** Sends a file; it is kept for the next visit once the server has read it. */
 export async function add(name: string, bytes: Blob): Promise<void> {
   const file: Dropped = { name, bytes: bytes.size, audit: null, problems: [] };
   const limit = `${LARGEST / 1024 / 1024} MiB at most`;
-  if (bytes.size > LARGEST) return put({ ...file, problems: [{ message: "This file is too large to be sent.", expected: limit }] });
+  if (bytes.size > LARGEST)
+    return put({ ...file, problems: [{ message: "This file is too large to be sent.", expected: limit }] });
   put(file);
   try {
     put({ ...file, audit: await upload<Upload>(name, bytes) });

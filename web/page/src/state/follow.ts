@@ -16,7 +16,12 @@ export interface Followed<T> {
 }
 
 /** The answer to `path` for a scenario (that on the bench, if none is given) and what else the request says. */
-export function useFollowed<T>(path: string, more: object, restMs: number, scenario: string | null = text.value): Followed<T> {
+export function useFollowed<T>(
+  path: string,
+  more: object,
+  restMs: number,
+  scenario: string | null = text.value,
+): Followed<T> {
   const state = useSignal<Followed<T>>({ value: null, problems: [], busy: true });
   const files = fileIds.value;
   const asked = JSON.stringify([scenario, more, files]);
@@ -34,7 +39,11 @@ export function useFollowed<T>(path: string, more: object, restMs: number, scena
         state.value = { value, problems: [], busy: false };
       } catch (why) {
         if (abort.signal.aborted) return;
-        state.value = { value: state.value.value, problems: why instanceof Refused ? why.problems : [{ message: String(why) }], busy: false };
+        state.value = {
+          value: state.value.value,
+          problems: why instanceof Refused ? why.problems : [{ message: String(why) }],
+          busy: false,
+        };
       }
     }, restMs);
     return () => {

@@ -52,7 +52,10 @@ async function ask<T>(mode: IDBTransactionMode, request: (store: IDBObjectStore)
   }
 }
 
-export const keepFile = (name: string, bytes: Blob): Promise<unknown> => ask("readwrite", (store) => store.put(bytes, name));
-export const keptFile = (name: string): Promise<Blob | null> => ask("readonly", (store) => store.get(name) as IDBRequest<Blob>);
+export const keepFile = (name: string, bytes: Blob): Promise<unknown> =>
+  ask("readwrite", (store) => store.put(bytes, name));
+export const keptFile = (name: string): Promise<Blob | null> =>
+  ask("readonly", (store) => store.get(name) as IDBRequest<Blob>);
 export const dropFile = (name: string): Promise<unknown> => ask("readwrite", (store) => store.delete(name));
-export const keptNames = async (): Promise<string[]> => ((await ask("readonly", (store) => store.getAllKeys())) ?? []).map(String);
+export const keptNames = async (): Promise<string[]> =>
+  ((await ask("readonly", (store) => store.getAllKeys())) ?? []).map(String);

@@ -29,7 +29,10 @@ export async function packed(text: string): Promise<string> {
 
 /** The text that a fragment holds, or null where it holds none. */
 export async function unpacked(fragment: string): Promise<string | null> {
-  const held = fragment.replace(/^#/, "").split("&").find((part) => part.startsWith(KEY));
+  const held = fragment
+    .replace(/^#/, "")
+    .split("&")
+    .find((part) => part.startsWith(KEY));
   if (held === undefined) return null;
   const binary = atob(held.slice(KEY.length).replaceAll("-", "+").replaceAll("_", "/"));
   const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));

@@ -15,7 +15,9 @@ export interface Pinned {
 }
 
 export const pinned = signal<Pinned | null>(null);
-export const pinnedView = computed<View | null>(() => pinned.value?.result.views[Math.min(viewIndex.value, pinned.value.result.views.length - 1)] ?? null);
+export const pinnedView = computed<View | null>(
+  () => pinned.value?.result.views[Math.min(viewIndex.value, pinned.value.result.views.length - 1)] ?? null,
+);
 
 export function pin(): void {
   const result = answer.value?.result;

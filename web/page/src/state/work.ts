@@ -30,7 +30,10 @@ export function long(): Long {
     problems.value = [];
     phase.value = "running";
     try {
-      const { scenario } = edits.length > 0 ? await post<{ scenario: string }>("edit", { scenario: work.scenario, edits }, mine.signal) : work;
+      const { scenario } =
+        edits.length > 0
+          ? await post<{ scenario: string }>("edit", { scenario: work.scenario, edits }, mine.signal)
+          : work;
       for await (const { event, data } of events(path, { ...work, scenario }, mine.signal)) {
         if (event === "failed") throw new Refused(422, (data as { errors: Problem[] }).errors);
         on(event, data);

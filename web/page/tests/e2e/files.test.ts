@@ -14,11 +14,14 @@ before(async () => (on = await stage()));
 after(() => on.close());
 
 async function drop(page: Page, name: string, bytes: Buffer): Promise<void> {
-  const data = await page.evaluateHandle(([name, base64]) => {
-    const transfer = new DataTransfer();
-    transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
-    return transfer;
-  }, [name, bytes.toString("base64")] as const);
+  const data = await page.evaluateHandle(
+    ([name, base64]) => {
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+      return transfer;
+    },
+    [name, bytes.toString("base64")] as const,
+  );
   await page.dispatchEvent("body", "drop", { dataTransfer: data });
 }
 
@@ -70,7 +73,13 @@ test("a huge file is refused before it is sent", async () => {
 
 test("other files are told by their content", async () => {
   const page = await on.visit();
-  const kinds = [["rgb-led.csv", "spectrum"], ["fused-silica.yml", "n and k"], ["synthetic-pixel.csv", "table of a pixel"], ["synthetic-office.hdr", "map of light"], ["synthetic-panel.ies", "luminaire"]] as const;
+  const kinds = [
+    ["rgb-led.csv", "spectrum"],
+    ["fused-silica.yml", "n and k"],
+    ["synthetic-pixel.csv", "table of a pixel"],
+    ["synthetic-office.hdr", "map of light"],
+    ["synthetic-panel.ies", "luminaire"],
+  ] as const;
   for (const [name, kind] of kinds) {
     await drop(page, name, data(name));
     const file = page.locator(".file", { hasText: name });

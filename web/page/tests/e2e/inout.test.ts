@@ -19,7 +19,10 @@ test("what is saved and opened again is the same, to the byte", async () => {
   await settled(page);
   const scenario = await saved(page);
   const other = await on.visit();
-  await other.locator("input[type=file]").first().setInputFiles({ name: "again.toml", mimeType: "application/toml", buffer: Buffer.from(scenario) });
+  await other
+    .locator("input[type=file]")
+    .first()
+    .setInputFiles({ name: "again.toml", mimeType: "application/toml", buffer: Buffer.from(scenario) });
   assert.equal(await changed(other, GAMUT, first), then);
   await settled(other);
   assert.equal(await saved(other), scenario);
@@ -47,7 +50,10 @@ test("undo and redo: a drag is one step", async () => {
   await settled(page);
   const moved = await saved(page);
   await page.keyboard.press("Control+z");
-  await page.waitForFunction((first) => document.querySelector('[data-figure="Gamut % sRGB"] b')?.textContent === first, first);
+  await page.waitForFunction(
+    (first) => document.querySelector('[data-figure="Gamut % sRGB"] b')?.textContent === first,
+    first,
+  );
   await settled(page);
   assert.equal(await saved(page), before);
   assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());

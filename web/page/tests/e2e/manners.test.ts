@@ -18,7 +18,9 @@ const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 async function violations(page: Page): Promise<string[]> {
   await page.evaluate(AXE);
   return page.evaluate(async () => {
-    const { violations } = await (window as unknown as { axe: { run(): Promise<{ violations: { id: string; nodes: { html: string }[] }[] }> } }).axe.run();
+    const { violations } = await (
+      window as unknown as { axe: { run(): Promise<{ violations: { id: string; nodes: { html: string }[] }[] }> } }
+    ).axe.run();
     return violations.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`));
   });
 }
@@ -89,32 +91,53 @@ test("an error stands at its field, with the hint, and is put back", async () =>
   await page.getByRole("button", { name: "Put it back" }).click();
   await field.locator(".error").waitFor({ state: "detached" });
   await page.getByRole("button", { name: "TOML" }).click();
-  await page.locator("#source").fill((await page.locator("#source").inputValue()).replace("haze = 0.78", "hase = 0.78"));
+  await page
+    .locator("#source")
+    .fill((await page.locator("#source").inputValue()).replace("haze = 0.78", "hase = 0.78"));
   await page.locator("#source-errors .error").first().waitFor();
   assert.match(await page.locator("#source-errors").innerText(), /Line \d+, column \d+/);
 });
 
-for (const [width, height] of [[1440, 900], [1280, 720], [1024, 768], [768, 1024]] as const) {
+for (const [width, height] of [
+  [1440, 900],
+  [1280, 720],
+  [1024, 768],
+  [768, 1024],
+] as const) {
   test(`nothing is cut off at ${width} x ${height}`, async () => {
     const page = await on.visit({ viewport: { width, height } });
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(wide <= width, `${wide} px wide`);
-    const cut = await page.evaluate(() => [...document.querySelectorAll("button, select, .box input")].filter((e) => {
-      const box = e.getBoundingClientRect();
-      return box.width > 0 && (box.left < 0 || box.right > innerWidth + 1) && !e.closest(".scroll");
-    }).map((e) => e.outerHTML.slice(0, 100)));
+    const cut = await page.evaluate(() =>
+      [...document.querySelectorAll("button, select, .box input")]
+        .filter((e) => {
+          const box = e.getBoundingClientRect();
+          return box.width > 0 && (box.left < 0 || box.right > innerWidth + 1) && !e.closest(".scroll");
+        })
+        .map((e) => e.outerHTML.slice(0, 100)),
+    );
     assert.deepEqual(cut, []);
   });
 }
 
 test("all examples open, each with a picture or with words", async () => {
   const page = await on.visit();
-  const names = (await page.getByLabel("Examples").locator("option").evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value))).filter(Boolean);
+  const names = (
+    await page
+      .getByLabel("Examples")
+      .locator("option")
+      .evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value))
+  ).filter(Boolean);
   assert.ok(names.length > 20);
   for (const name of names) {
     await page.getByLabel("Examples").selectOption(name);
     await page.waitForTimeout(100);
-    await page.waitForFunction(() => document.querySelector('.picture[aria-busy="false"]') !== null, undefined, { timeout: 60_000 });
+    await page.waitForFunction(() => document.querySelector('.picture[aria-busy="false"]') !== null, undefined, {
+      timeout: 60_000,
+    });
   }
-  assert.deepEqual(on.complaints.filter((words) => !/status of 4\d\d|status of 503/.test(words)), []);
+  assert.deepEqual(
+    on.complaints.filter((words) => !/status of 4\d\d|status of 503/.test(words)),
+    [],
+  );
 });

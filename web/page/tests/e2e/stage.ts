@@ -19,8 +19,14 @@ const found = (candidates: (string | undefined)[], what: string): string => {
   return one;
 };
 
-const PAPILIO = found([process.env["PAPILIO"], join(ROOT, "target/release/papilio"), join(ROOT, "target/debug/papilio")], "papilio");
-const CHROMIUM = found([process.env["CHROMIUM"], "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"], "Chromium");
+const PAPILIO = found(
+  [process.env["PAPILIO"], join(ROOT, "target/release/papilio"), join(ROOT, "target/debug/papilio")],
+  "papilio",
+);
+const CHROMIUM = found(
+  [process.env["CHROMIUM"], "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"],
+  "Chromium",
+);
 
 export interface Stage {
   readonly url: string;
@@ -49,11 +55,24 @@ export async function stage(): Promise<Stage> {
     url,
     complaints,
     async visit(options = {}, fragment = "") {
-      const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: "light", ...options });
+      const context = await browser.newContext({
+        viewport: { width: 1440, height: 900 },
+        colorScheme: "light",
+        ...options,
+      });
       const page = await context.newPage();
-      page.on("console", (message) => (message.type() === "error" || message.type() === "warning") && complaints.push(message.text()));
+      page.on(
+        "console",
+        (message) => (message.type() === "error" || message.type() === "warning") && complaints.push(message.text()),
+      );
       page.on("pageerror", (error) => complaints.push(error.message));
-      page.on("request", (request) => !request.url().startsWith(url) && !/^(blob|data):/.test(request.url()) && complaints.push(`a call elsewhere: ${request.url()}`));
+      page.on(
+        "request",
+        (request) =>
+          !request.url().startsWith(url) &&
+          !/^(blob|data):/.test(request.url()) &&
+          complaints.push(`a call elsewhere: ${request.url()}`),
+      );
       await page.goto(url + fragment);
       await page.locator(".bench").waitFor();
       return page;
@@ -71,11 +90,15 @@ export async function stage(): Promise<Stage> {
 }
 
 /** The text of a number of the summary, as it is shown. */
-export const figure = (page: Page, name: string): Promise<string> => page.locator(`[data-figure="${name}"] b`).innerText();
+export const figure = (page: Page, name: string): Promise<string> =>
+  page.locator(`[data-figure="${name}"] b`).innerText();
 
 /** Waits until a number of the summary is another one, and gives it. */
 export async function changed(page: Page, name: string, from: string): Promise<string> {
-  await page.waitForFunction(([name, from]) => document.querySelector(`[data-figure="${name}"] b`)?.textContent !== from, [name, from] as const);
+  await page.waitForFunction(
+    ([name, from]) => document.querySelector(`[data-figure="${name}"] b`)?.textContent !== from,
+    [name, from] as const,
+  );
   return figure(page, name);
 }
 
@@ -86,7 +109,10 @@ export async function settled(page: Page): Promise<void> {
 }
 
 /** What a click downloads, as text. */
-export async function downloaded(page: Page, act: () => Promise<unknown>): Promise<{ name: string; text: string; bytes: Buffer }> {
+export async function downloaded(
+  page: Page,
+  act: () => Promise<unknown>,
+): Promise<{ name: string; text: string; bytes: Buffer }> {
   const waiting: Promise<Download> = page.waitForEvent("download");
   await act();
   const download = await waiting;
@@ -95,13 +121,22 @@ export async function downloaded(page: Page, act: () => Promise<unknown>): Promi
 }
 
 /** The scenario that Save gives. */
-export const saved = async (page: Page): Promise<string> => (await downloaded(page, () => page.getByRole("button", { name: "Save" }).click())).text;
+export const saved = async (page: Page): Promise<string> =>
+  (await downloaded(page, () => page.getByRole("button", { name: "Save" }).click())).text;
 
 /** What `papilio run` says of a scenario. */
-export function commandLine(scenario: string): { views: { gamut_percent_srgb: number; contrast_ratio: number; states: Record<string, { Y: number }> }[] } {
+export function commandLine(scenario: string): {
+  views: { gamut_percent_srgb: number; contrast_ratio: number; states: Record<string, { Y: number }> }[];
+} {
   const file = join(mkdtempSync(join(tmpdir(), "papilio-")), "scenario.toml");
   writeFileSync(file, scenario);
-  return JSON.parse(execFileSync(PAPILIO, ["run", file, "--json"], { encoding: "utf8", maxBuffer: 1e9, stdio: ["ignore", "pipe", "ignore"] })) as never;
+  return JSON.parse(
+    execFileSync(PAPILIO, ["run", file, "--json"], {
+      encoding: "utf8",
+      maxBuffer: 1e9,
+      stdio: ["ignore", "pipe", "ignore"],
+    }),
+  ) as never;
 }
 
 /** Drags a handle of the half circle by so many px. */

@@ -19,7 +19,10 @@ test("run, watch, cancel", async () => {
   await page.getByRole("button", { name: "Run the walk" }).click();
   await page.locator(".walk tbody tr").first().waitFor();
   const early = Number(/error ([\d.]+) %/.exec(await page.locator("[data-phase]").innerText())![1]);
-  await page.waitForFunction((early) => Number(/error ([\d.]+) %/.exec(document.querySelector("[data-phase]")!.textContent!)![1]) < early, early);
+  await page.waitForFunction(
+    (early) => Number(/error ([\d.]+) %/.exec(document.querySelector("[data-phase]")!.textContent!)![1]) < early,
+    early,
+  );
   const started = Date.now();
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.locator('[data-phase="cancelled"]').waitFor();
@@ -34,7 +37,10 @@ test("a finished walk agrees with the live answer, and says when the design has 
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
   const verdicts = await page.locator(".walk tbody .words").allInnerTexts();
   assert.equal(verdicts.length, 8);
-  assert.ok(verdicts.every((words) => words.startsWith("agrees")), verdicts.join());
+  assert.ok(
+    verdicts.every((words) => words.startsWith("agrees")),
+    verdicts.join(),
+  );
   await page.locator('[data-part="display.diffuser"]').click();
   await type(page, "display.diffuser.haze", "0.6");
   await page.getByText("The design has changed since").waitFor();

@@ -29,10 +29,15 @@ test("fields show an edit at once, and the answer they came from does not change
     { op: "remove", path: "display.pixel.film.2" },
     set("viewer.theta_deg", 8),
   ]);
-  assert.deepEqual(now, { display: { pixel: { film: [{ thickness_nm: 9 }, { thickness_nm: 5 }] } }, viewer: { theta_deg: 8 } });
+  assert.deepEqual(now, {
+    display: { pixel: { film: [{ thickness_nm: 9 }, { thickness_nm: 5 }] } },
+    viewer: { theta_deg: 8 },
+  });
   assert.equal(fields.display.pixel.film[1]!.thickness_nm, 2);
 });
 
 test("an insertion makes the list that is not there", () => {
-  assert.deepEqual(edited({ display: {} }, [{ op: "insert", path: "display.front", index: 0, value: 1 }]), { display: { front: [1] } });
+  assert.deepEqual(edited({ display: {} }, [{ op: "insert", path: "display.front", index: 0, value: 1 }]), {
+    display: { front: [1] },
+  });
 });

@@ -10,13 +10,28 @@ const GRAMMAR = new Schema({
   $defs: {
     Diffuser: {
       oneOf: [
-        { type: "object", properties: { model: { const: "ward" }, alpha: { type: "number", minimum: 0.005, maximum: 1 } }, required: ["model", "alpha"] },
-        { type: "object", properties: { model: { const: "k-correlation" }, haze: { type: "number", exclusiveMinimum: 0, exclusiveMaximum: 1, description: "ASTM `haze`." }, s: { type: "number", default: 0 } }, required: ["model"] },
+        {
+          type: "object",
+          properties: { model: { const: "ward" }, alpha: { type: "number", minimum: 0.005, maximum: 1 } },
+          required: ["model", "alpha"],
+        },
+        {
+          type: "object",
+          properties: {
+            model: { const: "k-correlation" },
+            haze: { type: "number", exclusiveMinimum: 0, exclusiveMaximum: 1, description: "ASTM `haze`." },
+            s: { type: "number", default: 0 },
+          },
+          required: ["model"],
+        },
       ],
     },
   },
   type: "object",
-  properties: { diffuser: { $ref: "#/$defs/Diffuser", description: "Beside the reference." }, films: { type: "array", items: { type: "object", properties: { t: { type: "number" } } } } },
+  properties: {
+    diffuser: { $ref: "#/$defs/Diffuser", description: "Beside the reference." },
+    films: { type: "array", items: { type: "object", properties: { t: { type: "number" } } } },
+  },
 });
 
 test("alternatives are chosen by the value, references followed", () => {
@@ -31,7 +46,10 @@ test("alternatives are chosen by the value, references followed", () => {
 
 test("keys that were given come before those with defaults, the rest is to be added", () => {
   const found = GRAMMAR.find("diffuser", {})!;
-  assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation", s: 0, haze: 0.5 }), { shown: ["haze", "s"], more: [] });
+  assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation", s: 0, haze: 0.5 }), {
+    shown: ["haze", "s"],
+    more: [],
+  });
   assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation" }).more, ["haze", "s"]);
   assert.deepEqual(GRAMMAR.discriminator(found.node)!.values, ["ward", "k-correlation"]);
 });
@@ -44,7 +62,11 @@ test("labels and units come from the keys", () => {
 });
 
 test("a slider's ends give its ends back, linear or not", () => {
-  for (const [key, range, value] of [["thickness_nm", { min: 0, max: 1e6 }, 55.9], ["illuminance_lx", { min: 1e-6, max: 1e9 }, 500], ["haze", { min: 0, max: 1 }, 0.78]] as const) {
+  for (const [key, range, value] of [
+    ["thickness_nm", { min: 0, max: 1e6 }, 55.9],
+    ["illuminance_lx", { min: 1e-6, max: 1e9 }, 500],
+    ["haze", { min: 0, max: 1 }, 0.78],
+  ] as const) {
     const scale = span(key, range, value);
     assert.equal(valueAt(scale, 0), scale.min);
     assert.equal(valueAt(scale, 1), scale.max);

@@ -7,7 +7,16 @@ import { balanced, lightShares, without } from "../../src/model/shares.ts";
 import { edited } from "../../src/state/edits.ts";
 import type { Json } from "../../src/model/json.ts";
 
-const ROOM = { lighting: { diffuse: 0.5, directed: [{ theta_deg: -20, share: 0.3 }, { theta_deg: 40, share: 0.2 }], environment: [] } };
+const ROOM = {
+  lighting: {
+    diffuse: 0.5,
+    directed: [
+      { theta_deg: -20, share: 0.3 },
+      { theta_deg: 40, share: 0.2 },
+    ],
+    environment: [],
+  },
+};
 const sum = (fields: Json) => [...lightShares(fields).values()].reduce((total, share) => total + share, 0);
 
 test("the others give way in proportion", () => {

@@ -1,0 +1,177 @@
+// Controls for physical quantities that can be given in several ways: a material, a light's spectrum, a
+// thickness or the gap, one angle or many.
+
+import { isTable, type Json, type Table } from "../model/json.ts";
+import { set } from "../state/live.ts";
+import { Choice } from "./choice.tsx";
+import { NumberField } from "./number.tsx";
+import { List, Text, type Props } from "./text.tsx";
+
+/** Names that are suggested; the program knows them, and refuses others in words. */
+const MATERIALS = "air SiO2 MgF2 Al2O3 AlOx Si3N4 BK7 ITO Al Cr W Ni Ti Au Ag Al:BB Cr:BB W:BB Cr:Johnson".split(" ");
+const LIGHTS = "D65 D50 A E LED-B1 LED-B2 LED-B3 LED-B4 LED-B5 LED-BH1 LED-RGB1 LED-V1 LED-V2".split(" ");
+
+/** A refractive index: a name or a file, or a number, or n and k. */
+export function Material(props: Props) {
+  const { path, value, id, invalid } = props;
+  const form = typeof value === "number" ? "number" : isTable(value) ? "n, k" : "name or file";
+  const starts: Record<string, Json> = { number: 1.5, "n, k": { n: 1.5, k: 0.01 }, "name or file": "SiO2" };
+  const number = (key: string, of: number | undefined) => (
+    <NumberField
+      id={key ? `${id}-${key}` : id}
+      name={key || props.name}
+      of={key || "index"}
+      unit={key}
+      value={of}
+      limits={key === "k" ? { min: 0, max: 1000 } : { min: 0.001, max: 1000 }}
+      invalid={invalid}
+      describedBy={`${id}-help`}
+      change={(to) => set(key ? `${path}.${key}` : path, to)}
+    />
+  );
+  return (
+    <div class="pair">
+      <Choice
+        label={`${props.name}: given as`}
+        value={form}
+        options={Object.keys(starts)}
+        change={(as) => set(path, starts[as], "")}
+      />
+      {form === "number" && number("", value as number)}
+      {form === "n, k" && (
+        <div>
+          {number("n", Number((value as Table)["n"]))}
+          {number("k", Number((value as Table)["k"] ?? 0))}
+        </div>
+      )}
+      {form === "name or file" && <Text {...props} options={MATERIALS} />}
+    </div>
+  );
+}
+
+/** A light's spectrum: a name or a file, or a model. */
+export function Light(props: Props) {
+  const { path, value, id, invalid } = props;
+  const model = isTable(value)
+    ? Object.keys(value).find((key) => ["led_nm", "planck_K", "daylight_K"].includes(key))
+    : undefined;
+  if (Array.isArray(value)) return <p class="value">{value.length} models, weighted</p>;
+  const starts: Record<string, Json> = {
+    "name or file": "D65",
+    daylight: { daylight_K: 5500 },
+    "black body": { planck_K: 2856 },
+    LED: { led_nm: 525, width_nm: 35 },
+  };
+  const form = model === "led_nm" ? "LED" : model === "planck_K" ? "black body" : model ? "daylight" : "name or file";
+  return (
+    <div class="pair">
+      <Choice
+        label={`${props.name}: given as`}
+        value={form}
+        options={Object.keys(starts)}
+        change={(as) => set(path, starts[as], "")}
+      />
+      {!model && <Text {...props} options={LIGHTS} />}
+      {isTable(value) && (
+        <div>
+          {Object.entries(value).map(([key, of]) => (
+            <NumberField
+              key={key}
+              id={`${id}-${key}`}
+              name={key}
+              of={key}
+              unit={key.endsWith("_K") ? "K" : key.endsWith("_nm") ? "nm" : ""}
+              value={Number(of)}
+              limits={
+                key === "daylight_K"
+                  ? { min: 4000, max: 25000 }
+                  : key === "planck_K"
+                    ? { min: 500, max: 1e5 }
+                    : { min: 0.001, max: 1e6 }
+              }
+              invalid={invalid}
+              describedBy={`${id}-help`}
+              change={(to) => set(`${path}.${key}`, to)}
+            />
+          ))}
+        </div>
+      )}
+    </div>
+  );
+}
+
+export function Thickness(props: Props) {
+  if (props.value === "gap") return <p class="value">the gap: each sub-pixel has its own, below</p>;
+  const { id, path, name, value, invalid } = props;
+  return (
+    <NumberField
+      id={id}
+      name={name}
+      of="thickness_nm"
+      unit="nm"
+      value={Number(value)}
+      limits={{ min: 0, max: 1e6 }}
+      invalid={invalid}
+      describedBy={`${id}-help`}
+      change={(to) => set(path, to)}
+    />
+  );
+}
+
+/** One angle, a list of them, or a range. */
+export function Angles(props: Props) {
+  const { path, value, id, invalid, name } = props;
+  const bounds = props.found.def === "Azimuths" ? { min: -360, max: 360 } : { min: -89.9, max: 89.9 };
+  const form = typeof value === "number" ? "one" : Array.isArray(value) ? "list" : "range";
+  const first =
+    typeof value === "number"
+      ? value
+      : Array.isArray(value)
+        ? Number(value[0] ?? 0)
+        : isTable(value)
+          ? Number(value["from"])
+          : 0;
+  const starts: Record<string, Json> = { one: first, list: [first, first + 30], range: { from: 0, to: 60, step: 10 } };
+  return (
+    <div class="pair">
+      <Choice
+        label={`${name}: given as`}
+        value={form}
+        options={Object.keys(starts)}
+        change={(as) => set(path, starts[as], "")}
+      />
+      {form === "one" && (
+        <NumberField
+          id={id}
+          name={name}
+          of=""
+          unit="°"
+          value={first}
+          limits={bounds}
+          invalid={invalid}
+          describedBy={`${id}-help`}
+          change={(to) => set(path, to)}
+        />
+      )}
+      {form === "list" && <List {...props} />}
+      {isTable(value) && (
+        <div>
+          {["from", "to", "step"].map((key) => (
+            <NumberField
+              key={key}
+              id={`${id}-${key}`}
+              name={`${name}, ${key}`}
+              of=""
+              unit={key}
+              value={Number(value[key])}
+              invalid={invalid}
+              describedBy={`${id}-help`}
+              limits={key === "step" ? { min: 0.1, max: 90 } : bounds}
+              change={(to) => set(`${path}.${key}`, to)}
+            />
+          ))}
+        </div>
+      )}
+    </div>
+  );
+}
