@@ -9,6 +9,9 @@ use papilio_display::{Control, DisplayError, Prepared};
 /// Two designs side by side, and some more.
 const MOST: usize = 6;
 
+/// Those through any layers hold matrices, up to 256 MB for each of two levels.
+const MOST_LARGE: usize = 2;
+
 /// Scenes with more views than this leave nothing behind: each view has kernels of its own.
 const MOST_VIEWS: usize = 200;
 
@@ -34,10 +37,8 @@ impl Kept {
         let is_sound = matches!(result, Ok(_) | Err(DisplayError::Interrupted));
         if is_sound && views(scene) <= MOST_VIEWS {
             let mut shelf = self.shelf();
-            if shelf.len() == MOST {
-                shelf.remove(0);
-            }
             shelf.push(Ready { scene: scene.clone(), prepared });
+            make_room(&mut shelf);
         }
         result
     }
@@ -52,6 +53,17 @@ impl Kept {
     fn shelf(&self) -> MutexGuard<'_, Vec<Ready>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Forgets what was used longest ago.
+fn make_room(shelf: &mut Vec<Ready>) {
+    let is_large = |ready: &Ready| matches!(ready.scene.display.layers, Layers::General(_));
+    while shelf.iter().filter(|ready| is_large(ready)).count() > MOST_LARGE {
+        if let Some(first) = shelf.iter().position(is_large) {
+            shelf.remove(first);
+        }
+    }
+    shelf.drain(..shelf.len().saturating_sub(MOST));
 }
 
 /// How much of one display serves for another; 0: nothing.

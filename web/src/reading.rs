@@ -64,7 +64,7 @@ impl Given {
             }
         }
         if missing.is_empty() {
-            return Ok(Library::Memory(Arc::new(files)));
+            return Ok(Library::Memory { files: Arc::new(files), memo: site.memo() });
         }
         let mut fault = Fault::new(StatusCode::GONE, "a file is no longer here", "send it again");
         fault.body.missing = Some(missing);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use papilio_formats::DataFile;
+use papilio_scenario::Memo;
 use tokio::net::TcpListener;
 
 use crate::guard::Guard;
@@ -53,6 +54,7 @@ struct Inner {
     start: Option<Start>,
     store: Store,
     kept: Kept,
+    memo: Arc<Memo>,
     quick: Gate,
     long: Gate,
     walks: Gate,
@@ -75,6 +77,7 @@ impl Site {
             start: options.start,
             store: Store::default(),
             kept: Kept::default(),
+            memo: Arc::default(),
             quick: Gate::new(processors.max(2), seconds(20)),
             long: Gate::new(processors.div_ceil(2), seconds(120)),
             walks: Gate::new(1.max(processors / 4), seconds(1800)),
@@ -116,6 +119,10 @@ impl Site {
 
     pub(crate) fn kept(&self) -> &Kept {
         &self.0.kept
+    }
+
+    pub(crate) fn memo(&self) -> Arc<Memo> {
+        self.0.memo.clone()
     }
 
     /// For what takes milliseconds.

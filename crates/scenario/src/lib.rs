@@ -70,7 +70,7 @@ pub use library::{KeptFile, Library};
 pub use nearest::nearest;
 pub use preset::{new_scenario, preset_names};
 pub use problem::Problem;
-pub use resolve::VirtualMeasurement;
+pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
 pub use sweep::Sweep;

@@ -8,6 +8,7 @@ use papilio_formats::{DataFile, FormatError, Place};
 use sha2::{Digest, Sha256};
 
 use crate::problem::Problem;
+use crate::resolve::Memo;
 
 /// Where the files are that a scenario names.
 #[derive(Debug, Clone)]
@@ -15,7 +16,12 @@ pub enum Library {
     /// On disk: names are paths relative to this folder.
     Folder(PathBuf),
     /// In memory, under the names that scenarios give them. Whatever a scenario says, nothing is read from the disk.
-    Memory(Arc<BTreeMap<String, KeptFile>>),
+    Memory {
+        /// The files.
+        files: Arc<BTreeMap<String, KeptFile>>,
+        /// What was made of them before.
+        memo: Arc<Memo>,
+    },
 }
 
 /// A file in memory; clones share it.
@@ -59,7 +65,7 @@ impl Library {
             Self::Folder(folder) => DataFile::open_within(&folder.join(name), name, limit)
                 .map(KeptFile::new)
                 .map_err(Missing::Unread),
-            Self::Memory(files) => match files.get(name) {
+            Self::Memory { files, .. } => match files.get(name) {
                 Some(kept) => {
                     let bytes = kept.file().bytes.len() as u64;
                     let too_large = papilio_formats::Problem::TooLarge { bytes, limit };
@@ -78,7 +84,7 @@ impl Library {
     pub(crate) fn has(&self, name: &str) -> bool {
         match self {
             Self::Folder(folder) => folder.join(name).is_file(),
-            Self::Memory(files) => files.contains_key(name),
+            Self::Memory { files, .. } => files.contains_key(name),
         }
     }
 }

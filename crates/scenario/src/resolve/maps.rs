@@ -7,6 +7,7 @@ use papilio_display::room::{Panorama, Pose};
 use papilio_display::scene::{Environment, EnvironmentPart, Field};
 use papilio_formats::{LightMap, MapChannel, MapColour, read_light_map};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated, srgb_primaries};
+use serde_json::json;
 
 use super::Resolver;
 use crate::describe::environment as describe;
@@ -29,6 +30,16 @@ pub(super) struct MapLight {
 impl Resolver<'_> {
     /// The parts of a map; `white` is the spectrum of its white.
     pub(super) fn map(
+        &mut self,
+        key: &str,
+        map: &At<describe::Map>,
+        white: Option<Spectrum>,
+    ) -> Option<Environment> {
+        let named = || format!("{key} {} {white:?}", json!(map));
+        self.once(named, |this| this.map_anew(key, map, white.clone()))
+    }
+
+    fn map_anew(
         &mut self,
         key: &str,
         map: &At<describe::Map>,

@@ -8,6 +8,7 @@ use papilio_goniometry::{
 };
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::{Spectrum, illuminant};
+use serde_json::json;
 
 use super::Resolver;
 use super::layers::Part;
@@ -168,6 +169,16 @@ impl Resolver<'_> {
         diffuser: &At<Measured>,
         behind: Behind,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
+        let key = || format!("film {path} {} {behind:?}", json!(diffuser));
+        self.once(key, |this| this.film_sides_anew(path, diffuser, behind))
+    }
+
+    fn film_sides_anew(
+        &mut self,
+        path: &str,
+        diffuser: &At<Measured>,
+        behind: Behind,
+    ) -> Option<Vec<(Side, ScatterKernel)>> {
         let source = Source {
             path,
             name: &diffuser.file.value,
@@ -210,6 +221,10 @@ impl Resolver<'_> {
 
     /// A pixel under a medium of this index: the BRDF of its states, angles in air taken as angles in the medium.
     pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
+        self.once(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_anew(pixel))
+    }
+
+    fn measured_pixel_anew(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
         self.in_air(&pixel.extrapolate, "a pixel")?;
         let states = &pixel.file.0;
         self.limit(&pixel.file, "states", states.len(), 256)?;

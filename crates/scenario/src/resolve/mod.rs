@@ -10,6 +10,7 @@ mod lighting;
 mod maps;
 mod measure;
 mod measured;
+mod memo;
 mod panel;
 mod pixel;
 mod sampling;
@@ -18,6 +19,7 @@ mod viewer;
 
 pub use measure::VirtualMeasurement;
 pub(crate) use measure::measurement;
+pub use memo::Memo;
 
 use std::collections::BTreeMap;
 

@@ -14,6 +14,7 @@ mod environments;
 mod examples;
 mod hostile;
 mod layers;
+mod library;
 mod measured;
 mod pixels;
 mod remarks;
