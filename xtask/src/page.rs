@@ -1,6 +1,7 @@
 //! The web app's page (`web/page`): built by npm, tested by node and in a browser.
 
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -30,6 +31,12 @@ pub(crate) fn build() -> Outcome {
     shell::run(npm(["run", "build"]))
 }
 
+/// Builds the program by a command of cargo's; it notices a page that was built anew.
+pub(crate) fn into_program(mut build: Command) -> Outcome {
+    build.env("PAPILIO_PAGE", print_of(&folder().join("dist").join("index.html"))?);
+    shell::run(build)
+}
+
 /// Why the page cannot be tested here, or the browser that does it.
 pub(crate) fn browser() -> Result<PathBuf, String> {
     shell::need(NPM)?;
@@ -46,9 +53,9 @@ pub(crate) fn unit_tests() -> Command {
     npm(["test"])
 }
 
-/// The end-to-end tests against the program of the development profile, which takes the page as it was last built.
+/// The end-to-end tests against the program of the development profile, with the page that was built last.
 pub(crate) fn end_to_end(which: &str, browser: &Path) -> Result<Command, String> {
-    shell::run(cargo(["build", "--package", "papilio"]))?;
+    into_program(cargo(["build", "--package", "papilio"]))?;
     let mut tests = npm(["run", which]);
     let program = shell::target().join("debug").join(if cfg!(windows) { "papilio.exe" } else { "papilio" });
     tests.env("PAPILIO", program).env("CHROMIUM", browser);
@@ -66,4 +73,12 @@ fn is_installed(page: &Path) -> bool {
     let changed = |path: &Path| fs::metadata(path).and_then(|about| about.modified()).ok();
     let installed = changed(&page.join("node_modules").join(".package-lock.json"));
     installed.is_some_and(|installed| Some(installed) >= changed(&page.join("package-lock.json")))
+}
+
+/// Another number for another page: its start names all its parts by their contents.
+fn print_of(index: &Path) -> Result<String, String> {
+    let text = fs::read(index).map_err(|error| format!("{} cannot be read: {error}", index.display()))?;
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    Ok(format!("{:016x}", hasher.finish()))
 }

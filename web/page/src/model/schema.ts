@@ -1,6 +1,7 @@
 // The scenario's JSON Schema, read for forms: what stands at a path, its unit, range, default and help.
 // Where keys depend on `model` or `kind`, the values say which alternative holds.
 
+import { plain } from "./format.ts";
 import { isTable, type Json, type Table } from "./json.ts";
 
 export interface Node {
@@ -134,9 +135,6 @@ export function label(key: string): string {
   return NAMES[key] ?? words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** The help of a field as one or two plain sentences: no back quotes. */
-export const help = (node: Node): string => (node.description ?? "").replaceAll("`", "");
-
 export interface Limits {
   readonly min: number;
   readonly max: number;
@@ -146,3 +144,11 @@ export const limits = (node: Node): Limits => ({
   min: node.minimum ?? node.exclusiveMinimum ?? -Infinity,
   max: node.maximum ?? node.exclusiveMaximum ?? Infinity,
 });
+
+/** The help of a field as plain sentences, no back quotes; a range that they do not tell is added. */
+export function help(node: Node): string {
+  const words = (node.description ?? "").replaceAll("`", "");
+  const { min, max } = limits(node);
+  const told = /\d to |between|above|at most|at least|or more/.test(words) || !Number.isFinite(max - min);
+  return told ? words : `${words} From ${plain(min)} to ${plain(max)}.`.trim();
+}

@@ -7,6 +7,7 @@ import type { StateResult, Values } from "../api/types.ts";
 import { error, fixed, signed } from "../model/format.ts";
 import { result, shownState, states } from "../state/design.ts";
 import { pinnedView } from "../state/pin.ts";
+import { Choice } from "../fields/choice.tsx";
 import { useColours } from "../plots/patches.tsx";
 
 interface Column {
@@ -16,25 +17,87 @@ interface Column {
   readonly of: (values: Values) => number | null | undefined;
 }
 
-const COLUMNS: readonly Column[] = [
-  { head: "Y", decimals: 4, help: "Luminous reflectance factor", of: (v) => v.Y },
-  { head: "cd/m²", decimals: 2, help: "Luminance", of: (v) => v.luminance_cd_m2 },
-  { head: "contrast", decimals: 2, help: "Its Y over that of black", of: (v) => v.contrast },
-  { head: "L*", decimals: 2, help: "CIELAB against the light's white", of: (v) => v.L_star },
-  { head: "a*", decimals: 2, help: "CIELAB", of: (v) => v.a_star },
-  { head: "b*", decimals: 2, help: "CIELAB", of: (v) => v.b_star },
-  { head: "u′", decimals: 4, help: "CIE 1976 chromaticity", of: (v) => v.u_prime },
-  { head: "v′", decimals: 4, help: "CIE 1976 chromaticity", of: (v) => v.v_prime },
-  { head: "dR", decimals: 4, help: "u′v′ distance from D65 (Feng 2012, table 5.1)", of: (v) => v.distance_from_d65_uv },
-  { head: "peak nm", decimals: 1, help: "Largest reflectance factor between 400 and 700 nm", of: (v) => v.peak_nm },
-  {
-    head: "R hemi",
-    decimals: 4,
-    help: "Luminous reflectance factor in the diffuse light alone (Feng 2012, eq. 3-1)",
-    of: (v) => v.R_hemi,
-  },
-  { head: "R dir", decimals: 4, help: "The same in the first directed source alone", of: (v) => v.R_dir?.[0] },
+const column = (head: string, decimals: number, help: string, of: Column["of"]): Column => ({
+  head,
+  decimals,
+  help,
+  of,
+});
+
+const Y = column("Y", 4, "Luminous reflectance factor", (v) => v.Y);
+const LUMINANCE = column("cd/m²", 2, "Luminance", (v) => v.luminance_cd_m2);
+const CONTRAST = column("contrast", 2, "Its Y over that of black (Feng 2012: CR)", (v) => v.contrast);
+const LAB = [
+  column("L*", 2, "CIELAB against the light's white", (v) => v.L_star),
+  column("a*", 2, "CIELAB", (v) => v.a_star),
+  column("b*", 2, "CIELAB", (v) => v.b_star),
 ];
+const UV = [
+  column("u′", 4, "CIE 1976 chromaticity", (v) => v.u_prime),
+  column("v′", 4, "CIE 1976 chromaticity", (v) => v.v_prime),
+];
+const DR = column("dR", 4, "u′v′ distance from D65", (v) => v.distance_from_d65_uv);
+const hue = (name: string, i: number) =>
+  column(name, 0, "Hue without lightness: linear sRGB of x, y, z", (v) => v.hue_rgb?.[i]);
+
+/** What is shown of the states; the second set has all that the table of the dissertation has. */
+const SETS: Record<string, readonly Column[]> = {
+  "At a glance": [
+    Y,
+    LUMINANCE,
+    CONTRAST,
+    ...LAB,
+    ...UV,
+    DR,
+    column("peak nm", 1, "Largest reflectance factor between 400 and 700 nm", (v) => v.peak_nm),
+    column("R hemi", 4, "Luminous reflectance factor in the diffuse light alone (Feng 2012, eq. 3-1)", (v) => v.R_hemi),
+    column("R dir", 4, "The same in the first directed source alone", (v) => v.R_dir[0]),
+  ],
+  "Feng 2012, table 5.1": [
+    DR,
+    CONTRAST,
+    column("X", 4, "Tristimulus value, relative: Y is 1 for a perfect white", (v) => v.X),
+    Y,
+    column("Z", 4, "Tristimulus value, relative", (v) => v.Z),
+    ...UV,
+    column("x", 4, "CIE 1931 chromaticity", (v) => v.x),
+    column("y", 4, "CIE 1931 chromaticity", (v) => v.y),
+    column("z", 4, "CIE 1931 chromaticity", (v) => v.z),
+    ...LAB,
+    hue("R", 0),
+    hue("G", 1),
+    hue("B", 2),
+    LUMINANCE,
+  ],
+  Differences: [
+    column(
+      "ΔE00 white",
+      2,
+      "CIEDE2000 difference from a perfect white in the same light",
+      (v) => v.delta_E_2000_from_white,
+    ),
+    column(
+      "ΔE00 reference",
+      2,
+      "CIEDE2000 difference from metrics.reference_state",
+      (v) => v.delta_E_2000_from_reference,
+    ),
+    column("Δu′v′ reference", 4, "u′v′ distance from it", (v) => v.distance_from_reference_uv),
+    column(
+      "ΔE00 angle",
+      2,
+      "CIEDE2000 difference from the view nearest to the normal",
+      (v) => v.delta_E_2000_with_angle,
+    ),
+    column("Δu′v′ angle", 4, "u′v′ distance from it", (v) => v.shift_with_angle_uv),
+    column(
+      "peak shift nm",
+      2,
+      "Peak less that of the pixel alone in the mirror direction (Feng 2012, eq. 5-12)",
+      (v) => v.peak_shift_nm,
+    ),
+  ],
+};
 
 /** The error of a number: the standard error of a walk, or what the discretisation leaves. */
 const errorOf = (state: StateResult): Values => state.discretisation_error ?? state.standard_error;
@@ -73,6 +136,8 @@ function Cell({
 
 export function StatesTable() {
   const errors = useSignal(false);
+  const set = useSignal(Object.keys(SETS)[0]!);
+  const columns = SETS[set.value]!;
   const colours = useColours().value.colours;
   const solver = result.value?.solver;
   if (!solver) return null;
@@ -84,7 +149,7 @@ export function StatesTable() {
           <thead>
             <tr>
               <th scope="col">state</th>
-              {COLUMNS.map(({ head, help }) => (
+              {columns.map(({ head, help }) => (
                 <th scope="col" key={head} title={help}>
                   {head}
                 </th>
@@ -98,7 +163,7 @@ export function StatesTable() {
                   <span class="chip" ref={(e) => e?.style.setProperty("background-color", colours.get(name) ?? "")} />
                   {name}
                 </th>
-                {COLUMNS.map((column) => (
+                {columns.map((column) => (
                   <Cell
                     key={column.head}
                     column={column}
@@ -113,6 +178,7 @@ export function StatesTable() {
         </table>
       </div>
       <p class="remark">
+        <Choice label="Columns" value={set.value} options={Object.keys(SETS)} change={(name) => (set.value = name)} />{" "}
         {adding
           ? `Adding: ${solver.nodes} nodes, no noise; discretisation error of Y at most ${(100 * solver.relative_error_reached).toPrecision(2)} %. `
           : `Walk: standard errors of one sigma, ${solver.degrees_of_freedom} degrees of freedom. `}
