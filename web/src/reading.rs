@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use axum::http::StatusCode;
+use papilio_display::adding_seconds;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::Scene;
 use papilio_scenario::{Library, Resolved, Scenario};
@@ -22,6 +23,9 @@ const MOST_FILES: usize = 64;
 
 /// Views x states x wavelengths of an answer: about 20 MB of it.
 const MOST_NUMBERS: usize = 200_000;
+
+/// What adding may take before it heeds a stop, roughly.
+const MOST_SECONDS: f64 = 20.0;
 
 /// A scenario and the files that it names.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
@@ -80,7 +84,7 @@ impl Given {
             scenario = self.read(&library, &set)?;
         }
         let resolved = scenario.resolve()?;
-        check_size(&resolved.scene)?;
+        check_work(&resolved.scene)?;
         Ok((scenario, resolved))
     }
 
@@ -112,19 +116,26 @@ fn set_for(scenario: &Scenario, by: By) -> Vec<String> {
     set
 }
 
-/// Refuses what would make an answer that no page can show.
-pub(crate) fn check_size(scene: &Scene) -> Result<(), Fault> {
+/// Refuses what would make an answer that no page can show, and what could not be stopped soon enough.
+pub(crate) fn check_work(scene: &Scene) -> Result<(), Fault> {
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let states = state_names(&scene.display.pixel).len();
     let numbers = views * states * scene.grid.len();
-    if numbers <= MOST_NUMBERS {
-        return Ok(());
+    if numbers > MOST_NUMBERS {
+        let bins = scene.grid.len();
+        return Err(Fault::too_much(
+            format!(
+                "{views} views of {states} states at {bins} wavelengths are too much for a page: at most {MOST_NUMBERS} numbers"
+            ),
+            "fewer views or a larger spectrum.step_nm; `papilio run` takes all of it",
+        ));
     }
-    Err(Fault::too_much(
-        format!(
-            "{views} views of {states} states at {} wavelengths are too much for a page: at most {MOST_NUMBERS} numbers",
-            scene.grid.len()
-        ),
-        "fewer views or a larger spectrum.step_nm; `papilio run` takes all of it",
-    ))
+    let seconds = adding_seconds(scene)?;
+    if seconds > MOST_SECONDS {
+        return Err(Fault::too_much(
+            format!("these layers would take adding about {seconds:.0} s, more than a page waits for"),
+            "a wider diffuser, fewer wavelengths, or indices that are numbers; `papilio run` takes it",
+        ));
+    }
+    Ok(())
 }

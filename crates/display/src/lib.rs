@@ -88,4 +88,6 @@ pub use error::DisplayError;
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
 pub use room_light::{RoomLamp, RoomLight, room_light};
-pub use run::{Control, Cost, Progress, StudyCurve, StudyPoint, brdf, cone, cost, run, study};
+pub use run::{
+    Control, Cost, Progress, StudyCurve, StudyPoint, adding_seconds, brdf, cone, cost, run, study,
+};

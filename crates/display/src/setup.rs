@@ -182,6 +182,12 @@ fn stack(scene: &Scene, base: Base) -> Result<Stack, DisplayError> {
     }
 }
 
+/// The layers over a base that is none: enough to know what they take.
+pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
+    let inactive_absorptance = vec![0.0; scene.grid.len()].into();
+    stack(scene, Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance })
+}
+
 fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
     let single_pass = scene.solver.approximation == Approximation::SinglePass;
     let components = panel.front.iter().map(|c| (&*c.reflectance, &*c.absorptance));

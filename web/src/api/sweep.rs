@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::events::{self, Events, Teller};
 use crate::fault::{Fault, FaultBody};
-use crate::reading::{By, Given, check_size};
+use crate::reading::{By, Given, check_work};
 use crate::site::Site;
 
 /// More points are a matter of the command line.
@@ -74,7 +74,7 @@ fn prepared(site: &Site, given: &Given) -> Result<Sweep, Fault> {
         return Err(Fault::too_much(message, "fewer values on an axis, or `papilio sweep`"));
     }
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
-        check_size(&sweep.scenario(point)?.resolve()?.scene)?;
+        check_work(&sweep.scenario(point)?.resolve()?.scene)?;
     }
     Ok(sweep)
 }

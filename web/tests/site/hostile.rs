@@ -104,6 +104,11 @@ fn what_is_too_large_too_deep_or_too_much_is_refused() {
     let many = indoor(&server).replace("theta_deg = 8", "theta_deg = { from = -80, to = 80, step = 0.1 }");
     let (message, _) = server.post("/live", &json!({ "scenario": many })).error();
     assert!(message.contains("too much for a page"), "{message}");
+    let slow = server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
+    let slow = slow.replace("width = 0.04", "width = 0.02").replace("width = 0.03", "width = 0.02");
+    let slow = slow.replace("index = 1.5", "index = \"fused-silica.yml\"");
+    let (message, _) = server.post("/live", &json!({ "scenario": slow })).error();
+    assert!(message.contains("more than a page waits for"), "{message}");
     let header = format!("GET / HTTP/1.1\r\nHost: localhost\r\nX: {}\r\n\r\n", "y".repeat(64 << 10));
     assert!((400..500).contains(&server.raw(header.as_bytes()).status));
     assert!(is_alive(&server));

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 pub(crate) use adding::Kernels;
 pub use brdf::brdf;
 pub use cone::cone;
+pub use refine::adding_seconds;
 pub(crate) use refine::largest;
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 

@@ -1,9 +1,13 @@
 //! Finer and finer levels of discretisation, until two successive ones agree.
 
+use std::collections::HashSet;
+
 use papilio_transport::Stack;
 use papilio_transport::adding::{FINEST, MOST_NODES, Scatterer, narrowest, nodes_needed};
 
 use crate::DisplayError;
+use crate::scene::{Layers, Scene};
+use crate::setup::layers_alone;
 
 /// The finest level that the layers can be taken to.
 ///
@@ -15,6 +19,22 @@ pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
         Some(level) if level > 0 => Ok(level as usize),
         _ => Err(too_narrow(stack)),
     }
+}
+
+/// Roughly how long adding prepares the layers of a scene before it first heeds a stop, in seconds of one processor;
+/// right to within a factor of ten. 0 for an ordinary panel, whose preparation takes milliseconds.
+///
+/// # Errors
+/// If there is no such stack.
+pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
+    /// Of a node cubed, at each set of indices: two narrow diffusers in glass take 1.5 s with 213 nodes.
+    const SECONDS: f64 = 1.5e-7;
+    let Layers::General(layers) = &scene.display.layers else { return Ok(0.0) };
+    let nodes = nodes_needed(&layers_alone(scene)?, 1) as f64;
+    // Where indices differ, nothing is shared between wavelengths.
+    let indices = |bin: usize| layers.iter().map(|layer| layer.medium.index[bin].to_bits()).collect();
+    let sets: HashSet<Vec<u64>> = (0..scene.grid.len()).map(indices).collect();
+    Ok(SECONDS * nodes.powi(3) * sets.len() as f64)
 }
 
 /// The refusal, with what is to blame.
