@@ -10,6 +10,7 @@ import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FilesPanel } from "./panels/files.tsx";
 import { Header } from "./panels/header.tsx";
 import { LedgerPanel } from "./panels/ledger.tsx";
+import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
 import { Summary } from "./panels/summary.tsx";
@@ -24,7 +25,7 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy, problems } from "./state/design.ts";
+import { answer, busy, problems, startProblems } from "./state/design.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
@@ -94,6 +95,22 @@ function Broken() {
   );
 }
 
+/** Before the first answer; or why there is none: a server that is gone, a token that is missing. */
+function Starting() {
+  if (startProblems.value.length === 0)
+    return (
+      <p class="starting" role="status">
+        Computing…
+      </p>
+    );
+  return (
+    <main class="broken" aria-label="Papilio cannot start">
+      <h2>Papilio cannot start</h2>
+      <Problems of={startProblems.value} />
+    </main>
+  );
+}
+
 export function App() {
   return (
     <>
@@ -105,14 +122,7 @@ export function App() {
           <Picture />
         </div>
       )}
-      {!answer.value &&
-        (problems.value.length > 0 ? (
-          <Broken />
-        ) : (
-          <p class="starting" role="status">
-            Computing…
-          </p>
-        ))}
+      {!answer.value && (problems.value.length > 0 ? <Broken /> : <Starting />)}
     </>
   );
 }

@@ -9,7 +9,7 @@ import { App } from "./app.tsx";
 import { Schema, type Node } from "./model/schema.ts";
 import { acceptDrops } from "./panels/drop.tsx";
 import { redo, undo } from "./panels/header.tsx";
-import { schema, text } from "./state/design.ts";
+import { schema, startProblems, text } from "./state/design.ts";
 import { adopt, recallFiles } from "./state/files.ts";
 import { recall, recallDesign, remember, rememberDesign } from "./state/keep.ts";
 import { unpacked } from "./state/link.ts";
@@ -85,4 +85,6 @@ async function start(): Promise<void> {
   });
 }
 
-void start();
+start().catch((why: unknown) => {
+  startProblems.value = why instanceof api.Refused ? why.problems : [{ message: String(why) }];
+});

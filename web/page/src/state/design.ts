@@ -21,6 +21,8 @@ export const pending = signal<readonly Edit[]>([]);
 export const answer = signal<Live | null>(null);
 /** Why the pending edits or the draft were refused. */
 export const problems = signal<readonly Problem[]>([]);
+/** Why the page could not start. */
+export const startProblems = signal<readonly Problem[]>([]);
 /** Whether an answer has been awaited for long enough to say so. */
 export const busy = signal(false);
 export const schema = signal<Schema | null>(null);

@@ -16,6 +16,12 @@ const PATIENCE_MS = 250;
 /** Waiting longer than this is shown, ms. */
 const SHOWN_MS = 300;
 
+/** All places are taken: the server asks to come again. */
+const BUSY = 503;
+/** It is asked again after so many ms. */
+const AGAIN_MS = 700;
+const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => resolve(true), AGAIN_MS));
+
 let running = false;
 let dirty = false;
 let gesture = "";
@@ -108,7 +114,8 @@ async function once(): Promise<void> {
   } catch (why) {
     if (abort.signal.aborted) return;
     if (why instanceof api.Refused) {
-      if (await sendAgain(why)) dirty = true;
+      if (why.status === BUSY) dirty = await pause();
+      else if (await sendAgain(why)) dirty = true;
       else if (dropRefused(sent)) dirty = true;
       else problems.value = why.problems;
       refused = dirty ? [] : sent;
