@@ -21,7 +21,7 @@ use shell::{Needs, Outcome, cargo};
 /// A name, what the chore does, and the chore.
 type Chore = (&'static str, &'static str, fn() -> Outcome);
 
-const CHORES: [Chore; 8] = [
+const CHORES: [Chore; 9] = [
     (
         "test",
         "format, lints, all tests, documentation, every example scenario, the web app's page",
@@ -32,6 +32,7 @@ const CHORES: [Chore; 8] = [
         "test, with ten times the seeds and random displays, longer fuzzing, all of the page; then oracle and deny",
         full,
     ),
+    ("page", "build the web app's page, and all of its tests in Chromium", page::page),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
     ("peers", "time Papilio beside other programs, for docs/peers.md", peers::peers),
     ("deny", "licences, advisories and sources of all dependencies", deny),

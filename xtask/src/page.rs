@@ -17,6 +17,14 @@ pub(crate) const EVERYDAY: &str = "flow";
 /// All of them.
 pub(crate) const ALL: &str = "full";
 
+/// The chore: the page alone, all of it.
+pub(crate) fn page() -> Outcome {
+    let browser = browser()?;
+    build()?;
+    shell::run(unit_tests())?;
+    shell::run(end_to_end(ALL, &browser)?)
+}
+
 /// Where the page is.
 pub(crate) fn folder() -> PathBuf {
     shell::root().join("web").join("page")
