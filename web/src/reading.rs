@@ -7,7 +7,7 @@ use axum::http::StatusCode;
 use papilio_display::adding_seconds;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::Scene;
-use papilio_scenario::{Library, Resolved, Scenario};
+use papilio_scenario::{Edit, Library, Resolved, Scenario};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -17,6 +17,9 @@ use crate::site::Site;
 
 /// The longest scenario, in bytes.
 const LONGEST_SCENARIO: usize = 256 << 10;
+
+/// Changes in one request.
+const MOST_EDITS: usize = 200;
 
 /// Files that one scenario may name.
 const MOST_FILES: usize = 64;
@@ -38,6 +41,23 @@ pub(crate) struct Given {
     pub(crate) files: BTreeMap<String, String>,
 }
 
+/// A scenario's text with changes.
+pub(crate) fn edited(scenario: String, edits: &[Edit]) -> Result<String, Fault> {
+    check_length(&scenario)?;
+    if edits.len() > MOST_EDITS {
+        return Err(Fault::malformed(format!("a request has at most {MOST_EDITS} edits")));
+    }
+    Ok(if edits.is_empty() { scenario } else { papilio_scenario::edit(&scenario, edits)? })
+}
+
+fn check_length(scenario: &str) -> Result<(), Fault> {
+    if scenario.len() <= LONGEST_SCENARIO {
+        return Ok(());
+    }
+    let message = format!("the scenario is longer than {} KiB", LONGEST_SCENARIO >> 10);
+    Err(Fault::new(StatusCode::PAYLOAD_TOO_LARGE, message, "spectra and tables belong into files"))
+}
+
 /// Which solver, whatever the scenario says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum By {
@@ -48,14 +68,7 @@ pub(crate) enum By {
 impl Given {
     /// The files by their names.
     pub(crate) fn library(&self, site: &Site) -> Result<Library, Fault> {
-        if self.scenario.len() > LONGEST_SCENARIO {
-            let message = format!("the scenario is longer than {} KiB", LONGEST_SCENARIO >> 10);
-            return Err(Fault::new(
-                StatusCode::PAYLOAD_TOO_LARGE,
-                message,
-                "spectra and tables belong into files",
-            ));
-        }
+        check_length(&self.scenario)?;
         if self.files.len() > MOST_FILES {
             return Err(Fault::malformed(format!("a scenario has at most {MOST_FILES} files")));
         }

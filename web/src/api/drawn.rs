@@ -1,22 +1,21 @@
-//! What is seen from many directions, and all of it as files: cone, angles, figures, exports.
+//! What is seen from many directions, and drawings of it: cone, angles, figures.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::{ConeGrid, ConeResult, Control};
-use papilio_formats::{CONE_QUANTITIES, write_json, write_spectra, write_states};
+use papilio_formats::CONE_QUANTITIES;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::live::{Answer, look, seen};
-use super::report;
 use crate::fault::Fault;
 use crate::reading::{By, Given};
 use crate::site::Site;
 
 /// Steps of the cone's directions, degrees.
-const CONE_STEPS_DEG: (f64, f64) = (1.0, 15.0);
+pub(super) const CONE_STEPS_DEG: (f64, f64) = (1.0, 15.0);
 
 /// Views of a scan of angles.
 const MOST_ANGLES: f64 = 181.0;
@@ -98,7 +97,7 @@ pub(super) async fn cone(site: Site, asked: ConeOf) -> Result<ConeSeen, Fault> {
 }
 
 /// All directions so many degrees apart.
-fn survey(
+pub(super) fn survey(
     scene: &papilio_display::scene::Scene,
     step_deg: f64,
     stop: &AtomicBool,
@@ -255,77 +254,4 @@ pub(super) async fn figures(site: Site, asked: FiguresOf) -> Result<Vec<Figure>,
         .await?;
     let wanted = |name: &String| asked.names.is_empty() || asked.names.contains(name);
     Ok(figures.into_iter().filter(|(name, _)| wanted(name)).map(|(name, svg)| Figure { name, svg }).collect())
-}
-
-/// A file that is wanted of a scenario.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ExportOf {
-    /// The scenario: TOML.
-    scenario: String,
-    /// Ids of uploaded files by their names in the scenario.
-    #[serde(default)]
-    files: BTreeMap<String, String>,
-    /// `result.json`, `states.csv`, `spectra.csv`, `report.html`, or a figure's name with `.svg` or `.png`.
-    what: String,
-}
-
-/// A file.
-#[derive(Debug)]
-pub(super) struct Exported {
-    pub(super) kind: &'static str,
-    pub(super) bytes: Vec<u8>,
-}
-
-pub(super) async fn export(site: Site, asked: ExportOf) -> Result<Exported, Fault> {
-    let of = site.clone();
-    let given = Given { scenario: asked.scenario, files: asked.files };
-    site.long().work(move |stop| exported(&of, &given, &asked.what, stop)).await
-}
-
-fn exported(site: &Site, given: &Given, what: &str, stop: &AtomicBool) -> Result<Exported, Fault> {
-    let answer = look(site, given, stop)?;
-    let mut bytes = Vec::new();
-    let text = |bytes: Vec<u8>, kind| Exported { kind, bytes };
-    let written =
-        |done: Result<(), std::io::Error>| done.map_err(|_| Fault::internal("the file cannot be written"));
-    let csv = "text/csv; charset=utf-8";
-    match what {
-        "result.json" => {
-            written(write_json(&mut bytes, &answer.file())).map(|()| text(bytes, "application/json"))
-        }
-        "states.csv" => written(write_states(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
-        "spectra.csv" => written(write_spectra(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
-        "report.html" => {
-            let cone = survey(&answer.resolved.scene, CONE_STEPS_DEG.0, stop)?;
-            let page = report::page(&answer, &given.scenario, &cone);
-            Ok(text(page.into_bytes(), "text/html; charset=utf-8"))
-        }
-        _ => figure(&answer, what, stop),
-    }
-}
-
-fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fault> {
-    let unknown = || Fault::unknown("export", what);
-    let (name, end) = what.rsplit_once('.').ok_or_else(unknown)?;
-    let svg = match name {
-        "cone" => {
-            let cone = survey(&answer.resolved.scene, CONE_STEPS_DEG.0, stop)?;
-            papilio_figures::cone(&cone, answer.title())
-        }
-        _ => {
-            let all = papilio_figures::of_run(&answer.result, answer.title());
-            all.into_iter().find(|(known, _)| known == name).map(|(_, svg)| svg)
-        }
-    };
-    let svg = svg.ok_or_else(unknown)?;
-    match end {
-        "svg" => Ok(Exported { kind: "image/svg+xml", bytes: svg.into_bytes() }),
-        "png" => {
-            let png = papilio_figures::png(&svg, papilio_figures::PNG_SCALE);
-            let bytes = png.map_err(|error| Fault::internal(&format!("no picture can be made: {error}")))?;
-            Ok(Exported { kind: "image/png", bytes })
-        }
-        _ => Err(unknown()),
-    }
 }

@@ -13,7 +13,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 use crate::fault::Fault;
-use crate::reading::{By, Given};
+use crate::reading::{By, Given, edited};
 use crate::site::Site;
 
 /// A scenario, and changes to it that come first.
@@ -109,10 +109,7 @@ pub(super) async fn live(site: Site, live: Live) -> Result<Seen, Fault> {
 
 fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let started = Instant::now();
-    let scenario = match live.edits.as_slice() {
-        [] => live.scenario,
-        edits => papilio_scenario::edit(&live.scenario, edits)?,
-    };
+    let scenario = edited(live.scenario, &live.edits)?;
     let given = Given { scenario, files: live.files };
     let about = |fault: Fault| fault.about(&given.scenario);
     let (read, resolved) = given.resolve(site, By::Adding).map_err(about)?;

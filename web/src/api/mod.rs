@@ -3,9 +3,11 @@
 mod drawn;
 mod endpoint;
 mod events;
+mod export;
 mod files;
 mod live;
 mod report;
+mod request;
 mod sweep;
 mod text;
 mod walk;
@@ -33,7 +35,7 @@ fn endpoints() -> Endpoints {
         .post("/angles", "Metrics against the viewing angle", drawn::angles)
         .post("/cone", "What is seen from all directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
-        .export("/export", "A file: result.json, tables, figures, a report on one page", drawn::export)
+        .export("/export", "A file: result.json, tables, figures, a report on one page", export::export)
         .upload("/files", "Keeps a file and says what is in it; its bytes are the body", files::file)
         .events::<_, walk::WalkEvent, _>("/walk", "The Monte Carlo walk, told as it goes", walk::walk)
         .events::<_, sweep::SweepEvent, _>(

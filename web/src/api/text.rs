@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::fault::Fault;
+use crate::reading::edited;
 use crate::shipped;
 use crate::site::Site;
 
@@ -106,6 +107,6 @@ pub(super) struct Edits {
     edits: Vec<Edit>,
 }
 
-pub(super) async fn edit(_: Site, edits: Edits) -> Result<Text, Fault> {
-    Ok(Text { scenario: papilio_scenario::edit(&edits.scenario, &edits.edits)? })
+pub(super) async fn edit(site: Site, asked: Edits) -> Result<Text, Fault> {
+    site.quick().work(move |_| Ok(Text { scenario: edited(asked.scenario, &asked.edits)? })).await
 }

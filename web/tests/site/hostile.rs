@@ -4,6 +4,7 @@ use std::io::Write;
 use std::net::IpAddr;
 use std::time::{Duration, Instant};
 
+use papilio_scenario::Edit;
 use papilio_web::{Options, openapi};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -101,6 +102,13 @@ fn what_is_too_large_too_deep_or_too_much_is_refused() {
     assert_eq!(server.post("/live", &json!({ "scenario": nested })).status, 422);
     let dotted = format!("{} = 1", vec!["a"; 20_000].join("."));
     assert_eq!(server.post("/live", &json!({ "scenario": dotted })).status, 422);
+    let header = format!("[{}a]", "a.".repeat(20_000));
+    for (path, scenario) in [("/edit", &dotted), ("/edit", &header), ("/live", &header), ("/edit", &nested)] {
+        let edits = json!([{ "op": "set", "path": "title", "value": "x" }]);
+        assert_eq!(server.post(path, &json!({ "scenario": scenario, "edits": edits })).status, 422, "{path}");
+    }
+    let edits = vec![json!({ "op": "remove", "path": "title" }); 201];
+    assert_eq!(server.post("/edit", &json!({ "scenario": "", "edits": edits })).status, 400);
     let many = indoor(&server).replace("theta_deg = 8", "theta_deg = { from = -80, to = 80, step = 0.1 }");
     let (message, _) = server.post("/live", &json!({ "scenario": many })).error();
     assert!(message.contains("too much for a page"), "{message}");
@@ -148,6 +156,58 @@ fn the_description_is_whole() {
     assert!(all["paths"].as_object().unwrap().len() >= 15);
     let server = Server::start();
     assert_eq!(server.get("/api/v1/openapi.json").json(), all);
+}
+
+/// Any path of keys and indices, most of them real ones.
+fn path() -> impl Strategy<Value = String> {
+    let keys = [
+        "display",
+        "pixel",
+        "film",
+        "lighting",
+        "directed",
+        "layers",
+        "front",
+        "title",
+        "viewer",
+        "theta_deg",
+        "0",
+        "1",
+        "9",
+        "",
+        "a b",
+    ];
+    prop::collection::vec(prop::sample::select(keys.to_vec()), 0..5).prop_map(|keys| keys.join("."))
+}
+
+/// Whatever the edits, the text is TOML afterwards, or they are refused: never a panic, never broken text.
+#[test]
+fn any_edits_leave_a_text_or_an_error() {
+    let server = Server::start();
+    let texts: Vec<String> = ["indoor", "cover-glass", "readability"]
+        .map(|name| {
+            server.get(&format!("/api/v1/examples/{name}")).json()["scenario"].as_str().unwrap().to_owned()
+        })
+        .into();
+    let one =
+        (path(), junk(), 0..4_u8, 0..4_usize, 0..4_usize).prop_map(|(path, value, op, from, to)| match op {
+            0 => Edit::Set { path, value },
+            1 => Edit::Remove { path },
+            2 => Edit::Insert { path, index: (from < 3).then_some(from), value },
+            _ => Edit::Move { path, from, to },
+        });
+    let edits = prop::collection::vec(one, 1..5);
+    let mut runner = TestRunner::new(Config { cases: 1500, failure_persistence: None, ..Config::default() });
+    let tried = runner.run(&(0..texts.len(), edits), |(text, edits)| {
+        if let Ok(edited) = papilio_scenario::edit(&texts[text], &edits) {
+            prop_assert!(
+                papilio_scenario::edit(&edited, &[]).is_ok_and(|again| again == edited),
+                "{edits:?}"
+            );
+        }
+        Ok(())
+    });
+    tried.unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// Any JSON, up to a few levels.

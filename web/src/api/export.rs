@@ -1,0 +1,88 @@
+//! What is seen as files: those of `papilio run`, and a report.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use papilio_formats::{write_json, write_spectra, write_states};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::drawn::{CONE_STEPS_DEG, survey};
+use super::live::{Answer, look};
+use super::report;
+use crate::fault::Fault;
+use crate::reading::Given;
+use crate::site::Site;
+
+/// A file that is wanted of a scenario.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExportOf {
+    /// The scenario: TOML.
+    scenario: String,
+    /// Ids of uploaded files by their names in the scenario.
+    #[serde(default)]
+    files: BTreeMap<String, String>,
+    /// `result.json`, `states.csv`, `spectra.csv`, `report.html`, or a figure's name with `.svg` or `.png`.
+    what: String,
+}
+
+/// A file.
+#[derive(Debug)]
+pub(super) struct Exported {
+    pub(super) kind: &'static str,
+    pub(super) bytes: Vec<u8>,
+}
+
+pub(super) async fn export(site: Site, asked: ExportOf) -> Result<Exported, Fault> {
+    let of = site.clone();
+    let given = Given { scenario: asked.scenario, files: asked.files };
+    site.long().work(move |stop| exported(&of, &given, &asked.what, stop)).await
+}
+
+fn exported(site: &Site, given: &Given, what: &str, stop: &AtomicBool) -> Result<Exported, Fault> {
+    let answer = look(site, given, stop)?;
+    let mut bytes = Vec::new();
+    let text = |bytes: Vec<u8>, kind| Exported { kind, bytes };
+    let written =
+        |done: Result<(), std::io::Error>| done.map_err(|_| Fault::internal("the file cannot be written"));
+    let csv = "text/csv; charset=utf-8";
+    match what {
+        "result.json" => {
+            written(write_json(&mut bytes, &answer.file())).map(|()| text(bytes, "application/json"))
+        }
+        "states.csv" => written(write_states(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
+        "spectra.csv" => written(write_spectra(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
+        "report.html" => {
+            let cone = survey(&answer.resolved.scene, CONE_STEPS_DEG.0, stop)?;
+            let page = report::page(&answer, &given.scenario, &cone);
+            Ok(text(page.into_bytes(), "text/html; charset=utf-8"))
+        }
+        _ => figure(&answer, what, stop),
+    }
+}
+
+fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fault> {
+    let unknown = || Fault::unknown("export", what);
+    let (name, end) = what.rsplit_once('.').ok_or_else(unknown)?;
+    let svg = match name {
+        "cone" => {
+            let cone = survey(&answer.resolved.scene, CONE_STEPS_DEG.0, stop)?;
+            papilio_figures::cone(&cone, answer.title())
+        }
+        _ => {
+            let all = papilio_figures::of_run(&answer.result, answer.title());
+            all.into_iter().find(|(known, _)| known == name).map(|(_, svg)| svg)
+        }
+    };
+    let svg = svg.ok_or_else(unknown)?;
+    match end {
+        "svg" => Ok(Exported { kind: "image/svg+xml", bytes: svg.into_bytes() }),
+        "png" => {
+            let png = papilio_figures::png(&svg, papilio_figures::PNG_SCALE);
+            let bytes = png.map_err(|error| Fault::internal(&format!("no picture can be made: {error}")))?;
+            Ok(Exported { kind: "image/png", bytes })
+        }
+        _ => Err(unknown()),
+    }
+}
