@@ -44,14 +44,17 @@ function isNested(found: Found, key: string, value: Json): boolean {
 
 /** What chooses between alternatives: `model` or `kind`. */
 function Model({ path, found, value }: { path: string; found: Found; value: Json }) {
-  const which = schema.value?.discriminator(found.node);
+  const which = schema.value?.discriminator(found.node, value);
   if (!which) return null;
   const now = String(at(value, which.key) ?? "");
-  const starters = MODELS[path] ?? MODELS[path.replace(/^.*\.(environment)\.\d+$/, "$1")] ?? {};
+  const starters = MODELS[path] ?? MODELS[path.replace(/^.*\.(environment|layers)\.\d+$/, "$1")] ?? {};
   const values = which.values.filter((name) => name === now || starters[name]);
   if (values.length < 2) return null;
   const choose = (name: string) => {
-    const kept = isTable(value) && value["share"] !== undefined ? { share: value["share"] } : {};
+    const stays = Object.entries(isTable(value) ? value : {}).filter(
+      ([key]) => key === "share" || (key === "kind" && path.startsWith("display.layers")),
+    );
+    const kept = which.key === "kind" ? {} : Object.fromEntries(stays);
     set(path, { ...starters[name], ...kept }, "");
   };
   return (

@@ -41,6 +41,13 @@ export class Schema {
     return { node: { ...this.root.$defs?.[def], ...beside }, def };
   }
 
+  /** All alternatives, those of alternatives included. */
+  private alternatives(node: Node): Node[] {
+    return (node.oneOf ?? [])
+      .map((one) => this.follow(one).node)
+      .flatMap((one) => (one.oneOf ? this.alternatives(one) : [one]));
+  }
+
   /** The alternative that a table's constants choose; the node itself where there is none. */
   chosen(node: Node, value: Json | undefined): Node {
     const table = isTable(value) ? value : {};
@@ -48,15 +55,23 @@ export class Schema {
       Object.entries(one.properties ?? {}).every(
         ([key, { const: fixed }]) => fixed === undefined || fixed === table[key],
       );
-    return node.oneOf?.map((one) => this.follow(one).node).find(fits) ?? node;
+    return this.alternatives(node).find(fits) ?? node;
   }
 
-  /** The key and the values that choose between alternatives, or null. */
-  discriminator(node: Node): { key: string; values: string[]; help: Map<string, string> } | null {
-    const ones = node.oneOf?.map((one) => this.follow(one).node) ?? [];
-    const key = Object.entries(ones[0]?.properties ?? {}).find(([, p]) => p.const !== undefined)?.[0];
-    if (key === undefined) return null;
-    const help = new Map(ones.map((one) => [String(one.properties?.[key]?.const), one.description ?? ""]));
+  /** The key and the values that choose between alternatives: `kind`, or `model` where a kind has several. */
+  discriminator(node: Node, value: Json): { key: string; values: string[]; help: Map<string, string> } | null {
+    const has = (key: string) => (one: Node) => one.properties?.[key]?.const !== undefined;
+    const all = this.alternatives(node);
+    const kind = isTable(value) ? value["kind"] : undefined;
+    const alike = all.filter((one) => has("kind")(one) && one.properties!["kind"]!.const === kind);
+    const [ones, key] = alike.some(has("model"))
+      ? [alike, "model"]
+      : all.some(has("kind"))
+        ? [all, "kind"]
+        : [all, "model"];
+    const fixed = ones.filter(has(key));
+    if (fixed.length === 0) return null;
+    const help = new Map(fixed.map((one) => [String(one.properties![key]!.const), one.description ?? ""]));
     return { key, values: [...help.keys()], help };
   }
 
@@ -83,8 +98,7 @@ export class Schema {
   /** The keys of a table in the order of a form: required ones, those that are set, the others. */
   keys(node: Node, value: Table): { shown: string[]; more: string[] } {
     const chosen = this.chosen(node, value);
-    const fixed = this.discriminator(node)?.key;
-    const all = Object.keys(chosen.properties ?? {}).filter((key) => key !== fixed);
+    const all = Object.keys(chosen.properties ?? {}).filter((key) => chosen.properties![key]!.const === undefined);
     const needed = new Set(chosen.required ?? []);
     const there = (key: string) => needed.has(key) || value[key] !== undefined;
     // Keys that have a default matter less than those that were given without one.

@@ -46,13 +46,23 @@ function note(table: Table): string {
     (kind === undefined && (table["reflectance"] !== undefined || table["absorptance"] !== undefined))
   )
     return [...say("reflectance", "R"), ...say("absorptance", "A")].join(", ");
-  if (kind === "coating") return `${listAt(table, "film").length} films`;
+  if (kind === "coating") {
+    const films = listAt(table, "film");
+    const [first] = films;
+    return films.length === 1
+      ? `${material(at(first, "material"))}, ${plain(Number(at(first, "thickness_nm")), 5)} nm`
+      : `${films.length} films`;
+  }
   if (kind === "rough") return say("alpha", "α").join("");
   if (kind === "slab" || model === "slab")
     return [...say("optical_thickness", "τ"), ...say("anisotropy", "g")].join(", ");
   if (model === "measured") return material(table["file"]);
   if (model) return [...say("haze"), ...say("width", "b"), ...say("alpha", "α")].join(", ") || model;
-  return [material(table["index"]), ...say("internal_transmittance", "T"), ...say("thickness_mm", "mm")].join(", ");
+  return [
+    material(table["index"]),
+    ...say("internal_transmittance", "T"),
+    ...(table["thickness_mm"] === undefined ? [] : [`${share(table["thickness_mm"])} mm`]),
+  ].join(", ");
 }
 
 const NAMES: Record<string, readonly [string, Look]> = {
@@ -176,6 +186,11 @@ export const MODELS: Record<string, Record<string, Table>> = {
       ],
     },
     uniform: { model: "uniform", kind: "lambertian", reflectance: { white: 0.5, black: 0.02 } },
+  },
+  layers: {
+    "k-correlation": { model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },
+    lambertian: { model: "lambertian", total_transmittance: 0.5 },
+    ward: { model: "ward", alpha: 0.1, total_transmittance: 0.9 },
   },
   environment: {
     ring: { model: "ring", theta_deg: 35, width_deg: 10 },

@@ -4,8 +4,8 @@ import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSe
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { films, layers, STARTERS } from "../model/stack.ts";
 import { draft, fields, pending, problems, selected } from "../state/design.ts";
-import { putBack, set } from "../state/live.ts";
-import { at, textAt } from "../model/json.ts";
+import { edit, putBack, set } from "../state/live.ts";
+import { at, listAt, textAt } from "../model/json.ts";
 import { StatesEditor } from "./states.tsx";
 import { PRESETS } from "../state/shelf.ts";
 
@@ -123,6 +123,32 @@ function Refusal() {
   );
 }
 
+/** A coating has films of its own, top to bottom. */
+function CoatingFields({ path }: { path: string }) {
+  const list = `${path}.film`;
+  const count = listAt(fields.value, list).length;
+  const add = () => edit([{ op: "insert", path: list, index: count, value: { material: "SiO2", thickness_nm: 90 } }]);
+  return (
+    <>
+      <Form path={path} />
+      {Array.from({ length: count }, (_, i) => (
+        <fieldset class="map" key={i}>
+          <legend>Film {i + 1}</legend>
+          <Form path={`${list}.${i}`} />
+          {count > 1 && (
+            <button type="button" onClick={() => edit([{ op: "remove", path: `${list}.${i}` }])}>
+              Remove film {i + 1}
+            </button>
+          )}
+        </fieldset>
+      ))}
+      <button type="button" onClick={add}>
+        Add a film
+      </button>
+    </>
+  );
+}
+
 function Fields({ path }: { path: string }) {
   if (path === "display.pixel.states") return <StatesEditor />;
   if (path === "display.pixel") return <Form path={path} except={["film", "states"]} />;
@@ -141,6 +167,7 @@ function Fields({ path }: { path: string }) {
       </>
     );
   if (path === "display.glass.surface") return <Field path={path} />;
+  if (Array.isArray(at(fields.value, `${path}.film`))) return <CoatingFields path={path} />;
   const gap = at(fields.value, `${path}.thickness_nm`) === "gap";
   return (
     <>

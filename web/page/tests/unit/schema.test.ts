@@ -51,7 +51,7 @@ test("keys that were given come before those with defaults, the rest is to be ad
     more: [],
   });
   assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation" }).more, ["haze", "s"]);
-  assert.deepEqual(GRAMMAR.discriminator(found.node)!.values, ["ward", "k-correlation"]);
+  assert.deepEqual(GRAMMAR.discriminator(found.node, {})!.values, ["ward", "k-correlation"]);
 });
 
 test("labels and units come from the keys", () => {
@@ -73,4 +73,23 @@ test("a slider's ends give its ends back, linear or not", () => {
     assert.ok(Math.abs(valueAt(scale, position(scale, value)) / value - 1) < 0.01);
   }
   assert.ok(span("thickness_nm", { min: 0, max: 1e6 }, 900).max >= 900);
+});
+
+test("alternatives within alternatives: a kind of layer that has several models", () => {
+  const fixed = (kind: string, model?: string) => ({
+    type: "object",
+    properties: { kind: { const: kind }, ...(model ? { model: { const: model }, [model]: { type: "number" } } : {}) },
+  });
+  const layers = new Schema({
+    type: "object",
+    properties: {
+      layer: { oneOf: [fixed("medium"), { oneOf: [fixed("diffuser", "ward"), fixed("diffuser", "lambertian")] }] },
+    },
+  });
+  const value = { kind: "diffuser", model: "lambertian" };
+  const found = layers.find("layer", { layer: value })!;
+  assert.deepEqual(layers.discriminator(found.node, value)!.values, ["ward", "lambertian"]);
+  assert.deepEqual(layers.discriminator(found.node, { kind: "medium" })!.key, "kind");
+  assert.ok(layers.find("layer.lambertian", { layer: value }));
+  assert.equal(layers.find("layer.ward", { layer: value }), null);
 });
