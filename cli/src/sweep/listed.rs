@@ -1,8 +1,8 @@
 //! The table of a sweep on the terminal.
 
+use papilio_figures::short_key;
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 
-use super::axes::short;
 use crate::report;
 
 /// More lines are not printed.
@@ -12,7 +12,7 @@ const MOST_LISTED: usize = 40;
 pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint]) -> String {
     let views: Vec<Vec<[&str; 2]>> = points.iter().map(|point| point.views()).collect();
     let several = views.iter().any(|views| views.len() > 1);
-    let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(|key| short(head, key));
+    let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(|key| short_key(head, key));
     let of_views = if several { &["theta_deg", "phi_deg"][..] } else { &[] };
     let titles = keys.chain(of_views.iter().map(|name| (*name).to_owned()));
     let mut rows: Vec<Vec<String>> = vec![titles.chain(head.figures.iter().cloned()).collect()];

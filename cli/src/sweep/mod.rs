@@ -4,9 +4,7 @@
 //! numbers do not depend on which were computed before, and a sweep that was killed and gone on with ends in the
 //! same bytes as one that was not. What is done is in the journal at once.
 
-mod axes;
 mod compute;
-mod draw;
 mod journal;
 mod listed;
 mod merge;
@@ -17,6 +15,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
+use papilio_figures::of_sweep;
 use papilio_formats::{SweepHead, SweepPoint, sweep_parquet, write_file, write_sweep_csv, write_sweep_json};
 use papilio_scenario::Sweep;
 
@@ -80,7 +79,15 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], wanted: Wante
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
-        names.extend(draw::figures(folder, head, points, wanted.png)?);
+        for (name, svg) in of_sweep(head, points) {
+            if wanted.png {
+                names.extend(output::write_figure(folder, &name, &svg)?);
+            } else {
+                let name = format!("{name}.svg");
+                write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
+                names.push(name);
+            }
+        }
         Ok(names)
     })?;
     let mut stdout = anstream::stdout().lock();

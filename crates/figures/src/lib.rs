@@ -20,6 +20,7 @@
 //! | [`lobes`] | the same of every part of a measurement |
 //! | [`chart`] | plain curves in a panel |
 //! | [`accuracy`] | errors of solvers against their cost |
+//! | [`of_sweep`] | all that `papilio sweep` draws |
 //! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
 //! | [`point_sets`] | where points lie in the unit square |
 //!
@@ -85,4 +86,4 @@ pub use point_sets::point_sets;
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;
-pub use sweep::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
+pub use sweep::{SweepAxis, SweepFigure, of_sweep, short_key, sweep_curves, sweep_map};

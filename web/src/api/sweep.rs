@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::drawn::Figure;
 use super::events::{self, Events, Teller};
 use crate::fault::{Fault, FaultBody};
 use crate::reading::{By, Given, check_work};
@@ -50,6 +51,8 @@ pub(super) struct Point {
 pub(super) struct SweepDone {
     /// `sweep.csv`.
     csv: String,
+    /// What `papilio sweep` draws of `sweep.figures`.
+    figures: Vec<Figure>,
     /// Warnings of the points, each once.
     warnings: Vec<String>,
 }
@@ -100,7 +103,10 @@ fn run(site: &Site, sweep: &Sweep, teller: &Teller) -> Result<SweepEvent, Fault>
     let mut warnings: Vec<String> = points.iter().flat_map(|point| point.warnings.clone()).collect();
     warnings.sort_unstable();
     warnings.dedup();
-    Ok(SweepEvent::Done(SweepDone { csv: String::from_utf8_lossy(&csv).into_owned(), warnings }))
+    let csv = String::from_utf8_lossy(&csv).into_owned();
+    let figures = papilio_figures::of_sweep(&head, &all);
+    let figures = figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect();
+    Ok(SweepEvent::Done(SweepDone { csv, figures, warnings }))
 }
 
 fn told(head: &SweepHead, index: usize, point: &SweepPoint) -> Point {

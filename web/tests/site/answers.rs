@@ -220,6 +220,7 @@ fn a_sweep_tells_each_point() {
     let answer = server.post("/sweep", &json!({ "scenario": indoor(&server) + sweep }));
     let (before, name, done) = events(&answer.body);
     assert_eq!((before, name.as_str()), (3, "done"), "{done}");
+    assert_eq!(done["figures"][0]["name"], "sweep_contrast_ratio");
     assert_eq!(done["csv"].as_str().unwrap().lines().count(), 1 + 3 * 8);
 }
 

@@ -1,6 +1,11 @@
 //! A metric over one or two swept keys: curves, and a map.
 
+mod axes;
+mod of_sweep;
 mod scale;
+
+pub use axes::short_key;
+pub use of_sweep::of_sweep;
 
 use self::scale::{Cells, Side};
 use crate::axis::{Axis, range};

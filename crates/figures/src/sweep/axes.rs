@@ -1,7 +1,8 @@
 //! What a sweep's numbers run over: its views, if there are several, then its axes.
 
-use papilio_figures::SweepAxis;
 use papilio_formats::{SweepHead, SweepHeadAxis, SweepPoint, sweep_value};
+
+use super::SweepAxis;
 
 /// The views that all points have; none, if they differ.
 pub(super) fn common_views<'a>(points: &[&'a SweepPoint]) -> Vec<[&'a str; 2]> {
@@ -28,7 +29,7 @@ pub(super) fn of_axis(head: &SweepHead, axis: &SweepHeadAxis) -> SweepAxis {
     };
     let changes = |key: &usize| text(*key).windows(2).any(|pair| pair[0] != pair[1]);
     let leading = (0..axis.keys.len()).find(changes).unwrap_or(0);
-    let names: Vec<String> = axis.keys.iter().map(|key| short(head, key)).collect();
+    let names: Vec<String> = axis.keys.iter().map(|key| short_key(head, key)).collect();
     let others: Vec<&str> =
         names.iter().enumerate().filter(|(k, _)| *k != leading).map(|(_, name)| name.as_str()).collect();
     let with = if others.is_empty() { String::new() } else { format!(" (with {})", others.join(", ")) };
@@ -39,7 +40,7 @@ pub(super) fn of_axis(head: &SweepHead, axis: &SweepHeadAxis) -> SweepAxis {
 }
 
 /// The end of a path that no other swept path ends in: `haze` for `display.diffuser.haze`.
-pub(super) fn short(head: &SweepHead, key: &str) -> String {
+pub fn short_key(head: &SweepHead, key: &str) -> String {
     let all = || head.axes.iter().flat_map(|axis| &axis.keys).filter(|other| *other != key);
     let starts = key.match_indices('.').map(|(at, _)| at + 1).rev().chain([0]);
     let is_clear = |end: &&str| {
@@ -83,7 +84,7 @@ mod tests {
         let axis = |key: &str| SweepHeadAxis { keys: vec![key.to_owned()], values: vec![] };
         let keys = ["display.diffuser.haze", "viewer.theta_deg", "lighting.directed.0.theta_deg"];
         let head = head(keys.iter().map(|key| axis(key)).collect());
-        let short = keys.map(|key| super::short(&head, key));
+        let short = keys.map(|key| super::short_key(&head, key));
         assert_eq!(short, ["haze", "viewer.theta_deg", "directed.0.theta_deg"]);
     }
 }

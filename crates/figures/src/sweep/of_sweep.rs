@@ -1,12 +1,9 @@
 //! Figures of a sweep: each metric over the last axis, a curve for each value of the one before; and as a map.
 
-use std::path::Path;
-
-use papilio_figures::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
-use papilio_formats::{SweepHead, SweepPoint, write_file};
+use papilio_formats::{SweepHead, SweepPoint};
 
 use super::axes::{common_views, of_axis, of_views};
-use crate::{Failure, output};
+use super::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
 
 /// More curves cannot be told apart.
 const MOST_CURVES: usize = 8;
@@ -14,36 +11,22 @@ const MOST_CURVES: usize = 8;
 /// A map of fewer values than this each way says less than its curves.
 const FEWEST_ROWS: usize = 3;
 
-/// Writes the figures of a finished sweep, and returns their names. Of more than two axes, the others are at their
-/// first value, and the figure says so. Several views are an axis before all others.
-pub(super) fn figures(
-    folder: &Path,
-    head: &SweepHead,
-    points: &[&SweepPoint],
-    png: bool,
-) -> Result<Vec<String>, Failure> {
-    let mut names = Vec::new();
+/// What `papilio sweep` draws: names of files, without their ends, and SVG texts. Of more than two axes, the others are
+/// at their first value, and the figure says so. Several views are an axis before all others.
+pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, String)> {
+    let mut drawn = Vec::new();
     for metric in &head.figures {
         let Some((figure, title)) = figure(head, points, metric) else { continue };
         let (curves, columns) = (figure.y.as_ref().map_or(1, |y| y.values.len()), figure.x.values.len());
-        let mut drawn = Vec::new();
-        if curves <= MOST_CURVES {
+        let few = curves <= MOST_CURVES;
+        if few {
             drawn.push((format!("sweep_{metric}"), sweep_curves(&figure, &title)));
         }
-        if drawn.is_empty() || (curves >= FEWEST_ROWS && columns >= FEWEST_ROWS) {
+        if !few || (curves >= FEWEST_ROWS && columns >= FEWEST_ROWS) {
             drawn.extend(sweep_map(&figure, &title).map(|svg| (format!("sweep_{metric}_map"), svg)));
         }
-        for (name, svg) in drawn {
-            if png {
-                names.extend(output::write_figure(folder, &name, &svg)?);
-            } else {
-                let name = format!("{name}.svg");
-                write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
-                names.push(name);
-            }
-        }
     }
-    Ok(names)
+    drawn
 }
 
 /// A metric over the last two axes (of which the views are the first, if there are several), and what stands above
