@@ -61,13 +61,16 @@ fn mirrored(room: &RoomLight) -> &[[f64; 2]] {
 /// The sources and their lux.
 fn list(svg: &mut Svg, room: &RoomLight) {
     let diffuse = (room.diffuse_lx > 0.0).then(|| ("diffuse".to_owned(), room.diffuse_lx));
-    let directed = room.directed.iter().enumerate().map(|(i, lamp)| {
+    // Luminaires and suns of skies are among these: the scenario numbers them otherwise.
+    let directed = room.directed.iter().map(|lamp| {
         let azimuth =
             if lamp.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(lamp.phi_deg)) };
-        (format!("directed {i} at {}{azimuth}", degrees(lamp.theta_deg)), lamp.illuminance_lx)
+        (format!("directed, from {}{azimuth}", degrees(lamp.theta_deg)), lamp.illuminance_lx)
     });
-    let environments =
-        room.environment_lx.iter().enumerate().map(|(i, lux)| (format!("environment {i}"), *lux));
+    let of = room.environment_lx.len();
+    let name =
+        |i: usize| if of == 1 { "environment".to_owned() } else { format!("environment {} of {of}", i + 1) };
+    let environments = room.environment_lx.iter().enumerate().map(|(i, lux)| (name(i), *lux));
     let mut rows: Vec<(String, f64)> = diffuse.into_iter().chain(directed).chain(environments).collect();
     let all: f64 = rows.iter().map(|(_, lux)| lux).sum();
     if rows.len() > LISTED {

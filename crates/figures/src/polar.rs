@@ -166,7 +166,7 @@ impl<'a> Directions<'a> {
     fn ring_names(&self, svg: &mut Svg, map: &Map<'_>) {
         for ring in self.rings() {
             let (x, y) = self.at(map, ring, RING_NAMES_DEG);
-            let style = Text::new(9.0, "#555555").anchor(Anchor::Middle).halo();
+            let style = Text::new(10.0, "#333333").anchor(Anchor::Middle).halo();
             svg.text((x, y + 3.0), &degrees(ring), style);
         }
     }

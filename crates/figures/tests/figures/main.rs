@@ -464,7 +464,7 @@ fn the_light_is_a_page_whatever_it_is() {
             "Light from each direction",
             "250 lx",
             "33.3 lx",
-            "directed 0 at -30\u{b0}, azimuth 10\u{b0}",
+            "directed, from -30\u{b0}, azimuth 10\u{b0}",
             "403 lx",
             "what a mirror",
         ],
