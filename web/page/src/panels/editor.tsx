@@ -91,11 +91,23 @@ export function Toolbar() {
         ]}
         add={addLight}
       />
-      <button type="button" disabled={!canMove(-1)} onClick={() => moveSelected(-1)} title="Up (Alt + arrow up)">
-        Up
+      <button
+        type="button"
+        disabled={!canMove(-1)}
+        onClick={() => moveSelected(-1)}
+        aria-label="Up"
+        title="Up (Alt + arrow up)"
+      >
+        ↑
       </button>
-      <button type="button" disabled={!canMove(1)} onClick={() => moveSelected(1)} title="Down (Alt + arrow down)">
-        Down
+      <button
+        type="button"
+        disabled={!canMove(1)}
+        onClick={() => moveSelected(1)}
+        aria-label="Down"
+        title="Down (Alt + arrow down)"
+      >
+        ↓
       </button>
       <button type="button" disabled={!canRemove()} onClick={removeSelected} title="Remove (Delete)">
         Remove
