@@ -113,13 +113,11 @@ async function once(): Promise<void> {
     });
   } catch (why) {
     if (abort.signal.aborted) return;
-    if (why instanceof api.Refused) {
-      if (why.status === BUSY) dirty = await pause();
-      else if (await sendAgain(why)) dirty = true;
-      else if (dropRefused(sent)) dirty = true;
-      else problems.value = why.problems;
-      refused = dirty ? [] : sent;
-    } else throw why;
+    const refusal = why instanceof api.Refused ? why : new api.Refused(0, [{ message: String(why) }]);
+    if (refusal.status === BUSY) dirty = await pause();
+    else if ((await sendAgain(refusal)) || dropRefused(sent)) dirty = true;
+    else problems.value = refusal.problems;
+    refused = dirty ? [] : sent;
   } finally {
     clearTimeout(slow);
     clearTimeout(impatient);
