@@ -34,7 +34,7 @@
 //! of them. Text names generic fonts only, and nothing is measured with a font. [`png`] makes
 //! a picture of any of them.
 //!
-//! **Out of scope.** Files and names of files.
+//! **Out of scope.** Files; names are proposed for those that a program writes.
 
 mod accuracy;
 mod angle;
