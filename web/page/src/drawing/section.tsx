@@ -266,7 +266,8 @@ export function Section() {
   const height = bottom + pixelHeight() + 6;
   useEffect(() => {
     const known = svg.current?.querySelector(`[data-part="${CSS.escape(selected.value)}"]`);
-    if (!known && selected.value.startsWith("display.")) selected.value = stack[0]?.path ?? "display.pixel";
+    if (!known && selected.value.startsWith("display.") && selected.value !== "display.pixel.states")
+      selected.value = stack[0]?.path ?? "display.pixel";
   });
   return (
     <div class="drawing">

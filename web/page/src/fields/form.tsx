@@ -151,6 +151,7 @@ function start(path: string): Json {
   if (found?.def === "LightSpectrum") return "D65";
   if (found?.def === "FrontLight") return { illuminance_lx: 100 };
   if (node.type === "object") return {};
+  if (path.endsWith("reference_state")) return "white";
   if (node.type === "string") return "";
   const { min, max } = {
     min: node.minimum ?? node.exclusiveMinimum ?? 0,
