@@ -15,6 +15,7 @@ import { recall, recallDesign, remember, rememberDesign } from "./state/keep.ts"
 import { unpacked } from "./state/link.ts";
 import { replace } from "./state/live.ts";
 import { pinned, repin } from "./state/pin.ts";
+import { said } from "./state/said.ts";
 import { fillShelf } from "./state/shelf.ts";
 import { followTheme } from "./state/theme.ts";
 import { history as steps } from "./state/undo.ts";
@@ -37,9 +38,15 @@ function takeToken(): void {
 /** The name of the scenario that `papilio serve FILE` was last started with. */
 const STARTED = "papilio.started";
 
+/** What is said of a link that holds no scenario any more. */
+function damaged(): null {
+  said.value = "This link is damaged: it holds no whole scenario. What was open before is shown instead.";
+  return null;
+}
+
 /** A link's scenario; or that of the command line, where it is a new one; or that of the last visit. */
 async function firstText(): Promise<string> {
-  const linked = await unpacked(location.hash).catch(() => null);
+  const linked = await unpacked(location.hash).catch(damaged);
   if (linked !== null) return linked;
   const kept = recallDesign()?.text;
   const started = await api.get<Start>("start");
@@ -77,7 +84,10 @@ async function start(): Promise<void> {
   if (before) void repin(before);
   addEventListener(
     "hashchange",
-    () => void unpacked(location.hash).then((linked) => linked !== null && replace(linked)),
+    () =>
+      void unpacked(location.hash)
+        .catch(damaged)
+        .then((linked) => linked !== null && replace(linked)),
   );
   effect(() => {
     if (text.value)

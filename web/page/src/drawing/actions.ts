@@ -22,7 +22,7 @@ export function addLayer(kind: string): void {
   const free = listAt(all, "display.layers");
   const here = entry(selected.value);
   if (free.length > 0) {
-    const index = here?.list === "display.layers" ? here.index + 1 : 0;
+    const index = placeFor(kind, free as Table[], here?.list === "display.layers" ? here.index + 1 : free.length);
     edit([{ op: "insert", path: "display.layers", index, value: starter }]);
     selected.value = `display.layers.${index}`;
   } else if (kind === "sheet") {
@@ -35,10 +35,20 @@ export function addLayer(kind: string): void {
     selected.value = "display.diffuser";
   } else {
     const guides = at(all, "lighting.front_light") === undefined ? 0 : 1;
-    const place = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
-    edit(freeing(freed(all), Math.max(0, place), starter));
-    selected.value = `display.layers.${Math.max(0, place)}`;
+    const under = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
+    const list = freed(all);
+    const place = placeFor(kind, list, under > 0 ? under : list.length);
+    edit(freeing(list, place, starter));
+    selected.value = `display.layers.${place}`;
   }
+}
+
+const MEDIA = ["medium", "slab"];
+
+/** Where a new layer goes: a face parts two media, so it stays above the last of them. */
+function placeFor(kind: string, list: readonly Table[], wanted: number): number {
+  const last = list.findLastIndex((layer) => MEDIA.includes(String(layer["kind"])));
+  return MEDIA.includes(kind) || kind === "air gap" || last < 0 ? wanted : Math.min(wanted, last);
 }
 
 /** The edits that state the panel as free layers, with one more. */

@@ -1,15 +1,16 @@
 // The display cut open: the room above it, then its layers from the front of screen down to the pixel's
 // mirror, not to scale. Every layer is a button; what is chosen is edited beside the drawing.
 
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { NONE, plain } from "../model/format.ts";
 import { at, join, listAt, textAt, type Json } from "../model/json.ts";
 import { drives, gaps, subPixels } from "../model/drive.ts";
 import { films, layers, material, type Film, type Layer, type Look } from "../model/stack.ts";
-import { answer, fields, selected, shownState, states } from "../state/design.ts";
-import { isLight, painted } from "../model/colour.ts";
+import { coloursOf } from "../plots/patches.tsx";
+import { fields, result, selected, shownState, view } from "../state/design.ts";
+import { isLight } from "../model/colour.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
 import { Above } from "./above.tsx";
 import { CENTRE, Dome } from "./dome.tsx";
@@ -37,8 +38,8 @@ function Part({ path, children, y }: { path: string; children: preact.ComponentC
   const press = (event: KeyboardEvent) => {
     if (event.key === "Enter" || event.key === " ") selected.value = path;
     else if (event.key === "Delete" || event.key === "Backspace") removeSelected();
-    else if (event.altKey && event.key === "ArrowUp") moveSelected(-1);
-    else if (event.altKey && event.key === "ArrowDown") moveSelected(1);
+    else if (event.altKey && event.key === "ArrowUp") moveWithFocus(-1);
+    else if (event.altKey && event.key === "ArrowDown") moveWithFocus(1);
     else if (event.key === "ArrowUp" || event.key === "ArrowDown")
       neighbour(event.currentTarget as Element, event.key === "ArrowUp" ? -1 : 1);
     else return;
@@ -57,6 +58,14 @@ function Part({ path, children, y }: { path: string; children: preact.ComponentC
     >
       {children}
     </g>
+  );
+}
+
+/** A layer that is moved takes the focus along. */
+function moveWithFocus(by: number): void {
+  moveSelected(by);
+  requestAnimationFrame(() =>
+    document.querySelector<SVGElement>(`[data-part="${CSS.escape(selected.value)}"]`)?.focus(),
   );
 }
 
@@ -170,12 +179,8 @@ function Gaps({ y, film }: { y: number; film: Film }) {
 const DARK = "#15171c";
 
 /** The colour that the display shows in the state of a sub-pixel's name, for its cavity. */
-function stateColour(name: string): string {
-  const found = states.value.find(([state]) => state === name)?.[1];
-  const light = answer.value?.result.illuminant;
-  if (!found || !light) return "#8899aa";
-  return painted([[found.X, found.Y, found.Z]], [light.x, light.y]).colours[0]!;
-}
+const colours = computed(() => coloursOf(result.value, view.value).colours);
+const stateColour = (name: string): string => colours.value.get(name) ?? "#8899aa";
 
 function PixelParts({ top }: { top: number }) {
   const all = fields.value;
@@ -265,6 +270,8 @@ export function Section() {
   const bottom = top + stack.reduce((sum, layer) => sum + HEIGHTS[layer.look] + 1, 0);
   const height = bottom + pixelHeight() + 6;
   useEffect(() => {
+    if (/^lighting\.\w+/.test(selected.value) && at(fields.value, selected.value) === undefined)
+      selected.value = "lighting";
     const known = svg.current?.querySelector(`[data-part="${CSS.escape(selected.value)}"]`);
     if (!known && selected.value.startsWith("display.") && selected.value !== "display.pixel.states")
       selected.value = stack[0]?.path ?? "display.pixel";

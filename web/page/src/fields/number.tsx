@@ -37,6 +37,14 @@ const STEPS = 1000;
 export function NumberField(props: Props) {
   const { id, name, of, unit, value, limits, invalid, describedBy, change } = props;
   const typed = useSignal<string | null>(null);
+  const before = useRef(value);
+  if (before.current !== value) {
+    // A value that comes from elsewhere takes the place of what was typed.
+    before.current = value;
+    if (typed.value !== null && Number(typed.value.replace(",", ".")) !== value) typed.value = null;
+  }
+  const bad =
+    typed.value !== null && typed.value.trim() !== "" && !Number.isFinite(Number(typed.value.replace(",", ".")));
   const scale = useSpan(of, limits, value ?? Math.max(0, limits.min));
   const shown = typed.value ?? (value === undefined ? "" : plain(value, 10).replace("−", "-"));
   const take = (text: string) => {
@@ -79,7 +87,7 @@ export function NumberField(props: Props) {
           spellcheck={false}
           value={shown}
           placeholder={props.placeholder ?? ""}
-          aria-invalid={invalid}
+          aria-invalid={invalid || bad}
           aria-describedby={describedBy}
           onInput={(event) => take(event.currentTarget.value)}
           onKeyDown={nudge}
@@ -87,6 +95,13 @@ export function NumberField(props: Props) {
         />
         {unit && <span class="unit">{unit}</span>}
       </span>
+      {bad && (
+        <p class="error" role="alert">
+          {typed.value} is not a number. Expected one
+          {Number.isFinite(limits.max - limits.min) && ` from ${plain(limits.min)} to ${plain(limits.max)}`}
+          {unit && ` (${unit})`}, without its unit
+        </p>
+      )}
     </div>
   );
 }

@@ -53,15 +53,20 @@ export const hex = (linear: Triple): string =>
     )
     .join("");
 
-/** Colours of some states in one light, and by what they were dimmed (1: not). */
+/**
+ * Colours of some states in one light, and by what they were dimmed (1: not). A screen that is lit by its own
+ * light alone is seen against its own white, of luminance `own`.
+ */
 export function painted(
   states: readonly Triple[],
   white: readonly [number, number],
+  own: number | null = null,
 ): { colours: string[]; divisor: number } {
   const channels = states.map((xyz) => linearSrgb(adapted(xyz, white)));
   const brightest = Math.max(0, ...channels.flat().filter(Number.isFinite));
-  const divisor = brightest > CLIPPED ? brightest : 1;
-  return { colours: channels.map((c) => hex(c.map((part) => part / divisor) as unknown as Triple)), divisor };
+  const divisor = own === null && brightest > CLIPPED ? brightest : 1;
+  const scale = own ?? divisor;
+  return { colours: channels.map((c) => hex(c.map((part) => part / scale) as unknown as Triple)), divisor };
 }
 
 /** Whether dark letters are read on a colour better than light ones. */

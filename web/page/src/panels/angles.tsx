@@ -64,7 +64,7 @@ export function AnglesPanel() {
   const x = now.value?.theta_deg ?? [];
   const own = curvesOf(now.value, metric.value);
   const kept = before.value && before.value.theta_deg.length === x.length ? curvesOf(before.value, metric.value) : [];
-  const dashed = kept.map((curve) => ({ ...curve, name: `${curve.name}, pinned`, width: 1, dash: [2, 3] }));
+  const dashed = kept.map((curve) => ({ ...curve, name: `${curve.name}, pinned`, width: 1, dash: [12, 3, 3, 3] }));
   const at = under.value;
   const theta = at === null ? undefined : x[at];
   return (

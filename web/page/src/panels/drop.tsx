@@ -9,9 +9,10 @@ const LONGEST = 256 * 1024;
 
 export async function take(given: readonly File[]): Promise<void> {
   for (const file of given) {
-    if (file.name.endsWith(".toml") && file.size <= LONGEST) replace(await file.text());
+    if (file.name.endsWith(".toml") && file.size <= LONGEST) replace(await file.text(), "", file.name);
     else {
       openTab.value = "files";
+      requestAnimationFrame(() => document.getElementById("tab-files")?.scrollIntoView({ block: "start" }));
       await add(file.name, file);
     }
   }

@@ -3,10 +3,11 @@
 import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { films, layers, STARTERS } from "../model/stack.ts";
-import { draft, fields, pending, problems, selected } from "../state/design.ts";
-import { edit, putBack, set } from "../state/live.ts";
+import { draft, draftName, fields, pending, problems, selected, text } from "../state/design.ts";
+import { edit, putBack } from "../state/live.ts";
 import { at, listAt, textAt } from "../model/json.ts";
 import { StatesEditor } from "./states.tsx";
+import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
 
 /** What a path is called. */
@@ -29,8 +30,29 @@ function nameOf(path: string): string {
 
 const CHIPS = ["display.pixel", "display.pixel.states", "lighting", "viewer", "computing"];
 
+/** What layers are called in words. */
+const LAYER_NAMES: Record<string, string> = {
+  sheet: "front sheet",
+  medium: "clear medium",
+  coating: "coating of films",
+  rough: "rough face",
+  slab: "particles",
+  coated: "coated face",
+  fresnel: "bare face",
+};
+
 /** A menu of things to add; it shows its own name. */
-function Add({ name, options, add }: { name: string; options: readonly string[]; add: (what: string) => void }) {
+function Add({
+  name,
+  options,
+  names = {},
+  add,
+}: {
+  name: string;
+  options: readonly string[];
+  names?: Record<string, string>;
+  add: (what: string) => void;
+}) {
   return (
     <select
       class="add"
@@ -44,22 +66,36 @@ function Add({ name, options, add }: { name: string; options: readonly string[];
       <option value="">{name}</option>
       {options.map((option) => (
         <option key={option} value={option}>
-          {option}
+          {names[option] ?? option}
         </option>
       ))}
     </select>
   );
 }
 
-/** A room or a standard's geometry, which fills lighting and viewer. */
+/**
+ * The light and the viewer of a room or of a standard's geometry. The viewer's own direction gives way to the
+ * preset's; a front light is part of the display and stays.
+ */
+function enter(room: string): void {
+  const guide = at(fields.value, "lighting.front_light");
+  edit([
+    { op: "set", path: "lighting", value: { preset: room, ...(guide === undefined ? {} : { front_light: guide }) } },
+    { op: "remove", path: "viewer.theta_deg" },
+    { op: "remove", path: "viewer.phi_deg" },
+  ]);
+  said.value = `${room}: light and viewer are the preset's${guide === undefined ? "" : "; the front light stays"}.`;
+}
+
+/** A room or a standard's geometry, which fills lighting and viewer; the one in use is shown. */
 export function Room() {
-  const now = textAt(fields.value, "lighting.preset") ?? "";
+  const now = /^\s*preset\s*=\s*"([^"]+)"/m.exec(text.value)?.[1] ?? "";
   return (
     <select
       class="room"
       aria-label="Room preset"
       value={now}
-      onChange={(event) => event.currentTarget.value && set("lighting", { preset: event.currentTarget.value }, "")}
+      onChange={(event) => event.currentTarget.value && enter(event.currentTarget.value)}
     >
       <option value="">Room or standard</option>
       {PRESETS.value.map(({ name, summary }) => (
@@ -78,6 +114,7 @@ export function Toolbar() {
       <Add
         name="Add layer"
         options={[...Object.keys(STARTERS), ...(film ? ["film of the pixel"] : [])]}
+        names={LAYER_NAMES}
         add={(what) => (what === "film of the pixel" ? addFilm() : addLayer(what))}
       />
       <Add
@@ -123,7 +160,14 @@ function Refusal() {
   return (
     <div class="refusal">
       <p>
-        <b>{waiting > 0 ? "Not applied yet." : "Not computed."}</b> The picture shows the last design that computes.
+        <b>
+          {draft.value !== null && draftName.value
+            ? `${draftName.value} does not compute.`
+            : waiting > 0
+              ? "Not applied yet."
+              : "Not computed."}
+        </b>{" "}
+        The picture shows the last design that computes.
       </p>
       <Elsewhere />
       {waiting > 0 && (

@@ -2,7 +2,10 @@
 
 import { useRef } from "preact/hooks";
 
+import type { Edit } from "../api/types.ts";
+import { textAt } from "../model/json.ts";
 import { Drawn } from "../plots/figure.tsx";
+import { fields } from "../state/design.ts";
 import { files, forget, type Dropped } from "../state/files.ts";
 import { edit } from "../state/live.ts";
 import { take } from "./drop.tsx";
@@ -18,6 +21,15 @@ const KINDS: Record<string, string> = {
   profile: "profile of light",
   panel: "measured panel",
 };
+
+/** Why a use is of no use to the design on the bench, or "". */
+function idle(edits: readonly Edit[]): string {
+  const colours = edits.some(({ path }) => path.startsWith("display.diffuser.transmission"));
+  const brings = edits.some(({ path }) => path === "display.diffuser");
+  return colours && !brings && textAt(fields.value, "display.diffuser.model") !== "measured"
+    ? "only a measured diffuser has a transmission spectrum of its own"
+    : "";
+}
 
 function size(bytes: number): string {
   return bytes < 1e5 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
@@ -43,8 +55,16 @@ function File({ file }: { file: Dropped }) {
         <>
           <p class="uses">
             {audit.edits.map(({ label, edits }) => (
-              <button type="button" key={label} class="run" onClick={() => edit(edits)}>
+              <button
+                type="button"
+                key={label}
+                class="run"
+                disabled={idle(edits) !== ""}
+                title={idle(edits)}
+                onClick={() => edit(edits)}
+              >
                 {label}
+                {idle(edits) && `: ${idle(edits)}`}
               </button>
             ))}
           </p>

@@ -12,6 +12,7 @@ import { said } from "../state/said.ts";
 import { EXAMPLES } from "../state/shelf.ts";
 import { openTab } from "../state/tab.ts";
 import { theme, type Theme } from "../state/theme.ts";
+import { run, walk } from "../state/walk.ts";
 import { canRedo, canUndo, redone, undone } from "../state/undo.ts";
 import { at } from "../model/json.ts";
 import { save } from "./save.ts";
@@ -30,16 +31,30 @@ export const fileName = (): string =>
     .replace(/[^a-z0-9]+/g, "-")
     .replace(/^-|-$/g, "") || "scenario";
 
+/** The user's own files that the scenario names, as a half sentence. */
+function without(): string {
+  const left = Object.keys(fileIds.value).filter((name) => text.value.includes(JSON.stringify(name)));
+  return left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
+}
+
+function saveText(): void {
+  save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }));
+  if (without()) said.value = `The scenario is saved${without()}. Keep them beside it.`;
+}
+
+function runWalk(): void {
+  openTab.value = "walk";
+  if (walk.phase.value !== "running") void run();
+}
+
 async function copyLink(): Promise<void> {
   const fragment = await packed(text.value);
   history.replaceState(null, "", `#${fragment}`);
-  const left = Object.keys(fileIds.value).filter((name) => text.value.includes(JSON.stringify(name)));
-  const without = left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
   try {
     await navigator.clipboard.writeText(location.href);
-    said.value = `The link is copied; it holds the whole scenario${without}.`;
+    said.value = `The link is copied; it holds the whole scenario${without()}.`;
   } catch {
-    said.value = `The address now holds the whole scenario${without}.`;
+    said.value = `The address now holds the whole scenario${without()}.`;
   }
 }
 
@@ -137,10 +152,7 @@ export function Header() {
           aria-hidden="true"
           onChange={(event) => void take([...(event.currentTarget.files ?? [])])}
         />
-        <button
-          type="button"
-          onClick={() => save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }))}
-        >
+        <button type="button" onClick={saveText}>
           Save
         </button>
         <select
@@ -165,7 +177,7 @@ export function Header() {
         <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : pin())}>
           {pinned.value ? "Unpin" : "Pin"}
         </button>
-        <button type="button" class="run" onClick={() => (openTab.value = "walk")}>
+        <button type="button" class="run" onClick={runWalk}>
           Run
         </button>
         <select

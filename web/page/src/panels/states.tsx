@@ -7,7 +7,7 @@ import { Choice } from "../fields/choice.tsx";
 import { NumberField } from "../fields/number.tsx";
 import { drives, isDefaultState, subPixels, type Drive } from "../model/drive.ts";
 import { at, join, numberAt, textAt } from "../model/json.ts";
-import { fields, shownState, states } from "../state/design.ts";
+import { fields, showState, shownState, states } from "../state/design.ts";
 import { edit, set } from "../state/live.ts";
 
 function drive(state: string, sub: string, to: Drive): void {
@@ -56,7 +56,7 @@ function NewState() {
     const first = subPixels(fields.value)[0];
     if (!called || called.includes(".") || !first) return;
     edit([{ op: "set", path: join("display.pixel.states", called), value: { [first]: 0.5 } }]);
-    shownState.value = called;
+    showState(called);
     name.value = "";
   };
   return (
@@ -91,7 +91,7 @@ export function StatesEditor() {
           id="f-state"
           value={state}
           options={states.value.map(([name]) => name)}
-          change={(name) => (shownState.value = name)}
+          change={(name) => showState(name)}
         />
         <p class="help" id="f-state-help">
           Share of each sub-pixel's area at its own colour, the rest dark; or an analogue gap.{" "}

@@ -4,6 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 
+import { plain } from "../model/format.ts";
 import { dark } from "../state/theme.ts";
 
 export interface Curve {
@@ -50,6 +51,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     font: FONT,
     labelFont: FONT,
     label,
+    values: (_, splits) => splits.map((split) => (split === null ? "" : plain(split, 4))),
     labelSize: 18,
     labelGap: 2,
   });

@@ -10,5 +10,9 @@ export function Drawn({ svg, label }: { svg: string; label: string }) {
     address.value = url;
     return () => URL.revokeObjectURL(url);
   }, [svg]);
-  return address.value ? <img class="drawn" src={address.value} alt={label} /> : null;
+  return address.value ? (
+    <div class="drawn-box" tabindex={0} role="region" aria-label={label}>
+      <img class="drawn" src={address.value} alt={label} />
+    </div>
+  ) : null;
 }

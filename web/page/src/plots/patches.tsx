@@ -6,18 +6,29 @@ import { useComputed } from "@preact/signals";
 import type { StateResult, View, Result } from "../api/types.ts";
 import { isLight, painted } from "../model/colour.ts";
 import { fixed, withError } from "../model/format.ts";
-import { result, selected, shownState, states, view } from "../state/design.ts";
+import { result, selected, showState, shownState, states, view } from "../state/design.ts";
 import { pinned, pinnedView } from "../state/pin.ts";
 
 /** Colours of a view's states by name, and by what they were dimmed. */
 export function coloursOf(result: Result | null, view: View | null): { colours: Map<string, string>; divisor: number } {
   if (!result || !view) return { colours: new Map(), divisor: 1 };
   const all = Object.entries(view.states);
+  const { white, own } = seenAgainst(result, view);
   const { colours, divisor } = painted(
     all.map(([, s]) => [s.X, s.Y, s.Z] as const),
-    [result.illuminant.x, result.illuminant.y],
+    white,
+    own,
   );
   return { colours: new Map(all.map(([name], i) => [name, colours[i]!])), divisor };
+}
+
+/** The white that a reader is adapted to: the room's, or, in a dark room, the screen's own. */
+export function seenAgainst(result: Result, view: View): { white: readonly [number, number]; own: number | null } {
+  const white = view.states["white"];
+  if (!white || white.reflectance_factor || !(white.Y > 0))
+    return { white: [result.illuminant.x, result.illuminant.y], own: null };
+  const sum = white.X + white.Y + white.Z;
+  return { white: [white.X / sum, white.Y / sum], own: white.Y };
 }
 
 export const useColours = () => useComputed(() => coloursOf(result.value, view.value));
@@ -35,7 +46,7 @@ function Patch({
 }) {
   const chosen = shownState.value === name;
   const choose = () => {
-    shownState.value = name;
+    showState(name);
     if (chosen) selected.value = "display.pixel.states";
   };
   return (

@@ -49,7 +49,7 @@ export function Spectra() {
               name: "pinned",
               values: spectrum(kept, shownState.value),
               colour: dark.value ? "#ffffff" : "#000000",
-              dash: [2, 4],
+              dash: [12, 3, 3, 3],
               width: 1.4,
             },
           ]

@@ -15,6 +15,8 @@ import { edited } from "./edits.ts";
 export const text = signal("");
 /** A whole text that waits to take its place: opened, undone, typed. */
 export const draft = signal<string | null>(null);
+/** The file that the draft came from, or "". */
+export const draftName = signal("");
 /** Edits that are not in the text yet. */
 export const pending = signal<readonly Edit[]>([]);
 /** The latest answer of the server. */
@@ -34,8 +36,6 @@ export const title = computed(() => textAt(fields.value, "title") ?? "Untitled")
 
 /** What is selected in the drawing, by its path; "viewer" and "lighting" among them. */
 export const selected = signal("display.diffuser");
-/** The state in which the pixel is drawn. */
-export const shownState = signal("white");
 /** The view that is shown, where there are several. */
 const wantedView = signal(0);
 export const viewIndex = computed(() => Math.min(wantedView.value, (result.value?.views.length ?? 1) - 1));
@@ -44,6 +44,14 @@ export const view = computed(() => result.value?.views[viewIndex.value] ?? null)
 
 /** The states of the view that is shown, in the order of the result. */
 export const states = computed(() => Object.entries(view.value?.states ?? {}));
+
+const wantedState = signal("white");
+export const showState = (name: string): void => void (wantedState.value = name);
+/** The state in which the pixel is drawn: the one that was chosen, as long as there is one of that name. */
+export const shownState = computed(() => {
+  const names = states.value.map(([name]) => name);
+  return [wantedState.value, "white"].find((name) => names.includes(name)) ?? names[0] ?? wantedState.value;
+});
 
 /** Problems that concern a key or what is below it. */
 export function problemsAt(path: string): readonly Problem[] {

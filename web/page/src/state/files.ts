@@ -5,6 +5,7 @@ import { computed, signal } from "@preact/signals";
 
 import { Refused, upload } from "../api/client.ts";
 import type { Problem, Upload } from "../api/types.ts";
+import { said } from "./said.ts";
 import { dropFile, keepFile, keptFile, keptNames } from "./keep.ts";
 
 /** What the server takes at most, bytes. */
@@ -29,7 +30,8 @@ export const fileIds = computed(() => {
 
 function put(file: Dropped): void {
   const others = files.value.filter(({ name }) => name !== file.name);
-  files.value = [...others, file];
+  files.value = [file, ...others];
+  if (file.problems.length > 0) said.value = `${file.name} cannot be used: ${file.problems[0]!.message}`;
 }
 
 /** Files that the server has from its command line: named, without an audit here. */

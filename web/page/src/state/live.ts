@@ -5,7 +5,7 @@ import { batch } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit } from "../api/types.ts";
-import { answer, busy, draft, pending, problems, text } from "./design.ts";
+import { answer, busy, draft, draftName, pending, problems, text } from "./design.ts";
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { said } from "./said.ts";
@@ -40,10 +40,11 @@ export function edit(edits: readonly Edit[], name = ""): void {
 export const set = (path: string, value: unknown, name = path): void => edit([{ op: "set", path, value }], name);
 
 /** Puts a whole text in the place of the present one. */
-export function replace(whole: string, name = ""): void {
+export function replace(whole: string, name = "", file = ""): void {
   batch(() => {
     pending.value = [];
     draft.value = whole;
+    draftName.value = file;
   });
   gesture = name;
   kick();

@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals";
 
 /** How long it is said, ms. */
-const SAID_MS = 4000;
+const SAID_MS = 9000;
 
 export const said = signal("");
 

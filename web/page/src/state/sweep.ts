@@ -30,14 +30,10 @@ export const valuesOf = ({ from, to, count }: Axis): number[] =>
 /** A first axis for a key: about its present value. */
 export function axisFor(path: string, count: number): Axis {
   const value = numbers(fields.value).find(([key]) => key === path)?.[1] ?? 1;
-  const share = /haze|share|transmittance|reflectance|albedo|fill_factor|diffuse$/.test(path);
-  const [from, to] = path.endsWith("theta_deg")
-    ? [-60, 60]
-    : share
-      ? [0.1, 0.9]
-      : value === 0
-        ? [0, 1]
-        : [0.5 * value, 1.5 * value];
+  const share = /haze|share|transmittance|reflectance|absorptance|albedo|fill_factor|diffuse$/.test(path);
+  const most = share ? Math.min(1.5 * value, (1 + value) / 2) : 1.5 * value;
+  const around = value === 0 ? [0, share ? 0.1 : 1] : [0.5 * value, most];
+  const [from, to] = (path.endsWith("theta_deg") ? [-60, 60] : around) as [number, number];
   return { path, from: Number(from.toPrecision(4)), to: Number(to.toPrecision(4)), count };
 }
 
