@@ -31,7 +31,8 @@ export const valuesOf = ({ from, to, count }: Axis): number[] =>
 export function axisFor(path: string, count: number): Axis {
   const value = numbers(fields.value).find(([key]) => key === path)?.[1] ?? 1;
   const share = /haze|share|transmittance|reflectance|absorptance|albedo|fill_factor|diffuse$/.test(path);
-  const most = share ? Math.min(1.5 * value, (1 + value) / 2) : 1.5 * value;
+  // A wide lobe cannot pass much more than it does.
+  const most = path.endsWith("ransmittance") ? value : share ? Math.min(1.5 * value, (1 + value) / 2) : 1.5 * value;
   const around = value === 0 ? [0, share ? 0.1 : 1] : [0.5 * value, most];
   const [from, to] = (path.endsWith("theta_deg") ? [-60, 60] : around) as [number, number];
   return { path, from: Number(from.toPrecision(4)), to: Number(to.toPrecision(4)), count };

@@ -68,7 +68,7 @@ test("a huge file is refused before it is sent", async () => {
     transfer.items.add(new File([new Uint8Array(65 * 1024 * 1024)], "huge.bsdf"));
     document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
   });
-  await page.getByText("too large").waitFor();
+  await page.locator(".file .error", { hasText: "too large" }).waitFor();
 });
 
 test("other files are told by their content", async () => {

@@ -14,7 +14,7 @@ test("run, watch, cancel", async () => {
   await page.getByRole("button", { name: "Computing" }).click();
   await page.locator('[id="f-solver.sampler"]').selectOption("random");
   await settled(page);
-  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.locator("#tab-walk").click();
   await page.locator("#walk-aim").selectOption("0.000001");
   await page.getByRole("button", { name: "Run the walk" }).click();
   await page.locator(".walk tbody tr").first().waitFor();
@@ -32,8 +32,7 @@ test("run, watch, cancel", async () => {
 
 test("a finished walk agrees with the live answer, and says when the design has changed", async () => {
   const page = await on.visit();
-  await page.locator("#tab-walk").click();
-  await page.getByRole("button", { name: "Run the walk" }).click();
+  await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
   const verdicts = await page.locator(".walk tbody .words").allInnerTexts();
   assert.equal(verdicts.length, 8);
