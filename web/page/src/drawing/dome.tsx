@@ -137,6 +137,51 @@ function Directed({ source, index }: { source: Table; index: number }) {
   );
 }
 
+/**
+ * Where the disc of a sky's sun, or a luminaire, is seen from a display of some tilt: 0 lies flat, 90 stands
+ * upright and faces azimuth -90.
+ */
+function discOf(source: Table): { theta: number; phi: number } | null {
+  const n = (key: string) => ((numberAt(source, key) ?? 0) * Math.PI) / 180;
+  const [elevation, azimuth] =
+    source["model"] === "luminaire"
+      ? [n("elevation_deg"), n("azimuth_deg")]
+      : Number(source["sun_share"] ?? 0) > 0
+        ? [n("sun_elevation_deg"), n("sun_azimuth_deg")]
+        : [null, 0];
+  if (elevation === null) return null;
+  const tilt = n("tilt_deg");
+  const [x, y, z] = [
+    Math.cos(elevation) * Math.cos(azimuth),
+    Math.cos(elevation) * Math.sin(azimuth),
+    Math.sin(elevation),
+  ];
+  const [up, out] = [y * Math.cos(tilt) + z * Math.sin(tilt), z * Math.cos(tilt) - y * Math.sin(tilt)];
+  return {
+    theta: (Math.acos(Math.max(-1, Math.min(1, out))) * 180) / Math.PI,
+    phi: (Math.atan2(up, x) * 180) / Math.PI,
+  };
+}
+
+/** A disc that is not dragged: its place is told by other angles than the display's. */
+function Disc({ source }: { source: Table }) {
+  const disc = discOf(source);
+  if (!disc || disc.theta > 90) return null;
+  const theta = Math.abs(disc.phi) > 90 ? -disc.theta : disc.theta;
+  const [x, y] = point(theta);
+  const [bx, by] = point(theta, RADIUS - 18);
+  const inPlane = Math.abs(Math.sin((disc.phi * Math.PI) / 180)) < 0.02;
+  return (
+    <>
+      <path class="beam" d={`M${bx} ${by}L${CENTRE.x} ${CENTRE.y}`} />
+      <g class="fixed" transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}>
+        <Sun />
+      </g>
+      <Tag theta={theta} text={`${degrees(theta)}${inPlane ? "" : `, φ ${degrees(disc.phi)}`}`} />
+    </>
+  );
+}
+
 /** Light from many directions, as the part of the half circle that it comes from. */
 function Environment({ source, index }: { source: Table; index: number }) {
   const path = `lighting.environment.${index}`;
@@ -151,7 +196,7 @@ function Environment({ source, index }: { source: Table; index: number }) {
   const choose = () => (selected.value = path);
   return (
     <g
-      class={`surround ${model} ${selected.value === path ? "chosen" : ""}`}
+      class={`surround of-${model} ${selected.value === path ? "chosen" : ""}`}
       role="button"
       tabindex={0}
       aria-label={`${model} light, share ${n("share", 0)}`}
@@ -159,13 +204,17 @@ function Environment({ source, index }: { source: Table; index: number }) {
       onClick={choose}
       onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
     >
-      <path
-        d={
-          from <= 0
-            ? arc(-to, to, RADIUS - 9 - 8 * index)
-            : arc(-to, -from, RADIUS - 9 - 8 * index) + arc(from, to, RADIUS - 9 - 8 * index)
-        }
-      />
+      {model !== "luminaire" && (
+        <path
+          class="span"
+          d={
+            from <= 0
+              ? arc(-to, to, RADIUS - 9 - 8 * index)
+              : arc(-to, -from, RADIUS - 9 - 8 * index) + arc(from, to, RADIUS - 9 - 8 * index)
+          }
+        />
+      )}
+      <Disc source={source} />
     </g>
   );
 }

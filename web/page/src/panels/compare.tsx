@@ -2,8 +2,9 @@
 
 import { Fragment } from "preact";
 
-import type { Num, StateResult } from "../api/types.ts";
+import type { StateResult } from "../api/types.ts";
 import { digits, fixed, NONE, signed } from "../model/format.ts";
+import { deltaE2000, type Lab } from "../model/difference.ts";
 import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
@@ -44,12 +45,11 @@ function Keys() {
   );
 }
 
-const difference = (a: Num, b: Num): number | null => (typeof a === "number" && typeof b === "number" ? a - b : null);
-
-/** The colour difference of 1976: the distance in CIELAB. */
+/** CIEDE2000 between a state now and before. */
 function distance(a: StateResult, b: StateResult): number | null {
-  const parts = (["L_star", "a_star", "b_star"] as const).map((key) => difference(a[key], b[key]));
-  return parts.some((part) => part === null) ? null : Math.hypot(...(parts as number[]));
+  const [now, before] = [a, b].map(({ L_star, a_star, b_star }) => [L_star, a_star, b_star]);
+  const known = [...now!, ...before!].every((part) => typeof part === "number");
+  return known ? deltaE2000(before as unknown as Lab, now as unknown as Lab) : null;
 }
 
 function Colours() {
@@ -74,7 +74,7 @@ function Colours() {
             />
             <span>Y {was ? `${fixed(100 * was.Y, 1)} → ${fixed(100 * state.Y, 1)} %` : NONE}</span>
             <span>ΔL* {was ? signed((state.L_star ?? NaN) - (was.L_star ?? NaN), 1) : NONE}</span>
-            <span>ΔE*ab {was ? fixed(distance(state, was), 1) : NONE}</span>
+            <span>ΔE00 {was ? fixed(distance(state, was), 1) : NONE}</span>
           </Fragment>
         );
       })}

@@ -1,6 +1,8 @@
 // A metric over one key as a curve, over two as a map; the same sweep as `papilio sweep` runs.
 
 import type { SweepPoint } from "../api/types.ts";
+import { useSignal } from "@preact/signals";
+
 import { digits } from "../model/format.ts";
 import { label, unit } from "../model/schema.ts";
 import { split } from "../model/json.ts";
@@ -40,19 +42,23 @@ function put(index: number, axis: Axis): void {
   axes.value = axes.value.map((one, i) => (i === index ? axis : one));
 }
 
+/** Most points on an axis here; `papilio sweep` takes more. */
+const MOST = 101;
+
 function AxisFields({ axis, index }: { axis: Axis; index: number }) {
+  const wrong = useSignal("");
+  const take = (key: "from" | "to" | "count", typed: string) => {
+    const value = Number(typed.replace(",", "."));
+    const counts = key !== "count" || (Number.isInteger(value) && value >= 2 && value <= MOST);
+    const right = typed.trim() !== "" && Number.isFinite(value) && counts;
+    wrong.value = right
+      ? ""
+      : `“${typed}”: ${key} is ${key === "count" ? `a whole number from 2 to ${MOST}` : "a number"}`;
+    if (right) put(index, { ...axis, [key]: value });
+  };
   const number = (key: "from" | "to" | "count") => (
     <label>
-      {key}{" "}
-      <input
-        inputMode="decimal"
-        value={axis[key]}
-        onChange={(event) => {
-          const value = Number(event.currentTarget.value);
-          if (Number.isFinite(value))
-            put(index, { ...axis, [key]: key === "count" ? Math.max(2, Math.min(101, Math.round(value))) : value });
-        }}
-      />
+      {key} <input inputMode="decimal" value={axis[key]} onChange={(event) => take(key, event.currentTarget.value)} />
     </label>
   );
   return (
@@ -78,6 +84,11 @@ function AxisFields({ axis, index }: { axis: Axis; index: number }) {
       >
         Remove
       </button>
+      {wrong.value && (
+        <p class="error" role="alert">
+          {wrong.value}
+        </p>
+      )}
     </div>
   );
 }

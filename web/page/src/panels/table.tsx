@@ -51,7 +51,6 @@ const SETS: Record<string, readonly Column[]> = {
     DR,
     column("peak nm", 1, "Largest reflectance factor between 400 and 700 nm", (v) => v.peak_nm),
     column("R hemi", 4, "Luminous reflectance factor in the diffuse light alone (Feng 2012, eq. 3-1)", (v) => v.R_hemi),
-    column("R dir", 4, "The same in the first directed source alone", (v) => v.R_dir[0]),
   ],
   "Feng 2012, table 5.1": [
     DR,
@@ -99,6 +98,25 @@ const SETS: Record<string, readonly Column[]> = {
   ],
 };
 
+const FIRST = "At a glance";
+
+/** R in each directed source and in each environment alone, as many as there are. */
+function byLight(state: StateResult | undefined): Column[] {
+  const named = (name: string, i: number, count: number) => (count > 1 ? `${name} ${i + 1}` : name);
+  const dir = (state?.R_dir ?? []).map((_, i, all) =>
+    column(
+      named("R dir", i, all.length),
+      4,
+      "Luminous reflectance factor in this directed source alone",
+      (v) => v.R_dir[i],
+    ),
+  );
+  const around = (state?.R_environment ?? []).map((_, i, all) =>
+    column(named("R env", i, all.length), 4, "The same in this environment alone", (v) => v.R_environment[i]),
+  );
+  return [...dir, ...around];
+}
+
 /** The error of a number: the standard error of a walk, or what the discretisation leaves. */
 const errorOf = (state: StateResult): Values => state.discretisation_error ?? state.standard_error;
 
@@ -137,7 +155,7 @@ function Cell({
 export function StatesTable() {
   const errors = useSignal(false);
   const set = useSignal(Object.keys(SETS)[0]!);
-  const columns = SETS[set.value]!;
+  const columns = [...SETS[set.value]!, ...(set.value === FIRST ? byLight(states.value[0]?.[1]) : [])];
   const colours = useColours().value.colours;
   const solver = result.value?.solver;
   if (!solver) return null;

@@ -33,7 +33,11 @@ export function Tabs({ tabs, open }: { tabs: readonly Tab[]; open: Signal<string
             aria-selected={id === current.id}
             aria-controls="tab-panel"
             tabindex={id === current.id ? 0 : -1}
-            onClick={() => (open.value = id)}
+            onClick={(event) => {
+              open.value = id;
+              const tabs = event.currentTarget.closest(".tabs");
+              requestAnimationFrame(() => tabs?.scrollIntoView({ block: "nearest" }));
+            }}
           >
             {name}
           </button>

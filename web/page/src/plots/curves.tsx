@@ -74,7 +74,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     },
     axes: [
       { ...axis(props.xName), size: 30, space: 44 },
-      { ...axis(props.yName), size: 46, space: 34 },
+      { ...axis(props.yName), size: 56, space: 34 },
     ],
     series: [
       {},
