@@ -5,7 +5,7 @@ import { useRef } from "preact/hooks";
 import type { Edit } from "../api/types.ts";
 import { textAt } from "../model/json.ts";
 import { Drawn } from "../plots/figure.tsx";
-import { fields } from "../state/design.ts";
+import { fields, selected } from "../state/design.ts";
 import { files, forget, type Dropped } from "../state/files.ts";
 import { edit } from "../state/live.ts";
 import { take } from "./drop.tsx";
@@ -31,6 +31,15 @@ function idle(edits: readonly Edit[]): string {
     : "";
 }
 
+/** A material can be the film that is chosen in the drawing. */
+function asFilm(file: Dropped): { label: string; edits: Edit[] }[] {
+  const film = /^display\.pixel\.film\.\d+$/.test(selected.value);
+  if (file.audit?.kind !== "material" || !film) return [];
+  return [
+    { label: "Use as the chosen film", edits: [{ op: "set", path: `${selected.value}.material`, value: file.name }] },
+  ];
+}
+
 function size(bytes: number): string {
   return bytes < 1e5 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
 }
@@ -54,7 +63,7 @@ function File({ file }: { file: Dropped }) {
       {audit && (
         <>
           <p class="uses">
-            {audit.edits.map(({ label, edits }) => (
+            {[...asFilm(file), ...audit.edits].map(({ label, edits }) => (
               <button
                 type="button"
                 key={label}
