@@ -114,7 +114,7 @@ pub(super) struct Prepared {
 }
 
 /// Operators that take more bytes than this are not kept.
-const MOST_KEPT: usize = 256 << 20;
+const MOST_KEPT: usize = 128 << 20;
 
 impl Prepared {
     pub(super) fn new(stack: &Layered, directions: &Directions, precision: &Precision) -> (Self, Over) {

@@ -25,7 +25,7 @@ const MOST_ORDERS: usize = 400;
 #[derive(Debug, Clone)]
 pub(super) struct RoughOrders {
     zeroth: [Matrix; 3],
-    /// `[order - 1][kernel]`, each `[in][out]`.
+    /// `[order - 1][kernel]`, each by [`place`].
     later: Vec<[Vec<f32>; 3]>,
     /// What the quadrature finds missing of each node's light, from above and from below.
     missing: [Vec<f64>; 2],
@@ -40,10 +40,11 @@ impl RoughOrders {
         let count = if beyond_first { orders(face, digits) } else { 1 };
         let len = grid.len();
         let zeroth = || Matrix::zeros(len, len);
-        let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|_| vec![0.0; len * len]) };
+        let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
         let mut all = Self {
             zeroth: [zeroth(), zeroth(), zeroth()],
-            later: vec![blank(); count - 1],
+            // Each by itself: copies would touch what stays zero.
+            later: (1..count).map(|_| blank()).collect(),
             missing: Default::default(),
         };
         let mut transforms = Transforms::new(count);
@@ -67,7 +68,7 @@ impl RoughOrders {
     fn set(&mut self, way: usize, out: usize, from: usize, len: usize, values: &[f64], scale: f64) {
         self.zeroth[way][(out, from)] = values[0] * scale;
         for (order, value) in self.later.iter_mut().zip(&values[1..]) {
-            order[way][from * len + out] = (value * scale) as f32;
+            order[way][place(way, out, from, len)] = (value * scale) as f32;
         }
     }
 
@@ -82,10 +83,9 @@ impl RoughOrders {
         let operator = |way: usize| {
             let kernel = match order.checked_sub(1) {
                 None => Some(self.zeroth[way].clone()),
-                Some(later) => self
-                    .later
-                    .get(later)
-                    .map(|kernels| Matrix::from_fn(len, len, |i, j| f64::from(kernels[way][j * len + i]))),
+                Some(later) => self.later.get(later).map(|kernels| {
+                    Matrix::from_fn(len, len, |i, j| f64::from(kernels[way][place(way, i, j, len)]))
+                }),
             };
             Operator { regular: grid.regular, straight: vec![0.0; len], kernel }
         };
@@ -99,6 +99,19 @@ impl RoughOrders {
         }
         part
     }
+}
+
+/// Numbers of a kernel between so many nodes: reflections are alike both ways.
+fn places(way: usize, len: usize) -> usize {
+    let (from, to) = WAYS[way];
+    if from == to { len * (len + 1) / 2 } else { len * len }
+}
+
+/// Where a pair of nodes stands among them.
+fn place(way: usize, out: usize, from: usize, len: usize) -> usize {
+    let (side, to) = WAYS[way];
+    let (less, more) = (out.min(from), out.max(from));
+    if side == to { more * (more + 1) / 2 + less } else { from * len + out }
 }
 
 /// What the quadrature finds missing of each node's light, from above and from below.
