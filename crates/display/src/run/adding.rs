@@ -50,6 +50,8 @@ impl Level {
     ) -> Option<&[Estimate]> {
         let versions = (setup.version, setup.base_version);
         if self.seen.as_ref().is_none_or(|(of, _)| *of != versions) {
+            // Its room serves again.
+            self.seen = None;
             let kernel = self.kernel_for(setup, views);
             let mut seen = vec![None; views.len()];
             each(pool, &mut seen, |(view, seen)| {
