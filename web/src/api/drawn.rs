@@ -105,9 +105,10 @@ pub(super) fn survey(
     let mut grid = ConeGrid::within(scene)?;
     if step_deg > 1.0 {
         let last = grid.theta_deg.last().copied().unwrap_or(0.0);
-        let around_deg = (5.0 * step_deg).min(30.0);
+        // As many as close the circle.
+        let around = (360.0 / (5.0 * step_deg).min(30.0) - 1e-9).ceil();
         grid.theta_deg = evenly(0.0, last, step_deg);
-        grid.phi_deg = evenly(0.0, 360.0 - around_deg, around_deg);
+        grid.phi_deg = (0..around as usize).map(|k| 360.0 * k as f64 / around).collect();
     }
     let control = Control { threads: None, progress: &|_| {}, stop };
     Ok(papilio_display::cone(scene, grid, &control)?)

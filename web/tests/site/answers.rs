@@ -139,6 +139,9 @@ fn angles_cone_figures_and_files_come_back() {
     assert_eq!(angles["states"]["red"]["u_prime"].as_array().unwrap().len(), 7);
     let cone = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 15 })).json();
     assert_eq!(cone["data"].as_array().unwrap().len(), 6 * 12);
+    // Fifteen azimuths, 24 deg apart: of steps of 25 the last would be farther from the first than from the one before.
+    let cone_of_fives = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 5 })).json();
+    assert_eq!(cone_of_fives["data"].as_array().unwrap().len() % 15, 0);
     assert!(cone["figures"][0]["svg"].as_str().unwrap().starts_with("<svg"));
     let figures = server.post("/figures", &json!({ "scenario": scenario, "names": ["patches"] })).json();
     assert_eq!(figures.as_array().unwrap().len(), 1);

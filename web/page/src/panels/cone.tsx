@@ -20,6 +20,7 @@ export function ConePanel() {
       <div class="controls">
         <label for="cone-step">Directions every</label>
         <select id="cone-step" value={step.value} onChange={(event) => (step.value = event.currentTarget.value)}>
+          <option value="5">5°</option>
           <option value="3">3°</option>
           <option value="2">2°</option>
           <option value="1">1°</option>

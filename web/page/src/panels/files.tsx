@@ -1,14 +1,12 @@
 // Measured files: what the audit says of each, in words and pictures, and how it is put to use.
 
-import { useRef } from "preact/hooks";
-
 import type { Edit } from "../api/types.ts";
 import { textAt } from "../model/json.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { fields, selected } from "../state/design.ts";
 import { files, forget, type Dropped } from "../state/files.ts";
 import { edit } from "../state/live.ts";
-import { take } from "./drop.tsx";
+import { FileButton } from "./choose.tsx";
 import { Problems } from "./problems.tsx";
 
 const KINDS: Record<string, string> = {
@@ -94,22 +92,10 @@ function File({ file }: { file: Dropped }) {
 }
 
 export function FilesPanel() {
-  const chooser = useRef<HTMLInputElement>(null);
   return (
     <>
       <div class="controls">
-        <button type="button" onClick={() => chooser.current?.click()}>
-          Choose files
-        </button>
-        <input
-          ref={chooser}
-          class="hidden"
-          type="file"
-          multiple
-          tabindex={-1}
-          aria-hidden="true"
-          onChange={(event) => void take([...(event.currentTarget.files ?? [])])}
-        />
+        <FileButton label="Choose files" />
         <span class="remark">
           or drop them anywhere: BSDF (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light maps, IES
           luminaires. They stay on this machine.

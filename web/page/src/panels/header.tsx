@@ -1,7 +1,5 @@
 // What is done with the design as a whole: its name, undo, examples, open, save, link, pin, run.
 
-import { useRef } from "preact/hooks";
-
 import { named, postForBlob, Refused } from "../api/client.ts";
 import { fields, text, title } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
@@ -15,8 +13,8 @@ import { theme, type Theme } from "../state/theme.ts";
 import { run, walk } from "../state/walk.ts";
 import { canRedo, canUndo, redone, undone } from "../state/undo.ts";
 import { at } from "../model/json.ts";
+import { FileButton, Menu } from "./choose.tsx";
 import { save } from "./save.ts";
-import { take } from "./drop.tsx";
 
 const step = (whole: string | null): void => {
   if (whole !== null) replace(whole);
@@ -99,7 +97,6 @@ function Mark() {
 const THEMES: readonly Theme[] = ["system", "light", "dark"];
 
 export function Header() {
-  const chooser = useRef<HTMLInputElement>(null);
   const retitle = (name: string) =>
     name === "" && at(fields.value, "title") !== undefined
       ? edit([{ op: "remove", path: "title" }])
@@ -124,53 +121,12 @@ export function Header() {
         <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">
           Redo
         </button>
-        <select
-          class="examples"
-          aria-label="Examples"
-          value=""
-          onChange={(event) => {
-            void openExample(event.currentTarget.value);
-            event.currentTarget.value = "";
-          }}
-        >
-          <option value="">Examples</option>
-          {EXAMPLES.value.map(({ name, summary }) => (
-            <option key={name} value={name} title={summary}>
-              {name}
-            </option>
-          ))}
-        </select>
-        <button type="button" onClick={() => chooser.current?.click()} title="A scenario, or a measured file">
-          Open
-        </button>
-        <input
-          ref={chooser}
-          class="hidden"
-          type="file"
-          multiple
-          tabindex={-1}
-          aria-hidden="true"
-          onChange={(event) => void take([...(event.currentTarget.files ?? [])])}
-        />
+        <Menu label="Examples" class="examples" items={EXAMPLES.value} choose={openExample} />
+        <FileButton label="Open" title="A scenario, or a measured file" />
         <button type="button" onClick={saveText}>
           Save
         </button>
-        <select
-          class="export"
-          aria-label="Export"
-          value=""
-          onChange={(event) => {
-            void exportAs(event.currentTarget.value);
-            event.currentTarget.value = "";
-          }}
-        >
-          <option value="">Export</option>
-          {EXPORTS.map((what) => (
-            <option key={what} value={what}>
-              {what}
-            </option>
-          ))}
-        </select>
+        <Menu label="Export" class="export" items={EXPORTS.map((name) => ({ name }))} choose={exportAs} />
         <button type="button" onClick={() => void copyLink()}>
           Link
         </button>
