@@ -13,6 +13,7 @@
 //! - Later changes (`--set`) and presets act on the tree of the text before it is
 //!   read, so that they obey the same grammar and point to their own text.
 //! - A [`Sweep`] is a scenario at many points: values of its `[sweep]` are put into the same tree.
+//! - A [`Varied`] is a scenario whose keys take any values, one set after the other.
 //! - The [hash](Resolved::hash) names the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
@@ -63,6 +64,7 @@ mod set;
 mod source;
 mod sweep;
 mod tree;
+mod varied;
 
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
@@ -74,3 +76,4 @@ pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
 pub use sweep::Sweep;
+pub use varied::Varied;

@@ -8,13 +8,14 @@ use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::describe::File;
-use crate::describe::sweep::Swept;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, hex};
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
+use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
+use crate::varied::ABOUT;
 use crate::{preset, set};
 
 /// A scenario is written by hand: a longer text, in bytes, is something else.
@@ -120,7 +121,7 @@ impl Scenario {
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             // What else might be computed has no part in what is.
-            keys.remove("sweep");
+            ABOUT.iter().for_each(|table| drop(keys.remove(*table)));
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
@@ -158,19 +159,19 @@ pub(crate) struct Assembled {
     pub(crate) warnings: Vec<String>,
 }
 
-/// The tree with its preset, each `--set`, and a sweep's values at one point.
+/// The tree with its preset, each `--set`, and other changes.
 pub(crate) fn assemble(
     mut root: Node,
     sources: &Sources,
-    swept: &[(&Swept, &Node)],
+    changes: &[Change],
 ) -> Result<Assembled, ScenarioErrors> {
     let mut errors = Errors::default();
     // The preset comes first, so that other keys can change what it gives; and once more, for a whole table that
     // was set and names one.
-    set::apply(&mut root, sources, swept, true, &mut errors);
+    set::apply(&mut root, sources, changes, true, &mut errors);
     let at_first = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;
-    set::apply(&mut root, sources, swept, false, &mut errors);
+    set::apply(&mut root, sources, changes, false, &mut errors);
     let at_last = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;
     let idle = preset::named(&root).filter(|_| !at_first && !at_last);

@@ -1,11 +1,10 @@
-//! `--set PATH=VALUE`: changes to a scenario from the command line, and those of a sweep.
+//! `--set PATH=VALUE`: changes to a scenario from the command line, and those of a sweep or a search.
 //!
 //! The path is dotted; arrays are indexed from 0, and the index one beyond the
 //! last appends. Of two keys that exclude each other (`haze` and `width`) a set one
 //! replaces the file's; two set ones are an error. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
-use crate::describe::sweep::Swept;
 use crate::error::Errors;
 use crate::problem::Problem;
 use crate::source::{Origin, Sources};
@@ -17,11 +16,21 @@ pub(crate) const MOST_SEGMENTS: usize = 16;
 /// Where presets are named; they are set before any other key.
 pub(crate) const PRESET_PATH: &str = "lighting.preset";
 
-/// Applies each `--set` in turn, then what is swept: those of the preset alone, or all others.
+/// A change that is none of the user's `--set`: a value of a sweep, a search or a condition.
+#[derive(Debug, Clone)]
+pub(crate) struct Change {
+    /// Dotted, as of `--set`.
+    pub(crate) path: String,
+    /// Where the path stands.
+    pub(crate) origin: Origin,
+    pub(crate) value: Node,
+}
+
+/// Applies each `--set` in turn, then the other changes: those of the preset alone, or all others.
 pub(crate) fn apply(
     root: &mut Node,
     sources: &Sources,
-    swept: &[(&Swept, &Node)],
+    changes: &[Change],
     presets: bool,
     errors: &mut Errors,
 ) {
@@ -41,9 +50,9 @@ pub(crate) fn apply(
             }
         }
     }
-    for (swept, value) in swept.iter().filter(|(swept, _)| (swept.path == PRESET_PATH) == presets) {
-        let path: Vec<_> = swept.path.split('.').map(|key| (key.trim(), swept.origin)).collect();
-        if let Err((origin, problem)) = put(root, &path, (*value).clone()) {
+    for change in changes.iter().filter(|change| (change.path == PRESET_PATH) == presets) {
+        let path: Vec<_> = change.path.split('.').map(|key| (key.trim(), change.origin)).collect();
+        if let Err((origin, problem)) = put(root, &path, change.value.clone()) {
             errors.push(origin, problem);
         }
     }

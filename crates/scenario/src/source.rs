@@ -24,32 +24,42 @@ impl Origin {
     }
 }
 
-/// The scenario file, then each `--set` in turn.
+/// The scenario file, then each `--set` in turn, then what else may change it.
 #[derive(Debug, Clone)]
-pub(crate) struct Sources(Vec<(String, String)>);
+pub(crate) struct Sources {
+    texts: Vec<(String, String)>,
+    /// How many `--set` there are.
+    overrides: usize,
+}
 
 impl Sources {
     pub(crate) fn new(file_name: &str, file_text: &str, overrides: &[String]) -> Self {
-        let mut sources = vec![(file_name.to_owned(), file_text.to_owned())];
+        let mut texts = vec![(file_name.to_owned(), file_text.to_owned())];
         let sets = overrides.iter().enumerate();
-        sources.extend(sets.map(|(i, text)| (format!("--set #{}", i + 1), text.clone())));
-        Self(sources)
+        texts.extend(sets.map(|(i, text)| (format!("--set #{}", i + 1), text.clone())));
+        Self { texts, overrides: overrides.len() }
+    }
+
+    /// One more text, which errors call `name`, and all of it as a place.
+    pub(crate) fn add(&mut self, name: &str, text: &str) -> Origin {
+        self.texts.push((name.to_owned(), text.to_owned()));
+        Origin { source: self.texts.len() - 1, start: 0, end: text.len() }
     }
 
     pub(crate) fn text(&self, source: usize) -> &str {
-        self.0.get(source).map_or("", |(_, text)| text)
+        self.texts.get(source).map_or("", |(_, text)| text)
     }
 
     /// How many `--set` there are.
     pub(crate) fn overrides(&self) -> usize {
-        self.0.len() - 1
+        self.overrides
     }
 
     /// The path of the key or value at a place, as of `--set`; empty for the scenario as a whole.
     pub(crate) fn path(&self, origin: Origin) -> Option<String> {
         let text = self.text(origin.source);
         if origin.source > 0 {
-            return text.split_once('=').map(|(path, _)| path.trim().to_owned());
+            return Some(text.split_once('=').map_or(text, |(path, _)| path).trim().to_owned());
         }
         if origin == Origin::FILE {
             return Some(String::new());
@@ -58,7 +68,7 @@ impl Sources {
     }
 
     pub(crate) fn place(&self, origin: Origin) -> Place {
-        let (name, text) = self.0.get(origin.source).map_or(("", ""), |(name, text)| (name, text));
+        let (name, text) = self.texts.get(origin.source).map_or(("", ""), |(name, text)| (name, text));
         if origin.start == origin.end && origin.source == 0 {
             return Place::whole(name);
         }

@@ -2,25 +2,23 @@
 
 use std::path::Path;
 
-use papilio_formats::{DataFile, SweepHead, SweepHeadAxis, sweep_place};
+use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
-use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::error::{Errors, ScenarioErrors};
 use crate::library::Library;
 use crate::problem::Problem;
 use crate::read::{At, Read};
-use crate::scenario::{Scenario, assemble, parse};
-use crate::source::Sources;
+use crate::scenario::Scenario;
+use crate::set::Change;
 use crate::tree::{Node, Value};
+use crate::varied::Base;
 
 /// A scenario whose keys vary: the product of its axes, the last one fastest.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The text as it stands.
-    root: Node,
-    library: Library,
-    sources: Sources,
+    base: Base,
     axes: Vec<Axis>,
     figures: Vec<At<String>>,
     title: Option<String>,
@@ -33,10 +31,7 @@ impl Sweep {
     /// What is wrong with its bytes, its TOML, and with `[sweep]`, each with its place. What is wrong with the
     /// scenario itself shows at its points: see [`Sweep::scenario`].
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
-        let name = path.display().to_string();
-        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
-        let text = file.text().map_err(ScenarioError::from)?;
-        Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+        Base::load(path, overrides).and_then(Self::new)
     }
 
     /// A sweep from a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
@@ -49,8 +44,11 @@ impl Sweep {
         library: impl Into<Library>,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let (root, sources) = parse(text, name, overrides)?;
-        let assembled = assemble(root.clone(), &sources, &[])?.root;
+        Base::from_text(text, name, library, overrides).and_then(Self::new)
+    }
+
+    fn new(base: Base) -> Result<Self, ScenarioErrors> {
+        let assembled = base.assembled()?;
         let mut errors = Errors::default();
         let node = assembled.get("sweep");
         let figures_alone = |node: &&Node| match &node.value {
@@ -66,14 +64,12 @@ impl Sweep {
         };
         let title = assembled.get("title").and_then(|title| String::read(title, &mut Errors::default()));
         let sound = read.filter(|read| is_sound(read, &mut errors));
-        let read = errors.finish(sound, &sources)?;
+        let read = errors.finish(sound, &base.sources)?;
         Ok(Self {
-            root,
-            library: library.into(),
+            base,
             axes: read.axes.value.into_iter().map(|axis| axis.value).collect(),
             figures: read.figures.value,
             title,
-            sources,
         })
     }
 
@@ -110,7 +106,7 @@ impl Sweep {
             let problem = Problem::NoSuchMetric { name: name.value.clone(), known: known.to_vec() };
             errors.push(name.origin, problem);
         }
-        errors.check(&self.sources)
+        errors.check(&self.base.sources)
     }
 
     /// The scenario at a point.
@@ -118,9 +114,7 @@ impl Sweep {
     /// # Errors
     /// As [`Scenario::load`]; a value's place is where `[sweep]` gives it.
     pub fn scenario(&self, point: usize) -> Result<Scenario, ScenarioErrors> {
-        let mut assembled = assemble(self.root.clone(), &self.sources, &self.at(point))?;
-        assembled.root.remove("sweep");
-        Scenario::read(assembled, self.library.clone(), self.sources.clone())
+        self.base.scenario(&self.at(point))
     }
 
     /// One point for every value of every axis, the others at their first: enough to find what is wrong with a
@@ -135,11 +129,16 @@ impl Sweep {
         samples
     }
 
-    fn at(&self, point: usize) -> Vec<(&Swept, &Node)> {
+    fn at(&self, point: usize) -> Vec<Change> {
         let lengths: Vec<usize> = self.axes.iter().map(Axis::len).collect();
         let place = sweep_place(&lengths, point);
         let swept = self.axes.iter().zip(place);
-        swept.flat_map(|(axis, at)| axis.0.iter().map(move |swept| (swept, &swept.values[at]))).collect()
+        let change = |swept: &Swept, at: usize| Change {
+            path: swept.path.clone(),
+            origin: swept.origin,
+            value: swept.values[at].clone(),
+        };
+        swept.flat_map(|(axis, at)| axis.0.iter().map(move |swept| change(swept, at))).collect()
     }
 }
 
