@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
 mod oracle;
+mod package;
 mod page;
 mod peers;
 mod pictures;
@@ -21,18 +22,23 @@ use shell::{Needs, Outcome, cargo};
 /// A name, what the chore does, and the chore.
 type Chore = (&'static str, &'static str, fn() -> Outcome);
 
-const CHORES: [Chore; 9] = [
+const CHORES: [Chore; 10] = [
     (
         "test",
-        "format, lints, all tests, documentation, every example scenario, the web app's page",
+        "format, lints, all tests, documentation, every example scenario, the web app's page, the Python package",
         test::test,
     ),
     (
         "full",
-        "test, with ten times the seeds and random displays, longer fuzzing, all of the page; then oracle and deny",
+        "test, with ten times the seeds and random displays, longer fuzzing, all of the page and of the Python package; then oracle and deny",
         full,
     ),
     ("page", "build the web app's page, and all of its tests in Chromium", page::page),
+    (
+        "python",
+        "build the Python package's wheel, and all of its tests in a clean environment",
+        package::package,
+    ),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
     ("peers", "time Papilio beside other programs, for docs/peers.md", peers::peers),
     ("deny", "licences, advisories and sources of all dependencies", deny),
@@ -81,6 +87,7 @@ fn ended(chore: Outcome) -> ExitCode {
 
 fn full() -> Outcome {
     test::with_more(10 * test::SEEDS, 2000)?;
+    package::package()?;
     oracle::oracle()?;
     deny()
 }

@@ -12,12 +12,22 @@ pub(crate) struct Environment {
 impl Environment {
     /// Made, or made complete, in the target folder.
     pub(crate) fn new(name: &str, packages: &[&str]) -> Result<Self, String> {
+        Self::made(name, packages, &[])
+    }
+
+    /// Made anew, with nothing else in it.
+    pub(crate) fn clean(name: &str, packages: &[&str]) -> Result<Self, String> {
+        Self::made(name, packages, &["--clear"])
+    }
+
+    fn made(name: &str, packages: &[&str], options: &[&str]) -> Result<Self, String> {
         shell::need(Needs {
             tool: &["python3"],
             install: "install Python 3.11 or newer with its venv module",
         })?;
         let folder = shell::target().join(name);
-        shell::run(command("python3", ["-m", "venv", &folder.to_string_lossy()]))?;
+        let made = ["-m", "venv"].into_iter().chain(options.iter().copied());
+        shell::run(command("python3", made.chain([&*folder.to_string_lossy()])))?;
         let environment = Self { folder };
         let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;

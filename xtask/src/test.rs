@@ -6,6 +6,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::package::{self, Profile};
 use crate::page;
 use crate::shell::{self, Needs, Outcome, cargo};
 
@@ -62,6 +63,7 @@ fn all_checks(tests: Command, of_page: &str) -> Outcome {
         count.check(run_scenario(&scenario));
     }
     count.page(of_page);
+    count.package();
     count.conclude()
 }
 
@@ -108,7 +110,9 @@ impl Count {
     fn tests(&mut self, tests: Command) {
         let (mut passed, mut failed) = (0, 0);
         let mut read = |line: &str| {
-            if let Some((p, f)) = summary(line).or_else(|| summary_of_node(line)) {
+            if let Some((p, f)) =
+                summary(line).or_else(|| summary_of_node(line)).or_else(|| summary_of_pytest(line))
+            {
                 passed += p;
                 failed += f;
             }
@@ -140,6 +144,18 @@ impl Count {
         }
     }
 
+    /// The Python package's tests, with the wheel of the development profile; left out where there is no Python.
+    fn package(&mut self) {
+        let environment = match package::environment() {
+            Ok(environment) => environment,
+            Err(missing) => return self.left_out.push(format!("the Python package: {missing}")),
+        };
+        match package::build(&environment, Profile::Dev) {
+            Ok(()) => self.tests(package::tests(&environment, Profile::Dev)),
+            Err(why) => self.fail(1, why),
+        }
+    }
+
     fn conclude(self) -> Outcome {
         println!();
         self.left_out.iter().for_each(|what| println!("left out: {what}"));
@@ -166,9 +182,31 @@ fn summary_of_node(line: &str) -> Option<(u64, u64)> {
     of("pass ").map(|passed| (passed, 0)).or_else(|| of("fail ").map(|failed| (0, failed)))
 }
 
+/// Passed and failed, from the last line of pytest like `1 failed, 12 passed, 1 error in 1.33s`.
+fn summary_of_pytest(line: &str) -> Option<(u64, u64)> {
+    let (counts, _) = line.trim_matches(['=', ' ']).split_once(" in ")?;
+    let of = |what: &[&str]| {
+        let part = counts.split(", ").find_map(|part| part.split_once(' ').filter(|(_, of)| what.contains(of)));
+        part.map_or(Some(0), |(count, _)| count.parse::<u64>().ok())
+    };
+    let (passed, failed, errors) = (of(&["passed"])?, of(&["failed"])?, of(&["error", "errors"])?);
+    (passed + failed + errors > 0).then_some((passed, failed + errors))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{summary, summary_of_node};
+    use super::{summary, summary_of_node, summary_of_pytest};
+
+    #[test]
+    fn summary_lines_of_pytest() {
+        assert_eq!(summary_of_pytest("12 passed in 1.33s"), Some((12, 0)));
+        assert_eq!(
+            summary_of_pytest("=== 1 failed, 12 passed, 2 warnings, 3 errors in 70.21s (0:01:10) ==="),
+            Some((12, 4))
+        );
+        assert_eq!(summary_of_pytest("collected 12 items in all"), None);
+        assert_eq!(summary_of_pytest("no tests ran in 0.01s"), None);
+    }
 
     #[test]
     fn summary_lines_of_node() {

@@ -1,0 +1,87 @@
+"""Runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+from typing import Any
+
+from . import _papilio
+from .errors import ArgumentError
+from .result import Result
+from .scenario import Scenario, read
+
+__all__ = ["Progress", "run"]
+
+#: What a ``progress`` function is given: views_done, views, relative_error, target and paths.
+Progress = Callable[[dict[str, Any]], object]
+
+_MOST_THREADS = 65535
+_LARGEST_SEED = 2**63 - 1
+
+
+def run(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    solver: str | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Computes the display that a scenario, or a scenario file, describes: what ``papilio run`` does.
+
+    Args:
+        scenario: a `Scenario`, or the path of one.
+        solver: ``"adding"`` or ``"walk"``; None: the scenario's own.
+        seed: of the walk; None: the scenario's own.
+        threads: how many; None: one for each processor. They change no number.
+        set: values put in before, ``{path: value}``; the scenario itself stays as it is.
+        progress: called a few times a second with how far the run has come.
+
+    Raises:
+        ScenarioError: with the place of what is wrong.
+        DisplayError: if the display cannot be computed.
+        KeyboardInterrupt: on Ctrl-C, within about a second.
+    """
+    changed = read(scenario, with_solver(set, solver, seed))
+    scene = changed._scene()
+    return Result(_papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress)))
+
+
+def with_solver(
+    values: Mapping[str, Any] | None, solver: str | None = None, seed: int | None = None
+) -> dict[str, Any]:
+    """The values to set, with those of the solver."""
+    if values is not None and not isinstance(values, Mapping):
+        raise ArgumentError(f"set: expected a dict of paths and values, not {type(values).__name__}")
+    all_values = dict(values or {})
+    if solver is not None:
+        if solver not in ("adding", "walk"):
+            raise ArgumentError(f'solver: expected "adding" or "walk", not {solver!r}')
+        all_values["solver.method"] = solver
+    if seed is not None:
+        all_values["solver.seed"] = whole("seed", seed, 0, _LARGEST_SEED)
+    return all_values
+
+
+def checked_threads(threads: int | None) -> int | None:
+    """The number of threads, if it is one."""
+    return None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
+
+
+def checked_progress(progress: Progress | None) -> Progress | None:
+    """The function, if it is one."""
+    if progress is not None and not callable(progress):
+        raise ArgumentError(f"progress: expected a function, not {type(progress).__name__}")
+    return progress
+
+
+def whole(name: str, value: Any, least: int, most: int) -> int:
+    """A whole number in a range."""
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise ArgumentError(f"{name}: expected a whole number, not {value!r}")
+    number = value.__index__()
+    if not least <= number <= most:
+        raise ArgumentError(f"{name}: expected {least} to {most}, not {number}")
+    return int(number)

@@ -1,0 +1,257 @@
+"""Scenarios as Python objects: read, built and edited with the text kept as it is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from os import PathLike, fspath
+from typing import Any
+
+from . import _papilio
+from ._toml import document, plain
+from .errors import ArgumentError
+
+__all__ = ["Scenario", "preset_names", "schema"]
+
+
+def preset_names() -> list[str]:
+    """The names of the ready-made rooms, daylights and geometries of standards."""
+    return _papilio.preset_names()
+
+
+def schema(of: str = "scenario") -> dict[str, Any]:
+    """The JSON Schema of a ``"scenario"`` or of a ``"result"`` (of ``result.json``)."""
+    if of not in ("scenario", "result"):
+        raise ArgumentError(f'of: expected "scenario" or "result", not {of!r}')
+    return dict(json.loads(_papilio.schema(of == "result")))
+
+
+class Scenario:
+    """A display, the light on it, the viewer, and how to compute: a TOML text and what it says.
+
+    Paths are those of ``--set``: dotted, arrays by index from 0. Reading gives the value with all defaults
+    filled in, writing changes the text and keeps its comments and layout::
+
+        scenario = papilio.Scenario.load("scenarios/indoor.toml")
+        scenario["display.pixel.film.0.thickness_nm"]        # 55.9
+        scenario["display.pixel.film.0.thickness_nm"] = 50
+        scenario.update({"display.diffuser.haze": 0.6, "viewer.theta_deg": [0, 15, 30]})
+        print(scenario.to_toml())
+
+    A change that makes the scenario wrong raises `ScenarioError` with its place in the text, and changes nothing.
+    What only files and other keys can tell (a share that is missing, a spectrum that does not reach) shows when the
+    scenario is run, or with `check`.
+    """
+
+    __slots__ = ("_described", "_files", "_folder", "_name", "_resolved", "_text")
+
+    _described: _papilio.Described
+    _resolved: _papilio.Resolved | None
+
+    def __init__(
+        self,
+        text: str,
+        *,
+        name: str = "scenario",
+        folder: str | PathLike[str] = ".",
+        files: Mapping[str, bytes] | None = None,
+    ) -> None:
+        """A scenario from its TOML text.
+
+        ``name`` is what errors call it. Files that it names are read relative to ``folder``; with ``files`` (names and
+        bytes) from there, and nothing is read from the disk.
+        """
+        if not isinstance(text, str):
+            raise ArgumentError(f"text: expected a str with TOML, not {type(text).__name__}")
+        self._name, self._folder = str(name), fspath(folder)
+        self._files = None if files is None else _checked_files(files)
+        self._put(text)
+
+    def _put(self, text: str) -> None:
+        self._described = _papilio.Described(text, self._name, self._folder, self._files)
+        self._text, self._resolved = text, None
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Scenario:
+        """Reads a scenario file.
+
+        Raises:
+            ScenarioError: with the place of everything that is wrong.
+        """
+        made = cls.__new__(cls)
+        name = _checked_path("path", path)
+        made._text, made._described = _papilio.Described.load(name)
+        made._name, made._files, made._resolved = name, None, None
+        made._folder = name.rpartition("/")[0] or "."
+        return made
+
+    @classmethod
+    def from_dict(
+        cls,
+        tables: Mapping[str, Any],
+        *,
+        name: str = "scenario",
+        folder: str | PathLike[str] = ".",
+        files: Mapping[str, bytes] | None = None,
+    ) -> Scenario:
+        """A scenario from its tables as dictionaries: ``{"display": {...}, "lighting": {"preset": "indoor"}}``."""
+        if not isinstance(tables, Mapping):
+            raise ArgumentError(f"tables: expected a dict, not {type(tables).__name__}")
+        return cls(document(plain(tables, "tables")), name=name, folder=folder, files=files)
+
+    @classmethod
+    def new(cls, preset: str) -> Scenario:
+        """A commented scenario of an example display in a preset's light (`preset_names`)."""
+        try:
+            return cls(_papilio.new_scenario(preset), name=preset)
+        except (KeyError, TypeError):
+            known = ", ".join(preset_names())
+            raise ArgumentError(f"preset: there is no {preset!r}; there are {known}") from None
+
+    def __getitem__(self, path: str) -> Any:
+        """The value at a path, defaults filled in.
+
+        Raises:
+            KeyError: if nothing is there.
+        """
+        here: Any = self.to_dict()
+        done: list[str] = []
+        for key in _checked_key(path).split("."):
+            key = key.strip()
+            try:
+                here = here[int(key)] if isinstance(here, list) else here[key]
+            except (KeyError, IndexError, ValueError, TypeError):
+                there = f"{'.'.join(done) or 'the scenario'} has "
+                there += f"{len(here)} items" if isinstance(here, list) else ", ".join(here) if isinstance(here, dict) else "no keys"
+                raise KeyError(f"{path}: {there}") from None
+            done.append(key)
+        return here
+
+    def __setitem__(self, path: str, value: Any) -> None:
+        """Sets one value; see `update` for several at once."""
+        self.update({path: value})
+
+    def __delitem__(self, path: str) -> None:
+        """Takes a key or an item away, so that its default holds."""
+        self._edit([{"op": "remove", "path": _checked_key(path)}])
+
+    def update(self, values: Mapping[str, Any]) -> None:
+        """Sets several values at once: ``{path: value}``.
+
+        Raises:
+            ScenarioError: and nothing is changed.
+        """
+        if not isinstance(values, Mapping):
+            raise ArgumentError(f"values: expected a dict of paths and values, not {type(values).__name__}")
+        self._edit([{"op": "set", "path": _checked_key(path), "value": plain(one, path)} for path, one in values.items()])
+
+    def with_values(self, values: Mapping[str, Any]) -> Scenario:
+        """A copy with several values set; see `update`."""
+        copy = self.copy()
+        copy.update(values)
+        return copy
+
+    def insert(self, path: str, value: Any, index: int | None = None) -> None:
+        """Puts an item into the array at ``path``: before item ``index``, or at the end."""
+        edit = {"op": "insert", "path": _checked_key(path), "value": plain(value, path), "index": index}
+        self._edit([edit])
+
+    def _edit(self, edits: list[dict[str, Any]]) -> None:
+        if edits:
+            self._put(_papilio.edit(self._text, json.dumps(edits)))
+
+    def copy(self) -> Scenario:
+        """Another one with the same text."""
+        copy = type(self).__new__(type(self))
+        for slot in Scenario.__slots__:
+            setattr(copy, slot, getattr(self, slot))
+        return copy
+
+    __copy__ = copy
+
+    def to_toml(self) -> str:
+        """The text."""
+        return self._text
+
+    def to_dict(self) -> dict[str, Any]:
+        """All tables as dictionaries, with every default filled in."""
+        return dict(json.loads(self._described.filled()))
+
+    def check(self) -> list[str]:
+        """Looks everything up that the scenario names, and gives what looks wrong and yet can be computed.
+
+        Raises:
+            ScenarioError: with the place of everything that is wrong.
+        """
+        return self._scene().warnings
+
+    @property
+    def name(self) -> str:
+        """What errors call it: its path, if it was loaded."""
+        return self._name
+
+    @property
+    def title(self) -> str:
+        """Its title; without one, its name."""
+        return self._scene().title or self._name.rpartition("/")[2].removesuffix(".toml")
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the scenario with its defaults and of its files' bytes: what names a computation."""
+        return self._scene().hash
+
+    def _scene(self) -> _papilio.Resolved:
+        """What is computed; files are read once for each text."""
+        if self._resolved is None:
+            self._resolved = self._described.resolve()
+        return self._resolved
+
+    def __repr__(self) -> str:
+        return f"<papilio.Scenario {self._name!r}, {len(self._text.splitlines())} lines>"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scenario) and self._state() == other._state()
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _state(self) -> tuple[Any, ...]:
+        return self._text, self._name, self._folder, self._files
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, self._state()
+
+
+def _restored(text: str, name: str, folder: str, files: dict[str, bytes] | None) -> Scenario:
+    return Scenario(text, name=name, folder=folder, files=files)
+
+
+def read(scenario: Scenario | str | PathLike[str], set: Mapping[str, Any] | None = None) -> Scenario:
+    """A scenario, or the one in a file, with values set."""
+    if not isinstance(scenario, Scenario):
+        scenario = Scenario.load(_checked_path("scenario", scenario))
+    return scenario.with_values(set) if set else scenario
+
+
+def _checked_path(name: str, path: str | PathLike[str]) -> str:
+    try:
+        text = fspath(path)
+    except TypeError:
+        raise ArgumentError(f"{name}: expected a path, not {type(path).__name__}") from None
+    if not isinstance(text, str) or "\0" in text:
+        raise ArgumentError(f"{name}: {text!r} is no path")
+    return text
+
+
+def _checked_key(path: str) -> str:
+    if not isinstance(path, str):
+        raise ArgumentError(f"path: expected a dotted path such as display.diffuser.haze, not {path!r}")
+    return path
+
+
+def _checked_files(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    if not isinstance(files, Mapping):
+        raise ArgumentError(f"files: expected a dict of names and bytes, not {type(files).__name__}")
+    for name, content in files.items():
+        if not isinstance(name, str) or not isinstance(content, (bytes, bytearray)):
+            raise ArgumentError(f"files: expected names and bytes, not {name!r} and {type(content).__name__}")
+    return {name: bytes(content) for name, content in files.items()}

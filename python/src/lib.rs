@@ -1,0 +1,34 @@
+//! The extension module under the Python package `papilio`: a thin face over `scenario`, `display`, `formats`,
+//! `figures`, `colour` and `optics`.
+//!
+//! The package's own modules (`papilio/*.py`) hold what Python does well: arguments, tables, notebooks. Here is what
+//! computes, with the interpreter free meanwhile. Mistakes come out as the exceptions of `papilio/errors.py`; what is
+//! given is checked on this side, too: nothing a script says ends the interpreter.
+
+mod columns;
+mod errors;
+mod result;
+mod run;
+mod scenario;
+mod watch;
+
+use pyo3::prelude::*;
+
+/// Small vectors come and go in every evaluation of a prepared display.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+/// What the package `papilio` stands on; not for use by itself.
+#[pymodule]
+mod _papilio {
+    #[pymodule_export]
+    use crate::result::RunResult;
+    #[pymodule_export]
+    use crate::run::Prepared;
+    #[pymodule_export]
+    use crate::scenario::{Described, Resolved, edit, new_scenario, preset_names, schema};
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals, reason = "Python's name")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,48 @@
+//! Runs, and displays that are kept for more of them.
+
+use std::sync::{Arc, Mutex};
+
+use papilio_display::DisplayError;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+use crate::errors;
+use crate::result::RunResult;
+use crate::scenario::Resolved;
+use crate::watch::watched;
+
+/// A display that keeps what the next run can use.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Prepared {
+    kept: Mutex<papilio_display::Prepared>,
+}
+
+#[pymethods]
+impl Prepared {
+    #[new]
+    fn new(py: Python<'_>, like: &Resolved) -> PyResult<Self> {
+        let prepared = py.detach(|| papilio_display::Prepared::new(&like.of.scene));
+        Ok(Self { kept: Mutex::new(prepared.map_err(|error| errors::display(py, &error))?) })
+    }
+
+    #[pyo3(signature = (scenario, threads=None, progress=None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        scenario: &Resolved,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<RunResult> {
+        let of = &scenario.of;
+        let outcome = watched(py, threads.map(usize::from), progress.as_ref(), |control| {
+            let mut kept = self.kept.lock().ok()?;
+            Some(kept.run(&of.scene, control))
+        })?;
+        match outcome {
+            Some(Ok(result)) => Ok(RunResult::new(result, Arc::clone(of))),
+            Some(Err(DisplayError::Interrupted)) => Err(PyKeyboardInterrupt::new_err(())),
+            Some(Err(error)) => Err(errors::display(py, &error)),
+            None => Err(errors::internal("this display was left half done by an earlier fault")),
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Scenarios: text in, scenes and errors with their places out.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use papilio_formats::DataFile;
+use papilio_scenario::{Edit, KeptFile, Library, Memo, Scenario};
+use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// A scenario that was read: well-formed, every key and type in order.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Described {
+    scenario: Scenario,
+}
+
+#[pymethods]
+impl Described {
+    /// From a file.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<(String, Self)> {
+        let name = path.display().to_string();
+        let read = || {
+            let file = DataFile::open(&path, &name)?;
+            file.text().map(str::to_owned)
+        };
+        let text = py.detach(read).map_err(|_| {
+            // Read once more for the scenario's own words about what is wrong.
+            Scenario::load(&path, &[]).map_or_else(
+                |errors| errors::scenario(py, &errors),
+                |_| errors::internal("a file that changed while it was read"),
+            )
+        })?;
+        let folder = path.parent().map(PathBuf::from).unwrap_or_default();
+        let described = Self::new(py, &text, &name, folder, None)?;
+        Ok((text, described))
+    }
+
+    /// From a text; `files`: in memory instead of the folder.
+    #[new]
+    #[pyo3(signature = (text, name, folder, files=None))]
+    fn new(
+        py: Python<'_>,
+        text: &str,
+        name: &str,
+        folder: PathBuf,
+        files: Option<BTreeMap<String, Vec<u8>>>,
+    ) -> PyResult<Self> {
+        let library = match files {
+            None => Library::Folder(folder),
+            Some(files) => {
+                let kept = |(name, bytes): (String, Vec<u8>)| {
+                    (name.clone(), KeptFile::new(DataFile { name, bytes }))
+                };
+                let files = Arc::new(files.into_iter().map(kept).collect());
+                Library::Memory { files, memo: Arc::new(Memo::default()) }
+            }
+        };
+        let read = py.detach(|| Scenario::from_text(text, name, library, &[]));
+        Ok(Self { scenario: read.map_err(|errors| errors::scenario(py, &errors))? })
+    }
+
+    /// The scenario with its defaults, as JSON.
+    fn filled(&self) -> PyResult<String> {
+        serde_json::to_string(&self.scenario.filled()).map_err(|error| errors::internal(&error.to_string()))
+    }
+
+    /// Looks everything up.
+    fn resolve(&self, py: Python<'_>) -> PyResult<Resolved> {
+        let resolved = py.detach(|| self.scenario.resolve());
+        Ok(Resolved { of: Arc::new(resolved.map_err(|errors| errors::scenario(py, &errors))?) })
+    }
+}
+
+/// A scenario that can be computed.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Resolved {
+    pub(crate) of: Arc<papilio_scenario::Resolved>,
+}
+
+#[pymethods]
+impl Resolved {
+    #[getter]
+    fn title(&self) -> Option<&str> {
+        self.of.title.as_deref()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.of.warnings.clone()
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.of.notes.clone()
+    }
+
+    #[getter]
+    fn hash(&self) -> &str {
+        &self.of.hash
+    }
+
+    /// The canonical scenario, as JSON.
+    fn canonical(&self) -> String {
+        self.of.canonical.to_string()
+    }
+}
+
+/// The text with changes, which come as JSON.
+#[pyfunction]
+pub(crate) fn edit(py: Python<'_>, text: &str, edits: &str) -> PyResult<String> {
+    let edits: Vec<Edit> =
+        serde_json::from_str(edits).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    papilio_scenario::edit(text, &edits).map_err(|errors| errors::scenario(py, &errors))
+}
+
+/// A scenario in a preset's light.
+#[pyfunction]
+pub(crate) fn new_scenario(preset: &str) -> PyResult<String> {
+    papilio_scenario::new_scenario(preset).ok_or_else(|| PyKeyError::new_err(preset.to_owned()))
+}
+
+/// The presets' names.
+#[pyfunction]
+pub(crate) fn preset_names() -> Vec<&'static str> {
+    papilio_scenario::preset_names().collect()
+}
+
+/// The JSON Schema of a scenario, or of a result, as JSON.
+#[pyfunction]
+pub(crate) fn schema(of_result: bool) -> String {
+    let schema = if of_result { papilio_formats::result_schema() } else { papilio_scenario::schema() };
+    schema.to_string()
+}

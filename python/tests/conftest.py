@@ -1,0 +1,22 @@
+"""Where things are: the repository, and the program to compare with."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def scenarios() -> Path:
+    return ROOT / "scenarios"
+
+
+@pytest.fixture
+def program() -> Path:
+    """The program `papilio`, built from the same sources; `cargo xtask python` names it."""
+    named = os.environ.get("PAPILIO")
+    if named is None:
+        pytest.fail("the variable PAPILIO names no program: run `cargo xtask python`")
+    return Path(named)

@@ -1,0 +1,44 @@
+"""Runs: the same numbers as the command line's."""
+
+import json
+import subprocess
+
+import papilio
+
+
+def of_program(program, scenario, *arguments):
+    """What the program prints as JSON."""
+    command = [program, "run", scenario, "--json", *arguments]
+    return subprocess.run(command, capture_output=True, check=True, text=True).stdout
+
+
+def test_the_indoor_scenario_equals_the_command_lines_to_the_last_bit(program, scenarios):
+    indoor = scenarios / "indoor.toml"
+    result = papilio.run(indoor)
+    printed = of_program(program, indoor)
+    assert same(result.data, json.loads(printed)) > 1000
+    assert result.to_json() == printed
+
+
+def test_the_walk_and_what_is_set_equal_the_command_lines(program, scenarios):
+    indoor = scenarios / "indoor.toml"
+    result = papilio.run(indoor, solver="walk", seed=5, set={"solver.relative_error": 0.01, "viewer.theta_deg": [0, 30]})
+    arguments = ["--solver", "walk", "--seed", "5", "--set", "solver.relative_error=0.01", "--set", "viewer.theta_deg=[0, 30]"]
+    assert result.to_json() == of_program(program, indoor, *arguments)
+    assert result.views == [(0.0, 0.0), (30.0, 0.0)]
+
+
+def same(ours, theirs):
+    """How many numbers there are; fails where two differ in a bit."""
+    assert type(ours) is type(theirs)
+    if isinstance(ours, dict):
+        assert list(ours) == list(theirs)
+        return sum(same(ours[key], theirs[key]) for key in ours)
+    if isinstance(ours, list):
+        assert len(ours) == len(theirs)
+        return sum(map(same, ours, theirs))
+    if isinstance(ours, float):
+        assert ours.hex() == theirs.hex()
+        return 1
+    assert ours == theirs
+    return 0

@@ -1,0 +1,104 @@
+"""Scenarios as objects: values, edits, and mistakes with their places."""
+
+import copy
+import pickle
+import subprocess
+
+import pytest
+
+import papilio
+from papilio import Scenario, ScenarioError
+
+GAPS = "display.pixel.gap_nm"
+
+
+@pytest.fixture
+def indoor(scenarios):
+    return Scenario.load(scenarios / "indoor.toml")
+
+
+def test_values_are_read_with_their_defaults(indoor):
+    assert indoor["display.pixel.film.0.thickness_nm"] == 55.9
+    assert indoor["solver.seed"] == 0
+    assert indoor["lighting.directed.0.theta_deg"] == -20
+
+
+@pytest.mark.parametrize("path", ["display.pixels", "display.pixel.film.9", "display.pixel.film.x", "title.x", "", "..", "a" * 10000])
+def test_a_path_to_nothing_is_a_key_error_that_names_it(indoor, path):
+    with pytest.raises(KeyError) as error:
+        indoor[path]
+    assert path in str(error.value)
+
+
+def test_a_change_keeps_the_rest_of_the_text(indoor):
+    before = indoor.to_toml().splitlines()
+    indoor["display.pixel.film.0.thickness_nm"] = 50.25
+    after = indoor.to_toml().splitlines()
+    changed = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
+    assert len(changed) == 1 and "50.25" in changed[0][1]
+    assert indoor["display.pixel.film.0.thickness_nm"] == 50.25
+
+
+def test_a_wrong_change_changes_nothing_and_names_its_place(indoor):
+    before = indoor.to_toml()
+    with pytest.raises(ScenarioError) as error:
+        indoor["display.pixel.film.0.thickness_nm"] = -5
+    assert indoor.to_toml() == before
+    assert error.value.path == "display.pixel.film.0.thickness_nm"
+    assert error.value.file == indoor.name and error.value.line > 1 and error.value.column >= 1
+    assert isinstance(error.value, ValueError) and isinstance(error.value, papilio.PapilioError)
+
+
+def test_a_wrong_file_says_what_the_program_says(tmp_path, program):
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text('[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectence = { white = 0.5 }\n')
+    said = subprocess.run([program, "run", wrong], capture_output=True, text=True)
+    assert said.returncode == 2
+    with pytest.raises(ScenarioError) as error:
+        papilio.run(wrong)
+    assert str(error.value) == said.stderr.rstrip("\n")
+    assert (str(wrong), 4, 1) in [(one.file, one.line, one.column) for one in error.value.mistakes]
+    assert pickle.loads(pickle.dumps(error.value)).mistakes == error.value.mistakes
+
+
+def test_a_scenario_from_tables():
+    tables = {
+        "title": 'Paper, "white"',
+        "display": {"pixel": {"model": "uniform", "kind": "lambertian", "reflectance": {"white": 0.45, "black": 0.03}}},
+        "lighting": {"preset": "indoor"},
+    }
+    paper = Scenario.from_dict(tables)
+    assert paper["title"] == tables["title"]
+    assert paper["display.pixel.reflectance"] == {"white": 0.45, "black": 0.03}
+    assert Scenario(paper.to_toml()).to_dict() == paper.to_dict()
+
+
+def test_every_scenario_comes_back_from_its_tables(scenarios):
+    """Reading with defaults, writing as TOML and reading again is the identity."""
+    for path in sorted(scenarios.glob("*.toml")):
+        scenario = Scenario.load(path)
+        again = Scenario.from_dict(without_null(scenario.to_dict()), folder=scenarios)
+        assert again.to_dict() == scenario.to_dict(), path
+
+
+def without_null(value):
+    if isinstance(value, dict):
+        return {key: without_null(one) for key, one in value.items() if one is not None}
+    return [without_null(one) for one in value] if isinstance(value, list) else value
+
+
+def test_files_in_memory_stand_for_those_on_disk():
+    text = '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = "w.csv", black = 0.1 }\n'
+    text += '[lighting]\npreset = "indoor"\n'
+    good = Scenario(text, files={"w.csv": b"380,0.5\n780,0.5\n"})
+    assert good.check() == []
+    assert Scenario(text, files={"w.csv": b"380,0.4\n780,0.5\n"}).hash != good.hash
+    with pytest.raises(ScenarioError, match="w.csv"):
+        Scenario(text, files={}).check()
+
+
+def test_copies_and_pickles_are_their_own(indoor):
+    for other in [indoor.copy(), copy.copy(indoor), copy.deepcopy(indoor), pickle.loads(pickle.dumps(indoor))]:
+        assert other == indoor and other.hash == indoor.hash
+        other["solver.seed"] = 7
+        assert other != indoor and indoor["solver.seed"] == 0

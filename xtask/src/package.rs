@@ -1,0 +1,72 @@
+//! The Python package (`python`): built as a wheel by maturin, installed into an environment of its own, tested there.
+
+use std::process::Command;
+
+use crate::python::Environment;
+use crate::shell::{self, Outcome, cargo, command};
+
+/// What builds and tests it, pinned, and what it can work with.
+const PACKAGES: [&str; 6] =
+    ["maturin==1.16.0", "pytest==9.2.0", "mypy==2.4.1", "numpy==2.4.6", "xarray==2026.9.0", "pandas==3.1.1"];
+
+/// How the extension module is compiled.
+#[derive(Clone, Copy)]
+pub(crate) enum Profile {
+    /// As for tests: quick to build.
+    Dev,
+    /// As for users.
+    Release,
+}
+
+impl Profile {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Dev => "dev",
+            Self::Release => "release",
+        }
+    }
+
+    /// Its folder in the target folder.
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Dev => "debug",
+            Self::Release => "release",
+        }
+    }
+}
+
+/// The chore: the wheel as users get it, in a clean environment.
+pub(crate) fn package() -> Outcome {
+    let environment = Environment::clean("python", &PACKAGES)?;
+    build(&environment, Profile::Release)?;
+    shell::run(tests(&environment, Profile::Release))
+}
+
+/// The environment of every day, made complete.
+pub(crate) fn environment() -> Result<Environment, String> {
+    Environment::new("python", &PACKAGES)
+}
+
+/// Builds the wheel, installs it, and builds the program that the tests compare it with.
+pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
+    let wheels = shell::target().join("wheels");
+    let out = wheels.to_string_lossy();
+    let build = ["-m", "maturin", "build", "--quiet", "--manifest-path", "python/Cargo.toml", "--profile"];
+    let build = build.into_iter().chain([profile.name(), "--out", &*out]);
+    shell::run(command(environment.python(), build))?;
+    // Whatever stands there already: its version may be the same.
+    let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", "--no-index"];
+    let install = install.into_iter().chain(["--find-links", &*out, "papilio"]);
+    shell::run(command(environment.python(), install))?;
+    shell::run(cargo(["build", "--package", "papilio", "--profile", profile.name()]))
+}
+
+/// The package's tests.
+pub(crate) fn tests(environment: &Environment, profile: Profile) -> Command {
+    // Not in `python`: the sources there, without the extension module, would be taken for the package.
+    let arguments = ["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"];
+    let mut tests = command(environment.python(), arguments);
+    let program = shell::target().join(profile.folder()).join("papilio");
+    tests.env("PAPILIO", program.with_extension(std::env::consts::EXE_EXTENSION));
+    tests
+}
