@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use numpy::PyArray1;
 use papilio_display::result as display;
 use papilio_formats::{ResultFile, write_json, write_spectra, write_states};
-use numpy::PyArray1;
 use papilio_scenario::Resolved;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -57,9 +57,8 @@ impl RunResult {
     /// All numbers: names (`standard_error.Y`) and arrays, of the states together (shape [view]) and of each state
     /// (shape [view, state, ...]).
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
-        let [views, states] = py
-            .detach(|| columns(&self.result))
-            .map_err(|error| errors::internal(&error.to_string()))?;
+        let [views, states] =
+            py.detach(|| columns(&self.result)).map_err(|error| errors::internal(&error.to_string()))?;
         Ok((views.into_dict(py)?, states.into_dict(py)?))
     }
 

@@ -186,7 +186,8 @@ fn summary_of_node(line: &str) -> Option<(u64, u64)> {
 fn summary_of_pytest(line: &str) -> Option<(u64, u64)> {
     let (counts, _) = line.trim_matches(['=', ' ']).split_once(" in ")?;
     let of = |what: &[&str]| {
-        let part = counts.split(", ").find_map(|part| part.split_once(' ').filter(|(_, of)| what.contains(of)));
+        let part =
+            counts.split(", ").find_map(|part| part.split_once(' ').filter(|(_, of)| what.contains(of)));
         part.map_or(Some(0), |(count, _)| count.parse::<u64>().ok())
     };
     let (passed, failed, errors) = (of(&["passed"])?, of(&["failed"])?, of(&["error", "errors"])?);
