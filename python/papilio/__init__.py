@@ -5,28 +5,45 @@ A scenario goes in; spectra, colours and metrics with their errors come out::
     import papilio
 
     result = papilio.run("scenarios/indoor.toml")
-    result
+    result["gamut_percent_srgb"]
 
-Limits, units and sources of the models are in the documentation of the program ``papilio``; the numbers here are
-its own, to the last bit.
+- `run` computes a scenario, `cone` what is seen from every direction, `Prepared` thousands of designs;
+- `Scenario` reads, builds and edits scenarios;
+- `films`, `colour` and `diffuser` are the parts by themselves, on arrays.
+
+Units, limits and sources of the models are in the documentation of the program ``papilio``; the numbers here are its
+own, to the last bit.
 """
 
+from . import colour, diffuser, films
 from ._papilio import __version__
-from .errors import ArgumentError, DisplayError, FileError, Mistake, PapilioError, ScenarioError
+from .cones import Cone, cone
+from .errors import ArgumentError, DesignError, DisplayError, FileError, Mistake, PapilioError, ScenarioError
+from .figure import Figure
+from .prepared import Prepared, metric_names
 from .result import Result
 from .running import run
 from .scenario import Scenario, preset_names, schema
 
 __all__ = [
     "ArgumentError",
+    "Cone",
+    "DesignError",
     "DisplayError",
+    "Figure",
     "FileError",
     "Mistake",
     "PapilioError",
+    "Prepared",
     "Result",
     "Scenario",
     "ScenarioError",
     "__version__",
+    "colour",
+    "cone",
+    "diffuser",
+    "films",
+    "metric_names",
     "preset_names",
     "run",
     "schema",

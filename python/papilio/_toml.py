@@ -9,9 +9,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
+import numpy as np
+
+from ._arguments import described, text, whole
 from .errors import ArgumentError
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
+
+#: A scenario is at most 1 MiB of text.
+_MOST_ITEMS = 1 << 20
 
 #: Deeper than this is no scenario.
 _DEEPEST = 32
@@ -21,24 +27,29 @@ def plain(value: Any, name: str, depth: int = 0) -> Any:
     """The value as plain bool, int, float, str, list and dict; ``name`` is how mistakes call it."""
     if depth > _DEEPEST:
         raise ArgumentError(f"{name}: this is nested too deeply, or holds itself")
-    if hasattr(value, "tolist"):  # numpy's scalars and arrays
+    if isinstance(value, (np.ndarray, np.generic)):
+        if value.size > _MOST_ITEMS:
+            raise ArgumentError(f"{name}: a list of {value.size} items is no value of a scenario")
         value = value.tolist()
-    if isinstance(value, (bool, int, str)):
+    if isinstance(value, str):
+        return text(name, value, "text")
+    if isinstance(value, bool):
         return value
+    if isinstance(value, int):
+        return whole(name, value, -(2**63), 2**63 - 1)
     if isinstance(value, float):
         if not math.isfinite(value):
             raise ArgumentError(f"{name}: {value} is no finite number")
         return value
     if isinstance(value, PurePath):
-        return str(value)
+        return text(name, str(value), "a path")
     if isinstance(value, Mapping):
         for key in value:
-            if not isinstance(key, str):
-                raise ArgumentError(f"{name}: the key {key!r} is no string")
+            text(name, key, "strings as keys")
         return {key: plain(one, f"{name}.{key}", depth + 1) for key, one in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray)):
         return [plain(one, f"{name}.{i}", depth + 1) for i, one in enumerate(value)]
-    raise ArgumentError(f"{name}: {type(value).__name__} has no TOML; give a number, a string, a list or a dict")
+    raise ArgumentError(f"{name}: expected a number, a string, a list or a dict, not {described(value)}")
 
 
 def document(tables: Mapping[str, Any]) -> str:
@@ -52,7 +63,7 @@ def _table(lines: list[str], path: list[str], table: Mapping[str, Any]) -> None:
     inner = {key: one for key, one in table.items() if _is_table(one) or _is_tables(one)}
     for key, one in table.items():
         if key not in inner:
-            lines.append(f"{_key(key)} = {value(one)}")
+            lines.append(f"{_key(key)} = {inline(one)}")
     for key, one in inner.items():
         below = [*path, _key(key)]
         name = ".".join(below)
@@ -75,23 +86,23 @@ def _is_tables(one: Any) -> bool:
     return isinstance(one, list) and bool(one) and all(isinstance(each, dict) for each in one) and any(map(_is_table, one))
 
 
-def value(one: Any) -> str:
+def inline(one: Any) -> str:
     """A plain value in one line."""
     if isinstance(one, bool):
         return "true" if one else "false"
     if isinstance(one, (int, float)):
         return repr(one)
     if isinstance(one, str):
-        return _text(one)
+        return _quoted(one)
     if isinstance(one, list):
-        return "[" + ", ".join(map(value, one)) + "]"
-    inside = ", ".join(f"{_key(key)} = {value(each)}" for key, each in one.items())
+        return "[" + ", ".join(map(inline, one)) + "]"
+    inside = ", ".join(f"{_key(key)} = {inline(each)}" for key, each in one.items())
     return f"{{ {inside} }}" if inside else "{}"
 
 
 def _key(key: str) -> str:
-    return key if _BARE.match(key) else _text(key)
+    return key if _BARE.match(key) else _quoted(key)
 
 
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _quoted(words: str) -> str:
+    return json.dumps(words, ensure_ascii=False).replace("\x7f", "\\u007f")

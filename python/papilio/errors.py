@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-__all__ = ["ArgumentError", "DisplayError", "FileError", "Mistake", "PapilioError", "ScenarioError"]
+__all__ = ["ArgumentError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "ScenarioError"]
 
 
 class Mistake(NamedTuple):
@@ -85,3 +85,21 @@ class DisplayError(PapilioError, ValueError):
 
 class ArgumentError(PapilioError, ValueError):
     """An argument of a function that is wrong; the text begins with its name."""
+
+    def __init__(self, text: str, mistakes: Sequence[Mapping[str, Any]] = ()) -> None:
+        super().__init__(text)
+
+
+class DesignError(PapilioError, ValueError):
+    """A design, of many in one call, that cannot be computed."""
+
+    def __init__(self, text: str, design: int | tuple[int, ...]) -> None:
+        super().__init__(text)
+        #: Which one: its index in the arrays of designs.
+        self.design = design
+
+    def __str__(self) -> str:
+        return f"design {self.design}: {self.args[0]}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.args[0], self.design)

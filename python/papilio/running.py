@@ -7,6 +7,7 @@ from os import PathLike
 from typing import Any
 
 from . import _papilio
+from ._arguments import described, one_of, whole
 from .errors import ArgumentError
 from .result import Result
 from .scenario import Scenario, read
@@ -46,7 +47,8 @@ def run(
     """
     changed = read(scenario, with_solver(set, solver, seed))
     scene = changed._scene()
-    return Result(_papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress)))
+    core = _papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress))
+    return Result(core, changed.title)
 
 
 def with_solver(
@@ -54,12 +56,10 @@ def with_solver(
 ) -> dict[str, Any]:
     """The values to set, with those of the solver."""
     if values is not None and not isinstance(values, Mapping):
-        raise ArgumentError(f"set: expected a dict of paths and values, not {type(values).__name__}")
+        raise ArgumentError(f"set: expected a dict of paths and values, not {described(values)}")
     all_values = dict(values or {})
     if solver is not None:
-        if solver not in ("adding", "walk"):
-            raise ArgumentError(f'solver: expected "adding" or "walk", not {solver!r}')
-        all_values["solver.method"] = solver
+        all_values["solver.method"] = one_of("solver", solver, ("adding", "walk"))
     if seed is not None:
         all_values["solver.seed"] = whole("seed", seed, 0, _LARGEST_SEED)
     return all_values
@@ -73,15 +73,6 @@ def checked_threads(threads: int | None) -> int | None:
 def checked_progress(progress: Progress | None) -> Progress | None:
     """The function, if it is one."""
     if progress is not None and not callable(progress):
-        raise ArgumentError(f"progress: expected a function, not {type(progress).__name__}")
+        raise ArgumentError(f"progress: expected a function, not {described(progress)}")
     return progress
 
-
-def whole(name: str, value: Any, least: int, most: int) -> int:
-    """A whole number in a range."""
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
-        raise ArgumentError(f"{name}: expected a whole number, not {value!r}")
-    number = value.__index__()
-    if not least <= number <= most:
-        raise ArgumentError(f"{name}: expected {least} to {most}, not {number}")
-    return int(number)

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from os import PathLike, fspath
 from typing import Any
 
-from . import _papilio
+from . import _arguments, _papilio
+from ._arguments import described, one_of, whole
 from ._toml import document, plain
 from .errors import ArgumentError
 
@@ -21,9 +22,7 @@ def preset_names() -> list[str]:
 
 def schema(of: str = "scenario") -> dict[str, Any]:
     """The JSON Schema of a ``"scenario"`` or of a ``"result"`` (of ``result.json``)."""
-    if of not in ("scenario", "result"):
-        raise ArgumentError(f'of: expected "scenario" or "result", not {of!r}')
-    return dict(json.loads(_papilio.schema(of == "result")))
+    return dict(json.loads(_papilio.schema(one_of("of", of, ("scenario", "result")) == "result")))
 
 
 class Scenario:
@@ -61,9 +60,9 @@ class Scenario:
         ``name`` is what errors call it. Files that it names are read relative to ``folder``; with ``files`` (names and
         bytes) from there, and nothing is read from the disk.
         """
-        if not isinstance(text, str):
-            raise ArgumentError(f"text: expected a str with TOML, not {type(text).__name__}")
-        self._name, self._folder = str(name), fspath(folder)
+        _arguments.text("text", text, "a TOML text")
+        self._name = _arguments.text("name", name, "a name")
+        self._folder = _checked_path("folder", folder)
         self._files = None if files is None else _checked_files(files)
         self._put(text)
 
@@ -96,17 +95,14 @@ class Scenario:
     ) -> Scenario:
         """A scenario from its tables as dictionaries: ``{"display": {...}, "lighting": {"preset": "indoor"}}``."""
         if not isinstance(tables, Mapping):
-            raise ArgumentError(f"tables: expected a dict, not {type(tables).__name__}")
+            raise ArgumentError(f"tables: expected a dict, not {described(tables)}")
         return cls(document(plain(tables, "tables")), name=name, folder=folder, files=files)
 
     @classmethod
     def new(cls, preset: str) -> Scenario:
         """A commented scenario of an example display in a preset's light (`preset_names`)."""
-        try:
-            return cls(_papilio.new_scenario(preset), name=preset)
-        except (KeyError, TypeError):
-            known = ", ".join(preset_names())
-            raise ArgumentError(f"preset: there is no {preset!r}; there are {known}") from None
+        known = one_of("preset", preset, preset_names())
+        return cls(_papilio.new_scenario(known), name=known)
 
     def __getitem__(self, path: str) -> Any:
         """The value at a path, defaults filled in.
@@ -129,7 +125,7 @@ class Scenario:
 
     def __setitem__(self, path: str, value: Any) -> None:
         """Sets one value; see `update` for several at once."""
-        self.update({path: value})
+        self.update({_checked_key(path): value})
 
     def __delitem__(self, path: str) -> None:
         """Takes a key or an item away, so that its default holds."""
@@ -142,8 +138,8 @@ class Scenario:
             ScenarioError: and nothing is changed.
         """
         if not isinstance(values, Mapping):
-            raise ArgumentError(f"values: expected a dict of paths and values, not {type(values).__name__}")
-        self._edit([{"op": "set", "path": _checked_key(path), "value": plain(one, path)} for path, one in values.items()])
+            raise ArgumentError(f"values: expected a dict of paths and values, not {described(values)}")
+        self._edit([{"op": "set", "path": _checked_key(path), "value": plain(one, str(path))} for path, one in values.items()])
 
     def with_values(self, values: Mapping[str, Any]) -> Scenario:
         """A copy with several values set; see `update`."""
@@ -153,7 +149,8 @@ class Scenario:
 
     def insert(self, path: str, value: Any, index: int | None = None) -> None:
         """Puts an item into the array at ``path``: before item ``index``, or at the end."""
-        edit = {"op": "insert", "path": _checked_key(path), "value": plain(value, path), "index": index}
+        at = None if index is None else whole("index", index, 0, 2**31)
+        edit = {"op": "insert", "path": _checked_key(path), "value": plain(value, path), "index": at}
         self._edit([edit])
 
     def _edit(self, edits: list[dict[str, Any]]) -> None:
@@ -233,25 +230,22 @@ def read(scenario: Scenario | str | PathLike[str], set: Mapping[str, Any] | None
 
 
 def _checked_path(name: str, path: str | PathLike[str]) -> str:
-    try:
-        text = fspath(path)
-    except TypeError:
-        raise ArgumentError(f"{name}: expected a path, not {type(path).__name__}") from None
-    if not isinstance(text, str) or "\0" in text:
-        raise ArgumentError(f"{name}: {text!r} is no path")
-    return text
+    named: object = fspath(path) if isinstance(path, PathLike) else path
+    checked = _arguments.text(name, named, "a path")
+    if "\0" in checked:
+        raise ArgumentError(f"{name}: {checked!r} is no path")
+    return checked
 
 
 def _checked_key(path: str) -> str:
-    if not isinstance(path, str):
-        raise ArgumentError(f"path: expected a dotted path such as display.diffuser.haze, not {path!r}")
-    return path
+    return _arguments.text("path", path, "a dotted path such as display.diffuser.haze")
 
 
 def _checked_files(files: Mapping[str, bytes]) -> dict[str, bytes]:
     if not isinstance(files, Mapping):
-        raise ArgumentError(f"files: expected a dict of names and bytes, not {type(files).__name__}")
+        raise ArgumentError(f"files: expected a dict of names and bytes, not {described(files)}")
     for name, content in files.items():
-        if not isinstance(name, str) or not isinstance(content, (bytes, bytearray)):
-            raise ArgumentError(f"files: expected names and bytes, not {name!r} and {type(content).__name__}")
+        _arguments.text("files", name, "names")
+        if not isinstance(content, (bytes, bytearray)):
+            raise ArgumentError(f"files: expected the bytes of {name}, not {described(content)}")
     return {name: bytes(content) for name, content in files.items()}

@@ -1,7 +1,7 @@
 //! Mistakes as the exceptions that `papilio/errors.py` declares, with their texts and places.
 
 use papilio_display::DisplayError;
-use papilio_formats::Place;
+use papilio_formats::{FormatError, Place};
 use papilio_scenario::ScenarioErrors;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -23,9 +23,29 @@ pub(crate) fn scenario(py: Python<'_>, errors: &ScenarioErrors) -> PyErr {
     raised(py, "ScenarioError", errors.to_string(), all.collect())
 }
 
+/// What is wrong with a data file.
+pub(crate) fn format(py: Python<'_>, error: &FormatError) -> PyErr {
+    let mistake = at(py, &error.place).and_then(|mistake| {
+        mistake.set_item("message", error.problem.to_string())?;
+        Ok(vec![mistake])
+    });
+    raised(py, "FileError", error.to_string(), mistake)
+}
+
 /// Why a scene cannot be computed.
 pub(crate) fn display(py: Python<'_>, error: &DisplayError) -> PyErr {
     raised(py, "DisplayError", error.to_string(), Ok(Vec::new()))
+}
+
+/// An argument that is wrong; `text` begins with its name.
+pub(crate) fn argument(py: Python<'_>, text: &str) -> PyErr {
+    raised(py, "ArgumentError", text.to_owned(), Ok(Vec::new()))
+}
+
+/// A design that cannot be: which one, and why.
+pub(crate) fn design(py: Python<'_>, design: usize, why: &str) -> PyErr {
+    let made = || py.import(MODULE)?.getattr("DesignError")?.call1((why, design));
+    made().map_or_else(|error| error, PyErr::from_value)
 }
 
 /// A fault of this program.

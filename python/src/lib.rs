@@ -5,8 +5,14 @@
 //! computes, with the interpreter free meanwhile. Mistakes come out as the exceptions of `papilio/errors.py`; what is
 //! given is checked on this side, too: nothing a script says ends the interpreter.
 
+mod batch;
+mod colour;
 mod columns;
+mod cone;
+mod diffuser;
 mod errors;
+mod figures;
+mod films;
 mod result;
 mod run;
 mod scenario;
@@ -21,6 +27,18 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 /// What the package `papilio` stands on; not for use by itself.
 #[pymodule]
 mod _papilio {
+    #[pymodule_export]
+    use crate::batch::{Batch, metric_names};
+    #[pymodule_export]
+    use crate::colour::{delta_e_2000, gamut, illuminant_names, illuminant_spectrum, lab, uv_prime, xyz};
+    #[pymodule_export]
+    use crate::cone::Cone;
+    #[pymodule_export]
+    use crate::diffuser::{Diffuser, lobe_names};
+    #[pymodule_export]
+    use crate::figures::png;
+    #[pymodule_export]
+    use crate::films::{film, material_index, material_names};
     #[pymodule_export]
     use crate::result::RunResult;
     #[pymodule_export]

@@ -49,17 +49,7 @@ impl Described {
         folder: PathBuf,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
-        let library = match files {
-            None => Library::Folder(folder),
-            Some(files) => {
-                let kept = |(name, bytes): (String, Vec<u8>)| {
-                    (name.clone(), KeptFile::new(DataFile { name, bytes }))
-                };
-                let files = Arc::new(files.into_iter().map(kept).collect());
-                Library::Memory { files, memo: Arc::new(Memo::default()) }
-            }
-        };
-        let read = py.detach(|| Scenario::from_text(text, name, library, &[]));
+        let read = py.detach(|| Scenario::from_text(text, name, library(folder, files), &[]));
         Ok(Self { scenario: read.map_err(|errors| errors::scenario(py, &errors))? })
     }
 
@@ -72,6 +62,16 @@ impl Described {
     fn resolve(&self, py: Python<'_>) -> PyResult<Resolved> {
         let resolved = py.detach(|| self.scenario.resolve());
         Ok(Resolved { of: Arc::new(resolved.map_err(|errors| errors::scenario(py, &errors))?) })
+    }
+}
+
+/// Where a scenario's files are.
+pub(crate) fn library(folder: PathBuf, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
+    let Some(files) = files else { return Library::Folder(folder) };
+    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), KeptFile::new(DataFile { name, bytes }));
+    Library::Memory {
+        files: Arc::new(files.into_iter().map(kept).collect()),
+        memo: Arc::new(Memo::default()),
     }
 }
 

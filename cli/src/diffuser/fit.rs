@@ -4,14 +4,11 @@ use std::io::Write;
 
 use papilio_figures::{ScatterCurve, Scattering, scattering};
 use papilio_formats::{FitFile, write_json};
-use papilio_goniometry::{
-    Data, Fit, FitOptions, Geometry, Kind, Measurement, Part, Preparation, Ranked, SpecularGrid,
-    double_pass_error, kernel, ranked,
-};
+use papilio_goniometry::{FitOptions, Geometry, Kind, Measurement, Part, Ranked, SpecularGrid, fitted};
 use papilio_optics::Beta;
 
 use super::{blocks, read, report};
-use crate::arguments::FitArguments;
+use crate::arguments::{FitArguments, LobeModel};
 use crate::{Failure, output};
 
 /// Incidences of the residual figure, degrees, as in Feng 2012, fig. 4.5; the nearest ones that the file has.
@@ -23,19 +20,9 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let measurement = read(&arguments.file)?;
     let part = chosen(&measurement, arguments)?;
     let channel = part.luminous();
-    let input = |error: papilio_goniometry::GoniometryError| Failure::Input(error.to_string());
     let options = FitOptions { straight_width: arguments.straight_width, ..FitOptions::default() };
-    let data = Data::of_part(part, channel);
-    let fits = match arguments.model {
-        None => Fit::all(&data, &options).map_err(input)?,
-        Some(model) => vec![Fit::new(&data, model.kind(), &options).map_err(input)?],
-    };
-    let truth = kernel(part, channel, &Preparation { extrapolate: Some(1.0), ..Preparation::default() }, &[]);
-    let score = |fit: &Fit| {
-        let (truth, _) = truth.as_ref().ok()?;
-        Some(double_pass_error(|i, o| fit.value(i, o), |i, o| truth.value(i, o)))
-    };
-    let fits = ranked(fits, score);
+    let fits = fitted(part, channel, arguments.model.map(LobeModel::kind), &options)
+        .map_err(|error| Failure::Input(error.to_string()))?;
     let mut stdout = anstream::stdout().lock();
     if arguments.json {
         write_json(&mut stdout, &FitFile::new(part, channel, &fits))?;
@@ -119,7 +106,7 @@ fn in_plane(part: &Part, channel: usize, from: f64) -> Vec<(f64, f64)> {
     cells
 }
 
-impl crate::arguments::LobeModel {
+impl LobeModel {
     fn kind(self) -> Kind {
         use papilio_goniometry::Normalisation;
         match self {

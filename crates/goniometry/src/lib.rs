@@ -50,7 +50,7 @@ pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
 pub use double_pass::double_pass_error;
 pub use error::GoniometryError;
-pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, ranked};
+pub use fit::{Data, Fit, FitOptions, Parameter, Ranked, Straight, Weights, fitted, ranked};
 pub use geometry::{
     Geometry, HalfAngleGrid, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Ring, SpecularGrid, SphericalGrid,
     Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, patch_count, patch_of, projected_solid_angle,

@@ -36,7 +36,7 @@ use crate::models::{Kind, Model, Pair};
 use problem::Problem;
 
 pub use data::Data;
-pub use ranking::{Ranked, ranked};
+pub use ranking::{Ranked, fitted, ranked};
 
 /// Cells that a fit needs beyond the number of its parameters.
 pub(crate) const SPARE_CELLS: usize = 5;

@@ -1,6 +1,11 @@
 //! Which lobe serves best.
 
-use super::Fit;
+use super::{Data, Fit, FitOptions};
+use crate::double_pass::double_pass_error;
+use crate::error::GoniometryError;
+use crate::kernel::{Preparation, kernel};
+use crate::measurement::Part;
+use crate::models::Kind;
 
 /// A fit, and what it is worth to the caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,4 +25,27 @@ pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec
     let key = |ranked: &Ranked| ranked.score.unwrap_or(f64::INFINITY);
     all.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.fit.rms.total_cmp(&b.fit.rms)));
     all
+}
+
+/// Fits of a part's channel by one kind of lobe, or by all of them, ranked by their [`double_pass_error`] against the
+/// kernel that a display would take of the data itself.
+///
+/// # Errors
+/// If the data are too few or too dark for a fit.
+pub fn fitted(
+    part: &Part,
+    channel: usize,
+    kind: Option<Kind>,
+    options: &FitOptions,
+) -> Result<Vec<Ranked>, GoniometryError> {
+    let data = Data::of_part(part, channel);
+    let fits = match kind {
+        None => Fit::all(&data, options)?,
+        Some(kind) => vec![Fit::new(&data, kind, options)?],
+    };
+    let truth = kernel(part, channel, &Preparation { extrapolate: Some(1.0), ..Preparation::default() }, &[]);
+    Ok(ranked(fits, |fit| {
+        let (truth, _) = truth.as_ref().ok()?;
+        Some(double_pass_error(|from, to| fit.value(from, to), |from, to| truth.value(from, to)))
+    }))
 }

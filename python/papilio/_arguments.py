@@ -1,0 +1,133 @@
+"""Arguments as arrays, with mistakes that name them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ArgumentError
+
+#: No array of an answer is larger than this.
+MOST_NUMBERS = 2**31
+
+
+def reals(name: str, values: ArrayLike, *, least: float = -np.inf, most: float = np.inf, missing: bool = False) -> NDArray[np.float64]:
+    """An array of finite numbers (with ``missing``: or NaN) from ``least`` to ``most``."""
+    array = _array(name, values)
+    if array.dtype.kind not in "fiu":
+        raise ArgumentError(f"{name}: expected numbers, not {described(values)}")
+    numbers = array.astype(np.float64, copy=False)
+    fine = numbers if not missing else numbers[~np.isnan(numbers)]
+    if not np.isfinite(fine).all():
+        raise ArgumentError(f"{name}: {_first(numbers, ~np.isfinite(numbers))} is no finite number")
+    if fine.size and not (fine.min() >= least and fine.max() <= most):
+        wrong = _first(numbers, (numbers < least) | (numbers > most))
+        raise ArgumentError(f"{name}: {wrong} is out of range; expected {_range(least, most)}")
+    return numbers
+
+
+def complexes(name: str, values: ArrayLike) -> NDArray[np.complex128]:
+    """An array of finite complex numbers."""
+    array = _array(name, values)
+    if array.dtype.kind not in "fiuc":
+        raise ArgumentError(f"{name}: expected numbers n + 1j k, not {described(values)}")
+    numbers = array.astype(np.complex128, copy=False)
+    if not np.isfinite(numbers).all():
+        raise ArgumentError(f"{name}: {_first(numbers, ~np.isfinite(numbers))} is no finite number")
+    return numbers
+
+
+def grid(name: str, wavelength_nm: ArrayLike) -> tuple[float, float, float]:
+    """First, last and step of evenly spaced wavelengths."""
+    nm = reals(name, wavelength_nm, least=1.0, most=1e6)
+    if nm.ndim != 1 or nm.size < 2:
+        raise ArgumentError(f"{name}: expected at least two wavelengths in one dimension, not shape {nm.shape}")
+    step = (nm[-1] - nm[0]) / (nm.size - 1)
+    if not (step > 0 and np.allclose(np.diff(nm), step, rtol=1e-6, atol=0)):
+        raise ArgumentError(f"{name}: expected wavelengths in even steps upwards, in nm")
+    return float(nm[0]), float(nm[-1]), float(step)
+
+
+def last_axis(name: str, values: NDArray[Any], length: int, what: str) -> None:
+    """Fails unless the last axis is of this length."""
+    if values.ndim < 1 or values.shape[-1] != length:
+        raise ArgumentError(f"{name}: expected {what} along the last axis, {length} numbers; its shape is {values.shape}")
+
+
+def common_shape(arrays: dict[str, NDArray[Any]]) -> tuple[int, ...]:
+    """The shape that all arrays broadcast to."""
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise ArgumentError(f"{_names(arrays)}: shapes do not broadcast together: {shapes}") from None
+    if np.prod([float(length) for length in shape]) > MOST_NUMBERS:
+        raise ArgumentError(f"{_names(arrays)}: together they are an array of shape {shape}, more than {MOST_NUMBERS} numbers")
+    return shape
+
+
+def text(name: str, value: object, expected: str) -> str:
+    """A string that is text; ``expected`` says what was."""
+    if isinstance(value, str):
+        try:
+            value.encode()
+        except UnicodeEncodeError:
+            pass
+        else:
+            return value
+    raise ArgumentError(f"{name}: expected {expected}, not {described(value)}")
+
+
+def one_of(name: str, value: object, known: Sequence[str]) -> str:
+    """One of the known words."""
+    if not isinstance(value, str) or value not in known:
+        raise ArgumentError(f"{name}: expected {' or '.join(map(repr, known))}, not {described(value)}")
+    return value
+
+
+def whole(name: str, value: object, least: int, most: int) -> int:
+    """A whole number in a range."""
+    number: object = value
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        number = value[()]
+    if isinstance(number, (bool, np.bool_)) or not isinstance(number, (int, np.integer)):
+        raise ArgumentError(f"{name}: expected a whole number, not {described(value)}")
+    if not least <= int(number) <= most:
+        raise ArgumentError(f"{name}: expected {least} to {most}, not {described(value)}")
+    return int(number)
+
+
+def described(value: object) -> str:
+    """A value in a few words."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"an array of {value.dtype}, shape {value.shape}"
+    shown = ascii(value)
+    return shown if len(shown) <= 60 else f"{shown[:57]}..."
+
+
+def _array(name: str, values: ArrayLike) -> NDArray[Any]:
+    """Whatever numpy makes of it."""
+    try:
+        array = np.asarray(values)
+    except Exception as error:  # numpy asks the object, which may raise anything
+        raise ArgumentError(f"{name}: expected numbers: {error}") from None
+    if array.size > MOST_NUMBERS:
+        raise ArgumentError(f"{name}: its shape is {array.shape}, more than {MOST_NUMBERS} numbers")
+    return array
+
+
+def _names(arrays: dict[str, NDArray[Any]]) -> str:
+    return ", ".join(arrays)
+
+
+def _first(array: NDArray[Any], wrong: NDArray[np.bool_]) -> Any:
+    return array[wrong].flat[0] if array.ndim else array[()]
+
+
+def _range(least: float, most: float) -> str:
+    if np.isinf(most):
+        return f"{least:g} or more"
+    return f"{most:g} or less" if np.isinf(least) else f"{least:g} to {most:g}"

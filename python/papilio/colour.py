@@ -1,0 +1,116 @@
+"""Colours of arrays of spectra: what an observer sees.
+
+Colours lie along the last axis (X, Y, Z; L*, a*, b*; u', v'), all other axes broadcast. What is not defined (the
+chromaticity of no light) is NaN. Sources: CIE 15:2018; CIEDE2000 as in Sharma, Wu, Dalal, Color Res. Appl. 30, 21
+(2005).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arguments, _papilio
+from .errors import ArgumentError
+
+__all__ = ["coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
+
+_GAMUTS = ("srgb", "ebu", "ntsc", "dci-p3")
+
+
+def illuminant_names() -> list[str]:
+    """The names of lights."""
+    return _papilio.illuminant_names()
+
+
+def illuminant(name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
+    """The relative spectrum of a light ("D65", "A", ...) at evenly spaced wavelengths, nm."""
+    named = _arguments.text("name", name, "the name of a light")
+    return _papilio.illuminant_spectrum(named, _arguments.grid("wavelength_nm", wavelength_nm))
+
+
+def xyz(
+    spectra: ArrayLike, wavelength_nm: ArrayLike, light: str | ArrayLike | None = "D65", *, observer: str = "1931"
+) -> NDArray[np.float64]:
+    """X, Y, Z of spectra, shape [..., wavelength] to [..., 3].
+
+    Args:
+        spectra: reflectance factors; with ``light=None`` spectra of light.
+        wavelength_nm: evenly spaced, nm.
+        light: its name or spectrum; Y is 1 for a perfect white in it. None: X, Y, Z in the spectra's unit times nm.
+        observer: "1931" (2 degrees) or "1964" (10 degrees).
+
+    Spectra are interpolated linearly to 1 nm, within 380 to 780 nm.
+    """
+    _arguments.one_of("observer", observer, ("1931", "1964"))
+    grid = _arguments.grid("wavelength_nm", wavelength_nm)
+    count = np.asarray(wavelength_nm).size
+    numbers = _arguments.reals("spectra", spectra)
+    _arguments.last_axis("spectra", numbers, count, "one number for each wavelength")
+    scale = 1.0
+    if light is not None:
+        of_light = illuminant(light, wavelength_nm) if isinstance(light, str) else _arguments.reals("light", light, least=0.0)
+        if of_light.shape != (count,):
+            raise ArgumentError(f"light: expected {count} numbers, one for each wavelength; its shape is {of_light.shape}")
+        numbers = numbers * of_light
+        scale = float(_papilio.xyz(grid, observer, np.ascontiguousarray(of_light))[1])
+        if not scale > 0.0:
+            raise ArgumentError("light: it holds no visible light")
+    return _rows(_papilio.xyz(grid, observer, _flat(numbers)), numbers.shape[:-1], 3) / scale
+
+
+def lab(colours: ArrayLike, white: ArrayLike = (0.95047, 1.0, 1.08883)) -> NDArray[np.float64]:
+    """L*, a*, b* of X, Y, Z against a white's (default: D65), shape [..., 3]."""
+    pairs, shape = _together(3, colours=colours, white=white)
+    return _rows(_papilio.lab(pairs), shape, 3)
+
+
+def uv_prime(colours: ArrayLike) -> NDArray[np.float64]:
+    """CIE 1976 u', v' of X, Y, Z, shape [..., 3] to [..., 2]."""
+    numbers = _arguments.reals("colours", colours, missing=True)
+    _arguments.last_axis("colours", numbers, 3, "X, Y and Z")
+    return _rows(_papilio.uv_prime(_flat(numbers)), numbers.shape[:-1], 2)
+
+
+def gamut_percent(primaries: ArrayLike, reference: str = "srgb") -> NDArray[np.float64]:
+    """Area of the triangle of red, green and blue in u'v', % of a reference's; shape [..., 3, 2] to [...].
+
+    ``reference``: "srgb", "ebu", "ntsc" or "dci-p3".
+    """
+    return _gamut(primaries, reference, False)
+
+
+def coverage_percent(primaries: ArrayLike, reference: str = "srgb") -> NDArray[np.float64]:
+    """The part of a reference's triangle in u'v' that red, green and blue cover, %; shape [..., 3, 2] to [...]."""
+    return _gamut(primaries, reference, True)
+
+
+def delta_e_2000(one: ArrayLike, other: ArrayLike) -> NDArray[np.float64]:
+    """CIEDE2000 difference of L*, a*, b*, all weights 1; shapes [..., 3] to [...]."""
+    pairs, shape = _together(3, one=one, other=other)
+    return _papilio.delta_e_2000(pairs).reshape(shape)
+
+
+def _gamut(primaries: ArrayLike, reference: str, covered: bool) -> NDArray[np.float64]:
+    _arguments.one_of("reference", reference, _GAMUTS)
+    numbers = _arguments.reals("primaries", primaries, missing=True)
+    if numbers.shape[-2:] != (3, 2):
+        raise ArgumentError(f"primaries: expected u', v' of red, green and blue, shape [..., 3, 2], not {numbers.shape}")
+    return _papilio.gamut(_flat(numbers), reference, covered).reshape(numbers.shape[:-2])
+
+
+def _together(length: int, **colours: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Colours of two arguments side by side, flat, and the shape of their other axes."""
+    arrays = {name: _arguments.reals(name, values, missing=True) for name, values in colours.items()}
+    for name, array in arrays.items():
+        _arguments.last_axis(name, array, length, "a colour")
+    shape = _arguments.common_shape(arrays)
+    return _flat(np.concatenate([np.broadcast_to(array, shape) for array in arrays.values()], axis=-1)), shape[:-1]
+
+
+def _flat(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.ascontiguousarray(array).reshape(-1)
+
+
+def _rows(flat: NDArray[np.float64], shape: tuple[int, ...], length: int) -> NDArray[np.float64]:
+    return flat.reshape(*shape, length)

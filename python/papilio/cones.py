@@ -1,0 +1,130 @@
+"""What is seen from every direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arguments, _papilio, _words
+from .errors import ArgumentError
+from .figure import Figure
+from .running import Progress, checked_progress, checked_threads, with_solver
+from .scenario import Scenario, read
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Cone", "cone"]
+
+
+class Cone:
+    """A viewing cone: numbers of the eye (no spectra) over all directions.
+
+    ``cone["contrast_ratio"]`` has the shape [phi, theta], ``cone["Y"]`` the shape [phi, theta, state]; NaN where
+    something is not defined. A notebook shows its maps.
+    """
+
+    def __init__(self, core: _papilio.Cone, title: str = "") -> None:
+        self._core = core
+        #: The scenario's title.
+        self.title = title
+
+    @cached_property
+    def theta_deg(self) -> NDArray[np.float64]:
+        """Inclinations, degrees."""
+        return self._core.theta_deg()
+
+    @cached_property
+    def phi_deg(self) -> NDArray[np.float64]:
+        """Azimuths, degrees."""
+        return self._core.phi_deg()
+
+    @property
+    def states(self) -> list[str]:
+        """The names of the drive states."""
+        return self._core.states()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the reader should know."""
+        return self._core.warnings()
+
+    @cached_property
+    def _arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
+        return self._core.arrays()
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """The numbers of this name; see the class."""
+        together, alone = self._arrays
+        both = {**together, **alone}
+        if name not in both:
+            raise KeyError(f"{name!r}: there is no such quantity; there are {', '.join(both)}")
+        return both[name]
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All numbers as a Dataset over ``phi_deg``, ``theta_deg`` and ``state``, with units and long names."""
+        import xarray
+
+        together, alone = self._arrays
+        data: dict[str, Any] = {}
+        for dimensions, arrays in [(("phi_deg", "theta_deg"), together), (("phi_deg", "theta_deg", "state"), alone)]:
+            for name, values in arrays.items():
+                data[name] = (dimensions, values, _words.attributes(name))
+        coordinates: dict[str, Any] = {
+            "theta_deg": ("theta_deg", self.theta_deg, {"units": "degree", "long_name": "inclination of the view"}),
+            "phi_deg": ("phi_deg", self.phi_deg, {"units": "degree", "long_name": "azimuth of the view"}),
+            "state": ("state", self.states, {"long_name": "drive state"}),
+        }
+        return xarray.Dataset(data, coordinates, {"title": self.title})
+
+    def figure(self) -> Figure | None:
+        """Its maps; None where the directions span no area."""
+        svg = self._core.figure(self.title)
+        return None if svg is None else Figure("cone", svg)
+
+    def _repr_html_(self) -> str:
+        figure = self.figure()
+        return repr(self) if figure is None else figure.svg
+
+    def __repr__(self) -> str:
+        return f"<papilio.Cone {self.title!r}: {self.theta_deg.size} x {self.phi_deg.size} directions>"
+
+
+def cone(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    theta_deg: ArrayLike | None = None,
+    phi_deg: ArrayLike | None = None,
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Cone:
+    """What is seen from every direction: what ``papilio run --cone`` adds.
+
+    Args:
+        scenario: a `Scenario`, or the path of one.
+        theta_deg: inclinations, ascending, 0 to less than 90 degrees; by default every degree.
+        phi_deg: azimuths, ascending, 0 to less than 360 degrees; by default every 5 degrees.
+        set: values put in before, ``{path: value}``.
+        threads: how many; None: one for each processor.
+        progress: called a few times a second.
+    """
+    changed = read(scenario, with_solver(set))
+    thetas = _ascending("theta_deg", theta_deg, 90.0)
+    phis = _ascending("phi_deg", phi_deg, 360.0)
+    core = _papilio.Cone(changed._scene(), thetas, phis, checked_threads(threads), checked_progress(progress))
+    return Cone(core, changed.title)
+
+
+def _ascending(name: str, values: ArrayLike | None, below: float) -> list[float] | None:
+    if values is None:
+        return None
+    numbers = _arguments.reals(name, values, least=0.0, most=float(np.nextafter(below, 0.0)))
+    if numbers.ndim != 1 or numbers.size == 0 or not (np.diff(numbers) > 0).all():
+        raise ArgumentError(f"{name}: expected a list of angles, ascending")
+    return [float(number) for number in numbers]

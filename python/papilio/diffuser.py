@@ -1,0 +1,93 @@
+"""Files of measured scattering: what they hold, lobes that fit them, other formats."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from . import _papilio
+from ._arguments import one_of
+from .errors import ArgumentError
+from .figure import Figure
+from .scenario import _checked_path
+
+__all__ = ["Diffuser", "lobe_names"]
+
+_FORMATS = ("bsdf", "csv", "xml", "npz")
+
+
+def lobe_names() -> list[str]:
+    """The lobes with a formula that `Diffuser.fit` tries."""
+    return _papilio.lobe_names()
+
+
+class Diffuser:
+    """A file of measured scattering, in any format that ``papilio diffuser`` reads (told apart by content).
+
+    Raises:
+        FileError: with the place of what is wrong.
+    """
+
+    def __init__(self, path: str | PathLike[str]) -> None:
+        self._path = _checked_path("path", path)
+        self._core = _papilio.Diffuser(self._path)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What looked wrong and could be read."""
+        return self._core.warnings
+
+    @property
+    def parts(self) -> list[str]:
+        """The ways of light that were measured: "front transmission", ..."""
+        return self._core.parts()
+
+    @cached_property
+    def _audit(self) -> tuple[str, str, list[tuple[str, str]]]:
+        return self._core.audit()
+
+    def audit(self) -> dict[str, Any]:
+        """What was found in it, as ``papilio diffuser inspect --json`` prints it."""
+        return dict(json.loads(self._audit[0]))
+
+    def figures(self) -> dict[str, Figure]:
+        """Its lobes, by name."""
+        return {name: Figure(name, svg) for name, svg in self._audit[2]}
+
+    def fit(self, model: str | None = None, *, part: str | None = None) -> dict[str, Any]:
+        """Lobes with a formula fitted to a part (the first, by default), the best first; all lobes, or one `model`.
+
+        What ``papilio diffuser fit --json`` prints.
+        """
+        kind = None if model is None else one_of("model", model, lobe_names())
+        at = 0 if part is None else self.parts.index(one_of("part", part, self.parts))
+        return dict(json.loads(self._core.fit(at, kind)))
+
+    def convert(self, output: str | PathLike[str], format: str | None = None) -> list[str]:
+        """Writes it as another file, and tells what that does not hold.
+
+        ``format``: "bsdf" (Radiant, Zemax), "csv", "xml" (Klems) or "npz" (papilio's own); by default as the name ends.
+        """
+        where = _checked_path("output", output)
+        by_name = Path(where).suffix.removeprefix(".")
+        chosen = one_of("format", by_name if format is None else format, _FORMATS)
+        if Path(where).exists() and Path(where).samefile(self._path):
+            raise ArgumentError(f"output: {where} is read here, and would be overwritten")
+        return self._core.convert(where, chosen)
+
+    def __str__(self) -> str:
+        return self._audit[1]
+
+    def __repr__(self) -> str:
+        return f"<papilio.diffuser.Diffuser {self._path!r}: {', '.join(self.parts)}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._path,)
+
+    def _repr_html_(self) -> str:
+        import html
+
+        return f"<pre>{html.escape(str(self))}</pre>" + "".join(figure.svg for figure in self.figures().values())

@@ -1,0 +1,176 @@
+"""Displays that are kept for thousands of designs."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arguments, _papilio
+from ._arguments import described, text, whole
+from ._toml import plain
+from .errors import ArgumentError, DesignError
+from .result import Result
+from .running import Progress, checked_progress, checked_threads, with_solver
+from .scenario import Scenario, read
+
+__all__ = ["Prepared", "metric_names"]
+
+#: One key of a scenario, or several that move alike.
+Keys = str | tuple[str, ...]
+
+
+def metric_names() -> list[str]:
+    """The metrics that can be asked of designs; those of states are listed for a state ``white``."""
+    return _papilio.metric_names()
+
+
+class Prepared:
+    """A display, its light and its views, prepared for many designs.
+
+    What does not change between designs is computed once: the angular kernels serve as long as layers, views and
+    lights stay, films as long as their layers and gaps stay. Every number is that of `papilio.run`, to the last bit
+    in `run`, within the scenario's error in `evaluate`::
+
+        prepared = papilio.Prepared("scenarios/indoor.toml")
+        d = np.linspace(40, 70, 31)
+        y = prepared.evaluate({"display.pixel.film.0.thickness_nm": d}, metrics=["gamut_percent_srgb", "white.Y"])
+        y.shape                                       # (31, 2)
+
+    It can be pickled: its scenario goes, the kernels are made anew.
+    """
+
+    def __init__(self, scenario: Scenario | str | PathLike[str], *, set: Mapping[str, Any] | None = None) -> None:
+        self._scenario = read(scenario, with_solver(set)).copy()
+        self._kept = _papilio.Prepared(self._scenario._scene())
+        self._batches: dict[Any, _papilio.Batch] = {}
+
+    @property
+    def scenario(self) -> Scenario:
+        """A copy of its scenario."""
+        return self._scenario.copy()
+
+    def run(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Result:
+        """All that is known of one design: the scenario with ``{path: value}`` set; see `papilio.run`."""
+        changed = self._scenario.with_values(with_solver(values)) if values else self._scenario
+        core = self._kept.run(changed._scene(), checked_threads(threads), checked_progress(progress))
+        return Result(core, changed.title)
+
+    def evaluate(
+        self,
+        variables: Mapping[Keys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: int = 0,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> NDArray[np.float64]:
+        """Metrics of many designs in one call, shape [designs..., metric]; NaN where one is not defined.
+
+        Args:
+            variables: keys (``display.pixel.gap_nm.red``), or tuples of keys that move alike, with an array of their
+                values, which broadcast to ``designs...`` as numpy does. Values are numbers in the key's own unit, or
+                strings (the names of materials).
+            metrics: names of `metric_names`: "gamut_percent_srgb", "white.Y".
+            view: which of the scenario's views, from 0.
+            threads: None: one for each processor. They change no number.
+            progress: called a few times a second.
+
+        Raises:
+            ArgumentError: names the argument that is wrong.
+            DesignError: names the first design that cannot be, and why.
+            KeyboardInterrupt: on Ctrl-C, within about a second.
+        """
+        asked = _checked_metrics(metrics)
+        arrays, choices = _split(variables)
+        shape = _arguments.common_shape(arrays) if arrays else ()
+        view = whole("view", view, 0, 4999)
+        designs = np.stack([np.broadcast_to(array, shape) for array in arrays.values()], axis=-1) if arrays else np.zeros((1, 0))
+        batch = self._batch([_keys(keys) for keys in variables], choices, asked, view)
+        try:
+            flat = batch.evaluate(
+                np.ascontiguousarray(designs).reshape(-1),
+                int(np.prod(shape, dtype=np.int64)),
+                checked_threads(threads) or os.cpu_count() or 1,
+                checked_progress(progress),
+            )
+        except DesignError as error:
+            at = tuple(int(i) for i in np.unravel_index(error.design, shape)) if shape else ()
+            raise DesignError(error.args[0], at) from None
+        return flat.reshape(*shape, len(asked))
+
+    def _batch(
+        self, keys: list[tuple[str, ...]], choices: list[list[Any] | None], metrics: list[str], view: int
+    ) -> _papilio.Batch:
+        """The one for these questions; it keeps its kernels from call to call."""
+        written = [None if some is None else json.dumps(some) for some in choices]
+        question = (tuple(keys), tuple(written), tuple(metrics), view)
+        if question not in self._batches:
+            text, name, folder, files = self._scenario._state()
+            self._batches = {
+                question: _papilio.Batch(
+                    self._scenario._scene(), text, name, folder, files, list(zip(keys, written, strict=True)), metrics, view
+                )
+            }
+        return self._batches[question]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._scenario,)
+
+    def __repr__(self) -> str:
+        return f"<papilio.Prepared {self._scenario.name!r}>"
+
+
+def _checked_metrics(metrics: Sequence[str]) -> list[str]:
+    names = metrics.tolist() if isinstance(metrics, np.ndarray) and metrics.ndim == 1 else metrics
+    if not isinstance(names, (list, tuple)) or not names:
+        raise ArgumentError(f"metrics: expected a list of names, not {described(metrics)}")
+    return [text("metrics", name, "names such as gamut_percent_srgb or white.Y") for name in names]
+
+
+def _keys(keys: Keys) -> tuple[str, ...]:
+    return (keys,) if isinstance(keys, str) else tuple(keys)
+
+
+def _split(variables: Mapping[Keys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None]]:
+    """The numbers of each variable, and what they count where its values are words."""
+    if not isinstance(variables, Mapping):
+        raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
+    arrays: dict[str, NDArray[np.float64]] = {}
+    choices: list[list[Any] | None] = []
+    for keys, values in variables.items():
+        if not isinstance(keys, (str, tuple)) or not keys:
+            raise ArgumentError(f"variables: expected a key, as display.pixel.gap_nm.red, or a tuple of them, not {described(keys)}")
+        paths = [text("variables", path, "a key such as display.pixel.gap_nm.red") for path in _keys(keys)]
+        name = f"variables[{', '.join(paths)!r}]"
+        words = _words(values)
+        if words is None:
+            choices.append(None)
+            arrays[name] = _arguments.reals(name, values)
+        else:
+            known, which = np.unique(words, return_inverse=True)
+            choices.append(plain(known, name))
+            arrays[name] = which.reshape(words.shape).astype(np.float64)
+    return arrays, choices
+
+
+def _words(values: ArrayLike) -> NDArray[np.str_] | None:
+    """The array, if it is one of strings."""
+    if not isinstance(values, (str, list, tuple, np.ndarray)):
+        return None
+    try:
+        words = np.asarray(values)
+    except ValueError:
+        return None
+    return words if words.dtype.kind == "U" else None

@@ -1,0 +1,104 @@
+//! Colours of many spectra at once, as flat rows.
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use papilio_colour::{
+    GamutReference, Lab, Observer, Standard, UvPrime, Xyz, coverage_percent, gamut_percent,
+};
+use papilio_spectra::{Grid, illuminant};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+type Reals<'py> = PyReadonlyArray1<'py, f64>;
+type Answer<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
+
+/// X, Y, Z of spectra (rows of as many values as the grid), in their unit times nm.
+#[pyfunction]
+pub(crate) fn xyz<'py>(
+    py: Python<'py>,
+    grid: (f64, f64, f64),
+    observer: &str,
+    spectra: Reals<'py>,
+) -> Answer<'py> {
+    let standard = if observer == "1964" { Standard::Cie1964 } else { Standard::Cie1931 };
+    let grid = made(py, grid)?;
+    let observer = Observer::of(standard, &grid).map_err(|error| errors::argument(py, &error.to_string()))?;
+    rows::<3>(py, spectra, grid.len(), |spectrum| observer.xyz(spectrum).to_array())
+}
+
+/// A light of this name.
+#[pyfunction]
+pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, f64, f64)) -> Answer<'py> {
+    let light = illuminant(name, &made(py, grid)?);
+    let light = light.map_err(|error| errors::argument(py, &format!("illuminant: {error}")))?;
+    Ok(PyArray1::from_slice(py, &light))
+}
+
+/// The names of lights.
+#[pyfunction]
+pub(crate) fn illuminant_names() -> Vec<&'static str> {
+    papilio_spectra::illuminant_names()
+}
+
+/// L*, a*, b* of rows of X, Y, Z and of their white's; NaN where they are not defined.
+#[pyfunction]
+pub(crate) fn lab<'py>(py: Python<'py>, colours: Reals<'py>) -> Answer<'py> {
+    rows::<3>(py, colours, 6, |row| {
+        let [colour, white] = [0, 3].map(|at| Xyz { x: row[at], y: row[at + 1], z: row[at + 2] });
+        colour.lab(white).map_or([f64::NAN; 3], |lab| [lab.l, lab.a, lab.b])
+    })
+}
+
+/// u', v' of rows of X, Y, Z; NaN where there is no light.
+#[pyfunction]
+pub(crate) fn uv_prime<'py>(py: Python<'py>, colours: Reals<'py>) -> Answer<'py> {
+    rows::<2>(py, colours, 3, |row| {
+        let colour = Xyz { x: row[0], y: row[1], z: row[2] };
+        colour.uv_prime().map_or([f64::NAN; 2], |uv| [uv.u, uv.v])
+    })
+}
+
+/// Area of rows of three u', v', % of a reference's; with `covered`, the part of the reference inside.
+#[pyfunction]
+pub(crate) fn gamut<'py>(py: Python<'py>, corners: Reals<'py>, of: &str, covered: bool) -> Answer<'py> {
+    let reference = match of {
+        "srgb" => GamutReference::Srgb,
+        "ebu" => GamutReference::Ebu,
+        "ntsc" => GamutReference::Ntsc,
+        "dci-p3" => GamutReference::DciP3,
+        _ => return Err(errors::internal("there is no such gamut")),
+    };
+    let percent = if covered { coverage_percent } else { gamut_percent };
+    rows::<1>(py, corners, 6, |row| {
+        [percent([0, 2, 4].map(|at| UvPrime { u: row[at], v: row[at + 1] }), reference)]
+    })
+}
+
+/// CIEDE2000 of rows of two L*, a*, b*.
+#[pyfunction]
+pub(crate) fn delta_e_2000<'py>(py: Python<'py>, pairs: Reals<'py>) -> Answer<'py> {
+    rows::<1>(py, pairs, 6, |row| {
+        let [one, other] = [0, 3].map(|at| Lab { l: row[at], a: row[at + 1], b: row[at + 2] });
+        [one.delta_e_2000(other)]
+    })
+}
+
+/// `of` every row of `length` numbers, with the interpreter free.
+fn rows<'py, const N: usize>(
+    py: Python<'py>,
+    all: Reals<'py>,
+    length: usize,
+    of: impl Fn(&[f64]) -> [f64; N] + Send + Sync,
+) -> Answer<'py> {
+    let all = all.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
+    if all.len() % length != 0 {
+        return Err(errors::internal("rows of numbers are not whole"));
+    }
+    let answers: Vec<f64> = py.detach(|| all.chunks_exact(length).flat_map(of).collect());
+    Ok(PyArray1::from_vec(py, answers))
+}
+
+fn made(py: Python<'_>, (first, last, step): (f64, f64, f64)) -> PyResult<Grid> {
+    let grid = Grid::new(first, last, step);
+    grid.map_err(|error| errors::argument(py, &format!("wavelength_nm: {error}")))
+}

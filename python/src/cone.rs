@@ -1,0 +1,100 @@
+//! What is seen from every direction.
+
+use numpy::PyArray1;
+use papilio_display::{ConeGrid, ConeResult, ConeState, ConeView, DisplayError};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::array;
+use crate::errors;
+use crate::scenario::Resolved;
+use crate::watch::watched;
+
+/// A name, and where the number is.
+type Of<T> = (&'static str, fn(&T) -> f64);
+
+const TOGETHER: [Of<ConeView>; 3] = [
+    ("contrast_ratio", |view| view.contrast_ratio.unwrap_or(f64::NAN)),
+    ("gamut_percent_srgb", |view| view.gamut_percent_srgb.unwrap_or(f64::NAN)),
+    ("gamut_percent_ebu", |view| view.gamut_percent_ebu.unwrap_or(f64::NAN)),
+];
+
+const ALONE: [Of<ConeState>; 5] = [
+    ("Y", |state| state.reflectance_factor_y),
+    ("luminance_cd_m2", |state| state.luminance_cd_m2),
+    ("u_prime", |state| state.u_prime.unwrap_or(f64::NAN)),
+    ("v_prime", |state| state.v_prime.unwrap_or(f64::NAN)),
+    ("uv_shift", |state| state.uv_shift.unwrap_or(f64::NAN)),
+];
+
+/// A viewing cone.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Cone {
+    of: ConeResult,
+}
+
+#[pymethods]
+impl Cone {
+    /// Over the default directions where none are given, ascending, degrees.
+    #[new]
+    #[pyo3(signature = (scenario, theta_deg=None, phi_deg=None, threads=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        scenario: &Resolved,
+        theta_deg: Option<Vec<f64>>,
+        phi_deg: Option<Vec<f64>>,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let scene = &scenario.of.scene;
+        let found = watched(py, threads.map(usize::from), progress.as_ref(), |control| {
+            let within = ConeGrid::within(scene)?;
+            let grid = ConeGrid {
+                theta_deg: theta_deg.unwrap_or(within.theta_deg),
+                phi_deg: phi_deg.unwrap_or(within.phi_deg),
+            };
+            papilio_display::cone(scene, grid, control)
+        })?;
+        match found {
+            Ok(of) => Ok(Self { of }),
+            Err(DisplayError::Interrupted) => Err(PyKeyboardInterrupt::new_err(())),
+            Err(error) => Err(errors::display(py, &error)),
+        }
+    }
+
+    fn theta_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.of.theta_deg)
+    }
+
+    fn phi_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.of.phi_deg)
+    }
+
+    fn states(&self) -> Vec<String> {
+        self.of.states.clone()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.of.warnings.clone()
+    }
+
+    /// Names and arrays, of the states together (shape [phi, theta]) and of each (shape [phi, theta, state]).
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+        let (together, alone) = (PyDict::new(py), PyDict::new(py));
+        let shape = [self.of.phi_deg.len(), self.of.theta_deg.len(), self.of.states.len()];
+        for (name, of) in TOGETHER {
+            together.set_item(name, array(py, &shape[..2], self.of.views.iter().map(of).collect())?)?;
+        }
+        for (name, of) in ALONE {
+            let states = self.of.views.iter().flat_map(|view| &view.states);
+            alone.set_item(name, array(py, &shape, states.map(of).collect())?)?;
+        }
+        Ok((together, alone))
+    }
+
+    /// The SVG text of its maps; `None` where the directions span no area.
+    fn figure(&self, py: Python<'_>, title: &str) -> Option<String> {
+        py.detach(|| papilio_figures::cone(&self.of, title))
+    }
+}

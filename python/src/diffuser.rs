@@ -1,0 +1,109 @@
+//! Files of measured scattering: what they hold, lobes that fit them, other formats.
+
+use std::path::{Path, PathBuf};
+
+use papilio_formats::{
+    AuditFile, BsdfFormat, DataFile, FitFile, FormatError, LARGEST_BSDF_FILE, Warned, audit_text, read_bsdf,
+    write_file, write_json, write_measurement,
+};
+use papilio_goniometry::{Audit, FitOptions, Kind, Measurement, Part, fitted};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// A measurement: what a file holds.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Diffuser {
+    name: String,
+    read: Warned<Measurement>,
+}
+
+#[pymethods]
+impl Diffuser {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let name = path.display().to_string();
+        let read = py.detach(|| read(&path, &name)).map_err(|error| errors::format(py, &error))?;
+        Ok(Self { name, read })
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.read.warnings.clone()
+    }
+
+    /// What light each part is of: "front transmission".
+    fn parts(&self) -> Vec<&'static str> {
+        self.read.value.parts.iter().map(|part| part.way.name()).collect()
+    }
+
+    /// The audit: as JSON, in words, and as figures.
+    fn audit(&self, py: Python<'_>) -> PyResult<(String, String, Vec<(String, String)>)> {
+        let measurement = &self.read.value;
+        py.detach(|| {
+            let audits: Vec<Option<Audit>> =
+                measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
+            let every = |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+            let all: Vec<(&Part, Vec<Audit>)> =
+                measurement.parts.iter().map(|part| (part, every(part))).collect();
+            let text = audit_text(&self.name, measurement, &audits);
+            let figures = papilio_figures::lobes(measurement, &audits);
+            json(&AuditFile::new(measurement, &all)).map(|json| (json, text, figures))
+        })
+    }
+
+    /// Lobes fitted to a part, the best first, as JSON.
+    fn fit(&self, py: Python<'_>, part: usize, model: Option<&str>) -> PyResult<String> {
+        let part =
+            self.read.value.parts.get(part).ok_or_else(|| errors::internal("there is no such part"))?;
+        let kind = match model {
+            None => None,
+            Some(name) => Some(kind(name).ok_or_else(|| errors::internal("there is no such model"))?),
+        };
+        let channel = part.luminous();
+        let fits = py
+            .detach(|| fitted(part, channel, kind, &FitOptions::default()))
+            .map_err(|error| errors::argument(py, &error.to_string()))?;
+        json(&FitFile::new(part, channel, &fits))
+    }
+
+    /// Writes another file, and tells what it does not hold.
+    fn convert(&self, py: Python<'_>, output: PathBuf, format: &str) -> PyResult<Vec<String>> {
+        let format = match format {
+            "bsdf" => BsdfFormat::Radiant,
+            "csv" => BsdfFormat::Csv,
+            "xml" => BsdfFormat::Klems,
+            "npz" => BsdfFormat::Papilio,
+            _ => return Err(errors::internal("there is no such format")),
+        };
+        let mut lost = Ok(Vec::new());
+        let written = py.detach(|| {
+            write_file(&output, |out| {
+                lost = write_measurement(out, format, &self.read.value);
+                lost.as_ref().map(|_| ()).map_err(|error| std::io::Error::other(error.to_string()))
+            })
+        });
+        written.map_err(|error| errors::format(py, &error))?;
+        Ok(lost.unwrap_or_default())
+    }
+}
+
+/// The names of lobes.
+#[pyfunction]
+pub(crate) fn lobe_names() -> Vec<&'static str> {
+    Kind::ALL.map(Kind::name).to_vec()
+}
+
+fn kind(name: &str) -> Option<Kind> {
+    Kind::ALL.into_iter().find(|kind| kind.name() == name)
+}
+
+fn read(path: &Path, name: &str) -> Result<Warned<Measurement>, FormatError> {
+    read_bsdf(&DataFile::open_within(path, name, LARGEST_BSDF_FILE)?)
+}
+
+fn json(file: &impl serde::Serialize) -> PyResult<String> {
+    let mut bytes = Vec::new();
+    write_json(&mut bytes, file).map_err(|error| errors::internal(&error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| errors::internal(&error.to_string()))
+}

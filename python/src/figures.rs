@@ -1,0 +1,14 @@
+//! Figures as pictures.
+
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::errors;
+
+/// A PNG picture of a figure.
+#[pyfunction]
+pub(crate) fn png<'py>(py: Python<'py>, svg: &str, scale: f32) -> PyResult<Bound<'py, PyBytes>> {
+    let picture = py.detach(|| papilio_figures::png(svg, scale));
+    let picture = picture.map_err(|error| errors::argument(py, &format!("svg: {error}")))?;
+    Ok(PyBytes::new(py, &picture))
+}

@@ -1,0 +1,86 @@
+"""Ctrl-C, progress and threads: the interpreter stays free while something is computed."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+import papilio
+
+#: A second, and what a busy machine adds.
+LIMIT_S = 3.0
+
+START = "import papilio, sys, numpy as np; path = sys.argv[1]; "
+END = "\nprint('ended')\n"
+
+LONG = {
+    "a walk": 'papilio.run(path, solver="walk", set={"solver.relative_error": 1e-6})',
+    "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 100))",
+    "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
+    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 30000000))], 550.0)',
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
+@pytest.mark.parametrize("what", LONG)
+def test_ctrl_c_ends_a_computation_within_a_second(what, scenarios):
+    script = f"{START}print('begun', flush=True)\n{LONG[what]}{END}"
+    command = [sys.executable, "-c", script, scenarios / "indoor.toml"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
+        assert child.stdout.readline() == "begun\n"
+        time.sleep(0.7)
+        assert child.poll() is None, child.stderr.read()
+        begun = time.monotonic()
+        child.send_signal(signal.SIGINT)
+        out, error = child.communicate(timeout=60)
+        assert time.monotonic() - begun < LIMIT_S
+    assert "KeyboardInterrupt" in error and "ended" not in out
+
+
+def test_progress_is_told_and_may_end_the_run(scenarios):
+    told = []
+    papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 2e-4}, progress=told.append)
+    assert all(set(one) == {"views_done", "views", "relative_error", "target", "paths"} for one in told)
+
+    def stop(_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 1e-6}, progress=stop)
+
+
+def test_the_interpreter_runs_meanwhile(scenarios):
+    """A thread of Python's counts while a walk is computed."""
+    counted, ended = [0], threading.Event()
+
+    def count():
+        while not ended.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 2e-4})
+    ended.set()
+    counter.join()
+    assert counted[0] > 10
+
+
+def test_one_prepared_display_in_several_threads(scenarios):
+    prepared = papilio.Prepared(scenarios / "indoor.toml")
+    alone = prepared.run({"display.pixel.film.0.thickness_nm": 50.0}).to_json()
+    found = []
+
+    def work():
+        found.append(prepared.run({"display.pixel.film.0.thickness_nm": 50.0}).to_json())
+        prepared.run({"display.pixel.film.0.thickness_nm": 60.0})
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [alone] * 4

@@ -1,0 +1,120 @@
+"""Many designs in one call: the numbers of single runs, in numpy's shapes."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import papilio
+from papilio import ArgumentError, DesignError, Prepared
+
+LAYER = "display.pixel.film.0.thickness_nm"
+RED = "display.pixel.gap_nm.red"
+METRICS = ["gamut_percent_srgb", "white.Y", "contrast_ratio"]
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    from conftest import ROOT
+
+    return Prepared(ROOT / "scenarios" / "indoor.toml")
+
+
+def test_a_run_of_a_prepared_display_is_a_run(prepared, scenarios):
+    for thickness in [55.9, 40.0, 55.9]:
+        kept = prepared.run({LAYER: thickness})
+        assert kept.to_json() == papilio.run(scenarios / "indoor.toml", set={LAYER: thickness}).to_json()
+
+
+def test_designs_broadcast_and_equal_single_runs(prepared):
+    d, gap = np.array([45.0, 55.9]), np.array([[260.0], [275.9], [290.0]])
+    values = prepared.evaluate({LAYER: d, RED: gap}, METRICS)
+    assert values.shape == (3, 2, 3)
+    for i, j in np.ndindex(3, 2):
+        single = prepared.run({LAYER: d[j], RED: gap[i, 0]}).metrics()
+        np.testing.assert_allclose(values[i, j], [single[name] for name in METRICS], rtol=1e-9)
+
+
+def test_threads_change_no_number(prepared):
+    d = np.linspace(40, 60, 37)
+    one, three = (prepared.evaluate({LAYER: d}, METRICS, threads=n) for n in [1, 3])
+    assert one.tobytes() == three.tobytes()
+
+
+def test_keys_that_move_alike_and_words(prepared):
+    both = prepared.evaluate({(RED, "display.pixel.gap_nm.green"): [200.0]}, METRICS)
+    apart = prepared.evaluate({RED: [200.0], "display.pixel.gap_nm.green": [200.0]}, METRICS)
+    assert both.tobytes() == apart.tobytes()
+    materials = prepared.evaluate({"display.pixel.film.2.material": ["SiO2", "MgF2", "SiO2"]}, METRICS)
+    assert materials[0].tobytes() == materials[2].tobytes() != materials[1].tobytes()
+
+
+def test_no_designs_one_design_and_no_variables(prepared):
+    assert prepared.evaluate({LAYER: []}, METRICS).shape == (0, 3)
+    assert prepared.evaluate({LAYER: 50.0}, METRICS).shape == (3,)
+    np.testing.assert_allclose(prepared.evaluate({}, METRICS), prepared.evaluate({LAYER: 55.9}, METRICS), rtol=1e-12)
+
+
+def test_it_can_be_pickled(prepared):
+    again = pickle.loads(pickle.dumps(prepared))
+    assert again.evaluate({LAYER: 50.0}, METRICS).tobytes() == prepared.evaluate({LAYER: 50.0}, METRICS).tobytes()
+
+
+@pytest.mark.parametrize(
+    ("variables", "names"),
+    [
+        ({LAYER: "thick"}, "film.0.thickness_nm"),
+        ({LAYER: [50.0, np.nan]}, "variables"),
+        ({LAYER: [50.0, np.inf]}, "variables"),
+        ({LAYER: [[1, 2], [3]]}, "variables"),
+        ({LAYER: None}, "variables"),
+        ({LAYER: [True]}, "variables"),
+        ({LAYER: [1 + 2j]}, "variables"),
+        ({LAYER: np.zeros(2), RED: np.zeros(3)}, "variables"),
+        ({5: [1.0]}, "variables"),
+        ({(): [1.0]}, "variables"),
+        ({"": [1.0]}, "variables"),
+        ([LAYER], "variables"),
+        ({LAYER: np.broadcast_to(np.float64(1), (1 << 20, 1)), RED: np.broadcast_to(np.float64(1), (1, 1 << 20))}, "variables"),
+    ],
+)
+def test_wrong_variables_are_named(prepared, variables, names):
+    with pytest.raises((ArgumentError, DesignError), match=names.replace(".", r"\.")):
+        prepared.evaluate(variables, METRICS)
+
+
+@pytest.mark.parametrize(
+    ("variables", "said"),
+    [
+        ({LAYER: [[50.0, -1.0], [-2.0, 50.0]]}, r"design \(0, 1\): .*-1"),
+        ({"display.pixel.film.9.thickness_nm": [5.0]}, r"design \(0,\): "),
+        ({"display.pixle.fill_factor": [0.5]}, r"pixle"),
+        ({"display..fill_factor": [0.5]}, r"empty"),
+        ({"display.pixel.film.2.material": ["Si02"]}, r"Si02"),
+    ],
+)
+def test_a_design_that_cannot_be_is_named(prepared, variables, said):
+    with pytest.raises(DesignError, match=f"(?s){said}"):
+        prepared.evaluate(variables, METRICS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "names"),
+    [
+        ({"metrics": "white.Y"}, "metrics"),
+        ({"metrics": []}, "metrics"),
+        ({"metrics": [3]}, "metrics"),
+        ({"metrics": ["gamut"]}, "metrics"),
+        ({"metrics": ["Y"]}, "metrics"),
+        ({"metrics": ["purple.Y"]}, "metrics"),
+        ({"metrics": METRICS, "view": 1}, "view"),
+        ({"metrics": METRICS, "view": -1}, "view"),
+        ({"metrics": METRICS, "view": 0.5}, "view"),
+        ({"metrics": METRICS, "threads": 0}, "threads"),
+        ({"metrics": METRICS, "threads": "two"}, "threads"),
+        ({"metrics": METRICS, "progress": 3}, "progress"),
+    ],
+)
+def test_wrong_arguments_are_named(prepared, arguments, names):
+    with pytest.raises(ArgumentError, match=f"^{names}"):
+        prepared.evaluate({LAYER: [50.0]}, **arguments)
