@@ -11,6 +11,9 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
+/// Names and SVG texts.
+type Figures = Vec<(String, String)>;
+
 /// A measurement: what a file holds.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Diffuser {
@@ -38,7 +41,7 @@ impl Diffuser {
     }
 
     /// The audit: as JSON, in words, and as figures.
-    fn audit(&self, py: Python<'_>) -> PyResult<(String, String, Vec<(String, String)>)> {
+    fn audit(&self, py: Python<'_>) -> PyResult<(String, String, Figures)> {
         let measurement = &self.read.value;
         py.detach(|| {
             let audits: Vec<Option<Audit>> =
