@@ -9,16 +9,26 @@ A scenario goes in; spectra, colours and metrics with their errors come out::
 
 - `run` computes a scenario, `cone` what is seen from every direction, `Prepared` thousands of designs;
 - `Scenario` reads, builds and edits scenarios;
+- `cluster` computes designs by the million, on many machines;
 - `films`, `colour` and `diffuser` are the parts by themselves, on arrays.
 
 Units, limits and sources of the models are in the documentation of the program ``papilio``; the numbers here are its
 own, to the last bit.
 """
 
-from . import colour, diffuser, films
+from . import cluster, colour, diffuser, films
 from ._papilio import __version__
 from .cones import Cone, cone
-from .errors import ArgumentError, DesignError, DisplayError, FileError, Mistake, PapilioError, ScenarioError
+from .errors import (
+    ArgumentError,
+    ClusterError,
+    DesignError,
+    DisplayError,
+    FileError,
+    Mistake,
+    PapilioError,
+    ScenarioError,
+)
 from .figure import Figure
 from .prepared import Prepared, metric_names
 from .result import Result
@@ -27,6 +37,7 @@ from .scenario import Scenario, preset_names, schema
 
 __all__ = [
     "ArgumentError",
+    "ClusterError",
     "Cone",
     "DesignError",
     "DisplayError",
@@ -39,6 +50,7 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "__version__",
+    "cluster",
     "colour",
     "cone",
     "diffuser",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-__all__ = ["ArgumentError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "ScenarioError"]
+__all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "ScenarioError"]
 
 
 class Mistake(NamedTuple):
@@ -103,3 +103,7 @@ class DesignError(PapilioError, ValueError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.args[0], self.design)
+
+
+class ClusterError(PapilioError, RuntimeError):
+    """A cluster that was closed, that lost a batch too often, or whose workers are not like this program."""

@@ -92,7 +92,7 @@ class Prepared:
             DesignError: names the first design that cannot be, and why.
             KeyboardInterrupt: on Ctrl-C, within about a second.
         """
-        asked = _checked_metrics(metrics)
+        asked = checked_metrics(metrics)
         arrays, choices = _split(variables)
         shape = _arguments.common_shape(arrays) if arrays else ()
         view = whole("view", view, 0, 4999)
@@ -132,7 +132,8 @@ class Prepared:
         return f"<papilio.Prepared {self._scenario.name!r}>"
 
 
-def _checked_metrics(metrics: Sequence[str]) -> list[str]:
+def checked_metrics(metrics: Sequence[str]) -> list[str]:
+    """Names of metrics, if they are names."""
     names = metrics.tolist() if isinstance(metrics, np.ndarray) and metrics.ndim == 1 else metrics
     if not isinstance(names, (list, tuple)) or not names:
         raise ArgumentError(f"metrics: expected a list of names, not {described(metrics)}")
@@ -143,25 +144,38 @@ def _keys(keys: Keys) -> tuple[str, ...]:
     return (keys,) if isinstance(keys, str) else tuple(keys)
 
 
-def _split(variables: Mapping[Keys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None]]:
-    """The numbers of each variable, and what they count where its values are words."""
+def columns(variables: Mapping[Keys, ArrayLike]) -> dict[Keys, NDArray[Any]]:
+    """The numbers or words of each variable."""
     if not isinstance(variables, Mapping):
         raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
-    arrays: dict[str, NDArray[np.float64]] = {}
-    choices: list[list[Any] | None] = []
+    arrays: dict[Keys, NDArray[Any]] = {}
     for keys, values in variables.items():
         if not isinstance(keys, (str, tuple)) or not keys:
             raise ArgumentError(f"variables: expected a key, as display.pixel.gap_nm.red, or a tuple of them, not {described(keys)}")
-        paths = [text("variables", path, "a key such as display.pixel.gap_nm.red") for path in _keys(keys)]
-        name = f"variables[{', '.join(paths)!r}]"
+        for path in _keys(keys):
+            text("variables", path, "a key such as display.pixel.gap_nm.red")
         words = _words(values)
-        if words is None:
-            choices.append(None)
-            arrays[name] = _arguments.reals(name, values)
+        arrays[keys] = _arguments.reals(named(keys), values) if words is None else words
+    return arrays
+
+
+def named(keys: Keys) -> str:
+    """What mistakes call a variable."""
+    return f"variables[{', '.join(_keys(keys))!r}]"
+
+
+def _split(variables: Mapping[Keys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None]]:
+    """The numbers of each variable, and what they count where its values are words."""
+    arrays: dict[str, NDArray[np.float64]] = {}
+    choices: list[list[Any] | None] = []
+    for keys, values in columns(variables).items():
+        if values.dtype.kind == "U":
+            known, which = np.unique(values, return_inverse=True)
+            choices.append(plain(known, named(keys)))
+            arrays[named(keys)] = which.reshape(values.shape).astype(np.float64)
         else:
-            known, which = np.unique(words, return_inverse=True)
-            choices.append(plain(known, name))
-            arrays[name] = which.reshape(words.shape).astype(np.float64)
+            choices.append(None)
+            arrays[named(keys)] = values
     return arrays, choices
 
 

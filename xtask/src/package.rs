@@ -6,8 +6,21 @@ use crate::python::Environment;
 use crate::shell::{self, Outcome, cargo, command};
 
 /// What builds and tests it, pinned, and what it can work with.
-const PACKAGES: [&str; 6] =
-    ["maturin==1.16.0", "pytest==9.2.0", "mypy==2.4.1", "numpy==2.4.6", "xarray==2026.9.0", "pandas==3.1.1"];
+const PACKAGES: [&str; 10] = [
+    "maturin==1.16.0",
+    "pytest==9.2.0",
+    "mypy==2.4.1",
+    "numpy==2.4.6",
+    "xarray==2026.9.0",
+    "pandas==3.1.1",
+    "distributed==2026.8.0",
+    "pyarrow==26.0.1",
+    "nbclient==0.11.0",
+    "ipykernel==7.4.0",
+];
+
+/// How many designs a cluster computes in its long test.
+const DESIGNS: (&str, &str) = ("PAPILIO_DESIGNS", "100000");
 
 /// How the extension module is compiled.
 #[derive(Clone, Copy)]
@@ -68,5 +81,8 @@ pub(crate) fn tests(environment: &Environment, profile: Profile) -> Command {
     let mut tests = command(environment.python(), arguments);
     let program = shell::target().join(profile.folder()).join("papilio");
     tests.env("PAPILIO", program.with_extension(std::env::consts::EXE_EXTENSION));
+    if matches!(profile, Profile::Release) {
+        tests.envs([DESIGNS]);
+    }
     tests
 }

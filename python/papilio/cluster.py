@@ -1,0 +1,209 @@
+"""Designs by the million: in batches, on this machine or on a Dask cluster, stopped and gone on with at will.
+
+`evaluate_many` is `Prepared.evaluate` for more designs than one call should hold, `sweep` the same on a grid. Both
+give the same numbers, to the last bit, wherever and in whatever order batches are computed.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _batches, _parts
+from ._arguments import common_shape, described, reals, whole
+from ._batches import Batch, Grid, Question
+from ._roads import Failed, OnCluster, Serial
+from .errors import ArgumentError
+from .evaluated import Evaluated
+from .prepared import Keys, checked_metrics, columns, named
+from .running import checked_threads
+from .scenario import Scenario, read
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+__all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
+
+#: What a ``progress`` function is given: ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
+Progress = Callable[[dict[str, Any]], object]
+
+
+def evaluate_many(
+    scenario: Scenario | str | PathLike[str],
+    variables: Mapping[Keys, ArrayLike],
+    metrics: Sequence[str],
+    *,
+    view: int = 0,
+    set: Mapping[str, Any] | None = None,
+    out: str | PathLike[str] | None = None,
+    client: Client | None = None,
+    batch_seconds: float = 4.0,
+    threads: int | None = None,
+    retries: int = 3,
+    progress: Progress | bool | None = None,
+) -> Evaluated:
+    """Metrics of very many designs, shape [designs..., metric]; see `Prepared.evaluate`, whose numbers these are.
+
+    Designs are computed in batches of about ``batch_seconds``: a trial of a quarter of a second says how many designs
+    that is. With ``out``, each batch is a Parquet file named by the SHA-256 of what is asked and of the designs'
+    numbers, written whole or not at all: a call that was stopped or killed goes on where it was, and one with more
+    designs computes the new ones.
+
+    Args:
+        scenario: a `Scenario`, or the path of one.
+        variables: keys, or tuples of keys that move alike, with arrays that broadcast to ``designs...``.
+        metrics: names of `metric_names`.
+        view: which of the scenario's views, from 0.
+        set: values put in before.
+        out: a folder for results; with a cluster of several machines, on a disk that all share.
+        client: a `distributed.Client`: its workers compute, one batch for each of their threads. None: this machine.
+        batch_seconds: how long a batch takes, about. Longer costs less administration; what is lost with a worker is
+            its batch.
+        threads: without ``client``: None is one for each processor.
+        retries: how often a batch is given out anew after the worker that had it was lost.
+        progress: a function, called at every batch, or True for a line on the terminal.
+
+    Raises:
+        ArgumentError: names the argument that is wrong (a client that is closed, shapes, NaN, ...).
+        DesignError: names the first design found that cannot be.
+        ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
+    """
+    seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
+    whole("retries", retries, 0, 1000)
+    if client is not None:
+        _check_client(client)
+    grid = _grid(variables)
+    question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
+    road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
+    folder, size = _opened(out, question, grid, road, seconds)
+    tell = _Telling(progress, grid.size, road)
+    found: dict[str, NDArray[np.float64]] = {}
+    order: list[str] = []
+
+    def missing() -> Iterator[Batch]:
+        for batch in _batches.cut(question, grid, size):
+            order.append(batch.address)
+            if folder is not None and _parts.whole(folder, batch.address, batch.size):
+                tell(batch, reused=True)
+            else:
+                yield batch
+
+    try:
+        for batch, values in road.each(question, missing(), None if folder is None else str(folder)):
+            if values is not None:
+                found[batch.address] = values
+            tell(batch)
+    except Failed as failed:
+        raise _batches.placed(failed.error, failed.batch, grid) from None
+    finally:
+        tell.end()
+    return Evaluated(grid, question, order, found, folder, size, tell.reused)
+
+
+def sweep(
+    scenario: Scenario | str | PathLike[str],
+    axes: Mapping[Keys, ArrayLike],
+    metrics: Sequence[str],
+    **options: Any,
+) -> Evaluated:
+    """Metrics at every combination of axes, shape [axes..., metric].
+
+    ``axes``: keys, or tuples of keys that move alike, with their values, one dimension each. The options are those of
+    `evaluate_many`.
+    """
+    open_grid: dict[Keys, ArrayLike] = {}
+    for at, (keys, line) in enumerate(columns(axes).items()):
+        if line.ndim != 1:
+            raise ArgumentError(f"axes: expected the values of {keys!r} in one dimension, not shape {line.shape}")
+        open_grid[keys] = line.reshape([-1 if i == at else 1 for i in range(len(axes))])
+    return evaluate_many(scenario, open_grid, metrics, **options)
+
+
+def print_progress(state: Mapping[str, Any]) -> None:
+    """How far it is, in one line on the terminal (stderr)."""
+    new = state["done"] - state["reused"]
+    rate = new / state["seconds"] if state["seconds"] > 0 else 0.0
+    left = f", {(state['of'] - state['done']) / rate:.0f} s to go" if rate > 0 else ""
+    of_workers = f" on {state['workers']} workers" if state["workers"] is not None else ""
+    end = "\n" if state["done"] == state["of"] else ""
+    line = f"{state['done']:,} of {state['of']:,} designs, {rate:,.0f}/s{of_workers}{left}"
+    sys.stderr.write(f"\r{line:<79}{end}")
+    sys.stderr.flush()
+
+
+def _grid(variables: Mapping[Keys, ArrayLike]) -> Grid:
+    arrays = columns(variables)
+    if not arrays:
+        raise ArgumentError("variables: expected at least one key")
+    return Grid(arrays, common_shape({named(keys): array for keys, array in arrays.items()}))
+
+
+def _question(scenario: Scenario, variables: tuple[Keys, ...], metrics: Sequence[str], view: int) -> Question:
+    asked = tuple(checked_metrics(metrics))
+    if len(dict.fromkeys(asked)) < len(asked):
+        raise ArgumentError(f"metrics: one of them stands there twice: {', '.join(asked)}")
+    return Question(scenario, variables, asked, whole("view", view, 0, 4999), scenario.hash)
+
+
+def _opened(
+    out: str | PathLike[str] | None, question: Question, grid: Grid, road: Serial | OnCluster, batch_seconds: float
+) -> tuple[Path | None, int]:
+    """The folder for parts, if there is one, and how many designs make a batch."""
+    where = None if out is None else Path(os.path.abspath(out))
+    if where is not None:
+        try:
+            import pyarrow  # noqa: F401
+        except ImportError:
+            raise ArgumentError('out: results are written by pyarrow, which is not installed: pip install "papilio[cluster]"') from None
+    size = None if where is None else _parts.known_size(where, question.address)
+    if size is None and grid.size:
+        each = road.seconds_each(question, grid.sample(1024))
+        size = _batches.batch_size(each, batch_seconds, grid.size, road.workers() or 1)
+    if where is None:
+        return None, size or 1
+    return _parts.open_folder(where, question.address, question.described, size or 1)
+
+
+class _Telling:
+    """Tells a ``progress`` function."""
+
+    def __init__(self, progress: Progress | bool | None, of: int, road: Serial | OnCluster) -> None:
+        if progress is not None and not isinstance(progress, bool) and not callable(progress):
+            raise ArgumentError(f"progress: expected a function or True, not {described(progress)}")
+        self._tell = print_progress if progress is True else (progress or None)
+        self._of, self._road, self._started = of, road, time.monotonic()
+        self._done = self.reused = 0
+
+    def __call__(self, batch: Batch, reused: bool = False) -> None:
+        self._done += batch.size
+        self.reused += batch.size if reused else 0
+        if self._tell is not None:
+            seconds = time.monotonic() - self._started
+            state = {"done": self._done, "of": self._of, "reused": self.reused, "seconds": seconds}
+            self._tell({**state, "workers": self._road.workers()})
+
+    def end(self) -> None:
+        """Leaves the terminal's line, if it was not the last."""
+        if self._tell is print_progress and self._done < self._of:
+            sys.stderr.write("\n")
+
+
+def _check_client(client: Client) -> None:
+    try:
+        from distributed import Client as Known
+    except ImportError:
+        raise ArgumentError('client: dask.distributed is not installed: pip install "papilio[cluster]"') from None
+    if not isinstance(client, Known):
+        raise ArgumentError(f"client: expected a distributed.Client, not {described(client)}")
+    if client.asynchronous:
+        raise ArgumentError("client: expected a synchronous distributed.Client")
+    if client.status != "running":
+        raise ArgumentError(f"client: the cluster is closed (its status: {client.status})")

@@ -1,0 +1,123 @@
+"""What many designs are worth."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _parts, _words
+from ._batches import Grid, Question, as_names
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+__all__ = ["Evaluated"]
+
+
+class Evaluated:
+    """Metrics of designs, from `papilio.cluster`."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        question: Question,
+        order: list[str],
+        found: dict[str, NDArray[np.float64]],
+        folder: Path | None,
+        batch: int,
+        reused: int,
+    ) -> None:
+        self._grid, self._question, self._order, self._found = grid, question, order, found
+        #: Where the parts are, as Parquet (`pandas.read_parquet(folder)`); None: in memory.
+        self.folder = folder
+        #: Designs in a part.
+        self.designs_per_part = batch
+        #: Designs that were there already.
+        self.reused = reused
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of ``values``: designs..., metric."""
+        return (*self._grid.shape, len(self.metrics))
+
+    @property
+    def metrics(self) -> list[str]:
+        """The names along the last axis."""
+        return list(self._question.metrics)
+
+    @property
+    def parts(self) -> list[Path]:
+        """The files, in the order of designs (the last axis is the fastest)."""
+        return [] if self.folder is None else [_parts.path(self.folder, address) for address in self._order]
+
+    @cached_property
+    def values(self) -> NDArray[np.float64]:
+        """The metrics, shape [designs..., metric]; NaN where one is not defined."""
+        flat = np.empty((self._grid.size, len(self.metrics)))
+        start = 0
+        for address in self._order:
+            known = self._found.get(address)
+            if known is None and self.folder is not None:
+                known = _parts.read(self.folder, address, self.metrics)
+            if known is not None:
+                flat[start : start + len(known)] = known
+                start += len(known)
+        return flat.reshape(self.shape)
+
+    def __getitem__(self, metric: str) -> NDArray[np.float64]:
+        """One metric, shape [designs...].
+
+        Raises:
+            KeyError: if it was not asked for.
+        """
+        if metric not in self.metrics:
+            raise KeyError(f"{metric!r} was not asked for; there are {', '.join(self.metrics)}")
+        return self.values[..., self.metrics.index(metric)]
+
+    def _variables(self) -> dict[str, NDArray[Any]]:
+        return as_names(self._grid.columns)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for each design, with its variables and metrics."""
+        import pandas
+
+        shape = self._grid.shape
+        table = {name: np.broadcast_to(column, shape).reshape(-1) for name, column in self._variables().items()}
+        flat = self.values.reshape(-1, len(self.metrics))
+        return pandas.DataFrame({**table, **{name: flat[:, at] for at, name in enumerate(self.metrics)}})
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The metrics over the variables. An axis is a variable if that alone varies along it, else ``design``."""
+        import xarray
+
+        dimensions = [f"design_{at}" for at in range(len(self._grid.shape))]
+        if len(dimensions) == 1:
+            dimensions = ["design"]
+        padded = {
+            name: column.reshape((1,) * (len(dimensions) - column.ndim) + column.shape)
+            for name, column in self._variables().items()
+        }
+        along = {
+            name: [at for at, length in enumerate(column.shape) if length > 1 or self._grid.shape[at] == 1]
+            for name, column in padded.items()
+        }
+        for name, axes in along.items():
+            alone = [at for at in axes if sum(at in others for others in along.values()) == 1]
+            if len(axes) == 1 and alone:
+                dimensions[axes[0]] = name
+        coordinates = {
+            name: ([dimensions[at] for at in along[name]], np.squeeze(column, axis=tuple(at for at in range(column.ndim) if at not in along[name])))
+            for name, column in padded.items()
+        }
+        data = {_words.flat(name): (dimensions, self[name], _words.attributes(name)) for name in self.metrics}
+        about = {"papilio": self._question.version, "hash": self._question.hash, "view": self._question.view}
+        return xarray.Dataset(data, coordinates, about)
+
+    def __repr__(self) -> str:
+        where = "in memory" if self.folder is None else f"in {self.folder}"
+        return f"<papilio.Evaluated: {self._grid.size:,} designs, {', '.join(self.metrics)}; {where}>"

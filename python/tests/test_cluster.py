@@ -1,0 +1,222 @@
+"""Designs by the thousand: the same numbers here, on a cluster, and after whatever interrupts."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import papilio
+from papilio import ArgumentError, ClusterError, DesignError, cluster
+
+distributed = pytest.importorskip("distributed")
+
+#: How many designs the long test takes; `cargo xtask python` takes 100000.
+DESIGNS = int(os.environ.get("PAPILIO_DESIGNS", "144"))
+
+MATCHING = "display.pixel.film.0.thickness_nm"
+ABSORBER = "display.pixel.film.1.thickness_nm"
+METRICS = ["gamut_percent_srgb", "white.Y"]
+
+
+@pytest.fixture
+def indoor(scenarios):
+    return papilio.Scenario.load(scenarios / "indoor.toml")
+
+
+@pytest.fixture(scope="module")
+def client():
+    """Two worker processes of one thread each."""
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as workers:
+        with distributed.Client(workers) as client:
+            yield client
+
+
+def plane(count):
+    """So many designs, or a few more, of two thicknesses."""
+    side = int(np.ceil(np.sqrt(count)))
+    return {MATCHING: np.linspace(40, 70, side)[:, None], ABSORBER: np.linspace(8, 14, side)}
+
+
+def in_batches_of(monkeypatch, size):
+    """Leaves nothing to the clock."""
+    monkeypatch.setattr("papilio._batches.batch_size", lambda *_: size)
+    monkeypatch.setattr("papilio._batches.seconds_each", lambda *_: 1.0)
+
+
+def test_many_are_the_same_as_one_call(indoor, monkeypatch):
+    in_batches_of(monkeypatch, 7)
+    designs = plane(36)
+    at_once = papilio.Prepared(indoor).evaluate(designs, METRICS)
+    found = cluster.evaluate_many(indoor, designs, METRICS)
+    assert found.shape == (6, 6, 2) and np.array_equal(found.values, at_once)
+    assert np.array_equal(found["white.Y"], at_once[..., 1])
+    with pytest.raises(KeyError, match=r"red\.Y"):
+        found["red.Y"]
+
+
+def test_what_was_interrupted_goes_on(indoor, monkeypatch, tmp_path):
+    in_batches_of(monkeypatch, 8)
+    designs, whole = plane(36), papilio.Prepared(indoor).evaluate(plane(36), METRICS)
+
+    def after_two(state):
+        if state["done"] >= 16:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path, progress=after_two)
+    found = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
+    assert found.reused == 16 and np.array_equal(found.values, whole)
+    # A part that a loss of power cut off is none.
+    found.parts[1].write_bytes(found.parts[1].read_bytes()[:-20])
+    found = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
+    assert found.reused == 28 and np.array_equal(found.values, whole)
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_only_what_is_new_is_computed(indoor, monkeypatch, tmp_path):
+    in_batches_of(monkeypatch, 6)
+    column = np.linspace(40, 70, 18)
+    first = cluster.evaluate_many(indoor, {MATCHING: column}, METRICS, out=tmp_path)
+    in_batches_of(monkeypatch, 5)  # a slower day: the parts that are there still count
+    longer = cluster.evaluate_many(indoor, {MATCHING: np.append(column, [71, 72])}, METRICS, out=tmp_path)
+    assert (first.reused, longer.reused) == (0, 18) and longer.parts[:3] == first.parts
+    assert np.array_equal(longer.values[:18], first.values)
+    other = cluster.evaluate_many(indoor, {MATCHING: column}, METRICS, out=tmp_path, set={"viewer.theta_deg": 20})
+    assert other.reused == 0 and other.folder != first.folder
+    pandas = pytest.importorskip("pandas")
+    table = pandas.read_parquet(longer.folder)
+    assert len(table) == 20 and set(table) == {MATCHING, *METRICS}
+    assert longer.to_pandas().sort_values(MATCHING).equals(table.sort_values(MATCHING)[longer.to_pandas().columns].reset_index(drop=True))
+
+
+def test_words_vary_and_equal_batches_are_computed_for_each(indoor, monkeypatch):
+    in_batches_of(monkeypatch, 2)
+    words = {"display.pixel.film.2.material": np.array(["SiO2", "Al2O3", "SiO2", "Al2O3"])}
+    found = cluster.evaluate_many(indoor, words, METRICS)
+    assert np.array_equal(found.values[:2], found.values[2:])
+    assert not np.array_equal(found.values[0], found.values[1])
+
+
+def test_a_sweep_is_a_grid(indoor, client):
+    axes = {MATCHING: [50.0, 55.9, 60.0], ("display.pixel.film.2.thickness_nm", "display.pixel.film.3.thickness_nm"): [9.0, 30.0]}
+    found = cluster.sweep(indoor, axes, METRICS, client=client)
+    assert found.shape == (3, 2, 2)
+    one = papilio.run(indoor, set={MATCHING: 60.0, "display.pixel.film.2.thickness_nm": 9.0, "display.pixel.film.3.thickness_nm": 9.0})
+    assert found["white.Y"][2, 0] == pytest.approx(one["white.Y"][0], rel=2e-3)  # the scenario's error
+    pytest.importorskip("xarray")
+    arrays = found.to_xarray()
+    assert dict(arrays.sizes) == {MATCHING: 3, "display.pixel.film.2.thickness_nm, display.pixel.film.3.thickness_nm": 2}
+    assert arrays["gamut_percent_srgb"].attrs["units"] == "%"
+
+
+def test_a_killed_worker_loses_nothing(indoor, client, tmp_path, capsys):
+    """A worker dies in the middle; numbers are the serial run's to the last bit, and memory stays as it is."""
+    designs = plane(DESIGNS)
+    options = {} if DESIGNS > 10000 else {"batch_seconds": 0.1}
+    started = time.perf_counter()
+    serial = cluster.evaluate_many(indoor, designs, METRICS, threads=1, **options)
+    took_serial = time.perf_counter() - started
+    started = time.perf_counter()
+    parallel = cluster.evaluate_many(indoor, designs, METRICS, client=client, **options)
+    took_parallel = time.perf_counter() - started
+    assert np.array_equal(parallel.values, serial.values)
+    killed, before = [], []
+
+    def watch(state):
+        if not before and state["done"] > state["of"] / 4:
+            before.extend(megabytes(client))
+        elif not killed and state["done"] > state["of"] / 2:
+            killed.append(next(iter(client.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    kept = cluster.evaluate_many(indoor, designs, METRICS, client=client, out=tmp_path, progress=watch, **options)
+    after = megabytes(client)
+    assert killed and np.array_equal(kept.values, serial.values)
+    # A batch is a few megabytes; a leak of them would show in the long run.
+    assert max(after) < max(before) + 50
+    again = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
+    assert again.reused == again.values[..., 0].size
+    with capsys.disabled():
+        size = sum(part.stat().st_size for part in kept.parts) / again.reused
+        print(
+            f"\n{again.reused} designs: serial {took_serial:.2f} s, two workers {took_parallel:.2f} s,"
+            f" speed-up {took_serial / took_parallel:.2f}; batches of {parallel.designs_per_part}; {size:.1f} bytes a design;"
+            f" workers' memory {before} before, {after} MB after"
+        )
+
+
+def megabytes(client):
+    """What each worker process holds."""
+
+    def resident():
+        import psutil
+
+        return round(psutil.Process().memory_info().rss / 1e6)
+
+    return sorted(client.run(resident).values())
+
+
+def test_a_cluster_that_is_closed_in_the_middle_is_said(indoor, tmp_path):
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as workers:
+        client = distributed.Client(workers)
+
+        def close(_):
+            threading.Thread(target=client.close).start()
+            time.sleep(0.2)
+
+        with pytest.raises(ClusterError, match="closed"):
+            cluster.evaluate_many(indoor, plane(400), METRICS, client=client, batch_seconds=0.05, out=tmp_path, progress=close)
+        with pytest.raises(ArgumentError, match="client: the cluster is closed"):
+            cluster.evaluate_many(indoor, plane(4), METRICS, client=client)
+
+
+@pytest.mark.parametrize("on_cluster", [False, True])
+def test_a_design_that_cannot_be_is_named(indoor, client, monkeypatch, on_cluster):
+    in_batches_of(monkeypatch, 4)
+    designs = plane(36)
+    designs[MATCHING] = designs[MATCHING].copy()
+    designs[MATCHING][3, 0] = -1.0
+    with pytest.raises(DesignError) as error:
+        cluster.evaluate_many(indoor, designs, METRICS, client=client if on_cluster else None)
+    assert error.value.design[0] == 3
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"variables": {MATCHING: [50.0, np.nan]}}, "variables.*nan"),
+        ({"variables": {MATCHING: [50.0, 51.0], ABSORBER: [1.0, 2.0, 3.0]}}, "variables.*shapes"),
+        ({"variables": {MATCHING: object()}}, "variables"),
+        ({"variables": {MATCHING: [1 + 2j]}}, "variables"),
+        ({"variables": {}}, "variables"),
+        ({"variables": {3: [50.0]}}, "variables"),
+        ({"variables": [MATCHING]}, "variables"),
+        ({"metrics": "white.Y"}, "metrics"),
+        ({"metrics": []}, "metrics"),
+        ({"metrics": ["white.Y", "white.Y"]}, "metrics"),
+        ({"metrics": ["white.wobble"]}, "metrics"),
+        ({"view": 7}, "view"),
+        ({"view": -1}, "view"),
+        ({"batch_seconds": 0}, "batch_seconds"),
+        ({"batch_seconds": float("nan")}, "batch_seconds"),
+        ({"retries": -1}, "retries"),
+        ({"threads": 0}, "threads"),
+        ({"progress": 3}, "progress"),
+        ({"client": "tcp://127.0.0.1:8786"}, "client"),
+        ({"out": "/dev/null/x"}, "out"),
+    ],
+)
+def test_a_wrong_argument_is_named(indoor, changed, says):
+    arguments = {"variables": {MATCHING: [50.0, 51.0]}, "metrics": METRICS, **changed}
+    with pytest.raises(papilio.PapilioError, match=says):
+        cluster.evaluate_many(indoor, **arguments)
+
+
+def test_a_folder_with_something_else_in_it_is_left_alone(indoor, tmp_path):
+    folder = cluster.evaluate_many(indoor, {MATCHING: [50.0]}, METRICS, out=tmp_path).folder
+    (folder / "_question.json").write_text("{}")
+    with pytest.raises(papilio.FileError, match="_question.json"):
+        cluster.evaluate_many(indoor, {MATCHING: [50.0]}, METRICS, out=tmp_path)
