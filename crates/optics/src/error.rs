@@ -43,6 +43,14 @@ pub enum OpticsError {
         /// How many there are.
         found: usize,
     },
+    /// A derivative by a layer that a film does not have.
+    #[error("there is no layer number {layer} (the film has {layers}, counted from 0)")]
+    NoLayer {
+        /// Its number.
+        layer: usize,
+        /// How many there are.
+        layers: usize,
+    },
     /// A coating's layers have fixed thicknesses.
     #[error("a layer of a coating has the gap's thickness (expected a thickness in nm)")]
     CoatingGap,

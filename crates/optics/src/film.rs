@@ -37,6 +37,7 @@
 
 mod coating;
 mod coherent;
+mod derivative;
 mod forms;
 mod gap;
 mod harmonic;
@@ -46,6 +47,7 @@ mod media;
 
 pub use coating::{Coating, CoatingPart};
 pub use coherent::{Coherent, Field, Film, Layer, Polarisation, coherent};
+pub use derivative::Variable;
 pub use gap::{GapFilm, SpectralLayer, Thickness};
 pub use lanes::SimdLevel;
 

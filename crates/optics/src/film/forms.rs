@@ -117,6 +117,13 @@ pub(super) struct Field<S: Simd> {
     pub(super) v: Complex<S>,
 }
 
+impl<S: Simd> Field<S> {
+    #[inline(always)]
+    pub(super) fn scale(self, factor: Lanes<S>) -> Self {
+        Self { u: self.u.scale(factor), v: self.v.scale(factor) }
+    }
+}
+
 /// What is carried through layers, up to a factor.
 pub(super) trait Carried<S: Simd>: Copy {
     /// Beyond a layer.
@@ -148,8 +155,7 @@ impl<S: Simd> Carried<S> for Field<S> {
 
     #[inline(always)]
     fn scaled(self) -> Self {
-        let factor = (self.u.size() + self.v.size()).recip();
-        Self { u: self.u.scale(factor), v: self.v.scale(factor) }
+        self.scale((self.u.size() + self.v.size()).recip())
     }
 }
 

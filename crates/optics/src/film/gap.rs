@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::derivative::{Derivatives, Variable};
 use super::kernel::Sweep;
 use super::media::Media;
 use super::{SimdLevel, checked_incidence, checked_index, checked_thickness, checked_wavelength};
@@ -107,15 +108,49 @@ impl GapFilm {
     /// If a beta is negative or not finite, a gap is negative or not finite, or
     /// `out` does not have beta x gaps x wavelengths values.
     pub fn reflectance(&self, beta: &[f64], gaps_nm: &[f64], out: &mut [f64]) -> Result<(), OpticsError> {
-        check_length("reflectances", beta.len() * gaps_nm.len() * self.wavelengths(), out.len())?;
-        gaps_nm.iter().try_for_each(|&nm| checked_thickness(nm).map(drop))?;
-        if let Some(&beta) = beta.iter().find(|beta| !(0.0..f64::INFINITY).contains(*beta)) {
-            return Err(OpticsError::Beta { beta, limit: f64::INFINITY });
-        }
+        self.check(beta, gaps_nm, out.len())?;
         if !out.is_empty() {
             self.level.dispatch(Sweep { media: &self.media, beta, gaps_nm, out });
         }
         Ok(())
+    }
+
+    /// The mean reflectance, as [`reflectance`](Self::reflectance) gives it (within 1e-12), and its derivatives, into
+    /// `out[variable][beta][gap][wavelength]`: with respect to thicknesses per nm, to n and k per 1. Where there is no light they are 0.
+    /// See `film/derivative.rs` for how.
+    ///
+    /// # Errors
+    /// As [`reflectance`](Self::reflectance), if `out` does not have as many values for each variable, or if a
+    /// variable is of a layer that is not there.
+    pub fn derivatives(
+        &self,
+        beta: &[f64],
+        gaps_nm: &[f64],
+        variables: &[Variable],
+        reflectance: &mut [f64],
+        out: &mut [f64],
+    ) -> Result<(), OpticsError> {
+        self.check(beta, gaps_nm, reflectance.len())?;
+        check_length("derivatives", variables.len() * reflectance.len(), out.len())?;
+        let layers = self.media.layers();
+        let highest = variables.iter().filter_map(|variable| variable.layer()).max();
+        if let Some(layer) = highest.filter(|layer| *layer >= layers) {
+            return Err(OpticsError::NoLayer { layer, layers });
+        }
+        if !reflectance.is_empty() {
+            let media = &self.media;
+            self.level.dispatch(Derivatives { media, beta, gaps_nm, variables, reflectance, out });
+        }
+        Ok(())
+    }
+
+    fn check(&self, beta: &[f64], gaps_nm: &[f64], values: usize) -> Result<(), OpticsError> {
+        check_length("reflectances", beta.len() * gaps_nm.len() * self.wavelengths(), values)?;
+        gaps_nm.iter().try_for_each(|&nm| checked_thickness(nm).map(drop))?;
+        match beta.iter().find(|beta| !(0.0..f64::INFINITY).contains(*beta)) {
+            Some(&beta) => Err(OpticsError::Beta { beta, limit: f64::INFINITY }),
+            None => Ok(()),
+        }
     }
 }
 

@@ -48,12 +48,12 @@ impl WithSimd for Sweep<'_> {
 }
 
 /// One beta at a registerful of wavelengths.
-struct Direction<'a, S: Simd> {
-    simd: S,
-    media: &'a Media,
-    at: usize,
-    beta: f64,
-    k0: Lanes<S>,
+pub(super) struct Direction<'a, S: Simd> {
+    pub(super) simd: S,
+    pub(super) media: &'a Media,
+    pub(super) at: usize,
+    pub(super) beta: f64,
+    pub(super) k0: Lanes<S>,
 }
 
 impl<S: Simd> Direction<'_, S> {
@@ -93,15 +93,21 @@ impl<S: Simd> Direction<'_, S> {
         [[inverse_q, q], [inverse_q * eps, q * inverse_eps]]
     }
 
-    /// q and 1/q in a medium.
+    /// q^2 in a medium; not 0.
     #[inline(always)]
-    fn q(&self, medium: &Medium) -> (Complex<S>, Complex<S>) {
+    pub(super) fn q_squared(&self, medium: &Medium) -> Complex<S> {
         let n = medium.index.load(self.simd, self.at);
         let tiny = self.k0.splat(TINY);
         let re = n.im.neg_mul_add(n.im, self.real_q_squared(n.re));
         let im = (n.re + n.re) * n.im;
         let re = (re.abs() + im - tiny).if_positive(re, tiny);
-        let q = Complex::new(re, im).sqrt();
+        Complex::new(re, im)
+    }
+
+    /// q and 1/q in a medium.
+    #[inline(always)]
+    fn q(&self, medium: &Medium) -> (Complex<S>, Complex<S>) {
+        let q = self.q_squared(medium).sqrt();
         (q, q.recip())
     }
 
@@ -115,7 +121,7 @@ impl<S: Simd> Direction<'_, S> {
 
     /// cos(delta) and sin(delta) of a layer, times a common real factor.
     #[inline(always)]
-    fn phase(&self, q: Complex<S>, thickness_nm: f64) -> (Complex<S>, Complex<S>) {
+    pub(super) fn phase(&self, q: Complex<S>, thickness_nm: f64) -> (Complex<S>, Complex<S>) {
         let delta = q.scale(self.k0 * self.k0.splat(thickness_nm));
         let (c, s) = circular(delta.re);
         let (cosh, sinh) = hyperbolic(delta.im);
@@ -191,21 +197,33 @@ impl<S: Simd> Direction<'_, S> {
         [Clear { c, u: sin_q, v: q_sin }, Clear { c, u: sin_q * eps, v: q_sin * inverse_eps }]
     }
 
-    /// The incidence medium's amplitudes, seen from the top of the gap, for s and for p.
+    /// The incidence medium's amplitudes, for s and for p.
     #[inline(always)]
-    fn above(&self) -> [Pair<Form<S>>; 2] {
+    pub(super) fn incident(&self) -> [Pair<Form<S>>; 2] {
         let n0 = load(self.simd, &self.media.incidence, self.at);
         let q0 = self.q0_squared().max(self.k0.splat(TINY)).sqrt();
-        self.carried([Pair::new(q0), Pair::new(q0.div(n0 * n0))], self.media.above.iter())
+        [Pair::new(q0), Pair::new(q0.div(n0 * n0))]
     }
 
-    /// (U, V) of light that comes to rest in the substrate, at the bottom of the gap, for s and for p.
+    /// The same, seen from the top of the gap.
     #[inline(always)]
-    fn below(&self) -> [Field<S>; 2] {
+    fn above(&self) -> [Pair<Form<S>>; 2] {
+        self.carried(self.incident(), self.media.above.iter())
+    }
+
+    /// (U, V) of light that comes to rest in the substrate, at its top, for s and for p.
+    #[inline(always)]
+    pub(super) fn at_rest(&self) -> [Field<S>; 2] {
         let substrate = &self.media.substrate;
         let u = Complex::real(self.k0.splat(1.0));
         let [s, p] = self.admittances(substrate, self.q(substrate));
-        self.carried([Field { u, v: s[1] }, Field { u, v: p[1] }], self.media.below.iter().rev())
+        [Field { u, v: s[1] }, Field { u, v: p[1] }]
+    }
+
+    /// The same, at the bottom of the gap.
+    #[inline(always)]
+    fn below(&self) -> [Field<S>; 2] {
+        self.carried(self.at_rest(), self.media.below.iter().rev())
     }
 
     /// n0^2 - beta^2; the light exists where it is positive.
@@ -254,7 +272,7 @@ impl<S: Simd> Direction<'_, S> {
     }
 
     #[inline(always)]
-    fn store(&self, reflectance: Lanes<S>, out: &mut [f64]) {
+    pub(super) fn store(&self, reflectance: Lanes<S>, out: &mut [f64]) {
         self.q0_squared().if_positive(reflectance, self.k0.splat(0.0)).store(out);
     }
 }

@@ -232,6 +232,17 @@ impl<S: Simd> Complex<S> {
         Self { re: self.im, im: -self.re }
     }
 
+    #[inline(always)]
+    pub(super) fn conj(self) -> Self {
+        Self { re: self.re, im: -self.im }
+    }
+
+    /// Lane by lane: `yes` where the condition is > 0, else `no`.
+    #[inline(always)]
+    pub(super) fn if_positive(condition: Lanes<S>, yes: Self, no: Self) -> Self {
+        Self { re: condition.if_positive(yes.re, no.re), im: condition.if_positive(yes.im, no.im) }
+    }
+
     /// Between |z| and sqrt(2) |z|.
     #[inline(always)]
     pub(super) fn size(self) -> Lanes<S> {
@@ -277,6 +288,14 @@ impl<S: Simd> Add for Complex<S> {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl<S: Simd> Sub for Complex<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
     }
 }
 

@@ -87,6 +87,11 @@ impl Media {
         Layer { medium, nm, thin }
     }
 
+    /// How many layers there are, the gap among them.
+    pub(super) fn layers(&self) -> usize {
+        self.above.len() + usize::from(self.gap.is_some()) + self.below.len()
+    }
+
     pub(super) fn wavelengths(&self) -> usize {
         self.k0.len()
     }
