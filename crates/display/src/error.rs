@@ -70,6 +70,31 @@ pub enum DisplayError {
     /// A number of paths says nothing to a solver without paths.
     #[error("adding traces no paths: it needs a relative error to stop at")]
     NoPaths,
+    /// Designs are pixels of films.
+    #[error("designs are film pixels: this display has another pixel")]
+    NotAFilm,
+    /// Designs are seen through adding's kernel.
+    #[error("designs are computed by adding to a relative error: the scene asks for another method")]
+    NotByAdding,
+    /// A design of other states than the display that was prepared.
+    #[error("a design has the states of the display that was prepared, in the same order")]
+    OtherStates,
+    /// A quantity of a view or state that is not there.
+    #[error("there is no {what} for the quantity `{quantity}`")]
+    NoSuchQuantity {
+        /// What is missing: a view or a state.
+        what: String,
+        /// The quantity's name.
+        quantity: &'static str,
+    },
+    /// A derivative by something that the film does not have.
+    #[error("the film has no {what} number {number}")]
+    NoSuchParameter {
+        /// A layer of fixed thickness, a sub-pixel, ...
+        what: &'static str,
+        /// Its number, from 0.
+        number: usize,
+    },
     /// The run was stopped before there was anything to report.
     #[error("stopped before the first estimate")]
     Interrupted,

@@ -58,6 +58,8 @@
 //! Many scenes that differ a little, as in a sweep or under a slider, are run through one
 //! [`Prepared`], which keeps what still serves.
 //!
+//! Pixels under layers that stay, as in a search for the best one, are the [`Designs`] of a display.
+//!
 //! Inside, data flows one way: `setup` makes the stack, sources and views of a scene;
 //! `run` has a solver look at them; `meter` turns what it saw into numbers with errors.
 //!
@@ -67,6 +69,7 @@
 mod brdf;
 pub mod compare;
 mod cone;
+mod designs;
 mod error;
 mod meter;
 mod metrics;
@@ -84,6 +87,7 @@ mod target;
 
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
+pub use designs::{Designs, Quantity};
 pub use error::DisplayError;
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};

@@ -137,11 +137,7 @@ impl Setup {
 
     /// What each state of the pixel alone reflects in the direction of a view, shape `[state][wavelength]`; false
     /// if it is no mirror.
-    pub(crate) fn pixel_alone(&self, at: &ViewPoint, out: &mut [f64]) -> bool {
-        let base = match &self.stack {
-            Stack::Panel(panel) => &panel.base,
-            Stack::Layered(layered) => &layered.base,
-        };
+    pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
         if base.is_specular() {
             let beta = at.field.axis_towards();
             base.reflectance(beta.x * beta.x + beta.y * beta.y, &medium(&self.scene), out);
@@ -150,7 +146,15 @@ impl Setup {
     }
 }
 
-fn base_of(stack: &mut Stack) -> &mut Base {
+/// What lies under the layers.
+pub(crate) fn base_under(stack: &Stack) -> &Base {
+    match stack {
+        Stack::Panel(panel) => &panel.base,
+        Stack::Layered(layered) => &layered.base,
+    }
+}
+
+pub(crate) fn base_of(stack: &mut Stack) -> &mut Base {
     match stack {
         Stack::Panel(panel) => &mut panel.base,
         Stack::Layered(layered) => &mut layered.base,

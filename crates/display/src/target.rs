@@ -1,6 +1,6 @@
 //! A metric that a run is to know to within a tolerance.
 
-use crate::result::{State, StateValues, View};
+use crate::result::{State, StateValues, View, ViewMetrics};
 
 /// A tolerance of one metric, at every view: one standard error is to be at most this.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,11 +103,13 @@ impl Metric {
         named.find(|(name, _)| *name == self.name())?.1
     }
 
-    fn of_view(self, view: &View) -> [Option<f64>; 2] {
-        [&view.metrics, &view.standard_error].map(|metrics| self.among(metrics.named()))
+    /// Of the states together; `None` if it is of a state.
+    pub(crate) fn of_view(self, metrics: &ViewMetrics) -> Option<f64> {
+        self.among(metrics.named())
     }
 
-    fn of_state(self, values: &StateValues) -> Option<f64> {
+    /// Of a state; `None` if it is of the states together.
+    pub(crate) fn of_state(self, values: &StateValues) -> Option<f64> {
         match self {
             Self::X => Some(values.X),
             Self::Y => Some(values.Y),
@@ -142,7 +144,7 @@ impl Target {
             Some(if error? == 0.0 { 0.0 } else { error? / tolerance })
         };
         if self.metric.is_of_view() {
-            return over(self.metric.of_view(view));
+            return over([&view.metrics, &view.standard_error].map(|metrics| self.metric.of_view(metrics)));
         }
         let of = |state: &State| {
             over([self.metric.of_state(&state.value), self.metric.of_state(&state.standard_error)])
@@ -157,7 +159,7 @@ impl Target {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::{StateMetrics, ViewMetrics};
+    use crate::result::StateMetrics;
 
     /// Every metric is a number of a result: what the names find is there.
     #[test]

@@ -12,7 +12,7 @@ use super::sample::{Sample, relative};
 use super::view::Numbers;
 use super::{Looked, Meter};
 use crate::run::largest;
-use crate::setup::ViewPoint;
+use crate::setup::{ViewPoint, base_under};
 
 /// How a number's error follows from its values at two levels.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +56,7 @@ impl Meter<'_> {
         coarser: &Sample,
         specular: &[Vec<f64>],
     ) -> Looked {
-        let bare = self.bare_peaks(at);
+        let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let (scalars, before) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.difference(finer, coarser, false)).filter(|least| least.is_finite());
         let of_levels =

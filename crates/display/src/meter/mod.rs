@@ -18,13 +18,14 @@ use std::f64::consts::PI;
 
 use papilio_colour::{Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
-use papilio_transport::{Estimate, Rho};
+use papilio_transport::{Base, Estimate, Rho};
 
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
 pub(crate) use angle::{Looked, against_angle};
 use front_light::BelowFront;
-use metrics::{Reference, Sight, ViewScalars};
+pub(crate) use metrics::ViewScalars;
+use metrics::{Reference, Sight};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
 
@@ -182,7 +183,7 @@ impl<'a> Meter<'a> {
     }
 
     /// `bare`: where each state of the pixel alone peaks.
-    fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
+    pub(crate) fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
         let seen = |state: usize| {
             let radiance = &mean.0[self.layout.radiance(state)];
             Sight {
@@ -199,9 +200,9 @@ impl<'a> Meter<'a> {
     }
 
     /// Where each state of the pixel alone peaks in the direction of a view.
-    fn bare_peaks(&self, at: &ViewPoint) -> Vec<Option<f64>> {
+    pub(crate) fn bare_peaks(&self, at: &ViewPoint, base: &Base) -> Vec<Option<f64>> {
         let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
-        if !self.setup.pixel_alone(at, &mut reflectance) {
+        if !self.setup.pixel_alone(base, at, &mut reflectance) {
             return vec![None; self.layout.states];
         }
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
@@ -220,12 +221,22 @@ impl<'a> Meter<'a> {
     }
 
     /// Also of standard errors: both radiance and factor are linear in light. `None` where no light falls on the display.
-    fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Option<Vec<f64>> {
         let (radiance, by_share) = (&linear[self.layout.radiance(state)], &linear[self.layout.factor(state)]);
         let bins = radiance.iter().zip(by_share).zip(&self.white);
         let factor =
             || bins.map(|((l, share), white)| if *white > 0.0 { l / white } else { *share }).collect();
         (!self.is_self_lit).then(factor)
+    }
+
+    /// Where a state stands.
+    pub(crate) fn state_named(&self, name: &str) -> Option<usize> {
+        self.setup.states.iter().position(|state| state == name)
+    }
+
+    /// The luminous reflectance factor under the diffuse light alone, if there is any.
+    pub(crate) fn under_diffuse(&self, state: usize, sample: &Sample) -> Option<f64> {
+        (self.luminous[0] > 0.0).then(|| sample.0[self.layout.alone(state)][0])
     }
 
     /// Luminance factors of the directed sources' images, shape `[state][light]`.

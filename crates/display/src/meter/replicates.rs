@@ -9,7 +9,7 @@ use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
 use super::view::Numbers;
 use super::{Looked, Meter};
-use crate::setup::ViewPoint;
+use crate::setup::{ViewPoint, base_under};
 
 impl Meter<'_> {
     /// The largest relative standard error of Y over the states; with `every_bin`, also of
@@ -36,7 +36,7 @@ impl Meter<'_> {
         samples: &[Sample],
         specular: &[Vec<f64>],
     ) -> Looked {
-        let bare = self.bare_peaks(at);
+        let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();

@@ -91,7 +91,6 @@ impl Meter<'_> {
         let terms = &linear[self.layout.terms(state)];
         let lighting = &self.setup.scene.lighting;
         let (directed, environments) = (lighting.directed.len(), lighting.environment.len());
-        let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
         let alone = |light: usize| {
             let there = self.luminous[light] > 0.0;
             there.then(|| linear[self.layout.alone(state)][light])
@@ -103,6 +102,47 @@ impl Meter<'_> {
         StateValues {
             radiance: linear[self.layout.radiance(state)].to_vec(),
             reflectance_factor: self.reflectance_factor(state, linear),
+            R_hemi: alone(0),
+            R_dir: (1..=directed).map(alone).collect(),
+            R_environment: (1 + directed..1 + directed + environments).map(alone).collect(),
+            by_light: self.layout.by_light.then(|| SpectraByLight {
+                R_hemi: spectrum(0),
+                R_dir: (1..=directed).map(spectrum).collect(),
+                R_environment: (1 + directed..1 + directed + environments).map(spectrum).collect(),
+            }),
+            terms: Terms {
+                diffuse: terms[0],
+                directed: terms[1..][..directed].to_vec(),
+                environment: terms[1 + directed..][..environments].to_vec(),
+                front_light: terms.get(1 + directed + environments).copied(),
+                front_reflection: linear[self.layout.front_term(state)],
+            },
+            specular,
+            ..StateValues::of_scalars(scalars)
+        }
+    }
+
+    fn ledger(
+        &self,
+        state: usize,
+        value: &Numbers,
+        standard: &Numbers,
+        discretisation: Option<&Numbers>,
+    ) -> Ledger {
+        let parts = |numbers: &Numbers| ledger_parts(&numbers.linear.0[self.layout.ledger(state)]);
+        let LedgerError { returned, absorbed, unaccounted } = parts(value);
+        let (standard_error, discretisation_error) = (parts(standard), discretisation.map(parts));
+        Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error }
+    }
+}
+
+impl StateValues {
+    /// The scalar numbers alone; all that is linear in light is left empty.
+    pub(crate) fn of_scalars(scalars: &Scalars) -> Self {
+        let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
+        Self {
+            radiance: Vec::new(),
+            reflectance_factor: None,
             X: x,
             Y: y,
             Z: z,
@@ -122,36 +162,19 @@ impl Meter<'_> {
             hue_rgb: three(scalars.hue_rgb),
             metrics: scalars.metrics,
             cam16: scalars.cam16,
-            R_hemi: alone(0),
-            R_dir: (1..=directed).map(alone).collect(),
-            R_environment: (1 + directed..1 + directed + environments).map(alone).collect(),
-            by_light: self.layout.by_light.then(|| SpectraByLight {
-                R_hemi: spectrum(0),
-                R_dir: (1..=directed).map(spectrum).collect(),
-                R_environment: (1 + directed..1 + directed + environments).map(spectrum).collect(),
-            }),
+            R_hemi: None,
+            R_dir: Vec::new(),
+            R_environment: Vec::new(),
+            by_light: None,
             terms: Terms {
-                diffuse: terms[0],
-                directed: terms[1..][..directed].to_vec(),
-                environment: terms[1 + directed..][..environments].to_vec(),
-                front_light: terms.get(1 + directed + environments).copied(),
-                front_reflection: linear[self.layout.front_term(state)],
+                diffuse: 0.0,
+                directed: Vec::new(),
+                environment: Vec::new(),
+                front_light: None,
+                front_reflection: 0.0,
             },
-            specular,
+            specular: Vec::new(),
         }
-    }
-
-    fn ledger(
-        &self,
-        state: usize,
-        value: &Numbers,
-        standard: &Numbers,
-        discretisation: Option<&Numbers>,
-    ) -> Ledger {
-        let parts = |numbers: &Numbers| ledger_parts(&numbers.linear.0[self.layout.ledger(state)]);
-        let LedgerError { returned, absorbed, unaccounted } = parts(value);
-        let (standard_error, discretisation_error) = (parts(standard), discretisation.map(parts));
-        Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error }
     }
 }
 

@@ -73,7 +73,7 @@ const BINS_OF_SAMPLE: usize = 8;
 
 /// The reflectances at the gaps, shape `[node][gap][wavelength]`. The nodes of the last film's table,
 /// if it was much like this one, save time.
-fn tabulated(
+pub(crate) fn tabulated(
     film: &FilmPixel,
     grid: &Grid,
     index: &Spectrum,
@@ -93,14 +93,14 @@ fn tabulated(
 }
 
 /// Which gaps the states need, and how much of each they hold.
-pub(super) struct Mixture {
-    pub(super) gaps_nm: Vec<f64>,
+pub(crate) struct Mixture {
+    pub(crate) gaps_nm: Vec<f64>,
     /// Shape `[state][gap]`, fill factor included.
     shares: Vec<f64>,
 }
 
 impl Mixture {
-    pub(super) fn new(film: &FilmPixel) -> Result<Self, DisplayError> {
+    pub(crate) fn new(film: &FilmPixel) -> Result<Self, DisplayError> {
         let mut gaps_nm: Vec<f64> = Vec::new();
         let mut place = |gap: f64| {
             gaps_nm.iter().position(|&known| known == gap).unwrap_or_else(|| {
@@ -134,7 +134,7 @@ impl Mixture {
         Ok(Self { gaps_nm, shares })
     }
 
-    pub(super) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
+    pub(crate) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
         let common = film.inactive_reflectance.iter().map(|r| (1.0 - film.fill_factor) * r).collect();
         AngularTable { nodes, basis, mixture: self.shares.clone(), common }
     }

@@ -4,7 +4,7 @@
 //! tabulated over cos(theta) in the glass, in which a film's reflectance is analytic, as
 //! densely as interpolation to [`TABLE_ERROR`] needs.
 
-mod film;
+pub(crate) mod film;
 mod table;
 
 use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};

@@ -5,6 +5,7 @@
 //! at its own level. Views through any layers share the operators of the layers, which cost
 //! most: all of them are taken to the level that the worst one needs.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_transport::adding::Kernel;
@@ -84,12 +85,8 @@ pub(super) fn run(
     kernels: &mut Kernels,
     pool: Option<&ThreadPool>,
 ) -> Result<RunResult, DisplayError> {
-    let Stop::RelativeError { target, every_bin } = run.scene.solver.stop else {
-        return Err(DisplayError::NoPaths);
-    };
     let views = &run.setup.views;
-    let finest = finest(&run.setup.stack)?;
-    let runner = Runner { run, target, finest, every_bin, views_done: AtomicUsize::new(0) };
+    let runner = Runner::new(run)?;
     let groups: Vec<Option<Group>> = match run.setup.stack {
         Stack::Panel(_) => {
             kernels.resize_with(views.len(), Vec::new);
@@ -102,6 +99,31 @@ pub(super) fn run(
         }
     };
     runner.result(&groups)
+}
+
+/// A kernel and the views that share it.
+#[derive(Debug)]
+pub(crate) struct Lens {
+    pub(crate) kernel: Kernel,
+    pub(crate) views: Range<usize>,
+}
+
+/// For each group of views that share one, the kernel at the level that meets the scene's target.
+pub(super) fn lenses(run: &Run<'_>) -> Result<Vec<Lens>, DisplayError> {
+    let runner = Runner::new(run)?;
+    let views = &run.setup.views;
+    let each = match run.setup.stack {
+        Stack::Panel(_) => 1,
+        Stack::Layered(_) => views.len(),
+    };
+    let lens = |(number, views): (usize, &[ViewPoint])| {
+        let mut levels = Levels::new();
+        let group = runner.look(&mut levels, views, None).filter(|group| group.samples.finished);
+        let level = group.ok_or(DisplayError::Interrupted)?.samples.level;
+        let first = number * each;
+        Ok(Lens { kernel: levels.swap_remove(level).kernel, views: first..first + views.len() })
+    };
+    views.chunks(each.max(1)).enumerate().map(lens).collect()
 }
 
 struct Runner<'a> {
@@ -119,7 +141,15 @@ struct Group {
     nodes: usize,
 }
 
-impl Runner<'_> {
+impl<'a> Runner<'a> {
+    fn new(run: &'a Run<'a>) -> Result<Self, DisplayError> {
+        let Stop::RelativeError { target, every_bin } = run.scene.solver.stop else {
+            return Err(DisplayError::NoPaths);
+        };
+        let finest = finest(&run.setup.stack)?;
+        Ok(Self { run, target, finest, every_bin, views_done: AtomicUsize::new(0) })
+    }
+
     /// Looks through finer and finer kernels; `None` if it was stopped before there were two.
     fn look(&self, levels: &mut Levels, views: &[ViewPoint], pool: Option<&ThreadPool>) -> Option<Group> {
         let at = |level| self.at_level(level, levels, views, pool);

@@ -15,7 +15,7 @@ use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-pub(crate) use adding::Kernels;
+pub(crate) use adding::{Kernels, Lens};
 pub use brdf::brdf;
 pub use cone::cone;
 pub use refine::adding_seconds;
@@ -134,6 +134,12 @@ pub(crate) fn run_setup(
         Method::Adding if setup.views.len() == 1 => adding::run(&run, kernels, None),
         Method::Adding => adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?),
     }
+}
+
+/// Kernels at the level that meets the scene's target.
+pub(crate) fn prepared_lenses(setup: &Setup, control: &Control<'_>) -> Result<Vec<Lens>, DisplayError> {
+    let meter = Meter::new(setup);
+    adding::lenses(&Run { scene: &setup.scene, control, setup, meter: &meter })
 }
 
 /// What a solver works with.

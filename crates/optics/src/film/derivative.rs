@@ -77,7 +77,8 @@ impl WithSimd for Derivatives<'_> {
         let (values, rows) = (self.reflectance.len(), self.gaps_nm.len() * count);
         let wanted = Wanted::new(self.media, self.variables);
         let zero = Complex::real(Lanes::new(simd, 0.0));
-        let mut found = Found { thickness: vec![zero.re; wanted.thickness.len()], index: vec![zero; wanted.index.len()] };
+        let mut found =
+            Found { thickness: vec![zero.re; wanted.thickness.len()], index: vec![zero; wanted.index.len()] };
         let mut room = Passes { above: vec![], below: vec![], forms: vec![], fields: vec![] };
         for (number, &beta) in self.beta.iter().enumerate() {
             for at in (0..count).step_by(S::F64_LANES) {
@@ -268,12 +269,7 @@ impl<S: Simd> Found<S> {
 
     /// The same of the substrate's index.
     #[inline(always)]
-    fn rest(
-        &mut self,
-        direction: &Direction<'_, S>,
-        forms: [Pair<Form<S>>; 2],
-        r: [Complex<S>; 2],
-    ) {
+    fn rest(&mut self, direction: &Direction<'_, S>, forms: [Pair<Form<S>>; 2], r: [Complex<S>; 2]) {
         let fields = direction.at_rest();
         let [s, p] = direction.change_of_rest();
         let (s, p) = (factor(forms[0], fields[0], r[0]) * s, factor(forms[1], fields[1], r[1]) * p);
@@ -286,7 +282,8 @@ impl<S: Simd> Direction<'_, S> {
     /// A layer for s and for p.
     #[inline(always)]
     fn slabs(&self, medium: &Medium, nm: f64, by_index: bool) -> [Slab<S>; 2] {
-        let (eps, inverse_eps) = (medium.eps.load(self.simd, self.at), medium.inverse_eps.load(self.simd, self.at));
+        let (eps, inverse_eps) =
+            (medium.eps.load(self.simd, self.at), medium.inverse_eps.load(self.simd, self.at));
         let depth = self.k0 * self.k0.splat(nm);
         let q2 = self.q_squared(medium);
         let q = q2.sqrt();
@@ -324,15 +321,13 @@ impl<S: Simd> Direction<'_, S> {
         (c, s, t): (Complex<S>, Complex<S>, Complex<S>),
     ) -> [Absorbing<S>; 2] {
         let n = medium.index.load(self.simd, self.at);
-        let (eps, inverse_eps) = (medium.eps.load(self.simd, self.at), medium.inverse_eps.load(self.simd, self.at));
+        let (eps, inverse_eps) =
+            (medium.eps.load(self.simd, self.at), medium.inverse_eps.load(self.simd, self.at));
         let two = depth.splat(2.0);
         let twice_n = n.scale(two);
         let change_of_c = (n * s).scale(-depth);
-        let by_s = Absorbing {
-            c: change_of_c,
-            u: (twice_n * t).minus_i(),
-            v: (n * (s + c.scale(depth))).minus_i(),
-        };
+        let by_s =
+            Absorbing { c: change_of_c, u: (twice_n * t).minus_i(), v: (n * (s + c.scale(depth))).minus_i() };
         let twice_beta_squared = depth.splat(2.0 * self.beta * self.beta);
         let change_of_h = (n * inverse_eps * inverse_eps).scale(twice_beta_squared);
         let by_p = Absorbing {

@@ -134,6 +134,16 @@ impl Kernel {
         }
     }
 
+    /// Whether an estimate of this stack, whose layers it was prepared for, needs nothing that is not prepared: a panel's
+    /// kernel depends on the nodes of the base's table, and on how much light the base sends back at most.
+    pub fn serves(&self, stack: &Stack) -> bool {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.serves(panel),
+            (Stack::Layered(_), Kind::Layered(_)) => true,
+            _ => false,
+        }
+    }
+
     /// What is seen from view number `view`; the stack's layers, the views and the sources are
     /// those it was prepared for, its base and spectra may be others.
     pub fn estimate(&self, stack: &Stack, view: usize) -> Estimate {

@@ -65,6 +65,17 @@ impl Kernel {
         }
     }
 
+    /// Whether what was prepared for these layers serves this base.
+    pub(super) fn serves(&self, stack: &Panel) -> bool {
+        match (&self.kind, &stack.top) {
+            (Kind::Bare(_), _) => true,
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => {
+                kernel.serves(stack, diffuser) && kernel.recycling_serves(stack)
+            }
+            (Kind::Diffused(_), _) => false,
+        }
+    }
+
     pub(super) fn estimate(&self, stack: &Panel, view: usize) -> Estimate {
         match (&self.kind, &stack.top) {
             (Kind::Bare(kernel), _) => kernel.estimate(stack, view),

@@ -29,7 +29,7 @@ impl Kernel {
     }
 
     /// Whether recycled light was prepared for as much of it as this stack has.
-    fn recycling_serves(&self, stack: &Panel) -> bool {
+    pub(in super::super) fn recycling_serves(&self, stack: &Panel) -> bool {
         let prepared = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
         self.plan(stack).as_ref() == prepared
     }

@@ -1,0 +1,129 @@
+//! What is asked of a display: one number from each quantity.
+
+use papilio_colour::{Lab, UvPrime};
+use papilio_spectra::Spectrum;
+
+use crate::DisplayError;
+use crate::result::{RunResult, StateValues, View};
+use crate::scene::Metric;
+
+/// One number of a result.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// A metric of a state, or of the states together.
+    Metric {
+        /// Number of the view, from 0.
+        view: usize,
+        /// The state; `None` for metrics of the states together.
+        state: Option<String>,
+        /// Which one.
+        metric: Metric,
+    },
+    /// Root mean square difference of a state's reflectance factor from a wanted one, over the grid.
+    SpectrumDistance {
+        /// Number of the view, from 0.
+        view: usize,
+        /// The state.
+        state: String,
+        /// What its reflectance factor should be.
+        wanted: Spectrum,
+    },
+    /// CIEDE2000 difference of a state from a wanted colour.
+    ColourDistance {
+        /// Number of the view, from 0.
+        view: usize,
+        /// The state.
+        state: String,
+        /// What its colour should be.
+        wanted: Lab,
+    },
+    /// u'v' distance of a state from a wanted chromaticity.
+    ChromaticityDistance {
+        /// Number of the view, from 0.
+        view: usize,
+        /// The state.
+        state: String,
+        /// What its chromaticity should be.
+        wanted: UvPrime,
+    },
+}
+
+impl Quantity {
+    /// The number in a result; `None` where it is not defined there.
+    pub fn of(&self, result: &RunResult) -> Option<f64> {
+        let view: &View = result.views.get(self.view())?;
+        match self.state() {
+            Some(name) => self.of_state(&view.states.get(name)?.value),
+            None => self.metric()?.of_view(&view.metrics),
+        }
+    }
+
+    /// Number of the view that it is seen from.
+    pub fn view(&self) -> usize {
+        match self {
+            Self::Metric { view, .. }
+            | Self::SpectrumDistance { view, .. }
+            | Self::ColourDistance { view, .. }
+            | Self::ChromaticityDistance { view, .. } => *view,
+        }
+    }
+
+    /// The state that it is of, if it is not of the states together.
+    pub fn state(&self) -> Option<&str> {
+        match self {
+            Self::Metric { state, .. } => state.as_deref(),
+            Self::SpectrumDistance { state, .. }
+            | Self::ColourDistance { state, .. }
+            | Self::ChromaticityDistance { state, .. } => Some(state),
+        }
+    }
+
+    pub(super) fn metric(&self) -> Option<Metric> {
+        match self {
+            Self::Metric { metric, .. } => Some(*metric),
+            _ => None,
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Metric { metric, .. } => metric.name(),
+            Self::SpectrumDistance { .. } => "distance from a spectrum",
+            Self::ColourDistance { .. } => "distance from a colour",
+            Self::ChromaticityDistance { .. } => "distance from a chromaticity",
+        }
+    }
+
+    /// Of a state's values; `None` if it is not of a state.
+    pub(super) fn of_state(&self, values: &StateValues) -> Option<f64> {
+        match self {
+            Self::Metric { metric, .. } => metric.of_state(values),
+            Self::SpectrumDistance { wanted, .. } => {
+                let factor = values.reflectance_factor.as_ref()?;
+                let squares =
+                    factor.iter().zip(wanted.iter()).map(|(found, wanted)| (found - wanted).powi(2));
+                Some((squares.sum::<f64>() / factor.len() as f64).sqrt())
+            }
+            Self::ColourDistance { wanted, .. } => {
+                let lab = Lab { l: values.L_star?, a: values.a_star?, b: values.b_star? };
+                Some(lab.delta_e_2000(*wanted))
+            }
+            Self::ChromaticityDistance { wanted, .. } => {
+                Some(UvPrime { u: values.u_prime?, v: values.v_prime? }.distance(*wanted))
+            }
+        }
+    }
+
+    /// Refuses a quantity of what a display with these views and states has not.
+    pub(super) fn check(&self, views: usize, states: &[String]) -> Result<(), DisplayError> {
+        let missing = |what| Err(DisplayError::NoSuchQuantity { what, quantity: self.name() });
+        if self.view() >= views {
+            return missing(format!("view {}", self.view()));
+        }
+        match self.state() {
+            Some(name) if !states.iter().any(|state| state == name) => missing(format!("state `{name}`")),
+            None if !self.metric().is_some_and(Metric::is_of_view) => missing("state given".to_owned()),
+            _ => Ok(()),
+        }
+    }
+}
