@@ -5,8 +5,8 @@
 use std::sync::atomic::AtomicBool;
 
 use papilio_colour::{Lab, UvPrime};
-use papilio_display::scene::{FilmPixel, Method, Metric, Pixel, Scene, Stop, Thickness};
-use papilio_display::{Control, Designs, DisplayError, Prepared, Quantity};
+use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Stop, Thickness};
+use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_validation::scenario;
@@ -118,6 +118,125 @@ fn a_design_is_what_a_run_reports() {
             assert!(defined > quantities.len() / 3, "{name}: {defined} of {}", quantities.len());
         }
     }
+}
+
+/// All parameters of a film.
+fn parameters(film: &FilmPixel) -> Vec<Parameter> {
+    let mut all = vec![Parameter::DarkGap, Parameter::FillFactor, Parameter::SubstrateIndex];
+    all.push(Parameter::SubstrateExtinction);
+    for (layer, one) in film.layers.iter().enumerate() {
+        all.extend([Parameter::Index { layer }, Parameter::Extinction { layer }]);
+        all.extend((one.thickness != Thickness::Gap).then_some(Parameter::Thickness { layer }));
+    }
+    for sub_pixel in 0..film.sub_pixels.len() {
+        all.extend([Parameter::Gap { sub_pixel }, Parameter::Area { sub_pixel }]);
+    }
+    for (state, one) in film.states.iter().enumerate() {
+        let set = one.drives.iter().enumerate().filter(|(_, drive)| matches!(drive, Drive::Gap(_)));
+        all.extend(set.map(|(sub_pixel, _)| Parameter::StateGap { state, sub_pixel }));
+    }
+    all
+}
+
+/// What one unit of a parameter is to a designer.
+fn unit(parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::Thickness { .. } | Parameter::Gap { .. } | Parameter::DarkGap => 1.0,
+        Parameter::StateGap { .. } => 1.0,
+        _ => 0.01,
+    }
+}
+
+fn shifted(film: &FilmPixel, parameter: Parameter, by: f64) -> FilmPixel {
+    let mut film = film.clone();
+    match parameter {
+        Parameter::Thickness { layer } => {
+            if let Thickness::Fixed(nm) = &mut film.layers[layer].thickness {
+                *nm += by;
+            }
+        }
+        Parameter::Gap { sub_pixel } => film.sub_pixels[sub_pixel].gap_nm += by,
+        Parameter::DarkGap => film.dark_gap_nm = film.dark_gap_nm.map(|nm| nm + by),
+        Parameter::StateGap { state, sub_pixel } => {
+            if let Drive::Gap(nm) = &mut film.states[state].drives[sub_pixel] {
+                *nm += by;
+            }
+        }
+        Parameter::Area { sub_pixel } => film.sub_pixels[sub_pixel].area += by,
+        Parameter::FillFactor => film.fill_factor += by,
+        Parameter::Index { layer } => film.layers[layer].index.iter_mut().for_each(|n| n.re += by),
+        Parameter::Extinction { layer } => film.layers[layer].index.iter_mut().for_each(|n| n.im += by),
+        Parameter::SubstrateIndex => film.substrate.iter_mut().for_each(|n| n.re += by),
+        Parameter::SubstrateExtinction => film.substrate.iter_mut().for_each(|n| n.im += by),
+    }
+    film
+}
+
+/// A film to differentiate at: moved, with an analogue gap equal to another, and absorbing everywhere, so that k can go both ways.
+fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
+    let mut film = moved(film(scene), number);
+    film.layers.iter_mut().flat_map(|layer| &mut layer.index).for_each(|n| n.im += 0.01);
+    for layer in &mut film.layers {
+        if let Thickness::Fixed(nm) = &mut layer.thickness {
+            *nm += 2.0;
+        }
+    }
+    film.inactive_reflectance = film.inactive_reflectance.map(|_| 0.1);
+    let green = film.sub_pixels[1].gap_nm;
+    film.states[7].drives[0] = Drive::Gap(green);
+    film
+}
+
+/// Differences of sixth order; `None` where a quantity is not defined on the way.
+fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> Vec<Option<f64>> {
+    let pairs = [1.0, 2.0, 3.0].map(|k| (at(k * step), at(-k * step)));
+    let of = |k: usize| {
+        let [a, b, c] = [0, 1, 2].map(|n| pairs[n].0[k].zip(pairs[n].1[k]).map(|(a, b)| a - b));
+        Some((45.0 * a? - 9.0 * b? + c?) / (60.0 * step))
+    };
+    (0..pairs[0].0.len()).map(of).collect()
+}
+
+#[test]
+fn derivatives_are_those_of_the_numbers() {
+    for (name, scene) in scenes() {
+        let quantities = everything(&scene);
+        let mut own = designs(&scene, &quantities);
+        for number in 0..2 {
+            let film = film_with_everything(&scene, number);
+            let parameters = parameters(&film);
+            let found = own.derivatives(&film, &parameters).unwrap();
+            let truth: Vec<Vec<Option<f64>>> = parameters
+                .iter()
+                .map(|parameter| {
+                    let at = |by: f64| own.clone().evaluate(&shifted(&film, *parameter, by)).unwrap();
+                    differences(at, 0.02 * unit(*parameter))
+                })
+                .collect();
+            for (k, quantity) in quantities.iter().enumerate() {
+                let pair = |p: usize| {
+                    let unit = unit(parameters[p]);
+                    (found.gradients[k * parameters.len() + p] * unit, truth[p][k].map(|truth| truth * unit))
+                };
+                let scale =
+                    (0..parameters.len()).filter_map(|p| pair(p).1).fold(0.0, |m: f64, t| m.max(t.abs()));
+                for p in 0..parameters.len() {
+                    if let (found, Some(truth)) = pair(p)
+                        && scale > 0.0
+                    {
+                        let off = (found - truth).abs() / scale;
+                        if !(off < 1e-6) {
+                            println!(
+                                "{name} {number} {:?} {quantity:?} {found} {truth} {off:e}",
+                                parameters[p]
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+    panic!();
 }
 
 #[test]

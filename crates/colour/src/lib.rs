@@ -57,6 +57,6 @@ pub use error::ColourError;
 pub use gamut::{GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};
 pub use observer::{LUMENS_PER_WATT, Observer, Standard, spectral_locus};
-pub use peak::peak_nm;
+pub use peak::{peak_nm, peak_slopes};
 pub use solid::{CORNERS, Corners, GamutSolid, HUES, RINGS};
 pub use xyz::{D65_UV, D65_WHITE, UvPrime, Xy, Xyz};

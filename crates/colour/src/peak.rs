@@ -17,6 +17,26 @@ const LANES: usize = 8;
 /// grid): there the spectrum may go on rising. `None` also for a flat spectrum, whose
 /// differences are rounding. NaN is never the largest.
 pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
+    let (top, [left, centre, right]) = around_the_top(grid, values)?;
+    let curvature = left - 2.0 * centre + right;
+    // A flat top (curvature 0) peaks at its first sample.
+    let shift = if curvature < 0.0 { 0.5 * (left - right) / curvature } else { 0.0 };
+    Some(grid.wavelength_nm(top) + shift * grid.step_nm())
+}
+
+/// How [`peak_nm`] changes with the values that it depends on: three, and where the first of them stands.
+pub fn peak_slopes(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
+    let (top, [left, centre, right]) = around_the_top(grid, values)?;
+    let curvature = left - 2.0 * centre + right;
+    if curvature >= 0.0 {
+        return None;
+    }
+    let (scale, lean) = (0.5 * grid.step_nm() / curvature, (left - right) / curvature);
+    Some((top - 1, [scale * (1.0 - lean), scale * 2.0 * lean, -scale * (1.0 + lean)]))
+}
+
+/// Where the largest value stands, and those before, at and after it; `None` at an edge, or if all are alike.
+fn around_the_top(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     let searched = |i: &usize| {
         let nm = grid.wavelength_nm(*i);
         nm >= SEARCHED_NM.0 - 1e-6 && nm <= SEARCHED_NM.1 + 1e-6
@@ -28,11 +48,7 @@ pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
     if top == first || top == last || largest - lowest <= FLAT * largest.abs() {
         return None;
     }
-    let (left, centre, right) = (values[top - 1], values[top], values[top + 1]);
-    let curvature = left - 2.0 * centre + right;
-    // A flat top (curvature 0) peaks at its first sample.
-    let shift = if curvature < 0.0 { 0.5 * (left - right) / curvature } else { 0.0 };
-    Some(grid.wavelength_nm(top) + shift * grid.step_nm())
+    Some((top, [values[top - 1], values[top], values[top + 1]]))
 }
 
 /// The least and the largest value; NaN is neither. In lanes, so that comparisons do not wait for each other.

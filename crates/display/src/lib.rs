@@ -87,7 +87,7 @@ mod target;
 
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
-pub use designs::{Designs, Quantity};
+pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};

@@ -13,6 +13,9 @@
 //! error ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)). A peak is reported however flat the spectrum is: only a second level tells what is
 //! flat within its errors.
 
+mod derivatives;
+mod differences;
+mod parameter;
 mod quantity;
 
 use std::collections::VecDeque;
@@ -22,6 +25,8 @@ use std::sync::Arc;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{Cone, Reflector, Stack};
 
+pub use derivatives::Derivatives;
+pub use parameter::Parameter;
 pub use quantity::Quantity;
 
 use crate::DisplayError;
@@ -79,7 +84,7 @@ impl Designs {
     /// # Errors
     /// If the film cannot be, or has other states.
     pub fn evaluate(&mut self, film: &FilmPixel) -> Result<Vec<Option<f64>>, DisplayError> {
-        self.take(film)?;
+        self.take(film, Mixture::new)?;
         let setup = Arc::clone(&self.setup);
         let meter = Meter::new(&setup);
         let mut values = vec![None; self.quantities.len()];
@@ -97,13 +102,17 @@ impl Designs {
         Ok(values)
     }
 
-    /// Puts a pixel under the layers.
-    fn take(&mut self, film: &FilmPixel) -> Result<(), DisplayError> {
+    /// Puts a pixel under the layers, a mixture of its gaps.
+    fn take(
+        &mut self,
+        film: &FilmPixel,
+        mixture: impl Fn(&FilmPixel) -> Result<Mixture, DisplayError>,
+    ) -> Result<Mixture, DisplayError> {
         if !film.states.iter().map(|state| &state.name).eq(&self.setup.states) {
             return Err(DisplayError::OtherStates);
         }
         let scene = &self.setup.scene;
-        let mixture = Mixture::new(film)?;
+        let mixture = mixture(film)?;
         let base = base_of(&mut self.stack);
         let known = match &base.reflector {
             Reflector::Specular(table) => Some(&table.nodes),
@@ -112,7 +121,7 @@ impl Designs {
         let index = scene.display.index_above_pixel();
         let (nodes, values) = tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?;
         base.reflector = Reflector::Specular(mixture.table(nodes, values, film));
-        Ok(())
+        Ok(mixture)
     }
 
     /// What is seen of the last pixel.

@@ -34,6 +34,18 @@ impl BelowFront {
         Some(Self { front, is_diffuse: field.is_none(), leak: *upward_over_downward })
     }
 
+    /// How a number changes with what is seen above the front, from how it changes with what is seen below it:
+    /// shapes are those of `rho.base`; that of diffuse light is added to.
+    pub(super) fn pull_back(&self, of_it: &mut [f64], of_diffuse: &mut [f64]) {
+        let Front { transmittance, reflectance_below, .. } = &self.front;
+        let bins = transmittance.len();
+        for (k, (it, diffuse)) in of_it.iter_mut().zip(of_diffuse).enumerate() {
+            let bin = k % bins;
+            *it *= if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
+            *diffuse += self.leak * reflectance_below[bin] * *it;
+        }
+    }
+
     /// Of what is seen of its light above the front, and of diffuse light.
     pub(super) fn seen(&self, of_it: &Rho, of_diffuse: &Rho) -> Rho {
         let Front { transmittance, reflectance_above, reflectance_below } = &self.front;

@@ -11,6 +11,7 @@ mod levels;
 mod metrics;
 mod replicates;
 mod sample;
+mod slopes;
 mod view;
 
 use std::borrow::Cow;
@@ -24,10 +25,11 @@ use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
 pub(crate) use angle::{Looked, against_angle};
 use front_light::BelowFront;
-pub(crate) use metrics::ViewScalars;
+pub(crate) use metrics::{PRIMARIES, ViewScalars};
 use metrics::{Reference, Sight};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
+pub(crate) use slopes::{Number, Slopes};
 
 /// Turns estimates into samples and samples into results.
 pub(crate) struct Meter<'a> {
@@ -184,19 +186,20 @@ impl<'a> Meter<'a> {
 
     /// `bare`: where each state of the pixel alone peaks.
     pub(crate) fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
-        let seen = |state: usize| {
-            let radiance = &mean.0[self.layout.radiance(state)];
-            Sight {
-                xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
-                luminance_cd_m2: self.setup.observer.luminance(radiance),
-                peak_nm: self
-                    .reflectance_factor(state, &mean.0)
-                    .and_then(|factor| peak_nm(&self.grid, &factor)),
-                bare_peak_nm: bare[state],
-            }
-        };
-        let sights: Vec<Sight> = (0..self.layout.states).map(seen).collect();
+        let sights: Vec<Sight> =
+            (0..self.layout.states).map(|state| self.sight(state, mean, bare[state])).collect();
         self.reference(&sights).view(&sights)
+    }
+
+    fn sight(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> Sight {
+        let radiance = &mean.0[self.layout.radiance(state)];
+        let factor = self.reflectance_factor(state, &mean.0);
+        Sight {
+            xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
+            luminance_cd_m2: self.setup.observer.luminance(radiance),
+            peak_nm: factor.and_then(|factor| peak_nm(&self.grid, &factor)),
+            bare_peak_nm,
+        }
     }
 
     /// Where each state of the pixel alone peaks in the direction of a view.
@@ -210,7 +213,11 @@ impl<'a> Meter<'a> {
 
     /// What the states, `sights`, are measured against: a perfect white, or the screen's own where the front light is alone.
     fn reference(&self, sights: &[Sight]) -> Reference<'_> {
-        let names = &self.setup.states;
+        self.reference_among(&self.setup.states, sights)
+    }
+
+    /// The same where only states of these names are looked at.
+    fn reference_among<'b>(&'b self, names: &'b [String], sights: &[Sight]) -> Reference<'b> {
         let paper = (over(self.white_xyz, self.white_xyz.y), self.setup.observer.luminance(&self.white));
         let own = || {
             let white = sights.get(names.iter().position(|name| name == "white")?)?;
@@ -218,6 +225,21 @@ impl<'a> Meter<'a> {
         };
         let white = if self.is_self_lit { own() } else { Some(paper) };
         Reference { names, white, asked: &self.setup.scene.metrics }
+    }
+
+    /// How many states, wavelengths and sources there are.
+    pub(crate) fn sizes(&self) -> (usize, usize, usize) {
+        (self.layout.states, self.layout.bins, self.lights.len())
+    }
+
+    /// The state that others are compared with.
+    pub(crate) fn reference_state(&self) -> &str {
+        &self.setup.scene.metrics.reference_state
+    }
+
+    /// Whether colours are measured against the screen's own white.
+    pub(crate) fn is_self_lit(&self) -> bool {
+        self.is_self_lit
     }
 
     /// Also of standard errors: both radiance and factor are linear in light. `None` where no light falls on the display.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use papilio_optics::film::GapFilm;
+use papilio_optics::film::{GapFilm, Variable};
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 
@@ -92,46 +92,87 @@ pub(crate) fn tabulated(
     Ok((Nodes::CosinePanels(panels), values))
 }
 
+/// Whose gap it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Owner {
+    /// A sub-pixel, at its own colour.
+    SubPixel(usize),
+    /// All dark sub-pixels.
+    Dark,
+    /// A sub-pixel in a state that sets its gap.
+    State { state: usize, sub_pixel: usize },
+}
+
+/// A part of a state: the share `on` of a sub-pixel's area at a gap.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) state: usize,
+    pub(crate) sub_pixel: usize,
+    /// Which of the gaps.
+    pub(crate) gap: usize,
+    pub(crate) on: f64,
+}
+
 /// Which gaps the states need, and how much of each they hold.
 pub(crate) struct Mixture {
     pub(crate) gaps_nm: Vec<f64>,
+    /// Of each gap; where several have the same, the first of them.
+    pub(crate) owners: Vec<Owner>,
+    pub(crate) parts: Vec<Part>,
     /// Shape `[state][gap]`, fill factor included.
     shares: Vec<f64>,
 }
 
 impl Mixture {
+    /// Every gap once.
     pub(crate) fn new(film: &FilmPixel) -> Result<Self, DisplayError> {
-        let mut gaps_nm: Vec<f64> = Vec::new();
-        let mut place = |gap: f64| {
-            gaps_nm.iter().position(|&known| known == gap).unwrap_or_else(|| {
-                gaps_nm.push(gap);
-                gaps_nm.len() - 1
+        Self::of(film, |(_, gap), (_, other)| gap == other)
+    }
+
+    /// Every owner's gap by itself, even where others have the same.
+    pub(crate) fn by_owner(film: &FilmPixel) -> Result<Self, DisplayError> {
+        Self::of(film, |(owner, _), (other, _)| owner == other)
+    }
+
+    fn of(
+        film: &FilmPixel,
+        is_same: impl Fn((Owner, f64), (Owner, f64)) -> bool,
+    ) -> Result<Self, DisplayError> {
+        let mut gaps: Vec<(Owner, f64)> = Vec::new();
+        let mut place = |owner: Owner, gap: f64| {
+            gaps.iter().position(|known| is_same(*known, (owner, gap))).unwrap_or_else(|| {
+                gaps.push((owner, gap));
+                gaps.len() - 1
             })
         };
-        let mut parts: Vec<(usize, usize, f64)> = Vec::new();
+        let mut parts: Vec<Part> = Vec::new();
         for (s, state) in film.states.iter().enumerate() {
-            for (sub_pixel, drive) in film.sub_pixels.iter().zip(&state.drives) {
-                let share = film.fill_factor * sub_pixel.area;
+            for (k, (sub_pixel, drive)) in film.sub_pixels.iter().zip(&state.drives).enumerate() {
+                let part = |gap: usize, on: f64| Part { state: s, sub_pixel: k, gap, on };
                 match *drive {
-                    Drive::Gap(gap) => parts.push((s, place(gap), share)),
+                    Drive::Gap(gap) => {
+                        parts.push(part(place(Owner::State { state: s, sub_pixel: k }, gap), 1.0));
+                    }
                     Drive::Share(on) => {
                         if on > 0.0 {
-                            parts.push((s, place(sub_pixel.gap_nm), share * on));
+                            parts.push(part(place(Owner::SubPixel(k), sub_pixel.gap_nm), on));
                         }
                         if on < 1.0 {
                             let missing = || DisplayError::NoDarkGap { state: state.name.clone() };
                             let dark = film.dark_gap_nm.ok_or_else(missing)?;
-                            parts.push((s, place(dark), share * (1.0 - on)));
+                            parts.push(part(place(Owner::Dark, dark), 1.0 - on));
                         }
                     }
                 }
             }
         }
-        let mut shares = vec![0.0; film.states.len() * gaps_nm.len()];
-        for (state, gap, share) in parts {
-            shares[state * gaps_nm.len() + gap] += share;
+        let mut shares = vec![0.0; film.states.len() * gaps.len()];
+        for part in &parts {
+            let share = film.fill_factor * film.sub_pixels[part.sub_pixel].area * part.on;
+            shares[part.state * gaps.len() + part.gap] += share;
         }
-        Ok(Self { gaps_nm, shares })
+        let (owners, gaps_nm) = gaps.into_iter().unzip();
+        Ok(Self { gaps_nm, owners, parts, shares })
     }
 
     pub(crate) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
@@ -142,7 +183,7 @@ impl Mixture {
 
 /// What a sine is the sine of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Beta {
+pub(crate) enum Beta {
     /// The angle in air: beta is the sine.
     Air,
     /// The angle in glass: beta is the index times the sine.
@@ -150,7 +191,7 @@ pub(super) enum Beta {
 }
 
 /// A film over the grid or some bins of it, condensed for its gaps.
-pub(super) struct Film<'a> {
+pub(crate) struct Film<'a> {
     /// Of the medium above, at each bin.
     index: Vec<f64>,
     gaps_nm: &'a [f64],
@@ -161,7 +202,7 @@ pub(super) struct Film<'a> {
 }
 
 impl<'a> Film<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         film: &FilmPixel,
         grid: &Grid,
         index: &Spectrum,
@@ -216,8 +257,35 @@ impl<'a> Film<'a> {
 
     /// The same at these cosines of the angle in the glass.
     fn at_cosines(&self, cosines: &[f64]) -> Result<Vec<f64>, DisplayError> {
-        self.reflectance(&cosines.iter().map(|cosine| (1.0 - cosine * cosine).sqrt()).collect::<Vec<f64>>())
+        self.reflectance(&sines(cosines))
     }
+
+    /// Derivatives of the same, shape `[variable][angle][gap][wavelength]`.
+    pub(crate) fn derivatives_at_cosines(
+        &self,
+        cosines: &[f64],
+        variables: &[Variable],
+    ) -> Result<Vec<f64>, DisplayError> {
+        let (sines, bins) = (sines(cosines), self.index.len());
+        let values = sines.len() * self.gaps_nm.len();
+        let mut derivatives = vec![0.0; variables.len() * values * bins];
+        let together = bins / self.parts.len().max(1);
+        let (mut reflectance, mut some) =
+            (vec![0.0; values * together], vec![0.0; variables.len() * values * together]);
+        for (number, part) in self.parts.iter().enumerate() {
+            let scale = if self.kind == Beta::Air { 1.0 } else { self.index[number * together] };
+            let beta: Vec<f64> = sines.iter().map(|sine| scale * sine).collect();
+            part.derivatives(&beta, self.gaps_nm, variables, &mut reflectance, &mut some)?;
+            for (row, some) in derivatives.chunks_exact_mut(bins).zip(some.chunks_exact(together)) {
+                row[number * together..][..together].copy_from_slice(some);
+            }
+        }
+        Ok(derivatives)
+    }
+}
+
+fn sines(cosines: &[f64]) -> Vec<f64> {
+    cosines.iter().map(|cosine| (1.0 - cosine * cosine).sqrt()).collect()
 }
 
 fn layer_at(layer: &FilmLayer, bins: &[usize]) -> FilmLayer {

@@ -8,12 +8,14 @@
 //! coarser one's discretisation error.
 
 mod field;
+mod gradient;
 mod images;
 mod layered;
 mod panel;
 mod quadrature;
 
 use crate::{Cone, Estimate, Interface, Layer, Source, Stack};
+pub use gradient::TableGradient;
 
 /// The finest level.
 pub const FINEST: u32 = 6;
@@ -154,6 +156,17 @@ impl Kernel {
                 debug_assert!(false, "a kernel is prepared before it is used");
                 Estimate::default()
             }
+        }
+    }
+
+    /// The gradients, with respect to the table of a specular base, of numbers that change with what is seen: `seen` has shape
+    /// `[number][source][state][wavelength]` and tells how each number changes with each source's `rho.base` of an estimate of this stack.
+    /// Exact to rounding, and little more work than an estimate. `None` where this has to be found by differences of
+    /// estimates: this road is that of a panel's scattered light.
+    pub fn pull_back(&self, stack: &Stack, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
+            _ => None,
         }
     }
 

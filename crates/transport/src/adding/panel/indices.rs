@@ -43,6 +43,11 @@ impl Indices {
         Self { nodes, blend }
     }
 
+    /// What a node counts at a wavelength.
+    pub(super) fn blend_at(&self, node: usize, bin: usize) -> f64 {
+        self.blend[node * (self.blend.len() / self.nodes.len()) + bin]
+    }
+
     /// `sum[..][wavelength] += values[..][wavelength] * blend` of one node.
     pub(super) fn add(&self, node: usize, values: &[f64], sum: &mut [f64]) {
         let bins = self.blend.len() / self.nodes.len();

@@ -21,6 +21,7 @@ mod rings;
 
 use papilio_optics::lobe::Lobe;
 
+use super::TableGradient;
 use crate::{Cone, Diffuser, Estimate, Panel, Source, Top};
 
 /// True if recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
@@ -84,6 +85,15 @@ impl Kernel {
                 debug_assert!(false, "a kernel is prepared for the panel's top");
                 Estimate::default()
             }
+        }
+    }
+
+    pub(super) fn pull_back(&self, stack: &Panel, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
+        match (&self.kind, &stack.top) {
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => {
+                kernel.pull_back(stack, diffuser, view, seen)
+            }
+            _ => None,
         }
     }
 

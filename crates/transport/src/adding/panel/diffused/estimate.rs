@@ -115,7 +115,7 @@ impl Kernel {
     }
 
     /// What recycling needs to know of the base: as prepared, if the base is that one.
-    fn reflectances(
+    pub(super) fn reflectances(
         &self,
         stack: &Panel,
         table: &AngularTable,

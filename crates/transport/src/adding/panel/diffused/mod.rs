@@ -1,6 +1,7 @@
 //! A panel with a diffuser: what is kept between estimates. `estimate` adds it up.
 
 mod estimate;
+mod gradient;
 
 use std::sync::Arc;
 

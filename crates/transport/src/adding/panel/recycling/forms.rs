@@ -42,6 +42,34 @@ impl Places {
     }
 }
 
+impl Places {
+    /// The derivatives of a form of `degree` by each of its terms: forms of one degree less, whose products are those of
+    /// `less`; `[term][product]`.
+    pub(super) fn differentiated(&self, form: &[f64], less: &Self, terms: usize, degree: u32) -> Vec<f64> {
+        let mut out = vec![0.0; terms * less.count];
+        let sequences = less.place.len();
+        for (sequence, product) in less.place.iter().enumerate() {
+            for term in 0..terms {
+                // Each sequence of a product once: the same terms in another order have the same place and coefficient.
+                let times = 1 + count(sequence, term, terms, degree - 1);
+                let coefficient = form[self.place[term * sequences + sequence]];
+                out[term * less.count + product] = coefficient * times as f64;
+            }
+        }
+        out
+    }
+}
+
+/// How often a term occurs in a sequence of this length.
+fn count(mut sequence: usize, term: usize, terms: usize, length: u32) -> usize {
+    let is_it = |_| {
+        let found = sequence % terms == term;
+        sequence /= terms;
+        usize::from(found)
+    };
+    (0..length).map(is_it).sum()
+}
+
 /// The number of the sequence of the same terms in ascending order.
 fn ascending(mut sequence: usize, terms: usize, degree: u32) -> usize {
     let mut digits: Vec<usize> = (0..degree)
@@ -121,6 +149,30 @@ mod tests {
             })
         };
         coefficients.iter().enumerate().map(value).sum()
+    }
+
+    /// A polynomial of degree d has exact derivatives by d + 1 differences.
+    #[test]
+    fn slopes_are_those_of_the_polynomial() {
+        for (terms, degree) in [(1_usize, 2_u32), (1, 5), (4, 2), (3, 4)] {
+            let coefficients: Vec<f64> = (0..terms.pow(degree)).map(|k| (k * k % 23) as f64 - 9.0).collect();
+            let (places, less) = (Places::new(terms, degree), Places::new(terms, degree - 1));
+            let slopes = places.differentiated(&places.folded(&coefficients), &less, terms, degree);
+            let values: Vec<f64> = (0..terms).map(|k| 0.3 + 0.1 * k as f64).collect();
+            let products = Products::new(values.clone(), 1, degree);
+            let mut found = vec![0.0; terms];
+            products.add((&slopes, terms), true, 1, &mut found);
+            for (term, found) in found.iter().enumerate() {
+                let at = |x: f64| {
+                    let mut values = values.clone();
+                    values[term] += x;
+                    plainly(&coefficients, &values, degree)
+                };
+                let differences = [1.0, 2.0, 3.0].map(|x| (at(x) - at(-x)) / 2.0);
+                let truth = 1.5 * differences[0] - 0.3 * differences[1] + differences[2] / 30.0;
+                assert!((found - truth).abs() < 1e-9 * truth.abs().max(1.0), "{terms} {degree}");
+            }
+        }
     }
 
     #[test]

@@ -75,6 +75,42 @@ impl Recycling {
         sum
     }
 
+    /// The weights on table nodes of all terms, those of order 2 of the series first.
+    pub(in super::super) fn terms(&self) -> impl Iterator<Item = &[f64]> {
+        self.profiles.iter().flat_map(|profile| &profile.terms).map(|term| &term.0[..])
+    }
+
+    /// What each of these terms changes of the values of sums of forms: shape `[sum][term][column]`.
+    pub(in super::super) fn slopes(&self, sums: &[Vec<&Forms>], r: &Reflectances, g: &[f64]) -> Vec<f64> {
+        let columns = g.len();
+        let all: usize = self.profiles.iter().map(|profile| profile.cosines.len()).sum();
+        let mut slopes = vec![0.0; sums.len() * all * columns];
+        let Reflectances::Products(products) = r else { return slopes };
+        let (mut first, mut power) = (0, g.to_vec());
+        for (k, (products, profile)) in products.iter().zip(&self.profiles).enumerate() {
+            let terms = profile.cosines.len();
+            let forms: Vec<f64> = sums
+                .iter()
+                .flat_map(|forms| {
+                    let mut sum = vec![0.0; forms.first().map_or(0, |one| one.0[k].len())];
+                    forms.iter().for_each(|one| sum.iter_mut().zip(&one.0[k]).for_each(|(s, c)| *s += c));
+                    profile.places[0].differentiated(&sum, &profile.places[1], terms, k as u32 + 2)
+                })
+                .collect();
+            let mut found = vec![0.0; sums.len() * terms * columns];
+            products.add((&forms, sums.len() * terms), true, columns, &mut found);
+            for (sum, found) in found.chunks_exact(terms * columns).enumerate() {
+                let out = &mut slopes[(sum * all + first) * columns..][..terms * columns];
+                for (out, found) in out.chunks_exact_mut(columns).zip(found.chunks_exact(columns)) {
+                    out.iter_mut().zip(found).zip(&power).for_each(|((out, value), g)| *out = value * g);
+                }
+            }
+            first += terms;
+            power.iter_mut().zip(g).for_each(|(power, g)| *power *= g);
+        }
+        slopes
+    }
+
     /// Adds the recycled light of a view's group by summing the series on the grid.
     pub(in super::super) fn add_by_columns(
         &self,

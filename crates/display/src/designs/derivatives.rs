@@ -1,0 +1,243 @@
+//! Derivatives of a design's quantities with respect to its film, gaps and areas.
+//!
+//! Backwards, from each quantity to all parameters at once: how it changes with what is seen (`meter::slopes`), with
+//! the table of the pixel's reflectances (the kernel's `pull_back`; where that has no such road, by [`differences`](super::differences)), and from there, with the
+//! film's own derivatives at the table's nodes, with every parameter. A table on fixed nodes is linear in its
+//! values, so these derivatives are those of the numbers that are reported, not of what they approximate.
+
+use std::sync::Arc;
+
+use papilio_colour::CORNERS;
+use papilio_optics::film::Variable;
+use papilio_spectra::sum_of_products;
+use papilio_transport::adding::TableGradient;
+use papilio_transport::{AngularTable, Nodes, Reflector};
+
+use super::parameter::Change;
+use super::{Designs, Parameter, Quantity, Seen};
+use crate::DisplayError;
+use crate::meter::{Meter, Number, PRIMARIES, Slopes};
+use crate::pixel::film::{Beta, Film, Mixture};
+use crate::result::StateValues;
+use crate::scene::{FilmPixel, Metric};
+use crate::setup::base_under;
+
+/// The quantities of a design and their derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derivatives {
+    /// The quantities; `None` where one is not defined.
+    pub values: Vec<Option<f64>>,
+    /// Shape `[quantity][parameter]`, per unit of each parameter; NaN where a derivative is not defined: where the quantity is not,
+    /// or would not be a little further on, and of `peak_shift_nm`, of which there is none here.
+    pub gradients: Vec<f64>,
+}
+
+impl Designs {
+    /// The quantities of another pixel of the same states, with their exact derivatives. Not of the choice of nodes: see
+    /// above.
+    ///
+    /// # Errors
+    /// As [`evaluate`](Self::evaluate), and if the film has no such parameter.
+    pub fn derivatives(
+        &mut self,
+        film: &FilmPixel,
+        parameters: &[Parameter],
+    ) -> Result<Derivatives, DisplayError> {
+        let mixture = self.take(film, Mixture::by_owner)?;
+        let changes: Result<Vec<Change>, _> =
+            parameters.iter().map(|parameter| parameter.change(film, &mixture)).collect();
+        let tangents = Tangents::new(self, film, &mixture, changes?)?;
+        let setup = Arc::clone(&self.setup);
+        let meter = Meter::new(&setup);
+        let mut values = vec![None; self.quantities.len()];
+        let mut gradients = vec![f64::NAN; self.quantities.len() * parameters.len()];
+        for view in 0..setup.views.len() {
+            let asked: Vec<usize> =
+                (0..values.len()).filter(|k| self.quantities[*k].view() == view).collect();
+            if asked.is_empty() || parameters.is_empty() {
+                continue;
+            }
+            let seen = self.look(&meter, view)?;
+            let mut numbers = Vec::with_capacity(asked.len());
+            let mut by_seen = Vec::new();
+            for k in asked {
+                values[k] = seen.value(&meter, &self.quantities[k]);
+                if let Some(one) = seen.slopes(&meter, &self.quantities[k]) {
+                    numbers.push(k);
+                    by_seen.extend(one);
+                }
+            }
+            let found = self.pull_back(view, &by_seen, &tangents);
+            for (k, found) in numbers.into_iter().zip(found.chunks_exact(parameters.len())) {
+                gradients[k * parameters.len()..][..parameters.len()].copy_from_slice(found);
+            }
+        }
+        Ok(Derivatives { values, gradients })
+    }
+
+    /// `[number][parameter]`, of numbers that change so with what is seen.
+    fn pull_back(&mut self, view: usize, by_seen: &[f64], tangents: &Tangents) -> Vec<f64> {
+        let (setup, stack) = (&self.setup, &self.stack);
+        let Reflector::Specular(table) = &base_under(stack).reflector else { return Vec::new() };
+        let Some(lens) = self.lenses.iter_mut().find(|lens| lens.views.contains(&view)) else {
+            return Vec::new();
+        };
+        let number = view - lens.views.start;
+        let kernel = lens.kernel_for(setup, stack);
+        match kernel.pull_back(stack, number, by_seen) {
+            Some(gradients) => gradients.iter().flat_map(|gradient| tangents.along(gradient)).collect(),
+            None => tangents.by_differences(kernel, stack, table, number, by_seen),
+        }
+    }
+}
+
+/// What each parameter changes of the table.
+pub(super) struct Tangents {
+    pub(super) changes: Vec<Change>,
+    variables: Vec<Variable>,
+    /// `[variable][node][gap][wavelength]`.
+    of_film: Vec<f64>,
+    /// Values of a table.
+    size: usize,
+    pub(super) gaps: usize,
+    pub(super) inactive_reflectance: Vec<f64>,
+}
+
+impl Tangents {
+    fn new(
+        designs: &Designs,
+        film: &FilmPixel,
+        mixture: &Mixture,
+        changes: Vec<Change>,
+    ) -> Result<Self, DisplayError> {
+        let mut variables: Vec<Variable> = Vec::new();
+        for change in &changes {
+            match change {
+                Change::Film { variable, .. } if !variables.contains(variable) => variables.push(*variable),
+                _ => {}
+            }
+        }
+        let scene = &designs.setup.scene;
+        let cosines: Vec<f64> = match &base_under(&designs.stack).reflector {
+            Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => {
+                panels.nodes().collect()
+            }
+            _ => Vec::new(),
+        };
+        let index = scene.display.index_above_pixel();
+        let gaps = mixture.gaps_nm.len();
+        let of_film = if variables.is_empty() {
+            Vec::new()
+        } else {
+            let film = Film::new(film, &scene.grid, index, &mixture.gaps_nm, Beta::InGlass)?;
+            film.derivatives_at_cosines(&cosines, &variables)?
+        };
+        let inactive_reflectance = film.inactive_reflectance.to_vec();
+        Ok(Self {
+            changes,
+            variables,
+            of_film,
+            size: cosines.len() * gaps * scene.grid.len(),
+            gaps,
+            inactive_reflectance,
+        })
+    }
+
+    /// What a variable changes of the film's reflectances, `[node][gap][wavelength]`.
+    pub(super) fn of_film(&self, variable: Variable) -> &[f64] {
+        let number = self.variables.iter().position(|one| *one == variable).unwrap_or_default();
+        &self.of_film[number * self.size..][..self.size]
+    }
+
+    /// How a number changes with each parameter, from how it changes with the table.
+    fn along(&self, gradient: &TableGradient) -> Vec<f64> {
+        let bins = gradient.common.len();
+        let one = |change: &Change| match change {
+            Change::Film { variable, gap: None } => sum_of_products(&gradient.basis, self.of_film(*variable)),
+            Change::Film { variable, gap: Some(gap) } => {
+                let nodes = gradient.basis.chunks_exact(self.gaps * bins);
+                let tangents = self.of_film(*variable).chunks_exact(self.gaps * bins);
+                let at = gap * bins..(gap + 1) * bins;
+                nodes.zip(tangents).map(|(a, b)| sum_of_products(&a[at.clone()], &b[at.clone()])).sum()
+            }
+            Change::Shares { mixture, inactive } => {
+                sum_of_products(&gradient.mixture, mixture)
+                    + inactive * sum_of_products(&gradient.common, &self.inactive_reflectance)
+            }
+            Change::Nothing => 0.0,
+        };
+        self.changes.iter().map(one).collect()
+    }
+}
+
+impl Seen {
+    /// How a quantity changes with each source's `rho.base`, `[source][state][wavelength]`; `None` where it is not
+    /// defined.
+    fn slopes(&self, meter: &Meter<'_>, quantity: &Quantity) -> Option<Vec<f64>> {
+        let (states, bins, sources) = meter.sizes();
+        let mut slopes = Slopes::zeros(states, bins);
+        match quantity {
+            Quantity::Metric { metric: Metric::R_hemi, state: Some(name), .. } => {
+                let state = meter.state_named(name)?;
+                meter.under_diffuse(state, &self.sample)?;
+                slopes.diffuse[state] = 1.0;
+            }
+            Quantity::SpectrumDistance { state, wanted, .. } => {
+                let state = meter.state_named(state)?;
+                let factor = meter.reflectance_factor(state, &self.sample.0)?;
+                let distance = self.value(meter, quantity)?;
+                let of_bins =
+                    factor.iter().zip(wanted.iter()).map(|(f, w)| (f - w) / (bins as f64 * distance));
+                slopes.factor[state * bins..][..bins].iter_mut().zip(of_bins).for_each(|(s, d)| *s = d);
+            }
+            _ => {
+                let (states, numbers) = depends_on(meter, quantity);
+                let states: Vec<usize> = states.into_iter().flatten().collect();
+                let value = |scalars: &crate::meter::ViewScalars| match quantity.state() {
+                    Some(_) => quantity.of_state(&StateValues::of_scalars(&scalars.states[0])),
+                    None => quantity.metric()?.of_view(&scalars.together),
+                };
+                if !meter.add_slopes(&self.sample, &states, numbers, value, &mut slopes) {
+                    return None;
+                }
+            }
+        }
+        let mut out = vec![0.0; sources * states * bins];
+        meter.pull_back(&self.sample, &mut slopes, &mut out).then_some(out)
+    }
+}
+
+/// The states that a quantity depends on, its own before all others, and which of their numbers.
+fn depends_on(meter: &Meter<'_>, quantity: &Quantity) -> (Vec<Option<usize>>, &'static [Number]) {
+    const XYZ: &[Number] = &[Number::Xyz(0), Number::Xyz(1), Number::Xyz(2)];
+    let (others, numbers): (Vec<&str>, _) = match quantity.metric() {
+        Some(Metric::luminance_cd_m2) => (vec![], &[Number::Luminance][..]),
+        Some(Metric::peak_nm | Metric::peak_shift_nm) => (vec![], &[Number::Peak][..]),
+        Some(Metric::contrast) => (vec!["black"], &[Number::Xyz(1)][..]),
+        Some(Metric::contrast_ratio) => (vec!["white", "black"], &[Number::Xyz(1)][..]),
+        Some(Metric::delta_E_2000_from_reference | Metric::distance_from_reference_uv) => {
+            (vec![meter.reference_state()], XYZ)
+        }
+        Some(Metric::gamut_volume_cielab) => (CORNERS.to_vec(), XYZ),
+        Some(Metric::average_peak_shift_nm) => (PRIMARIES.to_vec(), &[Number::Peak][..]),
+        Some(
+            Metric::text_luminance_cd_m2
+            | Metric::text_contrast
+            | Metric::reading_surrogate
+            | Metric::reading_surrogate_age_20
+            | Metric::reading_surrogate_age_50
+            | Metric::reading_surrogate_age_75,
+        ) => (vec!["white", "black"], &[Number::Luminance][..]),
+        Some(metric) if metric.is_of_view() => (PRIMARIES.to_vec(), XYZ),
+        _ => (vec![], XYZ),
+    };
+    let own = if meter.is_self_lit() { Some("white") } else { None };
+    let mut states: Vec<Option<usize>> = Vec::new();
+    for name in quantity.state().into_iter().chain(others).chain(own) {
+        let state = meter.state_named(name);
+        if !states.contains(&state) {
+            states.push(state);
+        }
+    }
+    (states, numbers)
+}

@@ -1,0 +1,108 @@
+//! Derivatives by differences of what is seen, where the kernel has no road back.
+//!
+//! What is seen is an analytic function of the table. Tables that are moved along a parameter's tangent, by one and two
+//! steps to both sides, are looked at as so many states more of the same pixel: one estimate for each parameter. Steps move
+//! no reflectance by more than 1e-3, so that what fourth-order differences leave out is below 1e-10 of the slope, and
+//! rounding below 1e-12 of what is seen.
+
+use papilio_transport::adding::Kernel;
+use papilio_transport::{AngularTable, Reflector, Stack};
+
+use super::derivatives::Tangents;
+use super::parameter::Change;
+use crate::setup::base_of;
+
+/// No reflectance, and no share, moves by more in a step.
+const STEP: f64 = 1e-3;
+
+/// Where tables are moved to, in steps, and what the differences count.
+const MOVES: [(f64, f64); 4] =
+    [(1.0, 8.0 / 12.0), (-1.0, -8.0 / 12.0), (2.0, -1.0 / 12.0), (-2.0, 1.0 / 12.0)];
+
+impl Tangents {
+    /// `[number][parameter]`, of numbers that change so with what is seen, `[number][source][state][wavelength]`.
+    pub(super) fn by_differences(
+        &self,
+        kernel: &Kernel,
+        stack: &Stack,
+        table: &AngularTable,
+        view: usize,
+        by_seen: &[f64],
+    ) -> Vec<f64> {
+        let columns = table.state_count() * table.common.len();
+        let mut out = Vec::new();
+        let mut stack = stack.clone();
+        for change in &self.changes {
+            let Some((moved, step)) = self.moved(table, change) else {
+                out.push(Vec::new());
+                continue;
+            };
+            base_of(&mut stack).reflector = Reflector::Specular(moved);
+            let seen = kernel.estimate(&stack, view);
+            let slope = |base: &Vec<f64>| {
+                let mut slope = vec![0.0; columns];
+                for ((_, count), row) in MOVES.iter().zip(base.chunks_exact(columns)) {
+                    slope.iter_mut().zip(row).for_each(|(slope, seen)| *slope += count / step * seen);
+                }
+                slope
+            };
+            out.push(seen.rho.iter().flat_map(|rho| slope(&rho.base)).collect());
+        }
+        let size = out.iter().map(Vec::len).max().unwrap_or(0).max(1);
+        let along = |by_seen: &[f64], slope: &Vec<f64>| by_seen.iter().zip(slope).map(|(a, b)| a * b).sum();
+        by_seen
+            .chunks_exact(size)
+            .flat_map(|by_seen| out.iter().map(move |slope| along(by_seen, slope)))
+            .collect()
+    }
+
+    /// The table's states moved along a parameter, `[move][state]`, and the step; `None` if they do not move.
+    fn moved(&self, table: &AngularTable, change: &Change) -> Option<(AngularTable, f64)> {
+        let bins = table.common.len();
+        let width = self.gaps * bins;
+        // Further basis reflectances, `[node][..]`, and which of the shares they take part with.
+        let (more, first, shares, step): (Vec<f64>, usize, Option<&[f64]>, f64) = match change {
+            Change::Nothing => return None,
+            Change::Film { variable, gap } => {
+                let of_film = self.of_film(*variable);
+                let (first, count) = gap.map_or((0, self.gaps), |gap| (gap, 1));
+                let rows = of_film.chunks_exact(width).flat_map(|row| &row[first * bins..][..count * bins]);
+                let more: Vec<f64> = rows.copied().collect();
+                let largest = more.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+                if largest == 0.0 {
+                    return None;
+                }
+                let step = STEP / largest;
+                (more.into_iter().map(|value| value * step).collect(), first, None, step)
+            }
+            Change::Shares { mixture, inactive } => {
+                let row = self.inactive_reflectance.iter().map(|r| r * inactive * STEP);
+                let row: Vec<f64> = row.collect();
+                (row.repeat(table.nodes.count()), 0, Some(mixture), STEP)
+            }
+        };
+        let added = more.len() / (table.nodes.count() * bins).max(1);
+        let both = table.basis.chunks_exact(width).zip(more.chunks_exact(added * bins));
+        let basis: Vec<f64> = both.flat_map(|(old, new)| old.iter().chain(new)).copied().collect();
+        let mixture = MOVES.iter().flat_map(|(steps, _)| {
+            table.mixture.chunks_exact(self.gaps).enumerate().flat_map(move |(state, row)| {
+                let moved = |k: usize| {
+                    let share = shares.map_or(0.0, |shares| shares[state * self.gaps + k] * steps * step);
+                    row[k] + share
+                };
+                let of_new = |k: usize| steps * if shares.is_some() { 1.0 } else { row[first + k] };
+                (0..self.gaps).map(moved).chain((0..added).map(of_new)).collect::<Vec<f64>>()
+            })
+        });
+        let mixture = mixture.collect();
+        Some((
+            AngularTable {
+                nodes: table.nodes.clone(),
+                basis: basis.into(),
+                mixture,
+                common: table.common.clone(),
+            },
+            step,
+        ))
+    }
+}

@@ -1,0 +1,171 @@
+//! How a number that a meter reports changes with what is seen of each source.
+//!
+//! Everything up to X, Y and Z is linear; what follows are closed forms of a few numbers. These are differentiated by
+//! central differences of fourth order, whose steps are a thousandth of each number and stay on one side of the
+//! joint of CIELAB's cube root: errors are below 1e-10 of the slope. At the joint itself, where the slope is
+//! continuous, 1e-6.
+
+use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_slopes};
+
+use super::metrics::{Sight, ViewScalars};
+use super::{Meter, Sample};
+use crate::setup::Setup;
+
+/// How a number changes with what is known of each state.
+pub(crate) struct Slopes {
+    /// With X, Y and Z.
+    pub(crate) xyz: Vec<[f64; 3]>,
+    /// With the luminance, cd/m2.
+    pub(crate) luminance: Vec<f64>,
+    /// With the wavelength of the peak.
+    pub(crate) peak_nm: Vec<f64>,
+    /// With the reflectance factor, `[state][wavelength]`.
+    pub(crate) factor: Vec<f64>,
+    /// With the luminous reflectance factor under the diffuse light alone.
+    pub(crate) diffuse: Vec<f64>,
+}
+
+impl Slopes {
+    pub(crate) fn zeros(states: usize, bins: usize) -> Self {
+        Self {
+            xyz: vec![[0.0; 3]; states],
+            luminance: vec![0.0; states],
+            peak_nm: vec![0.0; states],
+            factor: vec![0.0; states * bins],
+            diffuse: vec![0.0; states],
+        }
+    }
+}
+
+/// Numbers of a state that a metric may depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Number {
+    /// X, Y or Z: 0, 1 or 2.
+    Xyz(usize),
+    Luminance,
+    Peak,
+}
+
+impl Number {
+    fn of(self, sight: &mut Sight) -> Option<&mut f64> {
+        match self {
+            Self::Xyz(0) => Some(&mut sight.xyz.x),
+            Self::Xyz(1) => Some(&mut sight.xyz.y),
+            Self::Xyz(_) => Some(&mut sight.xyz.z),
+            Self::Luminance => Some(&mut sight.luminance_cd_m2),
+            Self::Peak => sight.peak_nm.as_mut(),
+        }
+    }
+}
+
+/// Of the numbers: steps of differences.
+const STEP: f64 = 3e-5;
+/// Of a white's X, Y or Z: where CIELAB's cube root is joined to its straight line.
+const JOINT: f64 = 216.0 / 24389.0;
+
+impl Meter<'_> {
+    /// Adds to `slopes` how a number that `value` finds in the metrics changes with these numbers of some states; false if it is
+    /// not defined here. Only these states are looked at.
+    pub(crate) fn add_slopes(
+        &self,
+        sample: &Sample,
+        states: &[usize],
+        numbers: &[Number],
+        value: impl Fn(&ViewScalars) -> Option<f64>,
+        slopes: &mut Slopes,
+    ) -> bool {
+        let sights: Vec<Sight> = states.iter().map(|state| self.sight(*state, sample, None)).collect();
+        let names: Vec<String> = states.iter().map(|state| self.setup.states[*state].clone()).collect();
+        let at = |sights: &[Sight]| value(&self.reference_among(&names, sights).view(sights));
+        for (place, &state) in states.iter().enumerate() {
+            for &number in numbers {
+                let Some(slope) = self.slope(&sights, place, number, &at) else { return false };
+                match number {
+                    Number::Xyz(k) => slopes.xyz[state][k] += slope,
+                    Number::Luminance => slopes.luminance[state] += slope,
+                    Number::Peak => slopes.peak_nm[state] += slope,
+                }
+            }
+        }
+        true
+    }
+
+    fn slope(
+        &self,
+        sights: &[Sight],
+        place: usize,
+        number: Number,
+        at: impl Fn(&[Sight]) -> Option<f64>,
+    ) -> Option<f64> {
+        let mut moved = sights.to_vec();
+        let Xyz { x, y, z } = moved[place].xyz;
+        let value = *number.of(&mut moved[place])?;
+        let step = match number {
+            Number::Xyz(k) => {
+                let size = value.abs().max(0.01 * (x.abs() + y.abs() + z.abs()));
+                let white = self.white_xyz.to_array()[k] / self.white_xyz.y;
+                let room = 0.4 * (value - JOINT * white).abs();
+                (STEP * size).min(room.max(1e-6 * size))
+            }
+            Number::Luminance | Number::Peak => STEP * value.abs(),
+        };
+        if step == 0.0 {
+            return None;
+        }
+        let mut shifted = |steps: f64| {
+            *number.of(&mut moved[place])? = value + steps * step;
+            at(&moved)
+        };
+        let near = shifted(1.0)? - shifted(-1.0)?;
+        let far = shifted(2.0)? - shifted(-2.0)?;
+        Some((8.0 * near - far) / (12.0 * step))
+    }
+
+    /// How the number changes with each source's `rho.base`: adds to `out`, `[source][state][wavelength]`.
+    /// False if a peak is not defined.
+    pub(crate) fn pull_back(&self, sample: &Sample, slopes: &mut Slopes, out: &mut [f64]) -> bool {
+        let (states, bins) = (self.layout.states, self.layout.bins);
+        for state in (0..states).filter(|state| slopes.peak_nm[*state] != 0.0) {
+            let peak = self.reflectance_factor(state, &sample.0).and_then(|f| peak_slopes(&self.grid, &f));
+            let Some((first, of_bins)) = peak else { return false };
+            let factor = &mut slopes.factor[state * bins + first..];
+            factor.iter_mut().zip(of_bins).for_each(|(f, slope)| *f += slopes.peak_nm[state] * slope);
+        }
+        let mut radiance = vec![0.0; bins];
+        for state in 0..states {
+            self.by_radiance(slopes, state, &mut radiance);
+            for (light, out) in self.lights.iter().zip(out.chunks_exact_mut(states * bins)) {
+                let diffuse = if light.term == 0 && self.luminous[0] > 0.0 {
+                    slopes.diffuse[state] / self.luminous[0]
+                } else {
+                    0.0
+                };
+                let factor = &slopes.factor[state * bins..][..bins];
+                for (bin, out) in out[state * bins..][..bins].iter_mut().enumerate() {
+                    let by_share = if self.white[bin] > 0.0 { 0.0 } else { light.share * factor[bin] };
+                    *out += light.radiance[bin] * radiance[bin] + by_share + light.xyz[1][bin] * diffuse;
+                }
+            }
+        }
+        if let Some(guide) = &self.below_front {
+            let (others, last) = out.split_at_mut(out.len() - states * bins);
+            guide.pull_back(last, &mut others[..states * bins]);
+        }
+        true
+    }
+
+    /// How it changes with a state's radiance.
+    fn by_radiance(&self, slopes: &Slopes, state: usize, radiance: &mut [f64]) {
+        let Setup { observer, .. } = self.setup;
+        let (bars, y_bar) = (self.setup.seen_by().weights(), observer.weights()[1]);
+        let of_luminance = LUMENS_PER_WATT * slopes.luminance[state];
+        let of_xyz = slopes.xyz[state].map(|slope| slope / self.white_xyz.y);
+        let factor = &slopes.factor[state * radiance.len()..];
+        for (bin, radiance) in radiance.iter_mut().enumerate() {
+            let by_colour: f64 = bars.iter().zip(of_xyz).map(|(bar, slope)| bar[bin] * slope).sum();
+            let white = self.white[bin];
+            let by_factor = if white > 0.0 { factor[bin] / white } else { 0.0 };
+            *radiance = by_colour + of_luminance * y_bar[bin] + by_factor;
+        }
+    }
+}
