@@ -187,56 +187,79 @@ fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
     film
 }
 
-/// Differences of sixth order; `None` where a quantity is not defined on the way.
-fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> Vec<Option<f64>> {
-    let pairs = [1.0, 2.0, 3.0].map(|k| (at(k * step), at(-k * step)));
-    let of = |k: usize| {
-        let [a, b, c] = [0, 1, 2].map(|n| pairs[n].0[k].zip(pairs[n].1[k]).map(|(a, b)| a - b));
+/// Differences of sixth order with two steps, the shorter's first; `None` where a quantity is not defined on the way.
+fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f64>>; 2] {
+    let pairs = [1.0, 2.0, 3.0, 4.0, 6.0].map(|k| (at(k * step), at(-k * step)));
+    let of = |steps: [usize; 3], step: f64, k: usize| {
+        let [a, b, c] = steps.map(|n| pairs[n].0[k].zip(pairs[n].1[k]).map(|(a, b)| a - b));
         Some((45.0 * a? - 9.0 * b? + c?) / (60.0 * step))
     };
-    (0..pairs[0].0.len()).map(of).collect()
+    let all = |steps, step| (0..pairs[0].0.len()).map(|k| of(steps, step, k)).collect();
+    [all([0, 1, 2], step), all([1, 3, 4], 2.0 * step)]
 }
 
+/// To 1e-6 of the gradient's largest part, wherever differences with two steps agree on what the truth is: a peak has kinks
+/// where another wavelength becomes the highest, a distance where it is small, and a film's table where it takes other nodes.
 #[test]
 fn derivatives_are_those_of_the_numbers() {
-    for (name, scene) in scenes() {
+    let (mut compared, mut unclear) = (0, 0);
+    for (number, (name, scene)) in scenes().into_iter().enumerate() {
         let quantities = everything(&scene);
         let mut own = designs(&scene, &quantities);
-        for number in 0..2 {
-            let film = film_with_everything(&scene, number);
-            let parameters = parameters(&film);
-            let found = own.derivatives(&film, &parameters).unwrap();
-            let truth: Vec<Vec<Option<f64>>> = parameters
-                .iter()
-                .map(|parameter| {
-                    let at = |by: f64| own.clone().evaluate(&shifted(&film, *parameter, by)).unwrap();
-                    differences(at, 0.02 * unit(*parameter))
-                })
-                .collect();
-            for (k, quantity) in quantities.iter().enumerate() {
-                let pair = |p: usize| {
-                    let unit = unit(parameters[p]);
-                    (found.gradients[k * parameters.len() + p] * unit, truth[p][k].map(|truth| truth * unit))
-                };
-                let scale =
-                    (0..parameters.len()).filter_map(|p| pair(p).1).fold(0.0, |m: f64, t| m.max(t.abs()));
-                for p in 0..parameters.len() {
-                    if let (found, Some(truth)) = pair(p)
-                        && scale > 0.0
-                    {
-                        let off = (found - truth).abs() / scale;
-                        if !(off < 1e-6) {
-                            println!(
-                                "{name} {number} {:?} {quantity:?} {found} {truth} {off:e}",
-                                parameters[p]
-                            );
-                        }
-                    }
+        let film = film_with_everything(&scene, number as u64);
+        let parameters = parameters(&film);
+        let found = own.derivatives(&film, &parameters).unwrap();
+        // Gaps that are equal are one to a design, and several to its derivatives: sums differ in their last bits.
+        for (found, value) in found.values.iter().zip(own.evaluate(&film).unwrap()) {
+            let off = found.zip(value).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
+            assert!(found.is_some() == value.is_some() && off.unwrap_or(0.0) < 1e-11, "{name}: {off:?}");
+        }
+        let differences = parameters.iter().map(|parameter| {
+            let at = |by: f64| own.clone().evaluate(&shifted(&film, *parameter, by)).unwrap();
+            differences(at, 0.01 * unit(*parameter))
+        });
+        let differences: Vec<_> = differences.collect();
+        for (k, quantity) in quantities.iter().enumerate() {
+            if format!("{quantity:?}").contains("peak_shift") {
+                continue;
+            }
+            let truth = |p: usize| {
+                let [near, far] =
+                    differences[p].each_ref().map(|all| all[k].map(|d| d * unit(parameters[p])));
+                near.zip(far)
+            };
+            let scale = (0..parameters.len()).filter_map(truth).fold(0.0, |most: f64, t| most.max(t.0.abs()));
+            for (p, parameter) in parameters.iter().enumerate() {
+                let Some((near, far)) = truth(p) else { continue };
+                let off = (found.gradients[k * parameters.len() + p] * unit(*parameter) - near).abs();
+                if (near - far).abs() <= 3e-7 * scale {
+                    assert!(off <= 1e-6 * scale, "{name}, {parameter:?}, {quantity:?}: {off:e} of {scale:e}");
+                    compared += 1;
+                } else {
+                    unclear += 1;
                 }
             }
         }
     }
-    panic!();
+    assert!(unclear < compared / 50, "{unclear} of {compared}");
+}
+
+#[test]
+fn what_is_no_parameter_is_refused() {
+    let scene = &scenes()[0].1;
+    let mut designs = designs(scene, &[]);
+    let film = film(scene);
+    let refused = |designs: &mut Designs, parameter| designs.derivatives(film, &[parameter]).err();
+    let missing = |what, number| Some(DisplayError::NoSuchParameter { what, number });
+    let gap_layer = film.layers.iter().position(|layer| layer.thickness == Thickness::Gap).unwrap();
+    for layer in [gap_layer, 99] {
+        let expected = missing("layer of fixed thickness", layer);
+        assert_eq!(refused(&mut designs, Parameter::Thickness { layer }), expected);
+    }
+    assert_eq!(refused(&mut designs, Parameter::Index { layer: 99 }), missing("layer", 99));
+    assert_eq!(refused(&mut designs, Parameter::Area { sub_pixel: 3 }), missing("sub-pixel", 3));
+    let analogue = Parameter::StateGap { state: 0, sub_pixel: 0 };
+    assert_eq!(refused(&mut designs, analogue), missing("state that sets the gap of this sub-pixel", 0));
 }
 
 #[test]
