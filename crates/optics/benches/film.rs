@@ -8,7 +8,7 @@
 use divan::counter::ItemsCount;
 use num_complex::Complex64;
 use papilio_optics::film::{
-    Film, GapFilm, Layer, Polarisation, SimdLevel, SpectralLayer, Thickness, coherent,
+    Film, GapFilm, Layer, Polarisation, SimdLevel, SpectralLayer, Thickness, Variable, coherent,
 };
 use papilio_spectra::{Grid, material};
 
@@ -59,6 +59,21 @@ fn travelling<const GAPS: usize>(bencher: divan::Bencher<'_, '_>, level: &SimdLe
 #[divan::bench(args = levels(), consts = [4, 32])]
 fn all_in_glass<const GAPS: usize>(bencher: divan::Bencher<'_, '_>, level: &SimdLevel) {
     sweep(bencher, *level, GAPS, 1.5);
+}
+
+/// The same with derivatives: by all thicknesses, and by every n besides.
+#[divan::bench(args = levels(), consts = [false, true])]
+fn derivatives<const INDEX: bool>(bencher: divan::Bencher<'_, '_>, level: &SimdLevel) {
+    let film = imod().with_simd_level(*level);
+    let beta: Vec<f64> = (0..ANGLES).map(|i| 1.5 * i as f64 / ANGLES as f64).collect();
+    let gaps_nm = [20.0, 85.0, 150.0, 215.0];
+    let mut variables: Vec<Variable> = (0..5).map(Variable::Thickness).collect();
+    variables.extend((0..5).map(Variable::Index).filter(|_| INDEX));
+    let mut reflectance = vec![0.0; ANGLES * gaps_nm.len() * film.wavelengths()];
+    let mut out = vec![0.0; variables.len() * reflectance.len()];
+    bencher.counter(ItemsCount::new(2 * reflectance.len())).bench_local(|| {
+        film.derivatives(&beta, &gaps_nm, &variables, &mut reflectance, divan::black_box(&mut out))
+    });
 }
 
 /// The plain road, for comparison: one wavelength and direction of the same stack.

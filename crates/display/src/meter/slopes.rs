@@ -79,7 +79,7 @@ impl Meter<'_> {
         let at = |sights: &[Sight]| value(&self.reference_among(&names, sights).view(sights));
         for (place, &state) in states.iter().enumerate() {
             for &number in numbers {
-                let Some(slope) = self.slope(&sights, place, number, &at) else { return false };
+                let Some(slope) = self.slope(&sights, place, number, at) else { return false };
                 match number {
                     Number::Xyz(k) => slopes.xyz[state][k] += slope,
                     Number::Luminance => slopes.luminance[state] += slope,
