@@ -26,6 +26,7 @@ os.environ |= {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
 import numpy as np
 
 import colours
+import designs
 import films
 import matrices
 import scenes
@@ -104,6 +105,11 @@ def rows(program, given):
     work = colours.PEERS["colour-science"]
     (ours, a), (theirs, b) = in_turn(Papilio(program, "colours"), timed(work, colours.problem(given)))
     yield row("colours", "colour-science", ours, theirs, apart(a, b))
+
+    work = designs.PEERS["tmm_fast + colour-science"]
+    theirs_once = timed(work, designs.problem(given))
+    (ours, a), (theirs, b) = in_turn(Papilio(program, "designs"), theirs_once)
+    yield row("designs, bare film", "tmm_fast + colour-science", ours, theirs, apart(a, b))
 
     # Half a minute each.
     work = matrices.PEERS["pywincalc"]

@@ -5,6 +5,8 @@
 
 #![allow(clippy::print_stdout, reason = "a program for the terminal")]
 
+mod designs;
+
 use std::error::Error;
 use std::sync::LazyLock;
 use std::time::Instant;
@@ -37,9 +39,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["inputs"] => inputs(),
         ["films", seconds] => timed(seconds, film()?),
         ["colours", seconds] => timed(seconds, colours()?),
+        ["designs", seconds] => timed(seconds, designs::bare()?),
         ["matrices", seconds] => timed(seconds, displayed(&pane()?)),
         ["scenes", kind, light, solver, seconds] => timed(seconds, displayed(&paper(kind, light, solver)?)),
-        _ => Err("usage: peers inputs | films | colours | matrices | scenes KIND LIGHT SOLVER, then SECONDS"
+        _ => Err("usage: peers inputs | films | colours | designs | matrices | scenes KIND LIGHT SOLVER, then SECONDS"
             .into()),
     }
 }
@@ -215,6 +218,8 @@ fn inputs() -> Result<(), Box<dyn Error>> {
         ("index_k", list(&mut all.iter().map(|index| index.im))),
         ("thicknesses_nm", list(&mut LAYERS.iter().map(|(_, nm)| *nm))),
         ("gaps_nm", list(&mut GAPS_NM.into_iter())),
+        ("designs_nm", list(&mut designs::given())),
+        ("areas", list(&mut designs::AREAS.into_iter())),
         ("angles_deg", list(&mut angles_deg())),
         ("spectra", list(&mut spectra().into_iter())),
         ("light", list(&mut d65.iter().copied())),
