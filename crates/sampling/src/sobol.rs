@@ -102,6 +102,21 @@ pub(crate) fn point(index: u32, block: usize, scramble: u32) -> [u32; 4] {
     std::array::from_fn(|k| permute(reversed[k], of_dimension(scramble, k)).reverse_bits())
 }
 
+/// Points that differ in the lowest bits of their indices alone.
+const IN_A_ROW: usize = 16;
+
+/// What those bits choose, for each dimension of each block.
+static OF_LOWEST_BITS: [[[u32; IN_A_ROW]; 4]; BLOCKS] = {
+    let mut table = [[[0; IN_A_ROW]; 4]; BLOCKS];
+    let mut at = 0;
+    while at < BLOCKS * 4 * IN_A_ROW {
+        let (block, dimension, k) = (at / (4 * IN_A_ROW), at / IN_A_ROW % 4, at % IN_A_ROW);
+        table[block][dimension][k] = BY_BYTE[block][0][k][dimension];
+        at += 1;
+    }
+    table
+};
+
 /// The first `D` dimensions of a block of `N` points in a row, which compilers put side by side in registers.
 #[inline(always)]
 pub(crate) fn points<const N: usize, const D: usize>(
@@ -110,10 +125,18 @@ pub(crate) fn points<const N: usize, const D: usize>(
     scramble: u32,
 ) -> [[u32; N]; D] {
     let mut points = [[0; N]; D];
-    for k in 0..N {
-        let reversed = reversed(first.wrapping_add(k as u32), block);
+    if N <= IN_A_ROW && first as usize % IN_A_ROW == 0 {
+        let common = reversed(first, block);
         for (dimension, points) in points.iter_mut().enumerate() {
-            points[k] = reversed[dimension];
+            let lowest = &OF_LOWEST_BITS[block][dimension];
+            points.iter_mut().zip(lowest).for_each(|(point, lowest)| *point = common[dimension] ^ lowest);
+        }
+    } else {
+        for k in 0..N {
+            let reversed = reversed(first.wrapping_add(k as u32), block);
+            for (dimension, points) in points.iter_mut().enumerate() {
+                points[k] = reversed[dimension];
+            }
         }
     }
     for (dimension, points) in points.iter_mut().enumerate() {

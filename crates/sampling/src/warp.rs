@@ -55,8 +55,13 @@ pub fn uniform_disc_density(radius: f64) -> f64 {
 /// density [`uniform_cone_density`]. `axis` is a unit vector.
 #[inline(always)]
 pub fn uniform_cone(axis: [f64; 3], half_angle: f64, u: [f64; 2]) -> [f64; 3] {
-    // 1 - cos without cancellation: fields of a tenth of a degree are the rule.
-    deflected(axis, 2.0 * (0.5 * half_angle).sin().powi(2) * u[0], u[1])
+    deflected(axis, one_minus_cos(half_angle) * u[0], u[1])
+}
+
+/// 1 - cos without cancellation: fields of a tenth of a degree are the rule.
+#[inline]
+pub fn one_minus_cos(angle: f64) -> f64 {
+    2.0 * (0.5 * angle).sin().powi(2)
 }
 
 /// The unit vector at an angle of this `1 - cos` to the unit vector `axis`, at azimuth `2 pi v`.
@@ -71,7 +76,7 @@ pub fn deflected(axis: [f64; 3], one_minus_cos: f64, v: f64) -> [f64; 3] {
 
 /// Density of [`uniform_cone`], per steradian.
 pub fn uniform_cone_density(half_angle: f64) -> f64 {
-    1.0 / (TAU * 2.0 * (0.5 * half_angle).sin().powi(2))
+    1.0 / (TAU * one_minus_cos(half_angle))
 }
 
 /// Two unit vectors that complete `axis` (Duff et al., JCGT 6:1, 2017).

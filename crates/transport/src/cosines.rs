@@ -1,6 +1,9 @@
 //! Nodes over cos(theta), close together where a film's reflectance changes fast.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+use papilio_optics::wide;
 
 use crate::angular::Stencil;
 
@@ -19,6 +22,15 @@ pub struct CosinePanels {
     nodes: [f64; Self::NODES],
     scale: [f64; Self::NODES],
 }
+
+/// Chebyshev's polynomials at the nodes, `[degree][node]`, times what makes Lagrange's of them.
+static POLYNOMIALS: LazyLock<[[f64; CosinePanels::NODES]; CosinePanels::NODES]> = LazyLock::new(|| {
+    let scale = |degree: usize| if degree == 0 { 1.0 } else { 2.0 } / CosinePanels::NODES as f64;
+    std::array::from_fn(|degree| {
+        // A node is -cos of its angle.
+        std::array::from_fn(|node| scale(degree) * (degree as f64 * (PI - angle(node))).cos())
+    })
+});
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Panel {
@@ -85,13 +97,45 @@ impl CosinePanels {
         self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])
     }
 
+    /// Which panel a cosine from 0 to 1 lies in.
+    #[inline(always)]
+    pub(crate) fn panel(&self, cosine: f64) -> usize {
+        let part = (cosine * self.panel_at.len() as f64) as usize;
+        usize::from(self.panel_at[part.min(self.panel_at.len() - 1)])
+    }
+
+    /// From -1 to 1 where a cosine lies in a panel; beyond if it lies in another.
+    #[inline(always)]
+    pub(crate) fn within(&self, number: usize, cosine: f64) -> f64 {
+        let panel = &self.panels[number];
+        2.0 * (cosine - panel.start) / panel.width - 1.0
+    }
+
+    /// The number of panels.
+    pub(crate) fn panel_count(&self) -> usize {
+        self.panels.len()
+    }
+
+    /// Adds to the weights of a panel's nodes those of look-ups with these moments: sums of weights times
+    /// Chebyshev's polynomials T_0, T_1, ... of where they lie. (The points are orthogonal under the polynomials,
+    /// so that Lagrange's are sums of them.)
+    pub(crate) fn add_moments(moments: &[f64; Self::NODES], weights: &mut [f64; Self::NODES]) {
+        let at_nodes = &*POLYNOMIALS;
+        wide(
+            #[inline(always)]
+            || {
+                for (at_nodes, moment) in at_nodes.iter().zip(moments) {
+                    weights.iter_mut().zip(at_nodes).for_each(|(weight, value)| *weight += moment * value);
+                }
+            },
+        );
+    }
+
     /// Lagrange's interpolation within the panel of this cosine.
     #[inline(always)]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {
-        let part = (cosine * self.panel_at.len() as f64) as usize;
-        let number = usize::from(self.panel_at[part.min(self.panel_at.len() - 1)]);
-        let panel = &self.panels[number];
-        let x = 2.0 * (cosine - panel.start) / panel.width - 1.0;
+        let number = self.panel(cosine);
+        let x = self.within(number, cosine);
         let away = self.nodes.map(|node| x - node);
         // Four products side by side.
         let (mut products, mut product) = ([1.0; 4], 1.0);
@@ -115,6 +159,33 @@ fn angle(k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Moments of look-ups give the weights that the look-ups give one by one.
+    #[test]
+    fn moments_are_look_ups() {
+        let panels = CosinePanels::new(&[2, 3, 3, 1]);
+        let (mut one_by_one, mut by_moments) = (vec![0.0; panels.count()], vec![0.0; panels.count()]);
+        let mut moments = vec![[0.0; CosinePanels::NODES]; panels.panel_count()];
+        for step in 0..=1000 {
+            let (cosine, weight) = (f64::from(step) / 1000.0, f64::from(step % 7) - 2.5);
+            let stencil = panels.stencil(cosine);
+            for (sum, w) in one_by_one[stencil.first..].iter_mut().zip(stencil.weights) {
+                *sum += weight * w;
+            }
+            let number = panels.panel(cosine);
+            let angle = panels.within(number, cosine).clamp(-1.0, 1.0).acos();
+            for (k, moment) in moments[number].iter_mut().enumerate() {
+                *moment += weight * (k as f64 * angle).cos();
+            }
+        }
+        for (moments, weights) in moments.iter().zip(by_moments.as_chunks_mut().0) {
+            CosinePanels::add_moments(moments, weights);
+        }
+        assert!(
+            one_by_one.iter().zip(&by_moments).all(|(a, b)| (a - b).abs() < 1e-9),
+            "{one_by_one:?} {by_moments:?}"
+        );
+    }
 
     #[test]
     fn panels_of_any_size_reproduce_a_polynomial_of_degree_fifteen() {

@@ -48,9 +48,20 @@ impl Cone {
     /// A direction of the cone, uniform in solid angle: the direction cosines of light that leaves towards it.
     #[inline(always)]
     pub fn sample_towards(&self, u: [f64; 2]) -> Beta {
-        let direction =
-            if self.half_angle > 0.0 { warp::uniform_cone(self.axis, self.half_angle, u) } else { self.axis };
-        Beta { x: self.index * direction[0], y: self.index * direction[1] }
+        self.sampler()(u)
+    }
+
+    /// The same of many, what they have in common found once.
+    #[inline(always)]
+    pub(crate) fn sampler(&self) -> impl Fn([f64; 2]) -> Beta {
+        let Self { axis, half_angle, index } = *self;
+        let one_minus_cos = warp::one_minus_cos(half_angle);
+        #[inline(always)]
+        move |[u, v]| {
+            // On the axis itself where the cone has no width.
+            let [x, y, _] = warp::deflected(axis, one_minus_cos * u, v);
+            Beta { x: index * x, y: index * y }
+        }
     }
 
     /// The cone in which a mirror shows this one.

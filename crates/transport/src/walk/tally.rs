@@ -2,7 +2,7 @@
 
 use super::add_scaled;
 use crate::angular::Stencil;
-use crate::{Base, Reflector};
+use crate::{Base, CosinePanels, Reflector};
 
 /// Light that has met the base, as a path carries it.
 #[derive(Debug, Clone, Copy)]
@@ -13,10 +13,19 @@ pub(super) enum Reflected<'a> {
     Spectra(&'a [f64]),
 }
 
+/// Paths whose moments are added side by side.
+pub(super) const SIDE_BY_SIDE: usize = 8;
+
+/// Sums of look-ups in a panel of a table, as [`CosinePanels::add_moments`] takes them: for each polynomial that of
+/// each path's place among those side by side.
+pub(super) type Moments = [[f64; SIDE_BY_SIDE]; CosinePanels::NODES];
+
 /// A sum of weighted [`Reflected`] light: weights on table nodes, and spectra.
 #[derive(Debug, Clone)]
 pub(super) struct Channel {
     nodes: Vec<f64>,
+    /// Of look-ups that were added by their moments, for each panel of the table.
+    moments: Vec<Moments>,
     spectra: Vec<f64>,
 }
 
@@ -27,7 +36,12 @@ impl Channel {
             Reflector::Lambertian(_) | Reflector::Scattering(_) => 1,
         };
         // A look-up always touches `Stencil::LEN` consecutive slots.
-        Self { nodes: vec![0.0; nodes + Stencil::LEN], spectra: vec![0.0; base.states() * base.bins()] }
+        let moments = Vec::new();
+        Self {
+            nodes: vec![0.0; nodes + Stencil::LEN],
+            moments,
+            spectra: vec![0.0; base.states() * base.bins()],
+        }
     }
 
     #[inline]
@@ -45,12 +59,34 @@ impl Channel {
         slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
+    /// The sums of look-ups by their moments in a panel of so many.
+    #[inline(always)]
+    pub(super) fn moments(&mut self, panel: usize, panels: usize) -> &mut Moments {
+        if self.moments.is_empty() {
+            self.moments.resize(panels, [[0.0; SIDE_BY_SIDE]; CosinePanels::NODES]);
+        }
+        &mut self.moments[panel]
+    }
+
+    /// The weights on so many nodes of a table.
+    fn node_weights(&self, count: usize) -> Vec<f64> {
+        let mut weights = self.nodes[..count].to_vec();
+        for (moments, weights) in self.moments.iter().zip(weights.as_chunks_mut().0) {
+            // Light that reaches a panel at all has a moment of degree 0.
+            if moments[0] != [0.0; SIDE_BY_SIDE] {
+                CosinePanels::add_moments(&moments.map(|side_by_side| side_by_side.iter().sum()), weights);
+            }
+        }
+        weights
+    }
+
     /// The whole sums of several, each times its scale; shape `[state][wavelength]`.
     pub(super) fn sums(channels: &[(&Self, f64)], base: &Base) -> Vec<Vec<f64>> {
         let mut sums: Vec<Vec<f64>> = match &base.reflector {
             Reflector::Specular(table) => {
-                let nodes: Vec<&[f64]> =
-                    channels.iter().map(|(channel, _)| &channel.nodes[..table.nodes.count()]).collect();
+                let nodes: Vec<Vec<f64>> =
+                    channels.iter().map(|(channel, _)| channel.node_weights(table.nodes.count())).collect();
+                let nodes: Vec<&[f64]> = nodes.iter().map(Vec::as_slice).collect();
                 let len = (base.states() * base.bins()).max(1);
                 table.weighted_sums(&nodes).chunks_exact(len).map(<[f64]>::to_vec).collect()
             }

@@ -8,6 +8,7 @@
 
 mod books;
 mod first;
+mod leaving;
 mod numbers;
 mod sources;
 mod together;
@@ -26,6 +27,7 @@ use crate::{Diffuser, Reflector};
 pub(super) use books::Tally;
 use books::{Room, Sums};
 use first::{First, Guided, SPLITS};
+use leaving::Leaving;
 use numbers::PassNumbers;
 
 /// A path never goes on with a higher probability than this.
@@ -56,6 +58,7 @@ pub(super) struct Diffused<'a> {
     first: First,
     /// How all others are.
     drawing: Drawing,
+    leaving: Leaving,
     /// The pixel's directions are also drawn from the sources' side.
     backwards: bool,
 }
@@ -117,6 +120,7 @@ impl<'a> Diffused<'a> {
             discs,
             first,
             drawing,
+            leaving: Leaving::new(diffuser.lobe, stack.medium.largest_index()),
             backwards,
         }
     }
