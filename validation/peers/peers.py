@@ -107,9 +107,10 @@ def rows(program, given):
     yield row("colours", "colour-science", ours, theirs, apart(a, b))
 
     work = designs.PEERS["tmm_fast + colour-science"]
-    theirs_once = timed(work, designs.problem(given))
-    (ours, a), (theirs, b) = in_turn(Papilio(program, "designs"), theirs_once)
+    theirs = timed(work, designs.problem(given))
+    (ours, a), (whole, _), (theirs, b) = in_turn(Papilio(program, "designs"), Papilio(program, "displays"), theirs)
     yield row("designs, bare film", "tmm_fast + colour-science", ours, theirs, apart(a, b))
+    yield row("designs, whole displays beside bare films", "tmm_fast + colour-science", whole, theirs, "-")
 
     # Half a minute each.
     work = matrices.PEERS["pywincalc"]

@@ -123,8 +123,8 @@ impl Numbers {
         let scramble = self.scramble(first, block);
         let points = sobol::points::<N, D>(first as u32, block as usize, scramble as u32);
         let mut low = [0; N];
-        for k in 0..N {
-            low[k] = mix64(scramble ^ (first + k as u64));
+        for (k, low) in low.iter_mut().enumerate() {
+            *low = mix64(scramble ^ (first + k as u64));
         }
         for (dimension, numbers) in numbers.iter_mut().enumerate() {
             for k in 0..N {

@@ -125,7 +125,7 @@ pub(crate) fn points<const N: usize, const D: usize>(
     scramble: u32,
 ) -> [[u32; N]; D] {
     let mut points = [[0; N]; D];
-    if N <= IN_A_ROW && first as usize % IN_A_ROW == 0 {
+    if N <= IN_A_ROW && (first as usize).is_multiple_of(IN_A_ROW) {
         let common = reversed(first, block);
         for (dimension, points) in points.iter_mut().enumerate() {
             let lowest = &OF_LOWEST_BITS[block][dimension];

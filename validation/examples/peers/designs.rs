@@ -1,10 +1,17 @@
 //! The task `designs`: the reference pixel's film with other thicknesses and gaps, from its layers to the gamut.
 //!
-//! The bare film along the normal, as the peers have it; the same designs as whole displays are the task `displays`.
+//! The bare film along the normal, as the peers have it; as the task `displays` the same designs as the pixels of
+//! scenarios/indoor.toml, through its diffuser and front.
+
+use std::sync::atomic::AtomicBool;
 
 use papilio_colour::{GamutReference, Observer, Xyz, gamut_percent};
+use papilio_display::scene::{FilmPixel, Metric, Pixel};
+use papilio_display::{Control, Designs, Quantity};
 use papilio_optics::film::{GapFilm, SpectralLayer, Thickness};
 use papilio_spectra::illuminant;
+
+use papilio_validation::scenario;
 
 use super::{GAPS_NM, INDEX, LAYERS, Numbers, grid, indices};
 
@@ -81,4 +88,41 @@ pub(super) fn bare() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Erro
             })
             .collect()
     })
+}
+
+/// The gamut of each design in the indoor scenario; all eight states' colours are found as well.
+pub(super) fn through_diffuser() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Error>> {
+    let scene = scenario("indoor", &[])?.scene;
+    let Pixel::Film(film) = scene.display.pixel.clone() else { return Err("no film".into()) };
+    let gamut = Quantity::Metric { view: 0, state: None, metric: Metric::gamut_percent_srgb };
+    let lightness = film.states.iter().map(|state| Quantity::Metric {
+        view: 0,
+        state: Some(state.name.clone()),
+        metric: Metric::L_star,
+    });
+    let wanted: Vec<Quantity> = std::iter::once(gamut).chain(lightness).collect();
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let mut designs = Designs::new(&scene, &wanted, &control)?;
+    Ok(move || {
+        all()
+            .map(|design| {
+                let values = designs.evaluate(&pixel(&film, &design))?;
+                values[0].ok_or_else(|| "no gamut".into())
+            })
+            .collect()
+    })
+}
+
+/// The scenario's pixel with a design's thicknesses (its metal is opaque) and gaps.
+fn pixel(film: &FilmPixel, design: &Design) -> FilmPixel {
+    let mut film = film.clone();
+    for (layer, nm) in film.layers.iter_mut().zip(design.layers_nm) {
+        if let Thickness::Fixed(thickness) = &mut layer.thickness {
+            *thickness = nm;
+        }
+    }
+    let [gaps @ .., dark] = design.gaps_nm;
+    film.sub_pixels.iter_mut().zip(gaps).for_each(|(sub_pixel, gap)| sub_pixel.gap_nm = gap);
+    film.dark_gap_nm = Some(dark);
+    film
 }

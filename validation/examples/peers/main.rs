@@ -40,9 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["films", seconds] => timed(seconds, film()?),
         ["colours", seconds] => timed(seconds, colours()?),
         ["designs", seconds] => timed(seconds, designs::bare()?),
+        ["displays", seconds] => timed(seconds, designs::through_diffuser()?),
         ["matrices", seconds] => timed(seconds, displayed(&pane()?)),
         ["scenes", kind, light, solver, seconds] => timed(seconds, displayed(&paper(kind, light, solver)?)),
-        _ => Err("usage: peers inputs | films | colours | designs | matrices | scenes KIND LIGHT SOLVER, then SECONDS"
+        _ => Err("usage: peers inputs | films | colours | designs | displays | matrices | scenes KIND LIGHT SOLVER, then SECONDS"
             .into()),
     }
 }

@@ -116,7 +116,7 @@ pub struct Walk<'a> {
 #[derive(Debug)]
 enum Kind<'a> {
     Bare(Bare<'a>, Images<'a>),
-    Diffused(Diffused<'a>, Images<'a>),
+    Diffused(Box<Diffused<'a>>, Images<'a>),
     Layered(Layered<'a>, Images<'a>),
 }
 
@@ -143,7 +143,8 @@ impl<'a> Walk<'a> {
             Stack::Layered(layered) => Kind::Layered(Layered::new(layered, view, sources), images),
             Stack::Panel(panel) => match &panel.top {
                 Top::Diffuser(diffuser) => {
-                    Kind::Diffused(Diffused::new(panel, diffuser, view, sources, (strategy, shares)), images)
+                    let diffused = Diffused::new(panel, diffuser, view, sources, (strategy, shares));
+                    Kind::Diffused(Box::new(diffused), images)
                 }
                 Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
             },
