@@ -16,7 +16,7 @@ Units, limits and sources of the models are in the documentation of the program 
 own, to the last bit.
 """
 
-from . import cluster, colour, diffuser, films
+from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
 from .cones import Cone, cone
 from .errors import (
@@ -56,6 +56,7 @@ __all__ = [
     "diffuser",
     "films",
     "metric_names",
+    "plot",
     "preset_names",
     "run",
     "schema",

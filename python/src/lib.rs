@@ -13,6 +13,7 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
+mod plot;
 mod result;
 mod run;
 mod scenario;
@@ -39,6 +40,8 @@ mod _papilio {
     use crate::figures::png;
     #[pymodule_export]
     use crate::films::{film, material_index, material_names};
+    #[pymodule_export]
+    use crate::plot::{curves, map};
     #[pymodule_export]
     use crate::result::RunResult;
     #[pymodule_export]

@@ -1,0 +1,81 @@
+"""Figures of arrays: curves and maps, drawn as the program draws its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _papilio
+from ._arguments import reals
+from .errors import ArgumentError
+from .figure import Figure
+
+__all__ = ["curves", "map"]
+
+_KINDS = ("line", "dashed", "points")
+
+#: A figure with more cells than this is larger than what a page should hold.
+_MOST_CELLS = 10_000
+
+
+def curves(
+    x: ArrayLike,
+    ys: Mapping[str, ArrayLike],
+    *,
+    x_label: str = "",
+    y_label: str = "",
+    title: str = "",
+    logarithmic: bool = False,
+    kinds: Mapping[str, str] | None = None,
+) -> Figure:
+    """Curves over an axis that they share: ``{name: y}``, the name at the curve's end; NaN parts a curve.
+
+    Args:
+        x: one dimension; or ``{name: x}``, of each curve its own.
+        logarithmic: whether the axis of values is.
+        kinds: "line", "dashed" or "points" for some of the names.
+    """
+    if not isinstance(ys, Mapping):
+        raise ArgumentError(f"ys: expected a dict of names and numbers, not {type(ys).__name__}")
+    drawn = []
+    for name, y in ys.items():
+        values = reals(f"ys[{name!r}]", y, missing=True)
+        places = x.get(name) if isinstance(x, Mapping) else x
+        along = reals("x", np.asarray([] if places is None else places, dtype=float), missing=True)
+        if values.ndim != 1 or along.shape != values.shape:
+            raise ArgumentError(f"ys[{name!r}]: expected a number for each x, shape {along.shape}, not {values.shape}")
+        kind = (kinds or {}).get(name, "line")
+        if kind not in _KINDS:
+            raise ArgumentError(f"kinds[{name!r}]: expected one of {', '.join(_KINDS)}, not {kind!r}")
+        drawn.append((str(name), kind, along.tolist(), values.tolist()))
+    return Figure("curves", _papilio.curves(str(x_label), str(y_label), bool(logarithmic), drawn, str(title)))
+
+
+def map(  # noqa: A001 (the field's word)
+    x: ArrayLike, y: ArrayLike, values: ArrayLike, *, x_label: str = "", y_label: str = "", title: str = "", name: str = "value"
+) -> Figure:
+    """Numbers over two axes as colours, shape [y, x]; cells without a number stay empty."""
+    cells = reals("values", values, missing=True)
+    across, up = _texts("x", x), _texts("y", y)
+    if cells.shape != (len(up), len(across)):
+        raise ArgumentError(f"values: expected shape {(len(up), len(across))}, one for each y and x, not {cells.shape}")
+    if cells.size > _MOST_CELLS:
+        raise ArgumentError(f"values: {cells.size} cells are more than {_MOST_CELLS}")
+    flat: list[float] = cells.reshape(-1).tolist()
+    svg = _papilio.map(str(name), (str(x_label), across), (str(y_label), up), flat, str(title))
+    if svg is None:
+        raise ArgumentError("values: there is no number among them")
+    return Figure("map", svg)
+
+
+def _texts(name: str, values: ArrayLike) -> list[str]:
+    """The values of an axis, numbers or words."""
+    line: Any = np.asarray(values)
+    if line.ndim != 1 or not line.size:
+        raise ArgumentError(f"{name}: expected values in one dimension, not shape {line.shape}")
+    if line.dtype.kind == "U":
+        return [str(word) for word in line]
+    return [f"{number:.6g}" for number in reals(name, values)]

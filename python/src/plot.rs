@@ -1,0 +1,34 @@
+//! Curves and maps of arrays.
+
+use papilio_figures::{Chart, ChartCurve, Hue, SweepAxis, SweepFigure, chart, sweep_map};
+use pyo3::prelude::*;
+
+/// A curve: its name, how it is drawn ("line", "dashed", "points"), and where it goes.
+type Curve = (String, String, Vec<f64>, Vec<f64>);
+
+/// Curves that share two axes.
+#[pyfunction]
+pub(crate) fn curves(x: String, y: String, logarithmic: bool, curves: Vec<Curve>, title: &str) -> String {
+    let drawn = curves.into_iter().enumerate().map(|(group, (name, how, x, y))| ChartCurve {
+        name,
+        hue: Hue::Group(group),
+        dashed: how == "dashed",
+        marks: how == "points",
+        points: x.into_iter().zip(y).collect(),
+    });
+    chart(&Chart { x, y, logarithmic, at_least: vec![], curves: drawn.collect() }, title)
+}
+
+/// A number over two axes, whose values are texts; those of all x for the first y, and so on. None: of no number.
+#[pyfunction]
+pub(crate) fn map(
+    metric: String,
+    x: (String, Vec<String>),
+    y: (String, Vec<String>),
+    values: Vec<f64>,
+    title: &str,
+) -> Option<String> {
+    let axis = |(name, values): (String, Vec<String>)| SweepAxis { name, values };
+    let values = values.into_iter().map(|value| (value, 0.0)).collect();
+    sweep_map(&SweepFigure { metric, x: axis(x), y: Some(axis(y)), colours: None, values }, title)
+}
