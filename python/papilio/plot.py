@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _papilio
-from ._arguments import reals
+from ._arguments import described, one_of, reals, text
 from .errors import ArgumentError
 from .figure import Figure
 
@@ -39,19 +39,21 @@ def curves(
         kinds: "line", "dashed" or "points" for some of the names.
     """
     if not isinstance(ys, Mapping):
-        raise ArgumentError(f"ys: expected a dict of names and numbers, not {type(ys).__name__}")
+        raise ArgumentError(f"ys: expected a dict of names and numbers, not {described(ys)}")
+    named = {} if kinds is None else kinds
+    if not isinstance(named, Mapping):
+        raise ArgumentError(f"kinds: expected a dict of names and kinds, not {described(kinds)}")
     drawn = []
     for name, y in ys.items():
         values = reals(f"ys[{name!r}]", y, missing=True)
         places = x.get(name) if isinstance(x, Mapping) else x
-        along = reals("x", np.asarray([] if places is None else places, dtype=float), missing=True)
+        along = reals("x", [] if places is None else places, missing=True)
         if values.ndim != 1 or along.shape != values.shape:
             raise ArgumentError(f"ys[{name!r}]: expected a number for each x, shape {along.shape}, not {values.shape}")
-        kind = (kinds or {}).get(name, "line")
-        if kind not in _KINDS:
-            raise ArgumentError(f"kinds[{name!r}]: expected one of {', '.join(_KINDS)}, not {kind!r}")
-        drawn.append((str(name), kind, along.tolist(), values.tolist()))
-    return Figure("curves", _papilio.curves(str(x_label), str(y_label), bool(logarithmic), drawn, str(title)))
+        kind = one_of(f"kinds[{name!r}]", named.get(name, "line"), _KINDS)
+        drawn.append((text("ys", name, "names"), kind, along.tolist(), values.tolist()))
+    words = [text(of, label, "text") for of, label in [("x_label", x_label), ("y_label", y_label), ("title", title)]]
+    return Figure("curves", _papilio.curves(words[0], words[1], bool(logarithmic), drawn, words[2]))
 
 
 def map(  # noqa: A001 (the field's word)
@@ -65,7 +67,9 @@ def map(  # noqa: A001 (the field's word)
     if cells.size > _MOST_CELLS:
         raise ArgumentError(f"values: {cells.size} cells are more than {_MOST_CELLS}")
     flat: list[float] = cells.reshape(-1).tolist()
-    svg = _papilio.map(str(name), (str(x_label), across), (str(y_label), up), flat, str(title))
+    labels = {"x_label": x_label, "y_label": y_label, "title": title, "name": name}
+    words = {of: text(of, label, "text") for of, label in labels.items()}
+    svg = _papilio.map(words["name"], (words["x_label"], across), (words["y_label"], up), flat, words["title"])
     if svg is None:
         raise ArgumentError("values: there is no number among them")
     return Figure("map", svg)
@@ -73,9 +77,12 @@ def map(  # noqa: A001 (the field's word)
 
 def _texts(name: str, values: ArrayLike) -> list[str]:
     """The values of an axis, numbers or words."""
-    line: Any = np.asarray(values)
+    try:
+        line: Any = np.asarray(values)
+    except ValueError as error:
+        raise ArgumentError(f"{name}: expected numbers or words: {error}") from None
     if line.ndim != 1 or not line.size:
         raise ArgumentError(f"{name}: expected values in one dimension, not shape {line.shape}")
     if line.dtype.kind == "U":
-        return [str(word) for word in line]
+        return [text(name, str(word), "numbers or words") for word in line]
     return [f"{number:.6g}" for number in reals(name, values)]

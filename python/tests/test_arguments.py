@@ -115,6 +115,10 @@ def calls(scenario, prepared):
         "figure": lambda x: papilio.Figure("a", x).png(),
         "scale": lambda x: papilio.Figure("a", "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'/>").png(x),
         "diffuser": lambda x: papilio.diffuser.Diffuser(x),
+        "curves": lambda x: papilio.plot.curves([1.0, 2.0], {"a": x}),
+        "curves x": lambda x: papilio.plot.curves(x, {"a": [1.0, 2.0]}, kinds=x, title=x),
+        "map": lambda x: papilio.plot.map([1.0], [2.0], x),
+        "map x": lambda x: papilio.plot.map(x, [1.0], [[2.0]], name=x),
         "schema": lambda x: papilio.schema(x),
     }
 
