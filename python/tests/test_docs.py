@@ -18,7 +18,7 @@ def test_the_pages_say_what_happens(page, least, monkeypatch):
     os.makedirs("target", exist_ok=True)
     shown, names = blocks(page), {}
     assert len(shown) >= least
-    for block in shown:
+    for block in shown:  # each goes on with the names of the one before
         test = doctest.DocTestParser().get_doctest(block, names, page, page, 0)
         said = []
         runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
