@@ -63,7 +63,7 @@ def test_the_interpreter_runs_meanwhile(scenarios):
 
     counter = threading.Thread(target=count)
     counter.start()
-    papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 2e-4})
+    papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 1e-4})
     ended.set()
     counter.join()
     assert counted[0] > 10
