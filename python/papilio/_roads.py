@@ -103,7 +103,7 @@ class OnCluster:
                 batch, future = self._waited()
                 if batch is None or self._out.pop(batch.start, (None, None))[1] is not future:
                     continue
-                answer = self._answer(batch, future)
+                answer = self._answer(batch, future, written=folder is not None)
                 if answer is None:
                     self._give(batch, folder)
                 else:
@@ -141,8 +141,10 @@ class OnCluster:
             except queue.Empty:
                 self._living(None)
 
-    def _answer(self, batch: Batch, future: Future[Any]) -> tuple[NDArray[np.float64] | None] | None:
+    def _answer(self, batch: Batch, future: Future[Any], written: bool) -> tuple[NDArray[np.float64] | None] | None:
         """What a worker said of a batch; None if it was lost, and may be given out anew."""
+        if written and future.status == "finished":
+            return (None,)  # it is on the disk: nothing to ask the worker for
         try:
             return (future.result(),)
         except DesignError as error:

@@ -1,0 +1,46 @@
+"""The notebooks of docs/notebooks: they run, and print what stands in them."""
+
+import os
+
+import pytest
+from conftest import ROOT
+
+nbformat = pytest.importorskip("nbformat")
+nbclient = pytest.importorskip("nbclient")
+
+FOLDER = ROOT / "docs" / "notebooks"
+
+#: A reader's page; what is larger is shown as its source.
+LARGEST = 500_000
+
+ALL = sorted(path.name for path in FOLDER.glob("*.ipynb"))
+RUN = ALL if os.environ.get("PAPILIO_NOTEBOOKS") == "all" else ALL[:1]
+
+
+@pytest.mark.parametrize("name", RUN)
+def test_a_notebook_prints_what_stands_in_it(name):
+    notebook = nbformat.read(FOLDER / name, as_version=4)
+    stood = [texts(cell) for cell in notebook.cells]
+    nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(FOLDER)}}).execute()
+    assert [texts(cell) for cell in notebook.cells] == stood
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_notebook_is_whole_and_small(name):
+    assert (FOLDER / name).stat().st_size < LARGEST
+    code = [cell for cell in nbformat.read(FOLDER / name, as_version=4).cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert any("image/svg+xml" in output.get("data", {}) for cell in code for output in cell.outputs)
+
+
+def test_all_are_listed():
+    listed = (FOLDER / "README.md").read_text()
+    assert ALL and all(f"({name})" in listed for name in ALL)
+
+
+def texts(cell):
+    """What is printed, and the last expression's text."""
+    found = []
+    for output in cell.get("outputs", []):
+        found.append(output.get("text") or output.get("data", {}).get("text/plain"))
+    return found
