@@ -6,7 +6,7 @@ import os
 import queue
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -50,9 +50,7 @@ class Serial:
     def seconds_each(self, question: Question, columns: Columns) -> float:
         return _batches.seconds_each(question, columns) / self._threads
 
-    def each(
-        self, question: Question, batches: Iterator[Batch], folder: str | None
-    ) -> Iterator[Answered]:
+    def each(self, question: Question, batches: Iterator[Batch], folder: str | None) -> Generator[Answered, None, None]:
         for batch in batches:
             try:
                 yield batch, _batches.computed(question, batch.columns, folder, batch.address, self._threads)
@@ -87,17 +85,13 @@ class OnCluster:
             self._waited()
             try:
                 return float(trial.result())
-            except DesignError:
-                return 1e-3  # its batch will say where it is
             except PapilioError:
                 raise
             except Exception as error:
                 self._living(error)
         raise ClusterError("the trial was lost with its worker too often")
 
-    def each(
-        self, question: Question, batches: Iterator[Batch], folder: str | None
-    ) -> Iterator[Answered]:
+    def each(self, question: Question, batches: Iterator[Batch], folder: str | None) -> Generator[Answered, None, None]:
         try:
             while self._filled(batches, folder):
                 batch, future = self._waited()

@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +22,7 @@ from . import _batches, _parts
 from ._arguments import common_shape, described, reals, whole
 from ._batches import Batch, Grid, Question
 from ._roads import Failed, OnCluster, Serial
-from .errors import ArgumentError
+from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
 from .prepared import Keys, checked_metrics, columns, named
 from .running import checked_threads
@@ -97,10 +98,11 @@ def evaluate_many(
                 yield batch
 
     try:
-        for batch, values in road.each(question, missing(), None if folder is None else str(folder)):
-            if values is not None:
-                found[batch.address] = values
-            tell(batch)
+        with closing(road.each(question, missing(), None if folder is None else str(folder))) as answers:
+            for batch, values in answers:
+                if values is not None:
+                    found[batch.address] = values
+                tell(batch)
     except Failed as failed:
         raise _batches.placed(failed.error, failed.batch, grid) from None
     finally:
@@ -165,11 +167,28 @@ def _opened(
             raise ArgumentError('out: results are written by pyarrow, which is not installed: pip install "papilio[cluster]"') from None
     size = None if where is None else _parts.known_size(where, question.address)
     if size is None and grid.size:
-        each = road.seconds_each(question, grid.sample(1024))
+        each = _seconds_each(question, grid, road)
         size = _batches.batch_size(each, batch_seconds, grid.size, road.workers() or 1)
     if where is None:
         return None, size or 1
     return _parts.open_folder(where, question.address, question.described, size or 1)
+
+
+#: What a design of the last questions costs, so that an optimiser's generations need one trial.
+_COSTS: dict[tuple[str, type], float] = {}
+
+
+def _seconds_each(question: Question, grid: Grid, road: Serial | OnCluster) -> float:
+    known = (question.address, type(road))
+    if known not in _COSTS:
+        try:
+            cost = road.seconds_each(question, grid.sample(1024))
+        except DesignError:
+            return 1e-3  # the batch that holds that design will say which it is
+        while len(_COSTS) > 100:
+            _COSTS.pop(next(iter(_COSTS)))
+        _COSTS[known] = cost
+    return _COSTS[known]
 
 
 class _Telling:

@@ -22,7 +22,7 @@ _MOST_CELLS = 10_000
 
 
 def curves(
-    x: ArrayLike,
+    x: ArrayLike | Mapping[str, ArrayLike],
     ys: Mapping[str, ArrayLike],
     *,
     x_label: str = "",

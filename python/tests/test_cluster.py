@@ -42,6 +42,7 @@ def plane(count):
 
 def in_batches_of(monkeypatch, size):
     """Leaves nothing to the clock."""
+    monkeypatch.setattr(cluster, "_COSTS", {})
     monkeypatch.setattr("papilio._batches.batch_size", lambda *_: size)
     monkeypatch.setattr("papilio._batches.seconds_each", lambda *_: 1.0)
 
@@ -174,8 +175,7 @@ def test_a_cluster_that_is_closed_in_the_middle_is_said(indoor, tmp_path):
 
 
 @pytest.mark.parametrize("on_cluster", [False, True])
-def test_a_design_that_cannot_be_is_named(indoor, client, monkeypatch, on_cluster):
-    in_batches_of(monkeypatch, 4)
+def test_a_design_that_cannot_be_is_named(indoor, client, on_cluster):
     designs = plane(36)
     designs[MATCHING] = designs[MATCHING].copy()
     designs[MATCHING][3, 0] = -1.0

@@ -22,6 +22,9 @@ const PACKAGES: [&str; 10] = [
 /// How many designs a cluster computes in its long test.
 const DESIGNS: (&str, &str) = ("PAPILIO_DESIGNS", "100000");
 
+/// Which of docs/notebooks are run: without it, the first.
+const NOTEBOOKS: (&str, &str) = ("PAPILIO_NOTEBOOKS", "all");
+
 /// How the extension module is compiled.
 #[derive(Clone, Copy)]
 pub(crate) enum Profile {
@@ -82,7 +85,7 @@ pub(crate) fn tests(environment: &Environment, profile: Profile) -> Command {
     let program = shell::target().join(profile.folder()).join("papilio");
     tests.env("PAPILIO", program.with_extension(std::env::consts::EXE_EXTENSION));
     if matches!(profile, Profile::Release) {
-        tests.envs([DESIGNS]);
+        tests.envs([DESIGNS, NOTEBOOKS]);
     }
     tests
 }
