@@ -1,15 +1,21 @@
 """Designs by the thousand: the same numbers here, on a cluster, and after whatever interrupts."""
 
 import os
+import pickle
 import signal
+import subprocess
+import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import papilio
 from papilio import ArgumentError, ClusterError, DesignError, cluster
+from papilio._batches import Question
 
 distributed = pytest.importorskip("distributed")
 
@@ -158,6 +164,39 @@ def megabytes(client):
         return round(psutil.Process().memory_info().rss / 1e6)
 
     return sorted(client.run(resident).values())
+
+
+def test_a_killed_program_goes_on(indoor, scenarios, tmp_path):
+    """SIGKILL, between two parts or in the middle of one."""
+    script = (
+        "import sys, numpy as np, papilio\n"
+        f"papilio.cluster.evaluate_many(sys.argv[1], {{{MATCHING!r}: np.linspace(40, 70, 4000)}}, {METRICS!r},"
+        " out=sys.argv[2], batch_seconds=0.01)"
+    )
+    with subprocess.Popen([sys.executable, "-c", script, scenarios / "indoor.toml", tmp_path]) as child:
+        until = time.monotonic() + 60
+        while len(list(tmp_path.rglob("*.parquet"))) < 3:
+            assert child.poll() is None and time.monotonic() < until
+            time.sleep(0.01)
+        child.kill()
+    designs = {MATCHING: np.linspace(40, 70, 4000)[:100]}
+    found = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
+    assert found.reused > 0
+    assert np.array_equal(found.values, papilio.Prepared(indoor).evaluate(designs, METRICS))
+
+
+def test_workers_unlike_the_program_are_refused(tmp_path):
+    text = '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = "w.csv", black = 0.1 }\n'
+    text += '[lighting]\npreset = "indoor"\n'
+    (tmp_path / "w.csv").write_text("380,0.5\n780,0.5\n")
+    here = papilio.Scenario(text, folder=tmp_path)
+    question = Question(here, ("lighting.illuminance_lx",), ("white.Y",), 0, here.hash)
+    designs = {"lighting.illuminance_lx": np.array([100.0, 200.0])}
+    assert question.answered(designs).shape == (2, 1)
+    (tmp_path / "w.csv").write_text("380,0.4\n780,0.5\n")
+    for other, says in [(question, "other files"), (replace(question, version="0.0.1"), "0.0.1")]:
+        with ThreadPoolExecutor(1) as elsewhere, pytest.raises(ClusterError, match=says):
+            elsewhere.submit(pickle.loads(pickle.dumps(other)).answered, designs).result()
 
 
 def test_a_cluster_that_is_closed_in_the_middle_is_said(indoor, tmp_path):
