@@ -8,6 +8,9 @@ impl Problem {
     pub fn expected(&self) -> Option<String> {
         Some(match self {
             Self::NoAxes => "expected `[[sweep.axes]]`, a table of keys with a list of values each".to_owned(),
+            Self::NothingToSearch => "expected `[optimize]` with its variables and objectives".to_owned(),
+            Self::NoBounds => "expected the smallest and the largest value, as [0, 120]".to_owned(),
+            Self::NoSuchView { views, .. } => format!("expected a number from 0 to {}", views.saturating_sub(1)),
             Self::MissingKey { expected, .. }
             | Self::WrongType { expected, .. }
             | Self::NoSuchCount { expected, .. } => {
@@ -90,6 +93,15 @@ impl Problem {
                 "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }".to_owned()
             }
             Self::NoAxes => "[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]".to_owned(),
+            Self::NothingToSearch => "scenarios/optimize.toml is an example; docs/optimize.md says what there is".to_owned(),
+            Self::NoSum { .. } => "give both keys a number, whose sum then stays".to_owned(),
+            Self::WalkSearch => "set solver.method = \"adding\"; the walk checks the best design afterwards".to_owned(),
+            Self::NoSuchCondition { known, .. } if known.is_empty() => {
+                "[[optimize.conditions]] gives conditions their names".to_owned()
+            }
+            Self::NoSuchCondition { name, known } => {
+                suggestion(name, known.iter().map(String::as_str), "conditions")
+            }
             Self::Twice { .. } => "leave one of them out".to_owned(),
             Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
             Self::UnknownChoice { found, .. } if found == "slab" => {

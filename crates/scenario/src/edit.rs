@@ -10,11 +10,12 @@ use serde::{Deserialize, Serialize};
 use toml_edit::{DocumentMut, Item, Table, Value};
 
 use self::layout::{forget_positions, item, like_neighbour, number_positions};
-use crate::error::{ScenarioError, ScenarioErrors};
+use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::preset;
 use crate::problem::Problem;
 use crate::scenario::parse;
 use crate::set::{MOST_SEGMENTS, RIVALS};
+use crate::tree::Node;
 
 /// One change.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -53,6 +54,13 @@ pub enum Edit {
 }
 
 impl Edit {
+    /// What `--set PATH=VALUE` does; `None` of a text that is not that.
+    pub fn of_set(text: &str) -> Option<Self> {
+        let (path, value) = text.split_once('=')?;
+        let value = Node::parse_value(value.trim_start(), 0, 0, &mut Errors::default()).to_json();
+        Some(Self::Set { path: path.trim().to_owned(), value })
+    }
+
     fn path(&self) -> &str {
         match self {
             Self::Set { path, .. }

@@ -34,6 +34,17 @@ impl ScenarioErrors {
         self.more
     }
 
+    /// The same, asked for at this place where they are not of it.
+    pub(crate) fn asked_for_at(mut self, place: &Place) -> Self {
+        let line = |place: &Place| place.line_column().map(|(line, _)| line);
+        for error in &mut self.errors {
+            if error.place.name != place.name || line(&error.place) != line(place) {
+                error.asked_for_at.get_or_insert_with(|| place.clone());
+            }
+        }
+        self
+    }
+
     /// The errors, in the order of the text; the first 50 that were found.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
         self.errors.iter()

@@ -13,6 +13,7 @@
 //! - Later changes (`--set`) and presets act on the tree of the text before it is
 //!   read, so that they obey the same grammar and point to their own text.
 //! - A [`Sweep`] is a scenario at many points: values of its `[sweep]` are put into the same tree.
+//! - An [`Optimisation`] is a scenario with what may vary and what is wanted of it.
 //! - A [`Varied`] is a scenario whose keys take any values, one set after the other.
 //! - The [hash](Resolved::hash) names the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
@@ -54,6 +55,7 @@ mod grammar;
 mod kinds;
 mod library;
 mod nearest;
+mod optimise;
 mod preset;
 mod problem;
 mod read;
@@ -70,6 +72,10 @@ pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
 pub use nearest::nearest;
+pub use optimise::{
+    Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,
+    SearchQuantity, SearchRange, SearchVariable,
+};
 pub use preset::{new_scenario, preset_names};
 pub use problem::Problem;
 pub use resolve::{Memo, VirtualMeasurement};

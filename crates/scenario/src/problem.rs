@@ -298,6 +298,54 @@ pub enum Problem {
     /// A sweep's own key under its axes.
     #[error("a sweep does not sweep itself")]
     SweepOfItself,
+    /// A search without anything to search.
+    #[error("there is nothing to search: the scenario has no `[optimize]`")]
+    NothingToSearch,
+    /// Two values that are no range.
+    #[error("these are no bounds")]
+    NoBounds,
+    /// A key that two variables move.
+    #[error("`{path}` varies twice")]
+    VariesTwice {
+        /// The key.
+        path: String,
+    },
+    /// A search's own key among its variables.
+    #[error("a search does not change what is said of it")]
+    SearchOfItself,
+    /// A key that has no number to give.
+    #[error("`{path}` and `{with}` have no sum: they are not both numbers in this scenario")]
+    NoSum {
+        /// The key that gives.
+        path: String,
+        /// The key that takes.
+        with: String,
+    },
+    /// A search through noise.
+    #[error("a search by the walk would follow its noise")]
+    WalkSearch,
+    /// Two conditions of one name.
+    #[error("there are two conditions `{name}`")]
+    ConditionTwice {
+        /// The name.
+        name: String,
+    },
+    /// A condition that there is not.
+    #[error("there is no condition `{name}`")]
+    NoSuchCondition {
+        /// What was asked for.
+        name: String,
+        /// The conditions that there are.
+        known: Vec<String>,
+    },
+    /// A view that there is not.
+    #[error("there is no view {view}")]
+    NoSuchView {
+        /// What was asked for.
+        view: usize,
+        /// How many there are.
+        views: usize,
+    },
     /// A file that is not among those that there are.
     #[error("there is no file `{name}` here")]
     NoSuchFile {

@@ -113,6 +113,14 @@ impl Node {
         }
     }
 
+    /// What is at a dotted path, arrays by index from 0.
+    pub(crate) fn at(&self, path: &str) -> Option<&Self> {
+        path.split('.').map(str::trim).try_fold(self, |node, key| match &node.value {
+            Value::Array(items) => items.get(key.parse::<usize>().ok()?),
+            _ => node.get(key),
+        })
+    }
+
     /// Takes a key out of a table, if this is one that has it.
     pub(crate) fn remove(&mut self, key: &str) {
         if let Value::Table(entries) = &mut self.value {

@@ -42,6 +42,10 @@ impl Base {
         Ok(Self { root, library: library.into(), sources })
     }
 
+    pub(crate) fn library(&self) -> &Library {
+        &self.library
+    }
+
     /// The whole tree as it stands, what is about the scenario included.
     pub(crate) fn assembled(&self) -> Result<Node, ScenarioErrors> {
         Ok(assemble(self.root.clone(), &self.sources, &[])?.root)
@@ -125,7 +129,12 @@ impl Varied {
             origin: *origin,
             value: Node::from_json(value, *origin),
         });
-        let changes: Vec<Change> = self.fixed.iter().cloned().chain(varied).collect();
+        self.with(varied)
+    }
+
+    /// The scenario with these changes.
+    pub(crate) fn with(&self, changes: impl Iterator<Item = Change>) -> Result<Scenario, ScenarioErrors> {
+        let changes: Vec<Change> = self.fixed.iter().cloned().chain(changes).collect();
         self.base.scenario(&changes)
     }
 }

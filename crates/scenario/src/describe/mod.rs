@@ -8,9 +8,11 @@ pub(crate) mod display;
 pub(crate) mod environment;
 pub(crate) mod layers;
 pub(crate) mod lighting;
+pub(crate) mod limits;
 pub(crate) mod measure;
 pub(crate) mod metrics;
 pub(crate) mod numbers;
+pub(crate) mod optimize;
 pub(crate) mod pixel;
 pub(crate) mod solver;
 pub(crate) mod sweep;
@@ -25,7 +27,7 @@ use numbers::Wavelength;
 
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
-    File later ["optimize", "tolerance", "study"] {
+    File later ["tolerance", "study"] {
         /// A title for tables and figures, one line. Default: none.
         title: Option<Title>,
         /// The wavelengths of the computation.
@@ -44,6 +46,8 @@ table! {
         measure: Option<measure::Measure>,
         /// Keys that are varied; for `papilio sweep` alone. Default: none.
         sweep: Option<sweep::Sweep>,
+        /// A search for better designs; for `papilio optimize` alone. Default: none.
+        optimize: Option<optimize::Optimize>,
     }
 }
 

@@ -206,7 +206,7 @@ const METRICS: &[Case] = &[
 ];
 
 const NOT_IN_THIS_VERSION: &[Case] =
-    &[("[viewer]", "[optimize]\n[viewer]", (37, 2), &["`optimize` is not in this version"])];
+    &[("[viewer]", "[study]\n[viewer]", (37, 2), &["`study` is not in this version"])];
 
 #[test]
 fn every_mistake_is_shown_where_it_is() {

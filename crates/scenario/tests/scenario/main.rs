@@ -16,6 +16,7 @@ mod hostile;
 mod layers;
 mod library;
 mod measured;
+mod optimize;
 mod pixels;
 mod remarks;
 mod schema;

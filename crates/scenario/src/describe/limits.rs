@@ -1,0 +1,92 @@
+//! What displays are asked for: a metric by its name, and limits that it has to meet.
+
+use papilio_display::scene::Metric;
+
+use super::numbers::Count;
+use super::sweep::Any;
+use crate::error::Errors;
+use crate::grammar::table;
+use crate::read::{At, Read, unknown_word};
+use crate::tree::{Node, Value};
+
+table! {
+    /// A limit: `at_least`, `at_most` or both.
+    Limit {
+        /// "gamut_percent_srgb", or one of a state: "white.Y".
+        metric: MetricName,
+        /// In which of the scenario's views, from 0. Default 0.
+        view: Count<0, 4999> = Count(0),
+        /// No less.
+        at_least: Option<Any>,
+        /// No more.
+        at_most: Option<Any>,
+    }
+}
+
+/// A metric of the states together, or of a state.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MetricName {
+    /// The state, if it is of one.
+    pub(crate) state: Option<String>,
+    pub(crate) metric: Metric,
+}
+
+impl MetricName {
+    /// The metric of this name.
+    pub(crate) fn named(text: &str) -> Option<Self> {
+        let (state, name) = match text.rsplit_once('.') {
+            Some((state, name)) => (Some(state.to_owned()), name),
+            None => (None, text),
+        };
+        let metric = Metric::named(name).filter(|metric| metric.is_of_view() == state.is_none())?;
+        Some(Self { state, metric })
+    }
+
+    /// As it is written.
+    pub(crate) fn text(&self) -> String {
+        self.state.iter().map(String::as_str).chain([self.metric.name()]).collect::<Vec<_>>().join(".")
+    }
+}
+
+impl Read for MetricName {
+    fn in_words() -> String {
+        "the name of a metric, as \"contrast_ratio\" or \"white.Y\"".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let Value::Text(text) = &node.value else { return node.wrong_type(Self::in_words(), errors) };
+        if let Some(named) = Self::named(text) {
+            return Some(named);
+        }
+        let state = text.rsplit_once('.').map_or("white", |(state, _)| state);
+        let known: Vec<String> = Metric::ALL.iter().map(written_with(state)).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        unknown_word(node, text, &known, &[], errors)
+    }
+}
+
+/// How a metric is written, those of states of this one.
+fn written_with(state: &str) -> impl Fn(&Metric) -> String {
+    move |metric| match metric.is_of_view() {
+        true => metric.name().to_owned(),
+        false => format!("{state}.{}", metric.name()),
+    }
+}
+
+impl serde::Serialize for MetricName {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.text())
+    }
+}
+
+impl schemars::JsonSchema for MetricName {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "MetricName".into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "string", "examples": ["contrast_ratio", "white.Y"] })
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+}

@@ -1,0 +1,255 @@
+//! `[optimize]`: what may vary, and what makes a design a good one.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::{Serialize, Serializer};
+
+use super::limits::MetricName;
+use super::numbers::{Count, Seed, Share, Weight};
+use super::sweep::Any;
+use crate::error::Errors;
+use crate::grammar::{choice, forms, table};
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::set::Change;
+use crate::tree::{Node, Value};
+
+table! {
+    /// A search for better designs; for `papilio optimize` alone.
+    Optimize {
+        /// How it is searched. Default "gradient".
+        method: Method = Method::Gradient,
+        /// Gradient searches of each combination of choices, each from a place of its own. Default 20.
+        starts: Count<1, 10_000> = Count(20),
+        /// Seed of the starts and of the global method. Default 0.
+        seed: Seed = Count(0),
+        /// Designs that one search may evaluate, all its starts together. Default 20000.
+        evaluations: Count<10, 100_000_000> = Count(20_000),
+        /// Searches along the front of several objectives. Default 15.
+        points: Count<2, 1000> = Count(15),
+        /// What may vary.
+        variables: Vec<At<Variable>>,
+        /// Lights, views and whatever else a design has to do with. Default: the scenario as it stands.
+        conditions: Vec<At<Condition>> = Vec::new(),
+        /// What makes a design a good one; several make a front.
+        objectives: Vec<At<Objective>>,
+        /// What every design has to meet. Default: nothing.
+        constraints: Vec<At<Constraint>> = Vec::new(),
+    }
+}
+
+choice! {
+    /// How designs are searched.
+    Method {
+        /// Downhill from many starts, by derivatives (SLSQP).
+        Gradient = "gradient",
+        /// By a population of designs (differential evolution).
+        Global = "global",
+        /// The second, and from what it found the first.
+        Both = "both",
+    }
+}
+
+table! {
+    /// A number or a choice that may vary.
+    Variable {
+        /// A path as of `--set`; or give `keys`.
+        key: Option<String>,
+        /// Several that take the same value.
+        keys: Option<Vec<At<String>>>,
+        /// A key that gives what the others take, so that the sum stays: for areas and shares.
+        against: Option<String>,
+        /// The smallest and the largest value; or give `choices`.
+        bounds: Option<Vec<At<Any>>>,
+        /// The values that there are: numbers, names of materials, files, tables.
+        choices: Option<Choices>,
+    }
+}
+
+table! {
+    /// A light, a view or anything else that every design has to do with.
+    Condition {
+        /// Its name.
+        name: String,
+        /// Keys and their values, as of `--set`: { "lighting.preset" = "sunny" }. Default: the scenario as it stands.
+        set: Changes = Changes(Vec::new()),
+        /// Weight in objectives that name no condition. Default 1.
+        weight: Weight = Weight(1.0),
+    }
+}
+
+table! {
+    /// What is to be large, small or near something: a `metric`, or how far a `state` is from a `spectrum`, `lab` or `uv`.
+    /// Without `condition` and `view` it is the mean over all of them.
+    Objective {
+        /// "gamut_percent_srgb", or one of a state: "white.Y".
+        metric: Option<MetricName>,
+        /// What is to become of the metric: "maximise", "minimise" or { target = 12 }. Distances are minimised.
+        aim: Option<Aim>,
+        /// Whose spectrum or colour is wanted.
+        state: Option<String>,
+        /// The wanted reflectance factor: a number, a file, or a list of [nm, value]. Its root mean square difference counts.
+        spectrum: Option<WantedSpectrum>,
+        /// The wanted CIELAB colour, [L, a, b]. The CIEDE2000 difference counts.
+        lab: Option<Vec<At<Any>>>,
+        /// The wanted chromaticity, [u', v']. The distance counts.
+        uv: Option<Vec<At<Any>>>,
+        /// In which condition. Default: in all of them.
+        condition: Option<String>,
+        /// In which of the scenario's views, from 0. Default: in all of them.
+        view: Option<Count<0, 4999>>,
+    }
+}
+
+table! {
+    /// A limit that every design has to meet, of what an objective may be, too. Without `condition` and `view` it holds in
+    /// all of them.
+    Constraint {
+        /// "gamut_percent_srgb", or one of a state: "white.Y".
+        metric: Option<MetricName>,
+        /// Whose spectrum or colour is given.
+        state: Option<String>,
+        /// A reflectance factor: a number, a file, or a list of [nm, value]. The root mean square difference counts.
+        spectrum: Option<WantedSpectrum>,
+        /// A CIELAB colour, [L, a, b]. The CIEDE2000 difference counts.
+        lab: Option<Vec<At<Any>>>,
+        /// A chromaticity, [u', v']. The distance counts.
+        uv: Option<Vec<At<Any>>>,
+        /// In which condition. Default: in all of them.
+        condition: Option<String>,
+        /// In which of the scenario's views, from 0. Default: in all of them.
+        view: Option<Count<0, 4999>>,
+        /// No less.
+        at_least: Option<Any>,
+        /// No more.
+        at_most: Option<Any>,
+    }
+}
+
+forms! {
+    /// A reflectance factor: alike at all wavelengths, from a file, or as [nm, value] pairs.
+    WantedSpectrum, "a number from 0 to 1, a spectrum file, or a list of [nm, value]" {
+        /// Alike at all wavelengths.
+        Constant(Share) if Value::Integer(_) | Value::Float(_),
+        /// A two-column file, relative to the scenario.
+        File(String) if Value::Text(_),
+        /// Pairs of wavelength and value, linear between them.
+        List(Vec<At<Vec<At<Any>>>>) if Value::Array(_),
+    }
+}
+
+forms! {
+    /// What is to become of a metric.
+    Aim, "\"maximise\", \"minimise\" or { target = ... }" {
+        /// As large or as small as can be.
+        Way(Way) if Value::Text(_),
+        /// Near a value.
+        Target(Target) if Value::Table(_),
+    }
+}
+
+choice! {
+    /// Larger or smaller.
+    Way {
+        /// The larger the better.
+        Maximise = "maximise",
+        /// The smaller the better.
+        Minimise = "minimise",
+    }
+}
+
+table! {
+    /// A value to come near to.
+    Target {
+        /// The value.
+        target: Any,
+    }
+}
+
+/// Values of a key, of any kind.
+#[derive(Debug, Clone)]
+pub(crate) struct Choices(pub(crate) Vec<Node>);
+
+impl Read for Choices {
+    fn in_words() -> String {
+        "a list of values".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let Value::Array(items) = &node.value else { return node.wrong_type(Self::in_words(), errors) };
+        if items.is_empty() {
+            errors.push(node.origin, Problem::EmptyList);
+            return None;
+        }
+        Some(Self(items.clone()))
+    }
+}
+
+impl Serialize for Choices {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(Node::to_json))
+    }
+}
+
+impl JsonSchema for Choices {
+    fn schema_name() -> Cow<'static, str> {
+        "Choices".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schemars::json_schema!({ "type": "array" })
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+}
+
+/// Keys and the values that they are to have: `a.b = 1` is the same as `"a.b" = 1`.
+#[derive(Debug, Clone)]
+pub(crate) struct Changes(pub(crate) Vec<Change>);
+
+impl Changes {
+    fn take(&mut self, above: &str, node: &Node) {
+        let Value::Table(entries) = &node.value else { return };
+        for entry in entries {
+            let path = if above.is_empty() { entry.key.clone() } else { format!("{above}.{}", entry.key) };
+            match &entry.node.value {
+                Value::Table(_) => self.take(&path, &entry.node),
+                _ => self.0.push(Change { path, origin: entry.key_origin, value: entry.node.clone() }),
+            }
+        }
+    }
+}
+
+impl Read for Changes {
+    fn in_words() -> String {
+        "a table of keys and their values, as { \"lighting.preset\" = \"sunny\" }".to_owned()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        if !matches!(node.value, Value::Table(_)) {
+            return node.wrong_type(Self::in_words(), errors);
+        }
+        let mut changes = Self(Vec::new());
+        changes.take("", node);
+        Some(changes)
+    }
+}
+
+impl Serialize for Changes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|change| (&change.path, change.value.to_json())))
+    }
+}
+
+impl JsonSchema for Changes {
+    fn schema_name() -> Cow<'static, str> {
+        "Changes".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schemars::json_schema!({ "type": "object" })
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+}

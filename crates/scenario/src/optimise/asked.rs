@@ -1,0 +1,273 @@
+//! What is asked of a design: objectives and constraints, in every condition and view that they are asked in.
+
+use papilio_colour::{Lab, UvPrime};
+use papilio_display::Quantity;
+use papilio_formats::{LARGEST_FILE, read_shares};
+use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
+
+use super::read::{Known, Reader};
+use super::{SearchAim, SearchConstraint, SearchObjective, SearchQuantity};
+use crate::describe::limits::MetricName;
+use crate::describe::numbers::Count;
+use crate::describe::optimize::{self as describe, WantedSpectrum};
+use crate::describe::sweep::Any;
+use crate::library::Missing;
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::source::Origin;
+
+/// What an objective and a constraint have in common.
+struct Asked<'a> {
+    at: Origin,
+    metric: &'a At<Option<MetricName>>,
+    state: &'a At<Option<String>>,
+    spectrum: &'a At<Option<WantedSpectrum>>,
+    lab: &'a At<Option<Vec<At<Any>>>>,
+    uv: &'a At<Option<Vec<At<Any>>>>,
+    condition: &'a At<Option<String>>,
+    view: &'a At<Option<Count<0, 4999>>>,
+}
+
+impl Reader {
+    pub(super) fn objective(
+        &mut self,
+        said: &At<describe::Objective>,
+        names: &[&str],
+        weights: &[f64],
+        scenes: &[Known],
+    ) -> Option<SearchObjective> {
+        let asked = Asked {
+            at: said.origin,
+            metric: &said.metric,
+            state: &said.state,
+            spectrum: &said.spectrum,
+            lab: &said.lab,
+            uv: &said.uv,
+            condition: &said.condition,
+            view: &said.view,
+        };
+        let parts = self.asked(&asked, names, scenes)?;
+        let aim = match (said.metric.is_some(), &said.aim.value) {
+            (true, Some(describe::Aim::Way(describe::Way::Maximise))) => SearchAim::Maximise,
+            (true, Some(describe::Aim::Way(describe::Way::Minimise))) => SearchAim::Minimise,
+            (true, Some(describe::Aim::Target(target))) => SearchAim::Target(target.target.0),
+            (true, None) => {
+                let problem =
+                    Problem::MissingKey { key: "aim".to_owned(), expected: describe::Aim::in_words() };
+                self.errors.push(said.origin, problem);
+                return None;
+            }
+            (false, None) => SearchAim::Minimise,
+            (false, Some(_)) => {
+                let problem = Problem::NotWith { key: "aim", beside: "a distance, which is minimised" };
+                self.errors.push(said.aim.origin, problem);
+                return None;
+            }
+        };
+        let sum: f64 = parts.iter().map(|part| weights[part.condition]).sum();
+        let name = match parts.as_slice() {
+            [one] => one.name.clone(),
+            _ => format!("mean {}", parts[0].name.split(" (").next().unwrap_or_default()),
+        };
+        let parts = parts.into_iter().map(|part| (weights[part.condition] / sum, part)).collect();
+        Some(SearchObjective { name, parts, aim })
+    }
+
+    pub(super) fn constraint(
+        &mut self,
+        said: &At<describe::Constraint>,
+        names: &[&str],
+        scenes: &[Known],
+    ) -> Option<Vec<SearchConstraint>> {
+        let asked = Asked {
+            at: said.origin,
+            metric: &said.metric,
+            state: &said.state,
+            spectrum: &said.spectrum,
+            lab: &said.lab,
+            uv: &said.uv,
+            condition: &said.condition,
+            view: &said.view,
+        };
+        let (at_least, at_most) =
+            (said.at_least.as_ref().map(|limit| limit.0), said.at_most.as_ref().map(|limit| limit.0));
+        if at_least.is_none() && at_most.is_none() {
+            let problem = Problem::MissingKey {
+                key: "at_least".to_owned(),
+                expected: "a number under `at_least`, `at_most`, or both".to_owned(),
+            };
+            self.errors.push(said.origin, problem);
+            return None;
+        }
+        if at_least.zip(at_most).is_some_and(|(least, most)| least > most) {
+            self.errors.push(said.at_most.origin, Problem::NoBounds);
+            return None;
+        }
+        let parts = self.asked(&asked, names, scenes)?;
+        Some(parts.into_iter().map(|quantity| SearchConstraint { quantity, at_least, at_most }).collect())
+    }
+
+    /// The quantity in every condition and view that it is asked in.
+    fn asked(&mut self, asked: &Asked<'_>, names: &[&str], scenes: &[Known]) -> Option<Vec<SearchQuantity>> {
+        let conditions = match &asked.condition.value {
+            None => (0..names.len()).collect(),
+            Some(name) => match names.iter().position(|known| known == name) {
+                Some(at) => vec![at],
+                None => {
+                    let known = names.iter().filter(|name| !name.is_empty()).map(|name| (*name).to_owned());
+                    let problem = Problem::NoSuchCondition { name: name.clone(), known: known.collect() };
+                    self.errors.push(asked.condition.origin, problem);
+                    return None;
+                }
+            },
+        };
+        let mut found = Vec::new();
+        for condition in conditions {
+            let Known { scene, states, .. } = &scenes[condition];
+            let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
+            let asked_views = match &asked.view.value {
+                None => (0..views).collect(),
+                Some(view) if (view.0 as usize) < views => vec![view.0 as usize],
+                Some(view) => {
+                    let problem = Problem::NoSuchView { view: view.0 as usize, views };
+                    self.errors.push(asked.view.origin, problem);
+                    return None;
+                }
+            };
+            for view in asked_views {
+                let (name, quantity) = self.quantity(asked, view, &scene.grid, states)?;
+                let of_condition = (names.len() > 1).then(|| names[condition].to_owned());
+                let of_view = (views > 1).then(|| format!("view {view}"));
+                let places: Vec<String> = of_condition.into_iter().chain(of_view).collect();
+                let name = if places.is_empty() { name } else { format!("{name} ({})", places.join(", ")) };
+                found.push(SearchQuantity { name, condition, quantity });
+            }
+        }
+        Some(found)
+    }
+
+    fn quantity(
+        &mut self,
+        asked: &Asked<'_>,
+        view: usize,
+        grid: &Grid,
+        states: &[String],
+    ) -> Option<(String, Quantity)> {
+        let given =
+            [asked.metric.is_some(), asked.spectrum.is_some(), asked.lab.is_some(), asked.uv.is_some()];
+        let given = given.into_iter().filter(|given| *given).count();
+        if given != 1 {
+            let keys = "`metric`, `spectrum`, `lab` and `uv`";
+            self.errors.push(asked.at, Problem::ExactlyOne { keys, given });
+            return None;
+        }
+        if let Some(metric) = &asked.metric.value {
+            if asked.state.is_some() {
+                let problem =
+                    Problem::NotWith { key: "state", beside: "`metric`, which names it: \"white.Y\"" };
+                self.errors.push(asked.state.origin, problem);
+                return None;
+            }
+            if let Some(state) = &metric.state {
+                self.known_state(state, asked.metric.origin, states)?;
+            }
+            let quantity = Quantity::Metric { view, state: metric.state.clone(), metric: metric.metric };
+            return Some((metric.text(), quantity));
+        }
+        let Some(state) = asked.state.value.clone() else {
+            let problem =
+                Problem::MissingKey { key: "state".to_owned(), expected: "the name of a state".to_owned() };
+            self.errors.push(asked.at, problem);
+            return None;
+        };
+        self.known_state(&state, asked.state.origin, states)?;
+        if let Some(wanted) = &asked.spectrum.value {
+            let (name, wanted) = self.wanted(wanted, asked.spectrum.origin, grid)?;
+            return Some((
+                format!("{state} from {name}"),
+                Quantity::SpectrumDistance { view, state, wanted },
+            ));
+        }
+        if let Some(lab) = &asked.lab.value {
+            let [l, a, b] = self.numbers(lab, asked.lab.origin, "[L, a, b]")?;
+            let name = format!("{state} from Lab {l}, {a}, {b}");
+            return Some((name, Quantity::ColourDistance { view, state, wanted: Lab { l, a, b } }));
+        }
+        let [u, v] =
+            self.numbers(asked.uv.value.as_deref().unwrap_or_default(), asked.uv.origin, "[u', v']")?;
+        let name = format!("{state} from u'v' {u}, {v}");
+        Some((name, Quantity::ChromaticityDistance { view, state, wanted: UvPrime { u, v } }))
+    }
+
+    fn known_state(&mut self, state: &str, origin: Origin, states: &[String]) -> Option<()> {
+        if states.iter().any(|known| known == state) {
+            return Some(());
+        }
+        self.errors.push(origin, Problem::NoSuchState { name: state.to_owned(), known: states.to_vec() });
+        None
+    }
+
+    fn numbers<const N: usize>(&mut self, list: &[At<Any>], origin: Origin, words: &str) -> Option<[f64; N]> {
+        let numbers: Vec<f64> = list.iter().map(|number| number.0).collect();
+        let found = numbers.try_into().ok();
+        if found.is_none() {
+            self.errors.push(
+                origin,
+                Problem::WrongType { expected: words.to_owned(), found: "a list of another length" },
+            );
+        }
+        found
+    }
+
+    fn wanted(&mut self, wanted: &WantedSpectrum, origin: Origin, grid: &Grid) -> Option<(String, Spectrum)> {
+        let (name, table) = match wanted {
+            WantedSpectrum::Constant(share) => {
+                return Some((share.0.to_string(), Spectrum::constant(grid, share.0)));
+            }
+            WantedSpectrum::File(name) => {
+                let kept = match self.base.library().open(name, LARGEST_FILE) {
+                    Ok(kept) => kept,
+                    Err(Missing::Unread(error)) => {
+                        self.errors.push_data(origin, error);
+                        return None;
+                    }
+                    Err(Missing::Unknown(problem)) => {
+                        self.errors.push(origin, problem);
+                        return None;
+                    }
+                };
+                match read_shares(kept.file()) {
+                    Ok(table) => (name.clone(), table),
+                    Err(error) => {
+                        self.errors.push_data(origin, error);
+                        return None;
+                    }
+                }
+            }
+            WantedSpectrum::List(pairs) => {
+                let pairs: Option<Vec<[f64; 2]>> =
+                    pairs.iter().map(|pair| self.numbers(&pair.value, pair.origin, "[nm, value]")).collect();
+                let (nm, values) = pairs?.into_iter().map(|[nm, value]| (nm, value)).unzip();
+                match Tabulated::new(nm, values) {
+                    Ok(table) => ("a list".to_owned(), table),
+                    Err(error) => {
+                        self.errors.push(origin, error.into());
+                        return None;
+                    }
+                }
+            }
+        };
+        match table.on(grid) {
+            Ok(spectrum) => Some((name, spectrum)),
+            Err(SpectraError::OutsideTable { first, last, .. }) => {
+                let needed_nm = (grid.start_nm(), grid.stop_nm());
+                self.errors.push(origin, Problem::NotCovered { what: name, first, last, needed_nm });
+                None
+            }
+            Err(error) => {
+                self.errors.push(origin, error.into());
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! `[optimize]` from its description to a search.
+
+use papilio_display::pixel::state_names;
+use papilio_display::scene::{Method as Solver, Scene};
+use serde_json::Value as Json;
+use sha2::{Digest, Sha256};
+
+use super::{Optimisation, SearchCondition, SearchMethod, SearchRange, SearchVariable};
+use crate::describe::optimize as describe;
+use crate::error::{Errors, ScenarioErrors};
+use crate::library::hex;
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::set::Change;
+use crate::source::Origin;
+use crate::tree::Node;
+use crate::varied::{ABOUT, Base, Varied};
+
+/// Reads the search of a scenario.
+pub(super) fn search(base: Base) -> Result<Optimisation, ScenarioErrors> {
+    let root = base.assembled()?;
+    let mut errors = Errors::default();
+    let described = match root.get("optimize") {
+        Some(node) => describe::Optimize::read(node, &mut errors),
+        None => {
+            errors.push(root.origin, Problem::NothingToSearch);
+            None
+        }
+    };
+    let described = errors.finish(described, &base.sources)?;
+    let title = root.get("title").and_then(|title| String::read(title, &mut Errors::default()));
+    Reader { base, root, errors: Errors::default() }.search(&described, title)
+}
+
+/// One variable as it is read.
+struct Found {
+    variable: SearchVariable,
+    /// Where each of its paths stands.
+    origins: Vec<Origin>,
+    /// Where each bound or choice stands, with its number.
+    ends: Vec<(Origin, f64)>,
+}
+
+pub(super) struct Reader {
+    pub(super) base: Base,
+    root: Node,
+    pub(super) errors: Errors,
+}
+
+impl Reader {
+    fn search(
+        mut self,
+        said: &describe::Optimize,
+        title: Option<String>,
+    ) -> Result<Optimisation, ScenarioErrors> {
+        let found: Vec<Option<Found>> = said.variables.iter().map(|one| self.variable(one)).collect();
+        if said.variables.is_empty() {
+            self.errors.push(said.variables.origin, Problem::EmptyList);
+        }
+        if said.objectives.is_empty() {
+            self.errors.push(said.objectives.origin, Problem::EmptyList);
+        }
+        let found: Option<Vec<Found>> = found.into_iter().collect();
+        self.check_once(found.as_deref().unwrap_or_default());
+        self.check_names(said);
+        let found = std::mem::take(&mut self.errors).finish(found, &self.base.sources)?;
+        let conditions = self.conditions(said, &found);
+        let scenes =
+            conditions.iter().map(|one| known(&one.varied, &found)).collect::<Result<Vec<_>, _>>()?;
+        for (condition, known) in conditions.iter().zip(&scenes) {
+            self.check_ends(&condition.varied, &found, &known.scene)?;
+        }
+        let names: Vec<&str> = conditions.iter().map(|one| one.name.as_str()).collect();
+        let weights: Vec<f64> = conditions.iter().map(|one| one.weight).collect();
+        let objectives: Option<Vec<_>> =
+            said.objectives.iter().map(|one| self.objective(one, &names, &weights, &scenes)).collect();
+        let constraints: Vec<Option<Vec<_>>> =
+            said.constraints.iter().map(|one| self.constraint(one, &names, &scenes)).collect();
+        let constraints: Option<Vec<Vec<_>>> = constraints.into_iter().collect();
+        let both =
+            std::mem::take(&mut self.errors).finish(objectives.zip(constraints), &self.base.sources)?;
+        let hash = hash(said, &scenes);
+        Ok(Optimisation {
+            method: match said.method.value {
+                describe::Method::Gradient => SearchMethod::Gradient,
+                describe::Method::Global => SearchMethod::Global,
+                describe::Method::Both => SearchMethod::Both,
+            },
+            starts: said.starts.0 as usize,
+            seed: said.seed.0,
+            evaluations: said.evaluations.0 as usize,
+            points: said.points.0 as usize,
+            variables: found.into_iter().map(|one| one.variable).collect(),
+            conditions,
+            objectives: both.0,
+            constraints: both.1.concat(),
+            title,
+            hash,
+        })
+    }
+
+    fn variable(&mut self, said: &At<describe::Variable>) -> Option<Found> {
+        let single = said.key.value.iter().map(|key| (key.clone(), said.key.origin));
+        let several = said.keys.value.iter().flatten().map(|key| (key.value.clone(), key.origin));
+        let paths: Vec<(String, Origin)> = single.chain(several).collect();
+        if said.key.is_some() == said.keys.is_some() || paths.is_empty() {
+            let given = usize::from(said.key.is_some()) + usize::from(said.keys.is_some());
+            self.errors.push(said.origin, Problem::ExactlyOne { keys: "`key` and `keys`", given });
+            return None;
+        }
+        let mut keys: Vec<(String, f64, f64)> =
+            paths.iter().map(|(path, _)| (path.clone(), 1.0, 0.0)).collect();
+        let mut origins: Vec<Origin> = paths.iter().map(|(_, origin)| *origin).collect();
+        for (path, origin) in paths
+            .iter()
+            .map(|(path, origin)| (path, *origin))
+            .chain(said.against.iter().map(|path| (path, said.against.origin)))
+        {
+            if path.split('.').next().is_some_and(|table| ABOUT.contains(&table.trim())) {
+                self.errors.push(origin, Problem::SearchOfItself);
+                return None;
+            }
+        }
+        let own = self.root.at(&paths[0].0).cloned();
+        if let Some(against) = &said.against.value {
+            let sum = own.as_ref().and_then(Node::number).zip(self.root.at(against).and_then(Node::number));
+            let Some((own, other)) = sum else {
+                self.errors.push(
+                    said.against.origin,
+                    Problem::NoSum { path: against.clone(), with: paths[0].0.clone() },
+                );
+                return None;
+            };
+            keys.push((against.clone(), -(paths.len() as f64), other + paths.len() as f64 * own));
+            origins.push(said.against.origin);
+        }
+        let (range, ends) = self.range(said)?;
+        let own = own.and_then(|own| match &range {
+            SearchRange::Bounds(from, to) => own.number().filter(|own| (*from..=*to).contains(own)),
+            SearchRange::Choices(choices) => {
+                let own = plain(&own.to_json());
+                choices.iter().position(|choice| plain(choice) == own).map(|at| at as f64)
+            }
+        });
+        Some(Found { variable: SearchVariable { name: paths[0].0.clone(), keys, range, own }, origins, ends })
+    }
+
+    fn range(&mut self, said: &At<describe::Variable>) -> Option<(SearchRange, Vec<(Origin, f64)>)> {
+        match (&said.bounds.value, &said.choices.value) {
+            (Some(bounds), None) => match bounds.as_slice() {
+                [from, to] if from.0 < to.0 => {
+                    Some((SearchRange::Bounds(from.0, to.0), vec![(from.origin, from.0), (to.origin, to.0)]))
+                }
+                _ => {
+                    self.errors.push(said.bounds.origin, Problem::NoBounds);
+                    None
+                }
+            },
+            (None, Some(choices)) => {
+                if said.against.is_some() {
+                    let problem = Problem::NotWith { key: "against", beside: "`choices`" };
+                    self.errors.push(said.against.origin, problem);
+                    return None;
+                }
+                let ends = choices.0.iter().enumerate().map(|(at, node)| (node.origin, at as f64));
+                Some((SearchRange::Choices(choices.0.iter().map(Node::to_json).collect()), ends.collect()))
+            }
+            (bounds, choices) => {
+                let given = usize::from(bounds.is_some()) + usize::from(choices.is_some());
+                self.errors.push(said.origin, Problem::ExactlyOne { keys: "`bounds` and `choices`", given });
+                None
+            }
+        }
+    }
+
+    fn check_once(&mut self, found: &[Found]) {
+        let all: Vec<(&str, Origin)> = found
+            .iter()
+            .flat_map(|one| {
+                one.variable.keys.iter().map(|(path, ..)| path.as_str()).zip(one.origins.iter().copied())
+            })
+            .collect();
+        for (i, (path, origin)) in all.iter().enumerate() {
+            if all[..i].iter().any(|(other, _)| other == path) {
+                self.errors.push(*origin, Problem::VariesTwice { path: (*path).to_owned() });
+            }
+        }
+    }
+
+    fn check_names(&mut self, said: &describe::Optimize) {
+        for (i, condition) in said.conditions.iter().enumerate() {
+            if said.conditions[..i].iter().any(|other| other.name.value == condition.name.value) {
+                let name = condition.name.value.clone();
+                self.errors.push(condition.name.origin, Problem::ConditionTwice { name });
+            }
+        }
+    }
+
+    fn conditions(&self, said: &describe::Optimize, found: &[Found]) -> Vec<SearchCondition> {
+        let keys: Vec<(String, Origin)> = found
+            .iter()
+            .flat_map(|one| {
+                one.variable.keys.iter().map(|(path, ..)| path.clone()).zip(one.origins.iter().copied())
+            })
+            .collect();
+        let condition = |name: &str, weight, fixed: &[Change]| SearchCondition {
+            name: name.to_owned(),
+            weight,
+            varied: Varied::new(self.base.clone(), fixed.to_vec(), keys.clone()),
+        };
+        if said.conditions.is_empty() {
+            return vec![condition("", 1.0, &[])];
+        }
+        let described = said.conditions.iter();
+        described.map(|one| condition(&one.name.value, one.weight.0, &one.set.value.0)).collect()
+    }
+
+    /// Tries each bound and each choice, everything else as it stands or at the middle of its range.
+    fn check_ends(&self, varied: &Varied, found: &[Found], own: &Scene) -> Result<(), ScenarioErrors> {
+        if own.solver.method == Solver::Walk {
+            let mut errors = Errors::default();
+            errors.push(
+                self.root.at("solver.method").map_or(self.root.origin, |node| node.origin),
+                Problem::WalkSearch,
+            );
+            return errors.check(&self.base.sources);
+        }
+        for (i, one) in found.iter().enumerate() {
+            for (origin, x) in &one.ends {
+                let changes = found.iter().enumerate().flat_map(|(j, other)| {
+                    let x = if i == j { *x } else { other.variable.start() };
+                    let origins = other.origins.iter().map(move |at| if i == j { *origin } else { *at });
+                    other.variable.values(x).into_iter().zip(origins)
+                });
+                let changes = changes.map(|((path, value), origin)| Change {
+                    value: Node::from_json(&value, origin),
+                    origin,
+                    path,
+                });
+                let tried = varied.with(changes).and_then(|scenario| scenario.resolve());
+                tried.map_err(|errors| errors.asked_for_at(&self.base.sources.place(*origin)))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the search needs to know of a condition's scenario.
+pub(super) struct Known {
+    pub(super) scene: Scene,
+    pub(super) states: Vec<String>,
+    hash: String,
+}
+
+/// The scenario of a condition where a search begins.
+fn known(varied: &Varied, found: &[Found]) -> Result<Known, ScenarioErrors> {
+    let values: Vec<Json> = found
+        .iter()
+        .flat_map(|one| one.variable.values(one.variable.start()).into_iter().map(|(_, value)| value))
+        .collect();
+    let resolved = varied.scenario(&values)?.resolve()?;
+    let states = state_names(&resolved.scene.display.pixel);
+    Ok(Known { scene: resolved.scene, states, hash: resolved.hash })
+}
+
+/// Names the search: what is said of it, and its scenarios.
+fn hash(said: &describe::Optimize, known: &[Known]) -> String {
+    let mut digest = Sha256::new();
+    digest.update(serde_json::to_string(said).unwrap_or_default());
+    known.iter().for_each(|known| digest.update(&known.hash));
+    hex(&digest.finalize())
+}
+
+/// A value that is equal to others that mean the same: all numbers as floats.
+fn plain(value: &Json) -> Json {
+    value.as_f64().map_or_else(|| value.clone(), Json::from)
+}
