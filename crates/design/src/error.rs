@@ -28,4 +28,14 @@ pub enum DesignError {
         /// The number.
         value: f64,
     },
+    /// Choices that cannot be searched one by one.
+    #[error(
+        "the choices have {count} combinations, and a search by derivatives tries each: {limit} at most; method = \"both\" or \"global\" takes more"
+    )]
+    TooManyChoices {
+        /// How many there are.
+        count: f64,
+        /// How many there may be.
+        limit: usize,
+    },
 }

@@ -1,4 +1,4 @@
-//! Design work: what a design is worth.
+//! Design work: what a design is worth, and the search for better ones.
 //!
 //! A [`Study`] says what varies (keys of a scenario, each with a number or a choice), under which conditions
 //! (lights, views, anything that a scenario can say) and what is asked of every design. An [`Evaluator`] answers:
@@ -30,10 +30,13 @@
 
 mod error;
 mod evaluator;
-mod quantity;
+mod exact;
+mod parameter;
+mod road;
+pub mod search;
 mod study;
 
 pub use error::DesignError;
-pub use evaluator::Evaluator;
-pub use quantity::Quantity;
+pub use evaluator::{Evaluator, Slopes};
+pub use papilio_display::Quantity;
 pub use study::{Condition, Key, Named, Study, Values, Variable};

@@ -1,9 +1,10 @@
 //! What is varied and what is asked of every design.
 
-use papilio_scenario::Varied;
+use papilio_display::Quantity;
+use papilio_scenario::{Optimisation, SearchQuantity, SearchRange, Varied};
 use serde_json::Value as Json;
 
-use crate::{DesignError, Quantity};
+use crate::DesignError;
 
 /// A display whose designs are compared: the same variables under every condition.
 #[derive(Debug, Clone)]
@@ -75,36 +76,88 @@ impl Key {
 }
 
 impl Study {
+    /// What a search compares.
+    pub fn of(search: &Optimisation) -> Self {
+        let conditions = search.conditions.iter();
+        let variable = |one: &papilio_scenario::SearchVariable| Variable {
+            name: one.name.clone(),
+            keys: one
+                .keys
+                .iter()
+                .map(|(path, slope, offset)| Key { path: path.clone(), slope: *slope, offset: *offset })
+                .collect(),
+            values: match &one.range {
+                SearchRange::Bounds(..) => Values::Number,
+                SearchRange::Choices(choices) => Values::Choices(choices.clone()),
+            },
+        };
+        let named = |one: &SearchQuantity| Named {
+            name: one.name.clone(),
+            condition: one.condition,
+            quantity: one.quantity.clone(),
+        };
+        Self {
+            conditions: conditions
+                .map(|one| Condition { name: one.name.clone(), varied: one.varied.clone() })
+                .collect(),
+            variables: search.variables.iter().map(variable).collect(),
+            quantities: search.quantities().into_iter().map(named).collect(),
+        }
+    }
+
+    /// Every path with its value at a design, in order.
+    ///
+    /// # Errors
+    /// As of [`values`](Self::values).
+    pub fn settings(&self, design: &[f64]) -> Result<Vec<(&str, Json)>, DesignError> {
+        let paths =
+            self.variables.iter().flat_map(|variable| variable.keys.iter().map(|key| key.path.as_str()));
+        Ok(paths.zip(self.values(design)?).collect())
+    }
+
+    /// Refuses what is no design.
+    ///
+    /// # Errors
+    /// If it has the wrong length, or a number that its variable does not have.
+    pub fn check(&self, design: &[f64]) -> Result<(), DesignError> {
+        if design.len() != self.variables.len() {
+            return Err(DesignError::Length { expected: self.variables.len(), found: design.len() });
+        }
+        match self.variables.iter().zip(design).find(|(variable, x)| !variable.takes(**x)) {
+            Some((variable, &value)) => Err(DesignError::Value { variable: variable.name.clone(), value }),
+            None => Ok(()),
+        }
+    }
+
     /// The values of the paths of every condition at a design.
     ///
     /// # Errors
     /// If it has the wrong length, or a number that its variable does not have.
     pub fn values(&self, design: &[f64]) -> Result<Vec<Json>, DesignError> {
-        if design.len() != self.variables.len() {
-            return Err(DesignError::Length { expected: self.variables.len(), found: design.len() });
-        }
-        let mut values = Vec::new();
-        for (variable, &x) in self.variables.iter().zip(design) {
-            for key in &variable.keys {
-                let value = variable.value(key, x);
-                let wrong = || DesignError::Value { variable: variable.name.clone(), value: x };
-                values.push(value.ok_or_else(wrong)?);
-            }
-        }
-        Ok(values)
+        self.check(design)?;
+        let each = self.variables.iter().zip(design);
+        Ok(each.flat_map(|(variable, x)| variable.keys.iter().map(|key| variable.value(key, *x))).collect())
     }
 }
 
 impl Variable {
-    /// The value of one of its keys; `None` for a number that means nothing.
-    pub fn value(&self, key: &Key, x: f64) -> Option<Json> {
+    /// True if it is no choice.
+    pub fn is_number(&self) -> bool {
+        self.values == Values::Number
+    }
+
+    fn takes(&self, x: f64) -> bool {
         match &self.values {
-            Values::Number => {
-                let value = key.slope * x + key.offset;
-                value.is_finite().then(|| value.into())
-            }
-            Values::Choices(choices) if x >= 0.0 && x.fract() == 0.0 => choices.get(x as usize).cloned(),
-            Values::Choices(_) => None,
+            Values::Number => x.is_finite(),
+            Values::Choices(choices) => x >= 0.0 && x.fract() == 0.0 && (x as usize) < choices.len(),
+        }
+    }
+
+    /// The value of one of its keys; null for a choice that there is not.
+    fn value(&self, key: &Key, x: f64) -> Json {
+        match &self.values {
+            Values::Number => (key.slope * x + key.offset).into(),
+            Values::Choices(choices) => choices.get(x as usize).cloned().unwrap_or_default(),
         }
     }
 }

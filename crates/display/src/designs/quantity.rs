@@ -58,6 +58,15 @@ impl Quantity {
         }
     }
 
+    /// One sigma of a metric in a result, where it is known; distances have none.
+    pub fn standard_error(&self, result: &RunResult) -> Option<f64> {
+        let (view, metric) = (result.views.get(self.view())?, self.metric()?);
+        match self.state() {
+            Some(name) => metric.of_state(&view.states.get(name)?.standard_error),
+            None => metric.of_view(&view.standard_error),
+        }
+    }
+
     /// Number of the view that it is seen from.
     pub fn view(&self) -> usize {
         match self {

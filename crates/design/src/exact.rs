@@ -1,0 +1,57 @@
+//! Numbers in journals, read back to the last bit: `serde_json` alone may miss it by one.
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::value::RawValue;
+
+fn number(raw: &RawValue) -> Result<Option<f64>, String> {
+    match raw.get() {
+        "null" => Ok(None),
+        text => text.parse().map(Some).map_err(|_| format!("{text} is no number")),
+    }
+}
+
+fn row(raw: &[Box<RawValue>]) -> Result<Vec<Option<f64>>, String> {
+    raw.iter().map(|one| number(one)).collect()
+}
+
+/// Numbers that may be missing.
+pub(crate) mod values {
+    use super::*;
+
+    pub(crate) fn serialize<S: Serializer>(values: &[Option<f64>], to: S) -> Result<S::Ok, S::Error> {
+        values.serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Option<f64>>, D::Error> {
+        row(&Vec::<Box<RawValue>>::deserialize(from)?).map_err(D::Error::custom)
+    }
+}
+
+/// Numbers.
+pub(crate) mod numbers {
+    use super::*;
+
+    pub(crate) fn serialize<S: Serializer>(numbers: &[f64], to: S) -> Result<S::Ok, S::Error> {
+        numbers.serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+        let numbers: Option<Vec<f64>> = values::deserialize(from)?.into_iter().collect();
+        numbers.ok_or_else(|| D::Error::custom("a number is missing"))
+    }
+}
+
+/// Rows of numbers that may be missing.
+pub(crate) mod rows {
+    use super::*;
+
+    pub(crate) fn serialize<S: Serializer>(rows: &[Vec<Option<f64>>], to: S) -> Result<S::Ok, S::Error> {
+        rows.serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Vec<Option<f64>>>, D::Error> {
+        let rows = Vec::<Vec<Box<RawValue>>>::deserialize(from)?;
+        rows.iter().map(|one| row(one).map_err(D::Error::custom)).collect()
+    }
+}

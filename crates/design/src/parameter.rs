@@ -1,0 +1,74 @@
+//! Which keys of a scenario are numbers of its film pixel.
+
+use papilio_display::Parameter;
+use papilio_display::scene::{Drive, FilmPixel, Thickness};
+
+/// The number of this pixel that stands at a path, as of `--set`; `None` if none does.
+pub(crate) fn parameter(path: &str, film: &FilmPixel) -> Option<Parameter> {
+    let keys: Vec<&str> = path.strip_prefix("display.pixel.")?.split('.').map(str::trim).collect();
+    let layer = |text: &str| text.parse::<usize>().ok().filter(|layer| *layer < film.layers.len());
+    let sub_pixel = |name: &str| film.sub_pixels.iter().position(|one| one.name == name);
+    match keys.as_slice() {
+        ["film", at, "thickness_nm"] => {
+            let layer = layer(at)?;
+            matches!(film.layers[layer].thickness, Thickness::Fixed(_))
+                .then_some(Parameter::Thickness { layer })
+        }
+        ["film", at, "material", "n"] => Some(Parameter::Index { layer: layer(at)? }),
+        ["film", at, "material", "k"] => Some(Parameter::Extinction { layer: layer(at)? }),
+        ["substrate", "n"] => Some(Parameter::SubstrateIndex),
+        ["substrate", "k"] => Some(Parameter::SubstrateExtinction),
+        ["gap_nm", "dark"] => film.dark_gap_nm.map(|_| Parameter::DarkGap),
+        ["gap_nm", name] => Some(Parameter::Gap { sub_pixel: sub_pixel(name)? }),
+        ["area", name] => Some(Parameter::Area { sub_pixel: sub_pixel(name)? }),
+        ["fill_factor"] => Some(Parameter::FillFactor),
+        ["states", name, of, "gap_nm"] => {
+            let state = film.states.iter().position(|state| state.name == *name)?;
+            let sub_pixel = sub_pixel(of)?;
+            let drive = film.states[state].drives.get(sub_pixel)?;
+            matches!(drive, Drive::Gap(_)).then_some(Parameter::StateGap { state, sub_pixel })
+        }
+        _ => None,
+    }
+}
+
+/// Sets a number of a pixel; false if it would be none that a scenario may have.
+pub(crate) fn set(film: &mut FilmPixel, parameter: Parameter, value: f64) -> bool {
+    let length = (0.0..=1e6).contains(&value);
+    let index = value > 0.0 && value <= 1e3;
+    let extinction = (0.0..=1e3).contains(&value);
+    let sound = match parameter {
+        Parameter::Thickness { .. }
+        | Parameter::Gap { .. }
+        | Parameter::DarkGap
+        | Parameter::StateGap { .. } => length,
+        Parameter::Area { .. } => (0.0..=1.0).contains(&value),
+        Parameter::FillFactor => value > 0.0 && value <= 1.0,
+        Parameter::Index { .. } | Parameter::SubstrateIndex => index,
+        Parameter::Extinction { .. } | Parameter::SubstrateExtinction => extinction,
+    };
+    if !sound {
+        return false;
+    }
+    match parameter {
+        Parameter::Thickness { layer } => film.layers[layer].thickness = Thickness::Fixed(value),
+        Parameter::Gap { sub_pixel } => film.sub_pixels[sub_pixel].gap_nm = value,
+        Parameter::DarkGap => film.dark_gap_nm = Some(value),
+        Parameter::StateGap { state, sub_pixel } => film.states[state].drives[sub_pixel] = Drive::Gap(value),
+        Parameter::Area { sub_pixel } => film.sub_pixels[sub_pixel].area = value,
+        Parameter::FillFactor => film.fill_factor = value,
+        Parameter::Index { layer } => film.layers[layer].index.iter_mut().for_each(|index| index.re = value),
+        Parameter::Extinction { layer } => {
+            film.layers[layer].index.iter_mut().for_each(|index| index.im = value)
+        }
+        Parameter::SubstrateIndex => film.substrate.iter_mut().for_each(|index| index.re = value),
+        Parameter::SubstrateExtinction => film.substrate.iter_mut().for_each(|index| index.im = value),
+    }
+    true
+}
+
+/// True if the areas make a whole, as a scenario asks for.
+pub(crate) fn is_whole(film: &FilmPixel) -> bool {
+    let sum: f64 = film.sub_pixels.iter().map(|sub_pixel| sub_pixel.area).sum();
+    (sum - 1.0).abs() <= 1e-3
+}
