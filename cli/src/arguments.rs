@@ -46,6 +46,10 @@ pub(crate) enum Command {
                       What is done is kept: the same command goes on after a kill, and computes only what is new in a\n\
                       sweep that was changed.")]
     Sweep(Sweep),
+    /// Search for better designs as `[optimize]` says, resumably: best.toml or a front, optimize.csv, figures
+    #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
+                      What is done is kept: the same command goes on after a kill, and ends in the same files.")]
+    Optimize(Optimize),
     /// Studies of the methods on a scenario of your own
     #[command(subcommand)]
     Study(Study),
@@ -168,6 +172,27 @@ pub(crate) struct SweepWanted {
     /// Write the table as Parquet, too
     #[arg(long)]
     pub(crate) parquet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Optimize {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Print what was found as JSON on standard output; files are written as ever
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write each figure as PNG, too
+    #[arg(long)]
+    pub(crate) png: bool,
+    /// Do not run the best design by the walk as well
+    #[arg(long)]
+    pub(crate) no_check: bool,
+    /// Seed of the starts and the population, as optimize.seed
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 #[derive(Debug, Args)]

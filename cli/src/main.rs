@@ -9,6 +9,7 @@ mod compare;
 mod diffuser;
 mod interrupt;
 mod new;
+mod optimize;
 mod output;
 mod pixel;
 mod report;
@@ -51,6 +52,9 @@ enum Failure {
     /// The scene could not be computed.
     #[error("error: {0}")]
     Display(#[from] papilio_display::DisplayError),
+    /// A design could not be evaluated.
+    #[error("{}", led(.0))]
+    Design(#[from] papilio_design::DesignError),
     /// The report could not be made.
     #[error("error: {0}")]
     Report(#[from] papilio_reproduction::ReproductionError),
@@ -65,10 +69,23 @@ enum Failure {
     Interrupted(&'static str),
 }
 
+/// The text of an error; one of a scenario says that it is one by itself.
+fn led(error: &papilio_design::DesignError) -> String {
+    match error {
+        papilio_design::DesignError::Scenario(errors) => errors.to_string(),
+        other => format!("error: {other}"),
+    }
+}
+
 impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_) | Self::Input(_) | Self::Data(_) | Self::Display(_) | Self::Serve(_) => 2,
+            Self::Scenario(_)
+            | Self::Input(_)
+            | Self::Data(_)
+            | Self::Display(_)
+            | Self::Design(_)
+            | Self::Serve(_) => 2,
             Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
             Self::Interrupted(_) => 130,
         }
@@ -82,6 +99,7 @@ fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::New(arguments) => new::run(&arguments),
+        Command::Optimize(arguments) => optimize::run(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),

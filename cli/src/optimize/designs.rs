@@ -1,0 +1,81 @@
+//! Designs as scenarios: the text that was searched, with other numbers, its comments and its order kept.
+
+use std::path::{Component, Path, PathBuf};
+
+use papilio_design::search::{Chosen, Search};
+use papilio_formats::{DataFile, write_file};
+use papilio_scenario::{Edit, edit};
+
+use crate::Failure;
+use crate::arguments::Optimize;
+
+/// Writes best.toml, or front-01.toml and so on; the names.
+pub(super) fn write(
+    arguments: &Optimize,
+    folder: &Path,
+    search: &Search,
+    chosen: &[Chosen],
+) -> Result<Vec<String>, Failure> {
+    let path = &arguments.scenario.file;
+    let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
+    let text = file.text().map_err(Failure::Data)?;
+    let set: Vec<Edit> = arguments.scenario.set.iter().filter_map(|text| Edit::of_set(text)).collect();
+    let text = moved(&edit(text, &set)?, path.parent().unwrap_or(Path::new("")), folder);
+    let mut names = Vec::new();
+    for (at, one) in chosen.iter().enumerate() {
+        let name =
+            if chosen.len() == 1 { "best.toml".to_owned() } else { format!("front-{:02}.toml", at + 1) };
+        let set = |(path, value): (&str, serde_json::Value)| Edit::Set { path: path.to_owned(), value };
+        let edits: Vec<Edit> = search.study().settings(&one.design)?.into_iter().map(set).collect();
+        let text = edit(&text, &edits)?;
+        write_file(&folder.join(&name), |out| out.write_all(text.as_bytes()))?;
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// A text from one folder as it is to stand in another: strings that name files beside it find them from there.
+fn moved(text: &str, from: &Path, to: &Path) -> String {
+    let Some(way) = way(to, from) else { return text.to_owned() };
+    let line = |line: &str| {
+        // Strings are the odd pieces between quotes; those of scenarios hold none.
+        let piece = |(at, piece): (usize, &str)| {
+            let is_file = at % 2 == 1 && !piece.is_empty() && from.join(piece).is_file();
+            if is_file { way.join(piece).display().to_string() } else { piece.to_owned() }
+        };
+        line.split('"').enumerate().map(piece).collect::<Vec<_>>().join("\"")
+    };
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The relative path that leads from one folder to another.
+fn way(from: &Path, to: &Path) -> Option<PathBuf> {
+    let here =
+        |path: &Path| std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path });
+    let (from, to) = (here(from).ok()?, here(to).ok()?);
+    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
+        (from.components().collect(), to.components().collect());
+    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let up = from[shared..].iter().map(|_| Component::ParentDir);
+    Some(up.chain(to[shared..].iter().copied()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+
+    use super::*;
+
+    #[test]
+    fn files_are_found_from_the_new_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scenarios, out) = (folder.path().join("scenarios"), folder.path().join("out/s"));
+        std::fs::create_dir_all(scenarios.join("data")).unwrap();
+        std::fs::create_dir_all(&out).unwrap();
+        std::fs::write(scenarios.join("data/a.csv"), "").unwrap();
+        let text = "a = \"data/a.csv\" # \"data/b.csv\"\nb = \"Al\"\n";
+        let moved = moved(text, &scenarios, &out);
+        assert_eq!(moved, "a = \"../../scenarios/data/a.csv\" # \"data/b.csv\"\nb = \"Al\"\n");
+        assert!(out.join("../../scenarios/data/a.csv").is_file());
+    }
+}

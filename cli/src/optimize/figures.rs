@@ -1,0 +1,84 @@
+//! Figures of a search: how its tasks went on, and the front.
+
+use papilio_design::search::{Chosen, Found, Search};
+use papilio_figures::{Chart, ChartCurve, Hue, chart};
+
+/// More curves than these hide each other.
+const MOST_CURVES: usize = 60;
+
+/// Names of files, without their ends, and SVG texts.
+pub(super) fn figures(
+    title: &str,
+    search: &Search,
+    found: &[Found],
+    chosen: &[Chosen],
+) -> Vec<(String, String)> {
+    let mut drawn = vec![("trace".to_owned(), trace(title, search, found))];
+    if search.aims().objectives() > 1 {
+        drawn.push(("front".to_owned(), front(title, search, found, chosen)));
+    }
+    drawn
+}
+
+/// The first objective of the best design so far, of every task that sought it, against the designs that the task had evaluated.
+fn trace(title: &str, search: &Search, found: &[Found]) -> String {
+    let tasks = || found.iter().filter(|one| one.objective == 0 && !one.trace.is_empty());
+    let count = tasks().count().min(MOST_CURVES);
+    let curve = |(at, one): (usize, &Found)| ChartCurve {
+        name: String::new(),
+        hue: Hue::Scale(at as f64 / count.max(2) as f64),
+        dashed: false,
+        marks: false,
+        points: steps(one),
+    };
+    let all = Chart {
+        x: "Designs evaluated".to_owned(),
+        y: search.said().objectives[0].name.clone(),
+        logarithmic: false,
+        at_least: search.aims().value(0, search.own().1).into_iter().collect(),
+        curves: tasks().take(MOST_CURVES).enumerate().map(curve).collect(),
+    };
+    chart(&all, title)
+}
+
+/// A line that stays until something better is found.
+fn steps(one: &Found) -> Vec<(f64, f64)> {
+    let mut points = Vec::new();
+    for (at, value) in one.trace_at.iter().zip(&one.trace) {
+        let last = points.last().map(|(_, value): &(f64, f64)| *value);
+        points.extend(last.map(|value| (*at as f64, value)));
+        points.push((*at as f64, *value));
+    }
+    let last = one.trace.last().map(|value| (one.evaluations as f64, *value));
+    points.into_iter().chain(last).collect()
+}
+
+/// The front's first two objectives against each other, with all that tasks found and the scenario's own design.
+fn front(title: &str, search: &Search, found: &[Found], chosen: &[Chosen]) -> String {
+    let at = |values: &[Option<f64>]| {
+        let of = |objective| search.aims().value(objective, values).unwrap_or(f64::NAN);
+        (of(1), of(0))
+    };
+    let curve = |name: &str, group, marks, points| ChartCurve {
+        name: name.to_owned(),
+        hue: Hue::Group(group),
+        dashed: false,
+        marks,
+        points,
+    };
+    let sound = found.iter().filter(|one| !one.design.is_empty());
+    let line: Vec<(f64, f64)> = chosen.iter().map(|one| at(&one.values)).collect();
+    let all = Chart {
+        x: search.said().objectives[1].name.clone(),
+        y: search.said().objectives[0].name.clone(),
+        logarithmic: false,
+        at_least: Vec::new(),
+        curves: vec![
+            curve("", 3, true, sound.map(|one| at(&one.values)).collect()),
+            curve("", 0, false, line.clone()),
+            curve("front", 0, true, line),
+            curve("scenario", 2, true, vec![at(search.own().1)]),
+        ],
+    };
+    chart(&all, title)
+}

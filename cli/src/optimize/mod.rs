@@ -1,0 +1,129 @@
+//! `papilio optimize`: a search for better designs; stopped and gone on with at will.
+//!
+//! What a task of the search finds depends on nothing but the scenario and the task, and is in the journal at once:
+//! a search that was killed and gone on with ends in the same files as one that was not, whatever the number of threads.
+
+mod check;
+mod designs;
+mod figures;
+mod journal;
+mod report;
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use papilio_design::search::{Chosen, Found, Record, Search, was_stopped};
+use papilio_design::{DesignError, Evaluator, Study};
+use papilio_formats::write_file;
+use papilio_scenario::Optimisation;
+
+use self::check::{Checked, check};
+use self::journal::{Head, Journal};
+use crate::arguments::Optimize;
+use crate::{Failure, interrupt, output, say};
+
+pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
+    let mut overrides = arguments.scenario.set.clone();
+    overrides.extend(arguments.seed.map(|seed| format!("optimize.seed={seed}")));
+    let said = Optimisation::load(&arguments.scenario.file, &overrides)?;
+    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
+    output::check(&folder)?;
+    output::make_folder(&folder)?;
+    interrupt::heed();
+    let head = Head { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: said.hash.clone() };
+    let (mut journal, kept) = Journal::open(&folder, &head)?;
+    let started = Instant::now();
+    let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &interrupt::STOP);
+    let search = stopped(Search::new(said, &mut evaluator))?;
+    let threads = arguments
+        .workers
+        .threads
+        .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let mut tell = |record: &Record, _: (usize, usize)| journal.add(record);
+    let found = search.run(&evaluator, threads, &kept, &mut tell);
+    let found = found.map_err(|failure| match failure {
+        Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
+        other => other,
+    })?;
+    let found = found.ok_or(INTERRUPTED)?;
+    let chosen = stopped(search.chosen(&found, &mut evaluator))?;
+    let seconds = started.elapsed().as_secs_f64();
+    say(&format!("{} designs were evaluated in {seconds:.2} s", report::evaluations(&found)));
+    let checked = match chosen.first() {
+        Some(best) if !arguments.no_check => {
+            check(&search, best, arguments.workers.threads)?.ok_or(INTERRUPTED)?
+        }
+        _ => Vec::new(),
+    };
+    interrupt::whole(|| journal::finish(&folder, &head, &found))?;
+    finish(arguments, &folder, &search, &found, &chosen, &checked)
+}
+
+const INTERRUPTED: Failure = Failure::Interrupted("what is done is kept, the same command goes on from here");
+
+/// Tells a search that was stopped from one that failed.
+fn stopped<T>(result: Result<T, DesignError>) -> Result<T, Failure> {
+    result.map_err(|error| if was_stopped(&error) { INTERRUPTED } else { error.into() })
+}
+
+/// Writes the files, and shows what was found.
+fn finish(
+    arguments: &Optimize,
+    folder: &Path,
+    search: &Search,
+    found: &[Found],
+    chosen: &[Chosen],
+    checked: &[Checked],
+) -> Result<(), Failure> {
+    let title =
+        search.said().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
+    let names = interrupt::whole(|| write(arguments, folder, &title, search, found, chosen))?;
+    let mut stdout = anstream::stdout().lock();
+    if arguments.json {
+        let all = report::json(&title, search, chosen, found, checked);
+        serde_json::to_writer_pretty(&mut stdout, &all).map_err(std::io::Error::from)?;
+        stdout.write_all(b"\n")?;
+    } else {
+        stdout.write_all(report::text(&title, search, chosen).as_bytes())?;
+        if !checked.is_empty() {
+            let titles = ["", "adding", "walk", "standard error"].map(str::to_owned).to_vec();
+            let rows: Vec<Vec<String>> =
+                std::iter::once(titles).chain(checked.iter().map(Checked::row)).collect();
+            write!(stdout, "\nThe best design by both solvers:\n{}", crate::report::table(&rows))?;
+        }
+    }
+    stdout.flush()?;
+    output::announce(folder, &names);
+    if chosen.is_empty() {
+        say(&"warning: no design could be evaluated: what is asked is not defined anywhere");
+    } else if !chosen.iter().all(Chosen::meets_limits) {
+        say(&"warning: no design was found that meets all limits; this one misses them least");
+    }
+    Ok(())
+}
+
+fn write(
+    arguments: &Optimize,
+    folder: &Path,
+    title: &str,
+    search: &Search,
+    found: &[Found],
+    chosen: &[Chosen],
+) -> Result<Vec<String>, Failure> {
+    let mut names = vec!["optimize.csv".to_owned()];
+    write_file(&folder.join("optimize.csv"), |out| out.write_all(report::csv(search, found).as_bytes()))?;
+    output::remove(folder, |name| name == "best.toml" || name.starts_with("front"))?;
+    names.extend(designs::write(arguments, folder, search, chosen)?);
+    for (name, svg) in figures::figures(title, search, found, chosen) {
+        if arguments.png {
+            names.extend(output::write_figure(folder, &name, &svg)?);
+        } else {
+            let name = format!("{name}.svg");
+            write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
+            names.push(name);
+        }
+    }
+    Ok(names)
+}

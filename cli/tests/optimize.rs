@@ -1,0 +1,179 @@
+//! Searches as their users meet them: found, killed and gone on with, wrong.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const SCENARIO: &str = r#"
+title = "Bare"
+[spectrum]
+step_nm = 20
+[display.pixel]
+model = "film"
+substrate = "Al"
+area = { red = 0.4, green = 0.4, blue = 0.2 }
+gap_nm = { red = 275.9, green = 192.3, blue = 137.8, dark = 20.0 }
+film = [
+  { material = "Si3N4", thickness_nm = 0 },              # the matching layer
+  { material = "Cr:Johnson", thickness_nm = 12.15 },
+  { material = "SiO2", thickness_nm = 38.6 },
+  { material = "AlOx", thickness_nm = 9.0 },
+  { material = "air", thickness_nm = "gap" },
+]
+[display.diffuser]
+model = "k-correlation"
+haze = 0.78
+transmittance = 0.9
+[solver]
+relative_error = 0.01
+[optimize]
+starts = 3
+evaluations = 200
+points = 4
+[[optimize.variables]]
+key = "display.pixel.film.0.thickness_nm"
+bounds = [0, 120]
+[[optimize.variables]]
+key = "display.pixel.film.0.material"
+choices = ["Si3N4", "SiO2"]
+[[optimize.variables]]
+key = "display.pixel.film.1.thickness_nm"
+bounds = [3, 25]
+[[optimize.objectives]]
+metric = "gamut_percent_srgb"
+aim = "maximise"
+[[optimize.constraints]]
+metric = "contrast_ratio"
+at_least = 4
+"#;
+
+const SECOND_AIM: &str = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
+
+fn papilio(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Every file of a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
+}
+
+/// The scenario in a folder of its own, and where results go.
+fn place(text: &str) -> (tempfile::TempDir, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    fs::write(&file, text).unwrap();
+    let out = folder.path().join("out");
+    let names = [file, out].map(|path| path.to_str().unwrap().to_owned());
+    let [file, out] = names;
+    (folder, file, out)
+}
+
+fn search(file: &str, out: &str, more: &[&str]) -> Output {
+    let output = papilio(&[&["optimize", file, "--out", out, "--no-check"], more].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    output
+}
+
+/// The best design is better than the scenario's, meets its limit, keeps the comments, and runs as it stands.
+#[test]
+fn a_better_design_is_found_and_written() {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = search(&file, &out, &["--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let gamut = |of: &serde_json::Value| of["quantities"]["gamut_percent_srgb"].as_f64().unwrap();
+    let best = &found["designs"][0];
+    assert!(gamut(best) > gamut(&found["scenario"]) + 1.0, "{found:#}");
+    assert!(best["quantities"]["contrast_ratio"].as_f64().unwrap() > 4.0 - 1e-4);
+    assert_eq!(best["meets_limits"], true);
+    let text = fs::read_to_string(Path::new(&out).join("best.toml")).unwrap();
+    assert!(text.contains("# the matching layer"), "{text}");
+    let best_file = Path::new(&out).join("best.toml");
+    let run = papilio(&["run", best_file.to_str().unwrap(), "--json"]);
+    assert!(run.status.success(), "{}", stderr(&run));
+    let result: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(result["views"][0]["gamut_percent_srgb"], best["quantities"]["gamut_percent_srgb"]);
+    let names: Vec<String> = files(Path::new(&out)).into_keys().collect();
+    assert_eq!(names, ["best.toml", "optimize.csv", "optimize.jsonl", "trace.svg"]);
+}
+
+/// However a journal is cut off, by however many threads a search is gone on with, the end is the same, byte for byte; of
+/// descents, fronts and populations.
+#[test]
+fn a_search_that_was_killed_ends_as_if_it_was_not() {
+    for (name, more) in [("descents", ""), ("front", SECOND_AIM), ("population", "")] {
+        let text = format!("{SCENARIO}{more}");
+        let text = if name == "population" {
+            text.replace("[optimize]", "[optimize]\nmethod = \"both\"")
+        } else {
+            text
+        };
+        let (_folder, file, out) = place(&text);
+        search(&file, &out, &["--threads", "1"]);
+        let whole = files(Path::new(&out));
+        let journal = Path::new(&out).join("optimize.jsonl");
+        let bytes = fs::read(&journal).unwrap();
+        for part in [0, bytes.len() / 3, 2 * bytes.len() / 3, bytes.len() - 1] {
+            files(Path::new(&out))
+                .keys()
+                .for_each(|name| fs::remove_file(Path::new(&out).join(name)).unwrap());
+            fs::write(&journal, &bytes[..part]).unwrap();
+            search(&file, &out, &["--threads", "3"]);
+            let gone_on = files(Path::new(&out));
+            assert_eq!(gone_on.keys().collect::<Vec<_>>(), whole.keys().collect::<Vec<_>>(), "{name}");
+            for (file, bytes) in &gone_on {
+                assert!(*bytes == whole[file], "{name}: {file} differs after a kill at {part}");
+            }
+        }
+    }
+}
+
+/// No design of a front is beaten by another.
+#[test]
+fn a_front_is_a_front() {
+    let (_folder, file, out) = place(&format!("{SCENARIO}{SECOND_AIM}"));
+    let output = search(&file, &out, &["--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let designs = found["designs"].as_array().unwrap();
+    assert!(designs.len() >= 3, "{found:#}");
+    let of = |design: &serde_json::Value, name: &str| design["quantities"][name].as_f64().unwrap();
+    for pair in designs.windows(2) {
+        assert!(of(&pair[0], "gamut_percent_srgb") >= of(&pair[1], "gamut_percent_srgb") - 1e-4);
+        assert!(of(&pair[0], "white.Y") <= of(&pair[1], "white.Y") + 1e-6);
+    }
+    assert!(files(Path::new(&out)).contains_key("front-01.toml"));
+    assert!(files(Path::new(&out)).contains_key("front.svg"));
+}
+
+#[test]
+fn wrong_input_is_answered_and_writes_nothing() {
+    for (from, to, said) in [
+        ("[optimize]\nstarts = 3", "[optimise]\nstarts = 3", "did you mean `optimize`?"),
+        ("bounds = [3, 25]", "bounds = [25, 3]", "these are no bounds"),
+        ("at_least = 4", "at_leest = 4", "did you mean `at_least`?"),
+        ("contrast_ratio", "contrast_ration", "did you mean `contrast_ratio`?"),
+    ] {
+        let (_folder, file, out) = place(&SCENARIO.replace(from, to));
+        let output = papilio(&["optimize", &file, "--out", &out]);
+        assert_eq!(output.status.code(), Some(2), "{to}");
+        assert!(stderr(&output).contains(said), "{to}: {}", stderr(&output));
+        assert!(stderr(&output).contains("s.toml:"), "{to}: {}", stderr(&output));
+        assert!(!Path::new(&out).exists());
+    }
+}
+
+/// Limits that nothing meets are told.
+#[test]
+fn limits_that_nothing_meets_are_told() {
+    let (_folder, file, out) = place(&SCENARIO.replace("at_least = 4", "at_least = 400"));
+    let output = search(&file, &out, &[]);
+    assert!(stderr(&output).contains("no design was found that meets all limits"), "{}", stderr(&output));
+}
