@@ -25,6 +25,9 @@ const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 /// Long enough for some hundred thousand files of each format.
 const FUZZ_SECONDS: &str = "180";
 
+/// `PAPILIO_SEARCH_SEEDS` is read by validation's search for a better pixel: seeds, each held to a population.
+const SEARCH_VARIABLE: &str = "PAPILIO_SEARCH_SEEDS";
+
 /// `PAPILIO_LOAD_SECONDS` is read by the web app's test of fifty clients at once.
 const LOAD_VARIABLE: &str = "PAPILIO_LOAD_SECONDS";
 
@@ -43,6 +46,7 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
         .env(SEEDS_VARIABLE, seeds.to_string())
         .env(STACKS_VARIABLE, stacks.to_string())
         .env(FUZZ_VARIABLE, FUZZ_SECONDS)
+        .env(SEARCH_VARIABLE, "10")
         .env(LOAD_VARIABLE, LOAD_SECONDS);
     all_checks(tests, page::ALL)
 }
