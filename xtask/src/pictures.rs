@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file among the scenarios, the figures to keep, and what goes before their names.
 type Drawing = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const DRAWINGS: [Drawing; 6] = [
+const DRAWINGS: [Drawing; 8] = [
     (
         &["run"],
         "indoor.toml",
@@ -44,6 +44,8 @@ const DRAWINGS: [Drawing; 6] = [
         "measured-",
     ),
     (&["run"], "measured-h65.toml", &["reflectance_against_angle.svg"], "measured-"),
+    (&["optimize", "--no-check"], "optimize.toml", &["trace.svg"], "optimize-"),
+    (&["optimize", "--no-check"], "optimize-front.toml", &["front.svg"], "optimize-"),
 ];
 
 /// The chore.

@@ -14,6 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use papilio_design::search::{Chosen, Found, Record, Search, was_stopped};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_formats::write_file;
@@ -41,8 +42,14 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         .workers
         .threads
         .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let mut tell = |record: &Record, _: (usize, usize)| journal.add(record);
+    let bar = progress_bar();
+    let mut tell = |record: &Record, (done, of): (usize, usize)| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        journal.add(record)
+    };
     let found = search.run(&evaluator, threads, &kept, &mut tell);
+    bar.finish_and_clear();
     let found = found.map_err(|failure| match failure {
         Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
         other => other,
@@ -59,6 +66,15 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     };
     interrupt::whole(|| journal::finish(&folder, &head, &found))?;
     finish(arguments, &folder, &search, &found, &chosen, &checked)
+}
+
+/// Searches of a round that are done; on standard error, and only where that is a terminal.
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template("  {bar:30} {pos} of {len} searches  {elapsed}") {
+        bar.set_style(style);
+    }
+    bar
 }
 
 const INTERRUPTED: Failure = Failure::Interrupted("what is done is kept, the same command goes on from here");

@@ -8,6 +8,7 @@ pub(crate) mod display;
 pub(crate) mod environment;
 pub(crate) mod layers;
 pub(crate) mod lighting;
+#[allow(dead_code, reason = "limits of a production come with tolerances")]
 pub(crate) mod limits;
 pub(crate) mod measure;
 pub(crate) mod metrics;
