@@ -5,7 +5,8 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 const SCENARIO: &str = r#"
 title = "Bare"
@@ -134,6 +135,31 @@ fn a_search_that_was_killed_ends_as_if_it_was_not() {
             }
         }
     }
+}
+
+/// Ctrl-C: what is done is kept, nothing else is written, and the program says how to go on.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_is_kept() {
+    let text = SCENARIO.replace("starts = 3\nevaluations = 200", "starts = 5000\nevaluations = 1000000");
+    let (_folder, file, out) = place(&text);
+    let child = Command::new(env!("CARGO_BIN_EXE_papilio"))
+        .args(["optimize", &file, "--out", &out, "--threads", "1"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let journal = Path::new(&out).join("optimize.jsonl");
+    let lines = || fs::read(&journal).unwrap_or_default().iter().filter(|byte| **byte == b'\n').count();
+    while lines() < 3 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("the same command goes on from here"), "{}", stderr(&output));
+    assert_eq!(files(Path::new(&out)).into_keys().collect::<Vec<_>>(), ["optimize.jsonl"]);
 }
 
 /// No design of a front is beaten by another.

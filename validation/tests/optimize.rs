@@ -71,7 +71,7 @@ const BEST_GAMUT: f64 = 35.518;
 /// Seeds that a search is begun with: `PAPILIO_SEARCH_SEEDS`, and then a population of 100 times the evaluations is held to it, too.
 fn seeds() -> (u64, bool) {
     let seeds = std::env::var("PAPILIO_SEARCH_SEEDS").ok().and_then(|text| text.parse().ok());
-    (seeds.unwrap_or(2), seeds.is_some())
+    (seeds.unwrap_or(1), seeds.is_some())
 }
 
 /// For nine of ten seeds the search by derivatives is within .1 of the best that is known, and that a global method finds with a hundred
@@ -80,11 +80,12 @@ fn seeds() -> (u64, bool) {
 fn descents_find_what_populations_find() {
     let (seeds, by_population) = seeds();
     let (mut best, mut near) = (BEST_GAMUT, Vec::new());
-    for seed in 0..seeds {
+    for seed in 1..=seeds {
         let (_, found, chosen) = search(&[format!("optimize.seed={seed}")]);
         let evaluations: usize = found.iter().map(|one| one.evaluations).sum();
         near.push(worth(&chosen)[0]);
-        if by_population {
+        // A population takes as long as a hundred searches: two of them say what there is to find.
+        if by_population && seed <= 2 {
             let overrides = [
                 "optimize.method=global".to_owned(),
                 format!("optimize.seed={seed}"),

@@ -42,8 +42,11 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         .workers
         .threads
         .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let bar = progress_bar();
+    let (bar, mut new) = (progress_bar(), 0);
     let mut tell = |record: &Record, (done, of): (usize, usize)| {
+        if let Record::Found(found) = record {
+            new += found.evaluations;
+        }
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         journal.add(record)
@@ -57,7 +60,9 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let found = found.ok_or(INTERRUPTED)?;
     let chosen = stopped(search.chosen(&found, &mut evaluator))?;
     let seconds = started.elapsed().as_secs_f64();
-    say(&format!("{} designs were evaluated in {seconds:.2} s", report::evaluations(&found)));
+    let all = report::evaluations(&found);
+    let of_them = if new < all { format!(", {new} of them now,") } else { String::new() };
+    say(&format!("{all} designs were evaluated{of_them} in {seconds:.2} s"));
     let checked = match chosen.first() {
         Some(best) if !arguments.no_check => {
             check(&search, best, arguments.workers.threads)?.ok_or(INTERRUPTED)?

@@ -184,6 +184,32 @@ fn a_search_finds_something_better() {
     assert!((0.0..=120.0).contains(&best.design[0]) && (0.2..=0.6).contains(&best.design[2]));
 }
 
+/// What a pixel is made of, from its spectrum through the diffuser: the search finds the thicknesses again that made it.
+#[test]
+fn a_wanted_spectrum_is_found_again() {
+    let keys = ["display.pixel.film.0.thickness_nm", "display.pixel.film.1.thickness_nm"];
+    let mut evaluator = Evaluator::new(Arc::new(study(&keys, &["white.Y"])), &STOP);
+    let result = evaluator.run(&[70.0, 9.0], 0).unwrap();
+    let white = result.views[0].states.get("white").unwrap().value.reflectance_factor.clone().unwrap();
+    let pairs: Vec<String> =
+        result.wavelength_nm.iter().zip(&white).map(|(nm, value)| format!("[{nm}, {value}]")).collect();
+    let text = format!(
+        "[optimize]\nstarts = 2\nevaluations = 200\n\
+         [[optimize.variables]]\nkey = \"{}\"\nbounds = [20, 100]\n\
+         [[optimize.variables]]\nkey = \"{}\"\nbounds = [5, 20]\n\
+         [[optimize.objectives]]\nstate = \"white\"\nspectrum = [{}]\n",
+        keys[0],
+        keys[1],
+        pairs.join(", ")
+    );
+    let (search, mut evaluator) = search(&text);
+    let (found, _) = run(&search, &evaluator, 1, &Kept::default());
+    let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
+    for (found, made) in best.design.iter().zip([70.0, 9.0]) {
+        assert!((found - made).abs() < 0.05, "{best:?}");
+    }
+}
+
 #[test]
 fn a_front_holds_what_nothing_beats() {
     let second = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";

@@ -18,7 +18,7 @@ mod starts;
 pub use aims::{Aims, FEASIBLE};
 pub use front::front;
 pub use outcome::Chosen;
-pub use run::{Batch, Found, Kept, Record, was_stopped};
+pub use run::{Batch, Found, Kept, Record, Tell, was_stopped};
 
 use std::sync::Arc;
 

@@ -99,9 +99,12 @@ impl Found {
     }
 }
 
+/// Who is told of every new record, and of how many tasks of its round are done, of how many.
+pub type Tell<'a, E> = dyn FnMut(&Record, (usize, usize)) -> Result<(), E> + 'a;
+
 impl Search {
-    /// Runs the search, or what is left of it, on so many threads. `tell` gets every new record, the tasks of a round in any order,
-    /// and with it how many tasks of the round are done, of how many; an error from it ends the search. All that was found, by task;
+    /// Runs the search, or what is left of it, on so many threads. `tell` gets every new record, the tasks of a round in any order;
+    /// an error from it ends the search. All that was found, by task;
     /// `None` if the search was stopped.
     ///
     /// # Errors
@@ -111,7 +114,7 @@ impl Search {
         evaluator: &Evaluator<'_>,
         threads: usize,
         kept: &Kept,
-        tell: &mut dyn FnMut(&Record, (usize, usize)) -> Result<(), E>,
+        tell: &mut Tell<'_, E>,
     ) -> Result<Option<Vec<Found>>, E> {
         let mut found: Vec<Found> = Vec::new();
         for round in 0.. {
@@ -133,7 +136,7 @@ impl Search {
         evaluator: &Evaluator<'_>,
         threads: usize,
         kept: &Kept,
-        tell: &mut dyn FnMut(&Record, (usize, usize)) -> Result<(), E>,
+        tell: &mut Tell<'_, E>,
     ) -> Result<Option<Vec<Found>>, E> {
         let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
         let (sender, receiver) = mpsc::channel::<Result<Record, DesignError>>();
