@@ -8,6 +8,7 @@ A scenario goes in; spectra, colours and metrics with their errors come out::
     result["gamut_percent_srgb"]
 
 - `run` computes a scenario, `cone` what is seen from every direction, `Prepared` thousands of designs;
+- `optimize` searches for better designs;
 - `Scenario` reads, builds and edits scenarios;
 - `cluster` computes designs by the million, on many machines;
 - `films`, `colour` and `diffuser` are the parts by themselves, on arrays.
@@ -30,6 +31,7 @@ from .errors import (
     ScenarioError,
 )
 from .figure import Figure
+from .optimum import Optimum, optimize
 from .prepared import Prepared, metric_names
 from .result import Result
 from .running import run
@@ -44,6 +46,7 @@ __all__ = [
     "Figure",
     "FileError",
     "Mistake",
+    "Optimum",
     "PapilioError",
     "Prepared",
     "Result",
@@ -56,6 +59,7 @@ __all__ = [
     "diffuser",
     "films",
     "metric_names",
+    "optimize",
     "plot",
     "preset_names",
     "run",

@@ -29,6 +29,7 @@ __all__ = [
     "material_names",
     "metric_names",
     "new_scenario",
+    "optimise",
     "png",
     "preset_names",
     "schema",
@@ -101,6 +102,13 @@ class Batch:
         threads: int,
         progress: Callable[[dict[str, Any]], object] | None = None,
     ) -> NDArray[np.float64]: ...
+    def derivatives(
+        self,
+        designs: NDArray[np.float64],
+        count: int,
+        threads: int,
+        progress: Callable[[dict[str, Any]], object] | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
 @final
 class Cone:
@@ -156,6 +164,14 @@ def uv_prime(colours: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def xyz(grid: tuple[float, float, float], observer: str, spectra: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def edit(text: str, edits: str) -> str: ...
 def new_scenario(preset: str) -> str: ...
+def optimise(
+    text: str,
+    name: str,
+    folder: str,
+    files: Mapping[str, bytes] | None,
+    threads: int,
+    progress: Callable[[dict[str, Any]], object] | None = None,
+) -> str: ...
 def preset_names() -> list[str]: ...
 def schema(of_result: bool) -> str: ...
 def png(svg: str, scale: float) -> bytes: ...

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,8 @@ from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
 
 __all__ = ["Prepared", "metric_names"]
+
+_Answer = TypeVar("_Answer")
 
 #: One key of a scenario, or several that move alike.
 Keys = str | tuple[str, ...]
@@ -92,23 +94,51 @@ class Prepared:
             DesignError: names the first design that cannot be, and why.
             KeyboardInterrupt: on Ctrl-C, within about a second.
         """
+        call = self._call(variables, metrics, view, threads, progress)
+        return call.array(call.answer(call.batch.evaluate))
+
+    def derivatives(
+        self,
+        variables: Mapping[Keys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: int = 0,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Metrics of many designs and their slopes: shapes [designs..., metric] and [designs..., metric, variable].
+
+        A slope is that of the metric by the variable (for several keys: by their common value), in its own unit; NaN
+        where it is not defined, 0 by words. Slopes by numbers of a film pixel are exact, others central differences.
+
+        Arguments and errors are those of `evaluate`.
+        """
+        call = self._call(variables, metrics, view, threads, progress)
+        values, slopes = call.answer(call.batch.derivatives)
+        return call.array(values), call.array(slopes, len(variables))
+
+    def _call(
+        self,
+        variables: Mapping[Keys, ArrayLike],
+        metrics: Sequence[str],
+        view: int,
+        threads: int | None,
+        progress: Progress | None,
+    ) -> _Call:
+        """The checked arguments of a call."""
         asked = checked_metrics(metrics)
         arrays, choices = _split(variables)
         shape = _arguments.common_shape(arrays) if arrays else ()
-        view = whole("view", view, 0, 4999)
+        at = whole("view", view, 0, 4999)
         designs = np.stack([np.broadcast_to(array, shape) for array in arrays.values()], axis=-1) if arrays else np.zeros((1, 0))
-        batch = self._batch([_keys(keys) for keys in variables], choices, asked, view)
-        try:
-            flat = batch.evaluate(
-                np.ascontiguousarray(designs).reshape(-1),
-                int(np.prod(shape, dtype=np.int64)),
-                checked_threads(threads) or os.cpu_count() or 1,
-                checked_progress(progress),
-            )
-        except DesignError as error:
-            at = tuple(int(i) for i in np.unravel_index(error.design, shape)) if shape else ()
-            raise DesignError(error.args[0], at) from None
-        return flat.reshape(*shape, len(asked))
+        return _Call(
+            self._batch([_keys(keys) for keys in variables], choices, asked, at),
+            np.ascontiguousarray(designs).reshape(-1),
+            shape,
+            len(asked),
+            checked_threads(threads) or os.cpu_count() or 1,
+            checked_progress(progress),
+        )
 
     def _batch(
         self, keys: list[tuple[str, ...]], choices: list[list[Any] | None], metrics: list[str], view: int
@@ -130,6 +160,30 @@ class Prepared:
 
     def __repr__(self) -> str:
         return f"<papilio.Prepared {self._scenario.name!r}>"
+
+
+class _Call(NamedTuple):
+    """A question about many designs, checked."""
+
+    batch: _papilio.Batch
+    designs: NDArray[np.float64]
+    shape: tuple[int, ...]
+    metrics: int
+    threads: int
+    progress: Progress | None
+
+    def answer(self, of: Callable[[NDArray[np.float64], int, int, Progress | None], _Answer]) -> _Answer:
+        """What the batch says; a design that cannot be is named by its place in the arrays."""
+        try:
+            return of(self.designs, int(np.prod(self.shape, dtype=np.int64)), self.threads, self.progress)
+        except DesignError as error:
+            flat = error.design if isinstance(error.design, int) else 0
+            at = tuple(int(i) for i in np.unravel_index(flat, self.shape)) if self.shape else ()
+            raise DesignError(error.args[0], at) from None
+
+    def array(self, flat: NDArray[np.float64], *inner: int) -> NDArray[np.float64]:
+        """Numbers of every design and metric."""
+        return flat.reshape(*self.shape, self.metrics, *inner)
 
 
 def checked_metrics(metrics: Sequence[str]) -> list[str]:

@@ -14,7 +14,8 @@ from .scenario import Scenario, read
 
 __all__ = ["Progress", "run"]
 
-#: What a ``progress`` function is given: views_done, views, relative_error, target and paths.
+#: What a ``progress`` function is given: of a run views_done, views, relative_error, target and paths; of designs and
+#: searches done and of.
 Progress = Callable[[dict[str, Any]], object]
 
 _MOST_THREADS = 65535

@@ -2,29 +2,24 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyReadonlyArray1};
-use papilio_design::{Condition, DesignError, Evaluator, Key, Named, Quantity, Study, Values, Variable};
+use papilio_design::{Condition, Key, Named, Quantity, Study, Values, Variable};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
-use papilio_display::{Control, DisplayError};
 use papilio_scenario::Varied;
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::errors;
+use crate::pool::Pool;
 use crate::scenario::{Resolved, library};
-use crate::watch::watched;
 
 /// A display, its keys that vary, and what is asked of each design.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Batch {
-    study: Arc<Study>,
-    stop: &'static AtomicBool,
-    /// One for each thread that there was so far.
-    kept: Mutex<Vec<Evaluator<'static>>>,
+    variables: usize,
+    pool: Pool,
 }
 
 #[pymethods]
@@ -66,9 +61,7 @@ impl Batch {
             variables: variables.collect::<PyResult<_>>()?,
             quantities: quantities.collect::<PyResult<_>>()?,
         };
-        // One byte for each batch that a script makes.
-        let stop = Box::leak(Box::new(AtomicBool::new(false)));
-        Ok(Self { study: Arc::new(study), stop, kept: Mutex::new(Vec::new()) })
+        Ok(Self { variables: study.variables.len(), pool: Pool::new(Arc::new(study)) })
     }
 
     /// The metrics of designs, which are rows of one number for each variable; rows, flat. NaN where undefined.
@@ -81,81 +74,56 @@ impl Batch {
         threads: usize,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let designs = designs.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
-        let variables = self.study.variables.len();
-        if count.checked_mul(variables) != Some(designs.len()) {
-            return Err(errors::internal("rows of designs are not whole"));
-        }
-        let threads = threads.clamp(1, count.max(1));
-        let rows: Vec<&[f64]> = (0..count).map(|at| &designs[at * variables..][..variables]).collect();
-        let outcome = watched(py, Some(threads), progress.as_ref(), |control| {
-            let mut kept = self.kept.lock().ok()?;
-            self.stop.store(false, Ordering::Relaxed);
-            while kept.len() < threads {
-                let another = kept.first().map(Evaluator::worker);
-                kept.push(another.unwrap_or_else(|| Evaluator::new(Arc::clone(&self.study), self.stop)));
-            }
-            Some(each(&mut kept[..threads], &rows, control))
+        let rows = Rows::new(&designs, count, self.variables)?;
+        let found = self
+            .pool
+            .each(py, count, threads, progress.as_ref(), |evaluator, at| evaluator.evaluate(rows.row(at)))?;
+        Ok(PyArray1::from_iter(py, numbers(found)))
+    }
+
+    /// The same, and behind them the slopes: of every design for each metric one for each variable. NaN where undefined.
+    #[pyo3(signature = (designs, count, threads, progress=None))]
+    #[allow(clippy::type_complexity, reason = "two arrays")]
+    fn derivatives<'py>(
+        &self,
+        py: Python<'py>,
+        designs: PyReadonlyArray1<'py, f64>,
+        count: usize,
+        threads: usize,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let rows = Rows::new(&designs, count, self.variables)?;
+        let found = self.pool.each(py, count, threads, progress.as_ref(), |evaluator, at| {
+            evaluator.derivatives(rows.row(at)).map(|slopes| (slopes.values, slopes.slopes))
         })?;
-        let Some(outcome) = outcome else {
-            return Err(errors::internal("this display was left half done by an earlier fault"));
-        };
-        let rows = outcome.map_err(|(design, error)| failed(py, design, &error))?;
-        let numbers = rows.into_iter().flatten().map(|value| value.unwrap_or(f64::NAN));
-        Ok(PyArray1::from_iter(py, numbers))
+        let (values, slopes): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let slopes = slopes.into_iter().flatten();
+        Ok((PyArray1::from_iter(py, numbers(values)), PyArray1::from_iter(py, slopes)))
     }
 }
 
-/// A design's answers.
-type Row = Vec<Option<f64>>;
+/// Designs, flat.
+struct Rows<'a> {
+    all: &'a [f64],
+    length: usize,
+}
 
-/// Designs that a thread takes at once.
-const BLOCK: usize = 8;
-
-/// Every design by one of the evaluators; if some cannot be, the first of them and why.
-fn each(
-    evaluators: &mut [Evaluator<'static>],
-    rows: &[&[f64]],
-    control: &Control<'_>,
-) -> Result<Vec<Row>, (usize, DesignError)> {
-    // Blocks are handed out in order, and all before the first failure are finished: which is the first does not depend on threads.
-    let (next, limit) = (AtomicUsize::new(0), AtomicUsize::new(rows.len()));
-    let (done, failed) = (Mutex::new(vec![Vec::new(); rows.len()]), Mutex::new(None));
-    let one = |evaluator: &mut Evaluator<'static>| loop {
-        let start = next.fetch_add(BLOCK, Ordering::Relaxed);
-        for (design, x) in rows.iter().enumerate().skip(start).take(BLOCK) {
-            if design >= limit.load(Ordering::Relaxed) || control.stop.load(Ordering::Relaxed) {
-                return;
-            }
-            match evaluator.evaluate(x) {
-                Ok(row) => {
-                    if let Ok(mut done) = done.lock() {
-                        done[design] = row;
-                    }
-                }
-                Err(error) => {
-                    if limit.fetch_min(design, Ordering::Relaxed) > design
-                        && let Ok(mut failed) = failed.lock()
-                    {
-                        *failed = Some((design, error));
-                    }
-                }
-            }
+impl<'a> Rows<'a> {
+    fn new(all: &'a PyReadonlyArray1<'_, f64>, count: usize, length: usize) -> PyResult<Self> {
+        let all = all.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
+        if count.checked_mul(length) != Some(all.len()) {
+            return Err(errors::internal("rows of designs are not whole"));
         }
-        if start >= rows.len() {
-            return;
-        }
-    };
-    match evaluators {
-        [alone] => one(alone),
-        several => std::thread::scope(|scope| {
-            several.iter_mut().for_each(|evaluator| {
-                scope.spawn(|| one(evaluator));
-            });
-        }),
+        Ok(Self { all, length })
     }
-    let done = done.into_inner().unwrap_or_default();
-    failed.into_inner().ok().flatten().map_or(Ok(done), Err)
+
+    fn row(&self, at: usize) -> &[f64] {
+        &self.all[at * self.length..][..self.length]
+    }
+}
+
+fn numbers(rows: Vec<Vec<Option<f64>>>) -> impl Iterator<Item = f64> {
+    rows.into_iter().flatten().map(|value| value.unwrap_or(f64::NAN))
 }
 
 /// A metric by its name, of a state by both: "white.Y"; or why a display like this one has none.
@@ -185,12 +153,4 @@ pub(crate) fn metric_names() -> Vec<String> {
         false => format!("white.{}", metric.name()),
     };
     Metric::ALL.iter().map(name).collect()
-}
-
-/// The number of the design goes first.
-fn failed(py: Python<'_>, design: usize, error: &DesignError) -> PyErr {
-    match error {
-        DesignError::Display(DisplayError::Interrupted) => PyKeyboardInterrupt::new_err(()),
-        error => errors::design(py, design, &error.to_string()),
-    }
 }

@@ -1,5 +1,7 @@
 //! What is seen from every direction.
 
+use std::sync::atomic::AtomicBool;
+
 use numpy::PyArray1;
 use papilio_display::{ConeGrid, ConeResult, ConeState, ConeView, DisplayError};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -48,13 +50,13 @@ impl Cone {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let scene = &scenario.of.scene;
-        let found = watched(py, threads.map(usize::from), progress.as_ref(), |control| {
+        let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
             let within = ConeGrid::within(scene)?;
             let grid = ConeGrid {
                 theta_deg: theta_deg.unwrap_or(within.theta_deg),
                 phi_deg: phi_deg.unwrap_or(within.phi_deg),
             };
-            papilio_display::cone(scene, grid, control)
+            watch.run(threads.map(usize::from), |control| papilio_display::cone(scene, grid, control))
         })?;
         match found {
             Ok(of) => Ok(Self { of }),

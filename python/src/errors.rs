@@ -1,5 +1,6 @@
 //! Mistakes as the exceptions that `papilio/errors.py` declares, with their texts and places.
 
+use papilio_design::DesignError;
 use papilio_display::DisplayError;
 use papilio_formats::{FormatError, Place};
 use papilio_scenario::ScenarioErrors;
@@ -46,6 +47,15 @@ pub(crate) fn argument(py: Python<'_>, text: &str) -> PyErr {
 pub(crate) fn design(py: Python<'_>, design: usize, why: &str) -> PyErr {
     let made = || py.import(MODULE)?.getattr("DesignError")?.call1((why, design));
     made().map_or_else(|error| error, PyErr::from_value)
+}
+
+/// Why a search could not be.
+pub(crate) fn search(py: Python<'_>, error: &DesignError) -> PyErr {
+    match error {
+        DesignError::Scenario(errors) => scenario(py, errors),
+        DesignError::Display(error) => display(py, error),
+        error => argument(py, &format!("scenario: {error}")),
+    }
 }
 
 /// A fault of this program.

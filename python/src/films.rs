@@ -1,13 +1,14 @@
 //! Coherent films, one stack at each point of arrays that numpy has broadcast together.
 
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use numpy::{Complex64, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
 use papilio_formats::{DataFile, read_index};
 use papilio_optics::OpticsError;
 use papilio_optics::film::{Film, Layer, Polarisation, coherent};
 use papilio_spectra::{SpectraError, material};
 use pyo3::prelude::*;
-use std::path::PathBuf;
-use std::sync::atomic::Ordering;
 
 use crate::errors;
 use crate::watch::watched;
@@ -45,13 +46,13 @@ pub(crate) fn film<'py>(
     if !alike || !layers.iter().all(|(index, nm)| index.shape() == shape && nm.shape() == shape) {
         return Err(errors::internal("arrays of films are not alike"));
     }
-    let all = watched(py, None, None, |control| {
+    let all = watched(py, &AtomicBool::new(false), None, |watch| {
         let (mut reflectances, mut transmittances) = (Vec::new(), Vec::new());
         let mut inside: Vec<_> = layers.iter().map(|(index, nm)| index.iter().zip(nm.iter())).collect();
         let points = wavelength_nm.iter().zip(beta.iter()).zip(incidence.iter().zip(substrate.iter()));
         let mut film = Film { incidence: 1.0, layers: Vec::new(), substrate: Complex64::ONE };
         for (at, ((nm, beta), (incidence, substrate))) in points.enumerate() {
-            if at % BLOCK == 0 && control.stop.load(Ordering::Relaxed) {
+            if at % BLOCK == 0 && watch.stop.load(Ordering::Relaxed) {
                 break;
             }
             film.layers.clear();

@@ -13,7 +13,9 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
+mod optimise;
 mod plot;
+mod pool;
 mod result;
 mod run;
 mod scenario;
@@ -40,6 +42,8 @@ mod _papilio {
     use crate::figures::png;
     #[pymodule_export]
     use crate::films::{film, material_index, material_names};
+    #[pymodule_export]
+    use crate::optimise::optimise;
     #[pymodule_export]
     use crate::plot::{curves, map};
     #[pymodule_export]

@@ -1,5 +1,6 @@
 //! Runs, and displays that are kept for more of them.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 use papilio_display::DisplayError;
@@ -34,9 +35,9 @@ impl Prepared {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<RunResult> {
         let of = &scenario.of;
-        let outcome = watched(py, threads.map(usize::from), progress.as_ref(), |control| {
+        let outcome = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
             let mut kept = self.kept.lock().ok()?;
-            Some(kept.run(&of.scene, control))
+            Some(watch.run(threads.map(usize::from), |control| kept.run(&of.scene, control)))
         })?;
         match outcome {
             Some(Ok(result)) => Ok(RunResult::new(result, Arc::clone(of))),

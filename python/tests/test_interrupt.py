@@ -53,20 +53,29 @@ def test_progress_is_told_and_may_end_the_run(scenarios):
 
 
 def test_the_interpreter_runs_meanwhile(scenarios):
-    """A thread of Python's counts while a walk is computed."""
-    counted, ended = [0], threading.Event()
+    """A thread of Python's counts while a walk without end is computed."""
+
+    class Counted(Exception):
+        pass
+
+    counted, ended, begun = [0], threading.Event(), time.monotonic()
 
     def count():
         while not ended.is_set():
             counted[0] += 1
             time.sleep(0.001)
 
+    def look(_):
+        if counted[0] >= 20:
+            raise Counted
+        assert time.monotonic() - begun < 60
+
     counter = threading.Thread(target=count)
     counter.start()
-    papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 1e-4})
+    with pytest.raises(Counted):
+        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 1e-6}, progress=look)
     ended.set()
     counter.join()
-    assert counted[0] > 10
 
 
 def test_one_prepared_display_in_several_threads(scenarios):

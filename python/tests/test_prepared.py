@@ -41,6 +41,27 @@ def test_threads_change_no_number(prepared):
     assert one.tobytes() == three.tobytes()
 
 
+def test_slopes_are_those_of_differences(prepared):
+    d, gap, step = np.array([45.0, 55.9]), np.array([[260.0], [290.0]]), 1e-3
+    values, slopes = prepared.derivatives({LAYER: d, RED: gap}, METRICS)
+    assert values.shape == (2, 2, 3) and slopes.shape == (2, 2, 3, 2)
+    assert values.tobytes() == prepared.evaluate({LAYER: d, RED: gap}, METRICS).tobytes()
+    by_layer = differences(lambda h: prepared.evaluate({LAYER: d + h, RED: gap}, METRICS), step)
+    by_gap = differences(lambda h: prepared.evaluate({LAYER: d, RED: gap + h}, METRICS), step)
+    np.testing.assert_allclose(slopes, np.stack([by_layer, by_gap], axis=-1), rtol=1e-6, atol=1e-9)
+
+
+def differences(of, step):
+    """Central, of fourth order."""
+    return (8 * (of(step) - of(-step)) - (of(2 * step) - of(-2 * step))) / (12 * step)
+
+
+def test_progress_counts_designs(prepared):
+    told = []
+    prepared.evaluate({LAYER: np.linspace(40, 60, 200)}, METRICS, progress=told.append)
+    assert all(set(one) == {"done", "of"} and one["of"] == 200 for one in told)
+
+
 def test_keys_that_move_alike_and_words(prepared):
     both = prepared.evaluate({(RED, "display.pixel.gap_nm.green"): [200.0]}, METRICS)
     apart = prepared.evaluate({RED: [200.0], "display.pixel.gap_nm.green": [200.0]}, METRICS)

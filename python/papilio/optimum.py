@@ -1,0 +1,117 @@
+"""The search for better designs that a scenario's ``[optimize]`` describes."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _papilio
+from .errors import ArgumentError
+from .running import Progress, checked_progress, checked_threads, with_solver
+from .scenario import Scenario, read
+
+__all__ = ["Design", "Optimum", "optimize"]
+
+
+class Design(NamedTuple):
+    """A design, and what it is worth."""
+
+    #: The value of every key that it sets.
+    values: dict[str, Any]
+    #: What was asked of it, by name; NaN where it is not defined.
+    metrics: dict[str, float]
+    #: Whether it meets all limits.
+    meets_limits: bool = True
+
+
+class Optimum:
+    """What a search found: the best design, or the front of several objectives. A notebook shows a table."""
+
+    def __init__(self, scenario: Scenario, said: Mapping[str, Any]) -> None:
+        self._scenario = scenario
+        self._quantities: list[str] = list(said["quantities"])
+        #: The scenario's own design.
+        self.own = self._design(said["own"])
+        #: The designs that are handed on: one, or those of the front from one end to the other.
+        self.designs = [self._design(one) for one in said["chosen"]]
+        #: How many designs were evaluated.
+        self.evaluations = int(said["evaluations"])
+
+    def _design(self, said: Mapping[str, Any]) -> Design:
+        values = [float("nan") if value is None else float(value) for value in said["values"]]
+        return Design(dict(said["set"]), dict(zip(self._quantities, values, strict=True)), said.get("meets_limits", True))
+
+    @property
+    def best(self) -> Design:
+        """The best design; of a front its first end.
+
+        Raises:
+            ValueError: if no design could be evaluated.
+        """
+        if not self.designs:
+            raise ArgumentError("scenario: no design could be evaluated: what is asked is not defined anywhere")
+        return self.designs[0]
+
+    def scenario(self, design: int = 0) -> Scenario:
+        """The scenario with one of the `designs`."""
+        if isinstance(design, bool) or not isinstance(design, int) or not 0 <= design < len(self.designs):
+            raise ArgumentError(f"design: expected 0 to {len(self.designs) - 1}, not {design!r}")
+        return self._scenario.with_values(self.designs[design].values)
+
+    def front(self) -> NDArray[np.float64]:
+        """What was asked, of all `designs`, shape [design, quantity]; the names are those of ``best.metrics``."""
+        rows = [list(design.metrics.values()) for design in self.designs]
+        return np.array(rows, dtype=np.float64).reshape(len(rows), len(self._quantities))
+
+    def __repr__(self) -> str:
+        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated>"
+
+    def _repr_html_(self) -> str:
+        titles = ["", *self.own.values, *self._quantities]
+        head = "".join(f"<th>{html.escape(title)}</th>" for title in titles)
+        named = [("scenario", self.own), *((str(i), design) for i, design in enumerate(self.designs))]
+        rows = ""
+        for name, design in named:
+            cells = [*design.values.values(), *design.metrics.values()]
+            shown = "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in cells)
+            rows += f"<tr><th>{name}</th>{shown}</tr>"
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def optimize(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Searches for the designs that a scenario's ``[optimize]`` asks for: what ``papilio optimize`` does.
+
+    Args:
+        scenario: a `Scenario`, or the path of one, with ``[optimize]``.
+        set: values put in before, ``{path: value}``, those of ``[optimize]`` included (``"optimize.seed": 1``).
+        threads: how many; None: one for each processor. They change no number.
+        progress: called a few times a second.
+
+    Raises:
+        ScenarioError: with the place of what is wrong.
+        KeyboardInterrupt: on Ctrl-C. (``papilio optimize`` goes on from where it was ended; this begins anew.)
+    """
+    changed = read(scenario, with_solver(set))
+    text, name, folder, files = changed._state()
+    workers = checked_threads(threads) or os.cpu_count() or 1
+    found = _papilio.optimise(text, name, folder, files, workers, checked_progress(progress))
+    return Optimum(changed, json.loads(found))
+
+
+def _shown(cell: object) -> str:
+    if isinstance(cell, float):
+        return "" if np.isnan(cell) else f"{cell:.5g}"
+    return str(cell)

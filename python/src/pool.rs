@@ -1,0 +1,118 @@
+//! Evaluators on several threads, kept from call to call.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use papilio_design::{DesignError, Evaluator, Study};
+use papilio_display::DisplayError;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+use crate::errors;
+use crate::watch::{Told, Watch, watched};
+
+/// Items that a thread takes at once.
+const BLOCK: usize = 8;
+
+/// The evaluators of a study: one for each thread that there was so far.
+pub(crate) struct Pool {
+    study: Arc<Study>,
+    stop: &'static AtomicBool,
+    kept: Mutex<Vec<Evaluator<'static>>>,
+}
+
+impl Pool {
+    pub(crate) fn new(study: Arc<Study>) -> Self {
+        // One byte for each study that a script makes.
+        let stop = Box::leak(Box::new(AtomicBool::new(false)));
+        Self { study, stop, kept: Mutex::new(Vec::new()) }
+    }
+
+    /// `of` every number below `count`, in order.
+    ///
+    /// # Errors
+    /// `DesignError` with the smallest number that fails, whatever the number of threads.
+    pub(crate) fn each<T: Send>(
+        &self,
+        py: Python<'_>,
+        count: usize,
+        threads: usize,
+        progress: Option<&Bound<'_, PyAny>>,
+        of: impl Fn(&mut Evaluator<'static>, usize) -> Result<T, DesignError> + Sync,
+    ) -> PyResult<Vec<T>> {
+        let outcome = watched(py, self.stop, progress, |watch| {
+            let mut kept = self.kept.lock().ok()?;
+            self.stop.store(false, Ordering::Relaxed);
+            let threads = threads.clamp(1, count.max(1));
+            while kept.len() < threads {
+                let another = kept.first().map(Evaluator::worker);
+                kept.push(another.unwrap_or_else(|| Evaluator::new(Arc::clone(&self.study), self.stop)));
+            }
+            Some(each(&mut kept[..threads], count, watch, &of))
+        })?;
+        let Some(outcome) = outcome else {
+            return Err(errors::internal("this display was left half done by an earlier fault"));
+        };
+        let done = outcome.map_err(|(at, error)| failed(py, at, &error))?;
+        // Only a stopped one is not done, and that has been raised.
+        done.into_iter().collect::<Option<_>>().ok_or_else(|| PyKeyboardInterrupt::new_err(()))
+    }
+}
+
+/// Every item by one of the evaluators; if some cannot be, the first of them and why.
+fn each<T: Send>(
+    evaluators: &mut [Evaluator<'static>],
+    count: usize,
+    watch: &Watch<'_>,
+    of: &(impl Fn(&mut Evaluator<'static>, usize) -> Result<T, DesignError> + Sync),
+) -> Result<Vec<Option<T>>, (usize, DesignError)> {
+    // Blocks are handed out in order, and all before the first failure are finished: which is the first does not depend on threads.
+    let [next, finished] = [0, 0].map(AtomicUsize::new);
+    let limit = AtomicUsize::new(count);
+    let (done, failed) = (Mutex::new((0..count).map(|_| None).collect::<Vec<_>>()), Mutex::new(None));
+    let one = |evaluator: &mut Evaluator<'static>| loop {
+        let start = next.fetch_add(BLOCK, Ordering::Relaxed);
+        if start >= count {
+            return;
+        }
+        for at in start..count.min(start + BLOCK) {
+            if at >= limit.load(Ordering::Relaxed) || watch.stop.load(Ordering::Relaxed) {
+                return;
+            }
+            let outcome = of(evaluator, at);
+            watch.tell(Told::Done(finished.fetch_add(1, Ordering::Relaxed) + 1, count));
+            match outcome {
+                Ok(found) => drop(done.lock().map(|mut done| done[at] = Some(found))),
+                Err(error) if limit.fetch_min(at, Ordering::Relaxed) > at => {
+                    drop(failed.lock().map(|mut failed| keep_first(&mut failed, at, error)));
+                }
+                Err(_) => {}
+            }
+        }
+    };
+    match evaluators {
+        [alone] => one(alone),
+        several => std::thread::scope(|scope| {
+            several.iter_mut().for_each(|evaluator| {
+                scope.spawn(|| one(evaluator));
+            });
+        }),
+    }
+    let done = done.into_inner().unwrap_or_default();
+    failed.into_inner().ok().flatten().map_or(Ok(done), Err)
+}
+
+/// Two threads may fail at once: the smaller number counts.
+fn keep_first(failed: &mut Option<(usize, DesignError)>, at: usize, error: DesignError) {
+    if failed.as_ref().is_none_or(|(first, _)| at < *first) {
+        *failed = Some((at, error));
+    }
+}
+
+/// The number of the design goes first.
+fn failed(py: Python<'_>, design: usize, error: &DesignError) -> PyErr {
+    match error {
+        DesignError::Display(DisplayError::Interrupted) => PyKeyboardInterrupt::new_err(()),
+        error => errors::design(py, design, &error.to_string()),
+    }
+}

@@ -1,0 +1,81 @@
+"""Searches from Python: what the program finds."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import papilio
+from papilio import ArgumentError, Scenario, ScenarioError
+
+SEARCH = """
+[optimize]
+starts = 2
+evaluations = 60
+
+[[optimize.variables]]
+key = "display.pixel.film.2.thickness_nm"
+bounds = [20, 60]
+[[optimize.variables]]
+key = "display.pixel.film.3.thickness_nm"
+bounds = [5, 20]
+
+[[optimize.objectives]]
+metric = "gamut_percent_srgb"
+aim = "maximise"
+
+[[optimize.constraints]]
+metric = "white.Y"
+at_least = 0.55
+"""
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    from conftest import ROOT
+
+    text = (ROOT / "scenarios" / "indoor.toml").read_text() + SEARCH
+    return Scenario(text, name="search.toml", folder=ROOT / "scenarios")
+
+
+@pytest.fixture(scope="module")
+def found(scenario):
+    return papilio.optimize(scenario)
+
+
+def test_the_best_design_is_better_and_meets_its_limit(scenario, found):
+    best = found.best
+    assert best.meets_limits and best.metrics["white.Y"] >= 0.55 - 1e-6
+    assert best.metrics["gamut_percent_srgb"] > found.own.metrics["gamut_percent_srgb"]
+    assert list(best.values) == ["display.pixel.film.2.thickness_nm", "display.pixel.film.3.thickness_nm"]
+    result = papilio.run(found.scenario())
+    assert result["gamut_percent_srgb"][0] == best.metrics["gamut_percent_srgb"]
+    assert found.front().shape == (1, 2)
+    assert "<table>" in found._repr_html_()
+
+
+def test_it_is_what_the_program_finds(scenario, found, program, tmp_path):
+    path = tmp_path / "search.toml"
+    path.write_text(scenario.to_toml())
+    done = subprocess.run([program, "optimize", path, "--out", tmp_path / "out", "--no-check"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    best = papilio.Scenario.load(tmp_path / "out" / "best.toml")
+    for key, value in found.best.values.items():
+        assert best[key] == value
+
+
+def test_threads_change_nothing(scenario, found):
+    again = papilio.optimize(scenario, threads=3)
+    assert again.best == found.best and np.array_equal(again.front(), found.front())
+
+
+def test_mistakes_have_their_places(scenario, found):
+    with pytest.raises(ScenarioError) as error:
+        papilio.optimize(scenario, set={"optimize.variables.0.bounds": [60, 20]})
+    assert error.value.file == "search.toml" and error.value.line is not None
+    with pytest.raises(ScenarioError):
+        papilio.optimize(Scenario.new("indoor"))
+    with pytest.raises(ArgumentError, match="^design:"):
+        found.scenario(1)
+    with pytest.raises(ArgumentError, match="^threads:"):
+        papilio.optimize(scenario, threads=0)
