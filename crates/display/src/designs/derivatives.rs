@@ -43,6 +43,9 @@ impl Designs {
         film: &FilmPixel,
         parameters: &[Parameter],
     ) -> Result<Derivatives, DisplayError> {
+        if parameters.is_empty() {
+            return Ok(Derivatives { values: self.evaluate(film)?, gradients: Vec::new() });
+        }
         let mixture = self.take(film, Mixture::by_owner)?;
         let changes: Result<Vec<Change>, _> =
             parameters.iter().map(|parameter| parameter.change(film, &mixture)).collect();
@@ -54,7 +57,7 @@ impl Designs {
         for view in 0..setup.views.len() {
             let asked: Vec<usize> =
                 (0..values.len()).filter(|k| self.quantities[*k].view() == view).collect();
-            if asked.is_empty() || parameters.is_empty() {
+            if asked.is_empty() {
                 continue;
             }
             let seen = self.look(&meter, view)?;
@@ -67,7 +70,10 @@ impl Designs {
                     by_seen.extend(one);
                 }
             }
-            let found = self.pull_back(view, &by_seen, &tangents);
+            if numbers.is_empty() {
+                continue;
+            }
+            let found = self.pull_back(view, (&by_seen, numbers.len()), &tangents)?;
             for (k, found) in numbers.into_iter().zip(found.chunks_exact(parameters.len())) {
                 gradients[k * parameters.len()..][..parameters.len()].copy_from_slice(found);
             }
@@ -75,39 +81,55 @@ impl Designs {
         Ok(Derivatives { values, gradients })
     }
 
-    /// `[number][parameter]`, of numbers that change so with what is seen.
-    fn pull_back(&mut self, view: usize, by_seen: &[f64], tangents: &Tangents) -> Vec<f64> {
+    /// `[number][parameter]`, of so many numbers that change so with what is seen.
+    fn pull_back(
+        &mut self,
+        view: usize,
+        (by_seen, numbers): (&[f64], usize),
+        tangents: &Tangents<'_>,
+    ) -> Result<Vec<f64>, DisplayError> {
         let (setup, stack) = (&self.setup, &self.stack);
-        let Reflector::Specular(table) = &base_under(stack).reflector else { return Vec::new() };
+        let Reflector::Specular(table) = &base_under(stack).reflector else { return Ok(Vec::new()) };
         let Some(lens) = self.lenses.iter_mut().find(|lens| lens.views.contains(&view)) else {
-            return Vec::new();
+            return Ok(Vec::new());
         };
         let number = view - lens.views.start;
         let kernel = lens.kernel_for(setup, stack);
         match kernel.pull_back(stack, number, by_seen) {
-            Some(gradients) => gradients.iter().flat_map(|gradient| tangents.along(gradient)).collect(),
-            None => tangents.by_differences(kernel, stack, table, number, by_seen),
+            Some(gradients) => tangents.along(&gradients),
+            None => {
+                let slopes = tangents.by_differences(kernel, stack, table, number)?;
+                let along = |one: &[f64]| slopes.iter().map(|slope| dot(one, slope)).collect::<Vec<f64>>();
+                Ok(by_seen.chunks_exact(by_seen.len() / numbers).flat_map(along).collect())
+            }
         }
     }
 }
 
-/// What each parameter changes of the table.
-pub(super) struct Tangents {
-    pub(super) changes: Vec<Change>,
-    variables: Vec<Variable>,
-    /// `[variable][node][gap][wavelength]`.
-    of_film: Vec<f64>,
-    /// Values of a table.
-    size: usize,
-    pub(super) gaps: usize,
-    pub(super) inactive_reflectance: Vec<f64>,
+/// The sum of products; no slopes are zeros.
+fn dot(one: &[f64], slopes: &[f64]) -> f64 {
+    one.iter().zip(slopes).map(|(a, b)| a * b).sum()
 }
 
-impl Tangents {
+/// What each parameter changes of the table.
+pub(super) struct Tangents<'a> {
+    pub(super) changes: Vec<Change>,
+    film: Film<'a>,
+    /// Of the table's nodes.
+    cosines: Vec<f64>,
+    variables: Vec<Variable>,
+    pub(super) gaps: usize,
+    pub(super) inactive_reflectance: &'a [f64],
+}
+
+/// Nodes whose derivatives are in memory at a time: they stay in the cache until they are used.
+const NODES_TOGETHER: usize = 16;
+
+impl<'a> Tangents<'a> {
     fn new(
         designs: &Designs,
-        film: &FilmPixel,
-        mixture: &Mixture,
+        film: &'a FilmPixel,
+        mixture: &'a Mixture,
         changes: Vec<Change>,
     ) -> Result<Self, DisplayError> {
         let mut variables: Vec<Variable> = Vec::new();
@@ -117,56 +139,77 @@ impl Tangents {
                 _ => {}
             }
         }
-        let scene = &designs.setup.scene;
         let cosines: Vec<f64> = match &base_under(&designs.stack).reflector {
             Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => {
                 panels.nodes().collect()
             }
             _ => Vec::new(),
         };
+        let scene = &designs.setup.scene;
         let index = scene.display.index_above_pixel();
-        let gaps = mixture.gaps_nm.len();
-        let of_film = if variables.is_empty() {
-            Vec::new()
-        } else {
-            let film = Film::new(film, &scene.grid, index, &mixture.gaps_nm, Beta::InGlass)?;
-            film.derivatives_at_cosines(&cosines, &variables)?
-        };
-        let inactive_reflectance = film.inactive_reflectance.to_vec();
         Ok(Self {
             changes,
+            film: Film::new(film, &scene.grid, index, &mixture.gaps_nm, Beta::InGlass)?,
+            cosines,
             variables,
-            of_film,
-            size: cosines.len() * gaps * scene.grid.len(),
-            gaps,
-            inactive_reflectance,
+            gaps: mixture.gaps_nm.len(),
+            inactive_reflectance: &film.inactive_reflectance,
         })
     }
 
-    /// What a variable changes of the film's reflectances, `[node][gap][wavelength]`.
-    pub(super) fn of_film(&self, variable: Variable) -> &[f64] {
-        let number = self.variables.iter().position(|one| *one == variable).unwrap_or_default();
-        &self.of_film[number * self.size..][..self.size]
+    /// What the variables change of the film's reflectances, `[variable][node][gap][wavelength]`.
+    pub(super) fn of_film(&self) -> Result<Vec<f64>, DisplayError> {
+        self.film.derivatives_at_cosines(&self.cosines, &self.variables)
     }
 
-    /// How a number changes with each parameter, from how it changes with the table.
-    fn along(&self, gradient: &TableGradient) -> Vec<f64> {
-        let bins = gradient.common.len();
-        let one = |change: &Change| match change {
-            Change::Film { variable, gap: None } => sum_of_products(&gradient.basis, self.of_film(*variable)),
-            Change::Film { variable, gap: Some(gap) } => {
-                let nodes = gradient.basis.chunks_exact(self.gaps * bins);
-                let tangents = self.of_film(*variable).chunks_exact(self.gaps * bins);
-                let at = gap * bins..(gap + 1) * bins;
-                nodes.zip(tangents).map(|(a, b)| sum_of_products(&a[at.clone()], &b[at.clone()])).sum()
+    /// Where a variable stands among them.
+    pub(super) fn place(&self, variable: Variable) -> usize {
+        self.variables.iter().position(|one| *one == variable).unwrap_or_default()
+    }
+
+    /// `[number][parameter]`, of numbers that change so with the table.
+    fn along(&self, gradients: &[TableGradient]) -> Result<Vec<f64>, DisplayError> {
+        let by_gap = self.by_variable_and_gap(gradients)?;
+        let one = |number: usize, change: &Change| match change {
+            Change::Film { variable, gap } => {
+                let first = (number * self.variables.len() + self.place(*variable)) * self.gaps;
+                let of_gaps = &by_gap[first..][..self.gaps];
+                gap.map_or_else(|| of_gaps.iter().sum(), |gap| of_gaps[gap])
             }
             Change::Shares { mixture, inactive } => {
-                sum_of_products(&gradient.mixture, mixture)
-                    + inactive * sum_of_products(&gradient.common, &self.inactive_reflectance)
+                let gradient = &gradients[number];
+                dot(&gradient.mixture, mixture) + inactive * dot(&gradient.common, self.inactive_reflectance)
             }
             Change::Nothing => 0.0,
         };
-        self.changes.iter().map(one).collect()
+        let each = |number| self.changes.iter().map(move |change| one(number, change));
+        Ok((0..gradients.len()).flat_map(each).collect())
+    }
+
+    /// What each variable changes of each number by way of each gap: `[number][variable][gap]`.
+    fn by_variable_and_gap(&self, gradients: &[TableGradient]) -> Result<Vec<f64>, DisplayError> {
+        let variables = self.variables.len();
+        let mut sums = vec![0.0; gradients.len() * variables * self.gaps];
+        if sums.is_empty() {
+            return Ok(sums);
+        }
+        let size = gradients[0].basis.len() / self.cosines.len().max(1);
+        let bins = size / self.gaps;
+        for (number, cosines) in self.cosines.chunks(NODES_TOGETHER).enumerate() {
+            let first = number * NODES_TOGETHER * size;
+            let slopes = self.film.derivatives_at_cosines(cosines, &self.variables)?;
+            let per_variable = slopes.chunks_exact(cosines.len() * size);
+            for (gradient, sums) in gradients.iter().zip(sums.chunks_exact_mut(variables * self.gaps)) {
+                let basis = &gradient.basis[first..][..cosines.len() * size];
+                for (slopes, sums) in per_variable.clone().zip(sums.chunks_exact_mut(self.gaps)) {
+                    let rows = basis.chunks_exact(bins).zip(slopes.chunks_exact(bins));
+                    for (k, (a, b)) in rows.enumerate() {
+                        sums[k % self.gaps] += sum_of_products(a, b);
+                    }
+                }
+            }
+        }
+        Ok(sums)
     }
 }
 

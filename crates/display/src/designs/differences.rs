@@ -10,6 +10,7 @@ use papilio_transport::{AngularTable, Reflector, Stack};
 
 use super::derivatives::Tangents;
 use super::parameter::Change;
+use crate::DisplayError;
 use crate::setup::base_of;
 
 /// No reflectance, and no share, moves by more in a step.
@@ -19,26 +20,22 @@ const STEP: f64 = 1e-3;
 const MOVES: [(f64, f64); 4] =
     [(1.0, 8.0 / 12.0), (-1.0, -8.0 / 12.0), (2.0, -1.0 / 12.0), (-2.0, 1.0 / 12.0)];
 
-impl Tangents {
-    /// `[number][parameter]`, of numbers that change so with what is seen, `[number][source][state][wavelength]`.
+impl Tangents<'_> {
+    /// For each parameter what it changes of what is seen, `[source][state][wavelength]`; empty where that is nothing.
     pub(super) fn by_differences(
         &self,
         kernel: &Kernel,
         stack: &Stack,
         table: &AngularTable,
         view: usize,
-        by_seen: &[f64],
-    ) -> Vec<f64> {
+    ) -> Result<Vec<Vec<f64>>, DisplayError> {
         let columns = table.state_count() * table.common.len();
-        let mut out = Vec::new();
+        let of_film = self.of_film()?;
         let mut stack = stack.clone();
-        for change in &self.changes {
-            let Some((moved, step)) = self.moved(table, change) else {
-                out.push(Vec::new());
-                continue;
-            };
+        let slopes = self.changes.iter().map(|change| {
+            let Some((moved, step)) = self.moved(table, &of_film, change) else { return Vec::new() };
             base_of(&mut stack).reflector = Reflector::Specular(moved);
-            let seen = kernel.estimate(&stack, view);
+            let seen = kernel.seen(&stack, view);
             let slope = |base: &Vec<f64>| {
                 let mut slope = vec![0.0; columns];
                 for ((_, count), row) in MOVES.iter().zip(base.chunks_exact(columns)) {
@@ -46,25 +43,20 @@ impl Tangents {
                 }
                 slope
             };
-            out.push(seen.rho.iter().flat_map(|rho| slope(&rho.base)).collect());
-        }
-        let size = out.iter().map(Vec::len).max().unwrap_or(0).max(1);
-        let along = |by_seen: &[f64], slope: &Vec<f64>| by_seen.iter().zip(slope).map(|(a, b)| a * b).sum();
-        by_seen
-            .chunks_exact(size)
-            .flat_map(|by_seen| out.iter().map(move |slope| along(by_seen, slope)))
-            .collect()
+            seen.iter().flat_map(|rho| slope(&rho.base)).collect()
+        });
+        Ok(slopes.collect())
     }
 
     /// The table's states moved along a parameter, `[move][state]`, and the step; `None` if they do not move.
-    fn moved(&self, table: &AngularTable, change: &Change) -> Option<(AngularTable, f64)> {
+    fn moved(&self, table: &AngularTable, of_film: &[f64], change: &Change) -> Option<(AngularTable, f64)> {
         let bins = table.common.len();
         let width = self.gaps * bins;
         // Further basis reflectances, `[node][..]`, and which of the shares they take part with.
         let (more, first, shares, step): (Vec<f64>, usize, Option<&[f64]>, f64) = match change {
             Change::Nothing => return None,
             Change::Film { variable, gap } => {
-                let of_film = self.of_film(*variable);
+                let of_film = &of_film[self.place(*variable) * table.basis.len()..][..table.basis.len()];
                 let (first, count) = gap.map_or((0, self.gaps), |gap| (gap, 1));
                 let rows = of_film.chunks_exact(width).flat_map(|row| &row[first * bins..][..count * bins]);
                 let more: Vec<f64> = rows.copied().collect();

@@ -131,7 +131,7 @@ impl Designs {
             return Err(DisplayError::Interrupted);
         };
         let number = view - lens.views.start;
-        let sample = meter.sample(&lens.kernel_for(setup, stack).estimate(stack, number));
+        let sample = meter.sample_without_ledger(&lens.kernel_for(setup, stack).seen(stack, number));
         if !sample.is_finite() {
             return Err(DisplayError::NotFinite);
         }

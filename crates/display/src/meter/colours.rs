@@ -10,7 +10,7 @@ impl Meter<'_> {
     /// Relative X, Y and Z of each state.
     pub(crate) fn colours(&self, estimate: &Estimate) -> Vec<Xyz> {
         let mut colours = vec![Xyz { x: 0.0, y: 0.0, z: 0.0 }; self.layout.states];
-        for (light, rho) in self.lights.iter().zip(self.seen_of(estimate)) {
+        for (light, rho) in self.lights.iter().zip(self.seen_of(&estimate.rho)) {
             let sum = |rho: &[f64], bar: &[f64]| rho.iter().zip(bar).map(|(r, w)| r * w).sum::<f64>();
             let seen = |rho: &[f64]| {
                 let [x, y, z] = light.xyz.each_ref().map(|bar| sum(rho, bar));

@@ -110,19 +110,26 @@ impl<'a> Meter<'a> {
     }
 
     /// What is seen of each light, the front light as it is below the front of screen.
-    fn seen_of<'e>(&self, estimate: &'e Estimate) -> impl Iterator<Item = Cow<'e, Rho>> {
-        let last = estimate.rho.len().saturating_sub(1);
-        estimate.rho.iter().enumerate().map(move |(k, rho)| match &self.below_front {
-            Some(guide) if k == last => Cow::Owned(guide.seen(rho, &estimate.rho[0])),
+    fn seen_of<'e>(&self, all: &'e [Rho]) -> impl Iterator<Item = Cow<'e, Rho>> {
+        let last = all.len().saturating_sub(1);
+        all.iter().enumerate().map(move |(k, rho)| match &self.below_front {
+            Some(guide) if k == last => Cow::Owned(guide.seen(rho, &all[0])),
             _ => Cow::Borrowed(rho),
         })
     }
 
     /// An estimate as a sample.
     pub(crate) fn sample(&self, estimate: &Estimate) -> Sample {
+        let mut sample = self.sample_without_ledger(&estimate.rho);
+        self.add_ledger(&estimate.ledger, &mut sample.0);
+        sample
+    }
+
+    /// What is seen of each light as a sample.
+    pub(crate) fn sample_without_ledger(&self, seen: &[Rho]) -> Sample {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
-        for (light, rho) in self.lights.iter().zip(self.seen_of(estimate)) {
+        for (light, rho) in self.lights.iter().zip(self.seen_of(seen)) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
                 let base = &rho.base[state * layout.bins..][..layout.bins];
@@ -148,7 +155,6 @@ impl<'a> Meter<'a> {
                 }
             }
         }
-        self.add_ledger(&estimate.ledger, &mut sample);
         Sample(sample)
     }
 

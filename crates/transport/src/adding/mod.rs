@@ -14,7 +14,7 @@ mod layered;
 mod panel;
 mod quadrature;
 
-use crate::{Cone, Estimate, Interface, Layer, Source, Stack};
+use crate::{Cone, Estimate, Interface, Layer, Rho, Source, Stack};
 pub use gradient::TableGradient;
 
 /// The finest level.
@@ -156,6 +156,14 @@ impl Kernel {
                 debug_assert!(false, "a kernel is prepared before it is used");
                 Estimate::default()
             }
+        }
+    }
+
+    /// The `rho` of an estimate alone, which costs less: nothing is said of where light ends.
+    pub fn seen(&self, stack: &Stack, view: usize) -> Vec<Rho> {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
+            _ => self.estimate(stack, view).rho,
         }
     }
 

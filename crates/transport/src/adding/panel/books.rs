@@ -2,6 +2,14 @@
 
 use crate::{Diffuser, Estimate, Ledger, Panel, Rho, Source};
 
+/// Whether it is asked where light ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Books {
+    Kept,
+    /// `arriving` and `reflected` lack recycled light.
+    NotKept,
+}
+
 /// All orders of light between diffuser and base for one view, but for the factors `t^2 T^2`
 /// (see the walk's tracer); shapes `[state][wavelength]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +45,10 @@ impl Sums {
 
     pub(super) fn estimate(self, stack: &Panel, diffuser: &Diffuser, sources: &[Source]) -> Estimate {
         let ledger = self.ledger(stack, diffuser);
+        Estimate { rho: self.rho(stack, diffuser, sources), ledger }
+    }
+
+    pub(super) fn rho(self, stack: &Panel, diffuser: &Diffuser, sources: &[Source]) -> Vec<Rho> {
         let front = &stack.front;
         let through: Vec<f64> = front
             .transmittance
@@ -54,7 +66,7 @@ impl Sums {
             }
             Rho { base, front }
         });
-        Estimate { rho: rho.collect(), ledger }
+        rho.collect()
     }
 
     fn ledger(&self, stack: &Panel, diffuser: &Diffuser) -> Ledger {

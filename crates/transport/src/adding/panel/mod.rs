@@ -22,7 +22,7 @@ mod rings;
 use papilio_optics::lobe::Lobe;
 
 use super::TableGradient;
-use crate::{Cone, Diffuser, Estimate, Panel, Source, Top};
+use crate::{Cone, Diffuser, Estimate, Panel, Rho, Source, Top};
 
 /// True if recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
 pub(super) fn narrows(panel: &Panel) -> bool {
@@ -85,6 +85,14 @@ impl Kernel {
                 debug_assert!(false, "a kernel is prepared for the panel's top");
                 Estimate::default()
             }
+        }
+    }
+
+    /// The `rho` of an estimate.
+    pub(super) fn seen(&self, stack: &Panel, view: usize) -> Vec<Rho> {
+        match (&self.kind, &stack.top) {
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.seen(stack, diffuser, view),
+            _ => self.estimate(stack, view).rho,
         }
     }
 

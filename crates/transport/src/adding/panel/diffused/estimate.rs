@@ -5,20 +5,21 @@ use std::sync::Arc;
 use super::super::super::images::ImagePoints;
 use super::super::super::quadrature::Point;
 use super::super::add_scaled;
-use super::super::books::Sums;
+use super::super::books::{Books, Sums};
 use super::super::first_pass::{Alone, Weights};
 use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
 use super::{Bundle, Kernel, Recycled, View, sent_back};
 use crate::specular::panel_image;
-use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, Reflector, Source};
+use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, Reflector, Rho, Source};
 
 impl Kernel {
     pub(in super::super) fn estimate(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Estimate {
         let Some(seen) = self.views.get(view) else { return Estimate::default() };
         let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
         if self.recycling_serves(stack) {
-            let mut estimate = self.sums(stack, diffuser, seen, &sources).estimate(stack, diffuser, &sources);
-            add_images(stack, &seen.images, &mut estimate);
+            let sums = self.sums(stack, diffuser, seen, &sources, Books::Kept);
+            let mut estimate = sums.estimate(stack, diffuser, &sources);
+            add_images(stack, &seen.images, &mut estimate.rho);
             return estimate;
         }
         // A front or a pixel so much brighter that recycled light has to be followed further.
@@ -28,17 +29,40 @@ impl Kernel {
         other.estimate(stack, diffuser, 0)
     }
 
+    /// The `rho` of an estimate.
+    pub(in super::super) fn seen(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Vec<Rho> {
+        match self.views.get(view) {
+            Some(seen) if self.recycling_serves(stack) => {
+                let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
+                let sums = self.sums(stack, diffuser, seen, &sources, Books::NotKept);
+                let mut rho = sums.rho(stack, diffuser, &sources);
+                add_images(stack, &seen.images, &mut rho);
+                rho
+            }
+            _ => self.estimate(stack, diffuser, view).rho,
+        }
+    }
+
     /// Whether recycled light was prepared for as much of it as this stack has.
     pub(in super::super) fn recycling_serves(&self, stack: &Panel) -> bool {
         let prepared = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
         self.plan(stack).as_ref() == prepared
     }
 
-    fn sums(&self, stack: &Panel, diffuser: &Diffuser, view: &View, sources: &[Source]) -> Sums {
+    fn sums(
+        &self,
+        stack: &Panel,
+        diffuser: &Diffuser,
+        view: &View,
+        sources: &[Source],
+        books: Books,
+    ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let sent_back = sent_back(stack, &diffuser.transmittance);
         let at = |index: usize| match &stack.base.reflector {
-            Reflector::Specular(table) => self.over_mirror(stack, table, view, index, &sent_back, sources),
+            Reflector::Specular(table) => {
+                self.over_mirror((stack, table), view, index, &sent_back, (sources, books))
+            }
             Reflector::Lambertian(r) => self.over_lambertian(r, view, index, &sent_back, sources),
             // Any layers are over such a base, no panel.
             Reflector::Scattering(_) => Sums::zeros(len, sources),
@@ -83,12 +107,11 @@ impl Kernel {
 
     fn over_mirror(
         &self,
-        stack: &Panel,
-        table: &AngularTable,
+        (stack, table): (&Panel, &AngularTable),
         view: &View,
         index: usize,
         sent_back: &[f64],
-        sources: &[Source],
+        (sources, books): (&[Source], Books),
     ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let medium = self.medium_at(stack, index);
@@ -102,10 +125,11 @@ impl Kernel {
         for (g_number, group) in view.groups.iter().enumerate() {
             let mut sums = first_pass(table, &at.alone[g_number], &at.pairs[g_number], &of_sources, sources);
             let along = straight.along(group.axis);
-            if let Some((recycling, r)) = &seen {
+            if let &Some((recycling, ref r)) = &seen {
                 let recycled = &at.recycled[g_number];
                 let mut orders = Sums::zeros(len, sources);
-                self.recycle(recycling, (recycled, &along), index, (r, &g), &of_sources, &mut orders);
+                let seen = (recycling, recycled, &along);
+                self.recycle(seen, index, (r, &g), &of_sources, (&mut orders, books));
                 self.narrow(&straight, group.axis, recycled, &mut orders);
                 sums.zip(&orders, |sums, orders| add_scaled(sums, orders, 1.0));
             }
@@ -160,12 +184,11 @@ impl Kernel {
 
     fn recycle(
         &self,
-        recycling: &Recycling,
-        (recycled, own): (&Recycled, &Direction),
+        (recycling, recycled, own): (&Recycling, &Recycled, &Direction),
         index: usize,
         (r, g): (&Reflectances, &[f64]),
         of_sources: &[Vec<Direction>],
-        sums: &mut Sums,
+        (sums, books): (&mut Sums, Books),
     ) {
         if recycling.sums_columns() {
             let sources: Vec<Vec<_>> = self
@@ -177,13 +200,16 @@ impl Kernel {
             return recycling.add_by_columns((&recycled.group, own), &sources, r, g, sums);
         }
         let alone = &recycled.alone;
-        add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
         let between = recycled.between.iter().flatten().map(|(forms, _)| forms);
-        let forms: Vec<&Forms> = [&alone.leaving, &alone.reflected].into_iter().chain(between).collect();
+        let of_books = (books == Books::Kept).then_some(&alone.reflected);
+        let forms: Vec<&Forms> = std::iter::once(&alone.leaving).chain(of_books).chain(between).collect();
         let values = recycling.values(&forms, false, r, g);
         let mut values = values.chunks_exact(g.len());
         add_scaled(&mut sums.leaving, values.next().unwrap_or_default(), 1.0);
-        add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
+        if books == Books::Kept {
+            add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
+            add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
+        }
         for (sum, of_source) in sums.directed.iter_mut().zip(of_sources) {
             for (along, values) in of_source.iter().zip(&mut values) {
                 add_times(sum, values, &along.round_trips);
@@ -256,9 +282,9 @@ fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64]) {
     }
 }
 
-fn add_images(stack: &Panel, images: &[ImagePoints], estimate: &mut Estimate) {
+fn add_images(stack: &Panel, images: &[ImagePoints], rho: &mut [Rho]) {
     for seen in images {
-        let rho = &mut estimate.rho[seen.source];
+        let rho = &mut rho[seen.source];
         for point in &seen.points {
             let image = panel_image(stack, point.beta);
             add_scaled(&mut rho.front, &image.front, point.weight);
