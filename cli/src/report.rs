@@ -357,6 +357,12 @@ pub(crate) fn signed(value: f64, decimals: usize) -> String {
     unsigned_zero(format!("{value:+.decimals$}"))
 }
 
+/// Five digits, those behind the point included; as many before it as there are.
+pub(crate) fn digits(value: f64) -> String {
+    let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
+    unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
+}
+
 /// Without the sign of a zero.
 pub(crate) fn unsigned_zero(number: String) -> String {
     match number.strip_prefix(['-', '+']) {
@@ -369,7 +375,13 @@ pub(crate) fn unsigned_zero(number: String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{measured, percent, signed};
+    use super::{digits, measured, percent, signed};
+
+    #[test]
+    fn numbers_have_five_digits() {
+        let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
+        assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
+    }
 
     #[test]
     fn small_errors_show_their_first_digit() {

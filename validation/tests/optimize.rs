@@ -65,7 +65,8 @@ fn a_better_pixel_than_the_reference_is_found() {
     }
 }
 
-/// What the best of many searches by derivatives has found: 60 starts of two seeds, of which 18 end there.
+/// What the best of many searches by derivatives has found (60 starts of two seeds, of which 18 end there), and a population of 125 300
+/// designs.
 const BEST_GAMUT: f64 = 35.518;
 
 /// Seeds that a search is begun with: `PAPILIO_SEARCH_SEEDS`, and then a population of 100 times the evaluations is held to it, too.

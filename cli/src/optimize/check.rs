@@ -26,7 +26,7 @@ impl Checked {
 
     /// A line of the table.
     pub(super) fn row(&self) -> Vec<String> {
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), super::report::digits);
+        let number = |value: Option<f64>| value.map_or("-".to_owned(), crate::report::digits);
         vec![self.name.clone(), number(self.adding), number(self.walk), number(self.error)]
     }
 }

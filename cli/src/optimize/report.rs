@@ -6,7 +6,7 @@ use papilio_scenario::{SearchAim, SearchRange};
 use serde_json::{Map, Value, json};
 
 use super::check::Checked;
-use crate::report::{plain, table};
+use crate::report::{digits, plain, table};
 
 /// The terminal's text: the best design, or the front.
 pub(super) fn text(title: &str, search: &Search, chosen: &[Chosen]) -> String {
@@ -84,12 +84,6 @@ fn value(search: &Search, at: usize, x: f64) -> String {
 /// A path without what all paths of pixels begin with.
 pub(super) fn short(path: &str) -> String {
     path.strip_prefix("display.pixel.").unwrap_or(path).to_owned()
-}
-
-/// Five digits, those behind the point included.
-pub(super) fn digits(value: f64) -> String {
-    let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
-    crate::report::unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
 }
 
 /// Everything as JSON.

@@ -3,7 +3,7 @@
 use papilio_figures::short_key;
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 
-use crate::report;
+use crate::report::{self, digits};
 
 /// More lines are not printed.
 const MOST_LISTED: usize = 40;
@@ -27,21 +27,4 @@ pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint]) -> String {
     let more = views.iter().map(Vec::len).sum::<usize>().saturating_sub(MOST_LISTED);
     let rest = if more > 0 { format!("  ... and {more} more lines in sweep.csv\n") } else { String::new() };
     report::table(&rows) + &rest
-}
-
-/// Five digits, those behind the point included; as many before it as there are.
-fn digits(value: f64) -> String {
-    let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
-    report::unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::digits;
-
-    #[test]
-    fn numbers_have_five_digits() {
-        let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
-        assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
-    }
 }

@@ -2,7 +2,7 @@
 
 import { isTable, join, type Json } from "./json.ts";
 
-const skipped = /^(solver|inputs|sweep|measure|spectrum)(\.|$)/;
+const skipped = /^(solver|inputs|sweep|optimize|tolerance|measure|spectrum)(\.|$)/;
 
 /** Every leaf of a value with its path. */
 export function leaves(value: Json, path = ""): [string, Json][] {
