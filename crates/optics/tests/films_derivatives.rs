@@ -91,6 +91,7 @@ impl Case {
         (0..self.layers.len()).flat_map(of).chain(substrate).collect()
     }
 
+    /// Circles are small, so that no pole of a sharp resonance lies inside; rounding is 1e-16 over their radius.
     fn truth(&self, variable: Variable, nm: f64) -> (f64, f64) {
         let by = |radius, shift: &dyn Fn(&mut Stack, Complex64)| {
             self.stack().derivative(nm, self.beta, radius, shift)

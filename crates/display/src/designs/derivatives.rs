@@ -16,7 +16,7 @@ use papilio_transport::{AngularTable, Nodes, Reflector};
 use super::parameter::Change;
 use super::{Designs, Parameter, Quantity, Seen};
 use crate::DisplayError;
-use crate::meter::{Meter, Number, PRIMARIES, Slopes};
+use crate::meter::{Meter, Number, PRIMARIES, Slopes, ViewScalars};
 use crate::pixel::film::{Beta, Film, Mixture};
 use crate::result::StateValues;
 use crate::scene::{FilmPixel, Metric};
@@ -236,7 +236,7 @@ impl Seen {
             _ => {
                 let (states, numbers) = depends_on(meter, quantity);
                 let states: Vec<usize> = states.into_iter().flatten().collect();
-                let value = |scalars: &crate::meter::ViewScalars| match quantity.state() {
+                let value = |scalars: &ViewScalars| match quantity.state() {
                     Some(_) => quantity.of_state(&StateValues::of_scalars(&scalars.states[0])),
                     None => quantity.metric()?.of_view(&scalars.together),
                 };

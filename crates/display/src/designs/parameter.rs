@@ -3,7 +3,7 @@
 use papilio_optics::film::Variable;
 
 use crate::DisplayError;
-use crate::pixel::film::{Mixture, Owner};
+use crate::pixel::film::{Mixture, Owner, Part};
 use crate::scene::{Drive, FilmPixel, Thickness};
 
 /// A number of a film pixel. All others stay when one is changed: areas, too, whose sum then changes.
@@ -53,7 +53,7 @@ pub enum Parameter {
 
 /// What of the table a parameter changes.
 pub(super) enum Change {
-    /// The reflectances at these gaps, each of which is shown by the share `[gap]`; or at all of them.
+    /// The film's reflectances: at one gap, or at all.
     Film { variable: Variable, gap: Option<usize> },
     /// The shares of the gaps in the states.
     Shares {
@@ -99,14 +99,13 @@ impl Parameter {
                 Err(missing("sub-pixel", sub_pixel))
             }
             Self::Area { sub_pixel } => {
-                let of_part = |part: &crate::pixel::film::Part| {
+                let of_part = |part: &Part| {
                     if part.sub_pixel == sub_pixel { film.fill_factor * part.on } else { 0.0 }
                 };
                 Ok(Change::Shares { mixture: summed(film, mixture, of_part), inactive: 0.0 })
             }
             Self::FillFactor => {
-                let of_part =
-                    |part: &crate::pixel::film::Part| film.sub_pixels[part.sub_pixel].area * part.on;
+                let of_part = |part: &Part| film.sub_pixels[part.sub_pixel].area * part.on;
                 Ok(Change::Shares { mixture: summed(film, mixture, of_part), inactive: -1.0 })
             }
         }
@@ -124,11 +123,7 @@ fn gap_of(owner: Owner, film: &FilmPixel, mixture: &Mixture) -> Change {
 }
 
 /// What the parts of each state and gap sum to.
-fn summed(
-    film: &FilmPixel,
-    mixture: &Mixture,
-    of_part: impl Fn(&crate::pixel::film::Part) -> f64,
-) -> Vec<f64> {
+fn summed(film: &FilmPixel, mixture: &Mixture, of_part: impl Fn(&Part) -> f64) -> Vec<f64> {
     let gaps = mixture.gaps_nm.len();
     let mut sum = vec![0.0; film.states.len() * gaps];
     mixture.parts.iter().for_each(|part| sum[part.state * gaps + part.gap] += of_part(part));
