@@ -6,6 +6,8 @@
 //!   never on which thread ran it or what other paths did.
 //! - [`table_4_1`]: what importance and strata are worth, on an integral that all know.
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
+//! - [`Distribution`]: even numbers as numbers that scatter as production does; [`Correlation`]: several that scatter
+//!   together.
 //!
 //! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a path
 //! that lives longer goes on with independent random numbers. Sobol's are one set of sixteen
@@ -21,10 +23,14 @@
 //! ```
 
 mod candidates;
+mod copula;
+mod distribution;
 mod numbers;
 mod sobol;
 mod strata;
 pub mod table_4_1;
 pub mod warp;
 
+pub use copula::{Coefficient, Correlation};
+pub use distribution::Distribution;
 pub use numbers::{Numbers, PLANNED_BLOCKS, Sampler};
