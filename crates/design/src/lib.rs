@@ -26,6 +26,8 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 //!
+//! [`tolerance`] says how such quantities scatter in production.
+//!
 //! **Out of scope.** Files, printing, clocks.
 
 mod error;
@@ -35,6 +37,7 @@ mod parameter;
 mod road;
 pub mod search;
 mod study;
+pub mod tolerance;
 
 pub use error::DesignError;
 pub use evaluator::{Evaluator, Slopes};

@@ -1,0 +1,25 @@
+//! What production makes of a design: how its metrics scatter, how many pieces meet their limits, and which key is
+//! to blame.
+//!
+//! - [`Plan`]: which pieces are made: scrambled Sobol points in sixteen independent replicates, by number, so that
+//!   parts may be computed apart and a plan of more pieces begins with the same ones.
+//! - [`Spread`]: mean, standard deviation and percentiles of a metric.
+//! - [`Verdict`]: yield against limits, which limit fails how often, and the pieces that miss most.
+//! - [`Indices`]: first-order and total Sobol indices.
+//!
+//! Every number has its standard error: the jackknife over the replicates. Undefined metrics are NaN here: they are
+//! counted, meet no limit, and are left out of all else.
+//!
+//! **Out of scope**: what a metric is. Arrays in, arrays out.
+
+mod estimate;
+mod indices;
+mod plan;
+mod spread;
+mod verdict;
+
+pub use estimate::Estimate;
+pub use indices::{Indices, indices};
+pub use plan::{Draw, Plan, REPLICATES};
+pub use spread::{PERCENTILES, Spread};
+pub use verdict::{Failing, Limit, Miss, Verdict};
