@@ -11,6 +11,14 @@ impl Problem {
             Self::NothingToSearch => "expected `[optimize]` with its variables and objectives".to_owned(),
             Self::NoBounds => "expected the smallest and the largest value, as [0, 120]".to_owned(),
             Self::NoSuchView { views, .. } => format!("expected a number from 0 to {}", views.saturating_sub(1)),
+            Self::NoTolerance => {
+                "expected [tolerance] with [[tolerance.keys]], each with a key and its distribution".to_owned()
+            }
+            Self::NoInside { .. } => "expected a range that ends beyond its beginning".to_owned(),
+            Self::NoLogarithm { .. } => "expected a number above 0".to_owned(),
+            Self::WeightsOf { values, .. } => format!("expected {values} weights, not all 0"),
+            Self::NoSuchCorrelation => "expected a positive definite matrix of coefficients".to_owned(),
+            Self::NoLimit => "expected one of them, or both".to_owned(),
             Self::MissingKey { expected, .. }
             | Self::WrongType { expected, .. }
             | Self::NoSuchCount { expected, .. } => {
@@ -123,6 +131,15 @@ impl Problem {
             }
             Self::NoSuchFile { name, known } => suggestion(name, known.iter().map(String::as_str), "files"),
             Self::NoSuchState { name, known } => suggestion(name, known.iter().map(String::as_str), "states"),
+            Self::NothingScatters { name, known } => suggestion(name, known.iter().map(String::as_str), "names"),
+            Self::NoNumberThere { .. } => {
+                "say where its middle is (`mean`, `median`, `mode`, or `from` and `to`); of several keys each has to have a number"
+                    .to_owned()
+            }
+            Self::NoSuchCorrelation => {
+                "of three numbers, two that follow the third closely follow each other; what moves alike is one item with `keys`"
+                    .to_owned()
+            }
             Self::NotInThisVersion { choices, .. } if !choices.is_empty() => {
                 format!("there is {}", listed(choices))
             }

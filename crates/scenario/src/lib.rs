@@ -15,6 +15,7 @@
 //! - A [`Sweep`] is a scenario at many points: values of its `[sweep]` are put into the same tree.
 //! - An [`Optimisation`] is a scenario with what may vary and what is wanted of it.
 //! - A [`Varied`] is a scenario whose keys take any values, one set after the other.
+//! - A [`Tolerance`] is a [`Varied`] with the distributions of its keys, and limits.
 //! - The [hash](Resolved::hash) names the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
@@ -60,11 +61,13 @@ mod preset;
 mod problem;
 mod read;
 mod resolve;
+mod scattered;
 mod scenario;
 mod schema;
 mod set;
 mod source;
 mod sweep;
+mod tolerance;
 mod tree;
 mod varied;
 
@@ -82,4 +85,5 @@ pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
 pub use sweep::Sweep;
+pub use tolerance::{AskedMetric, ScatteredKey, Tolerance, ToleranceLimit};
 pub use varied::Varied;

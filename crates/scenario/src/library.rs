@@ -31,7 +31,7 @@ pub struct KeptFile(Arc<(DataFile, String)>);
 impl KeptFile {
     /// Keeps a file; errors in it call it by its name.
     pub fn new(file: DataFile) -> Self {
-        let sha256 = hex(&Sha256::digest(&file.bytes));
+        let sha256 = sha256(&file.bytes);
         Self(Arc::new((file, sha256)))
     }
 
@@ -97,7 +97,12 @@ pub(crate) enum Missing {
     Unknown(Problem),
 }
 
+/// SHA-256 of bytes, in hexadecimal digits.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
 /// Bytes as hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
+fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -346,6 +346,57 @@ pub enum Problem {
         /// How many there are.
         views: usize,
     },
+    /// Nothing is said of production.
+    #[error("there is nothing that scatters: the scenario has no `[tolerance]`")]
+    NoTolerance,
+    /// A distribution about a number that the scenario does not have.
+    #[error("the scenario has no number at `{path}`")]
+    NoNumberThere {
+        /// The path.
+        path: String,
+    },
+    /// A range without inside.
+    #[error("nothing lies between {from} and {to}")]
+    NoInside {
+        /// Where it begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// A logarithmic distribution about a number that has no logarithm.
+    #[error("{value} has no logarithm")]
+    NoLogarithm {
+        /// The number.
+        value: f64,
+    },
+    /// Weights of another number of things.
+    #[error("there are {weights} weights of {values} values")]
+    WeightsOf {
+        /// How many weights.
+        weights: usize,
+        /// How many values.
+        values: usize,
+    },
+    /// A key that scatters in two ways.
+    #[error("`{path}` scatters twice")]
+    ScattersTwice {
+        /// The key, or the name of two.
+        path: String,
+    },
+    /// A correlation of something that does not scatter.
+    #[error("nothing named `{name}` scatters")]
+    NothingScatters {
+        /// What was asked for.
+        name: String,
+        /// What scatters.
+        known: Vec<String>,
+    },
+    /// Coefficients that no numbers have together.
+    #[error("no numbers have this correlation beside those above it")]
+    NoSuchCorrelation,
+    /// A limit that nothing has to meet.
+    #[error("this limit has neither `at_least` nor `at_most`")]
+    NoLimit,
     /// A file that is not among those that there are.
     #[error("there is no file `{name}` here")]
     NoSuchFile {

@@ -5,11 +5,10 @@ use std::path::Path;
 use papilio_display::scene::Scene;
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
 
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
-use crate::library::{Library, hex};
+use crate::library::{Library, sha256};
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::set::Change;
@@ -125,7 +124,7 @@ impl Scenario {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
-        let hash = hex(&Sha256::digest(canonical.to_string()));
+        let hash = sha256(canonical.to_string().as_bytes());
         Ok(Resolved {
             scene,
             title: self.file.title.as_ref().map(|title| title.0.clone()),

@@ -13,7 +13,7 @@ use crate::source::{Origin, Sources};
 use crate::tree::{Entry, Node, Value};
 
 /// Tables that say what else might be computed of a scenario; they have no part in the scenario itself.
-pub(crate) const ABOUT: [&str; 2] = ["sweep", "optimize"];
+pub(crate) const ABOUT: [&str; 3] = ["sweep", "optimize", "tolerance"];
 
 /// The text of a scenario, parsed, and its files.
 #[derive(Debug, Clone)]

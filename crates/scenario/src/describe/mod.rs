@@ -8,7 +8,6 @@ pub(crate) mod display;
 pub(crate) mod environment;
 pub(crate) mod layers;
 pub(crate) mod lighting;
-#[allow(dead_code, reason = "limits of a production come with tolerances")]
 pub(crate) mod limits;
 pub(crate) mod measure;
 pub(crate) mod metrics;
@@ -17,6 +16,7 @@ pub(crate) mod optimize;
 pub(crate) mod pixel;
 pub(crate) mod solver;
 pub(crate) mod sweep;
+pub(crate) mod tolerance;
 pub(crate) mod viewer;
 
 use crate::error::Errors;
@@ -28,7 +28,7 @@ use numbers::Wavelength;
 
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
-    File later ["tolerance", "study"] {
+    File later ["study"] {
         /// A title for tables and figures, one line. Default: none.
         title: Option<Title>,
         /// The wavelengths of the computation.
@@ -49,6 +49,8 @@ table! {
         sweep: Option<sweep::Sweep>,
         /// A search for better designs; for `papilio optimize` alone. Default: none.
         optimize: Option<optimize::Optimize>,
+        /// How production scatters keys, and what its displays have to meet; for `papilio tolerance` alone. Default: none.
+        tolerance: Option<tolerance::Tolerance>,
     }
 }
 

@@ -1,0 +1,191 @@
+//! A key of `[tolerance]` with its distribution, about what the key is.
+
+use papilio_sampling::Distribution;
+use serde_json::Value;
+
+use crate::describe::sweep::Any;
+use crate::describe::tolerance::{Bins, LogNormal, Normal, Scattered, Triangular, Uniform};
+use crate::error::Errors;
+use crate::problem::Problem;
+use crate::read::At;
+use crate::source::Origin;
+use crate::tolerance::ScatteredKey;
+
+const KINDS: &str = "normal, lognormal, uniform, triangular, choices";
+
+/// A key as it scatters; `filled` is the scenario as it stands.
+pub(crate) fn scattered(key: &At<Scattered>, filled: &Value, errors: &mut Errors) -> Option<ScatteredKey> {
+    let paths: Vec<(&str, Origin)> = match (&key.key.value, &key.keys.value) {
+        (Some(path), None) => vec![(path, key.key.origin)],
+        (None, Some(paths)) if !paths.is_empty() => {
+            paths.iter().map(|path| (path.as_str(), path.origin)).collect()
+        }
+        (None, Some(_)) => {
+            errors.push(key.keys.origin, Problem::EmptyList);
+            return None;
+        }
+        (one, other) => {
+            let given = usize::from(one.is_some()) + usize::from(other.is_some());
+            errors.push(key.origin, Problem::ExactlyOne { keys: "key, keys", given });
+            return None;
+        }
+    };
+    let stands: Vec<Option<f64>> = paths.iter().map(|(path, _)| number_at(filled, path)).collect();
+    let middle = Middle::of(*key.relative, &stands);
+    let distribution = distribution(key, &middle, errors);
+    // What the key is has a part only where numbers are told from it.
+    let moved = paths.iter().zip(&stands).map(|((path, origin), stands)| {
+        let told_from = *key.relative || paths.len() > 1;
+        match (stands, &key.choices.value) {
+            (_, Some(_)) => Some(((*path).to_owned(), 1.0, 0.0)),
+            (Some(value), None) if *key.relative => Some(((*path).to_owned(), *value, 0.0)),
+            (Some(value), None) if told_from => Some(((*path).to_owned(), 1.0, *value)),
+            (_, None) if !told_from => Some(((*path).to_owned(), 1.0, 0.0)),
+            (..) => {
+                errors.push(*origin, Problem::NoNumberThere { path: (*path).to_owned() });
+                None
+            }
+        }
+    });
+    let moved: Option<Vec<_>> = moved.collect::<Vec<_>>().into_iter().collect();
+    let name = key.name.as_ref().map_or_else(|| paths[0].0.to_owned(), |name| name.0.clone());
+    let choices = key.choices.iter().flat_map(|bins| bins.values.iter().map(|value| value.0.to_json()));
+    Some(ScatteredKey { name, paths: moved?, distribution: distribution?, choices: choices.collect() })
+}
+
+/// The number at a path of the scenario with its defaults.
+fn number_at(filled: &Value, path: &str) -> Option<f64> {
+    let below = |node: &Value, key: &str| match node {
+        Value::Array(items) => items.get(key.parse::<usize>().ok()?).cloned(),
+        other => other.get(key).cloned(),
+    };
+    path.split('.').try_fold(filled.clone(), |node, key| below(&node, key.trim()))?.as_f64()
+}
+
+/// What a distribution is about where it does not say.
+struct Middle(Option<f64>);
+
+impl Middle {
+    fn of(relative: bool, stands: &[Option<f64>]) -> Self {
+        Self(match stands {
+            _ if relative => Some(1.0),
+            [one] => *one,
+            _ => Some(0.0),
+        })
+    }
+
+    /// What is given, or else what the key is.
+    fn or(&self, given: &At<Option<Any>>, key: &At<Scattered>, errors: &mut Errors) -> Option<f64> {
+        let middle = given.value.map(|one| one.0).or(self.0);
+        if middle.is_none() {
+            let path = key.key.value.clone().unwrap_or_default();
+            errors.push(key.key.origin, Problem::NoNumberThere { path });
+        }
+        middle
+    }
+}
+
+fn distribution(key: &At<Scattered>, middle: &Middle, errors: &mut Errors) -> Option<Distribution> {
+    let given = [
+        key.normal.value.as_ref().map(|one| normal(one, middle.or(&one.mean, key, errors)?, errors)),
+        key.lognormal.value.as_ref().map(|one| lognormal(one, middle.or(&one.median, key, errors)?, errors)),
+        key.uniform.value.as_ref().map(|one| uniform(one, key.uniform.origin, middle, key, errors)),
+        key.triangular
+            .value
+            .as_ref()
+            .map(|one| triangular(one, key.triangular.origin, middle.or(&one.mode, key, errors)?, errors)),
+        key.choices.value.as_ref().map(|one| bins(one, errors)),
+    ];
+    let mut given: Vec<Option<Distribution>> = given.into_iter().flatten().collect();
+    match given.len() {
+        1 => given.remove(0),
+        count => {
+            errors.push(key.origin, Problem::ExactlyOne { keys: KINDS, given: count });
+            None
+        }
+    }
+}
+
+/// The ends of a range, if it has an inside.
+fn ends(
+    from: &At<Option<Any>>,
+    to: &At<Option<Any>>,
+    widest: [f64; 2],
+    errors: &mut Errors,
+) -> Option<[f64; 2]> {
+    let [low, high] = [from.value.map_or(widest[0], |one| one.0), to.value.map_or(widest[1], |one| one.0)];
+    if low < high {
+        return Some([low, high]);
+    }
+    errors.push(to.origin.max(from.origin), Problem::NoInside { from: low, to: high });
+    None
+}
+
+fn normal(one: &Normal, mean: f64, errors: &mut Errors) -> Option<Distribution> {
+    let within = ends(&one.from, &one.to, [f64::NEG_INFINITY, f64::INFINITY], errors)?;
+    Some(Distribution::Normal { mean, sigma: one.sigma.0, within })
+}
+
+fn lognormal(one: &LogNormal, median: f64, errors: &mut Errors) -> Option<Distribution> {
+    let within = ends(&one.from, &one.to, [0.0, f64::INFINITY], errors)?;
+    if median <= 0.0 {
+        errors.push(one.median.origin, Problem::NoLogarithm { value: median });
+        return None;
+    }
+    Some(Distribution::LogNormal { median, sigma: one.sigma.0, within })
+}
+
+fn uniform(
+    one: &Uniform,
+    place: Origin,
+    middle: &Middle,
+    key: &At<Scattered>,
+    errors: &mut Errors,
+) -> Option<Distribution> {
+    let [from, to] = match (one.from.value, one.to.value, one.plus_minus.value) {
+        (Some(_), Some(_), None) => ends(&one.from, &one.to, [0.0; 2], errors)?,
+        (None, None, Some(half)) => {
+            let middle = middle.or(&At::at_large(None), key, errors)?;
+            [middle - half.0, middle + half.0]
+        }
+        _ => return range_or_half(place, one.plus_minus.is_some(), errors),
+    };
+    Some(Distribution::Uniform { from, to })
+}
+
+fn triangular(one: &Triangular, place: Origin, mode: f64, errors: &mut Errors) -> Option<Distribution> {
+    let [from, to] = match (one.from.value, one.to.value, one.plus_minus.value) {
+        (Some(_), Some(_), None) => ends(&one.from, &one.to, [0.0; 2], errors)?,
+        (None, None, Some(half)) => [mode - half.0, mode + half.0],
+        _ => return range_or_half(place, one.plus_minus.is_some(), errors),
+    };
+    if (from..=to).contains(&mode) {
+        return Some(Distribution::Triangular { from, mode, to });
+    }
+    let (from, to) = if mode < from { (from, mode) } else { (mode, to) };
+    errors.push(if one.mode.is_some() { one.mode.origin } else { place }, Problem::NoInside { from, to });
+    None
+}
+
+fn range_or_half<T>(place: Origin, half: bool, errors: &mut Errors) -> Option<T> {
+    let given = if half { 2 } else { 0 };
+    errors.push(place, Problem::ExactlyOne { keys: "{ from, to }, { plus_minus }", given });
+    None
+}
+
+fn bins(one: &Bins, errors: &mut Errors) -> Option<Distribution> {
+    let count = one.values.len();
+    if count == 0 {
+        errors.push(one.values.origin, Problem::EmptyList);
+        return None;
+    }
+    let weights: Vec<f64> = match &one.weights.value {
+        Some(weights) => weights.iter().map(|weight| weight.0).collect(),
+        None => vec![1.0; count],
+    };
+    if weights.len() == count && weights.iter().sum::<f64>() > 0.0 {
+        return Some(Distribution::Choices { weights });
+    }
+    errors.push(one.weights.origin, Problem::WeightsOf { weights: weights.len(), values: count });
+    None
+}

@@ -1,0 +1,290 @@
+//! A scenario as production makes it: `[tolerance]`.
+
+use std::path::Path;
+
+use papilio_display::pixel::state_names;
+use papilio_display::scene::{Metric, Scene};
+use papilio_sampling::{Coefficient, Correlation, Distribution};
+use serde_json::{Value, json};
+
+use crate::describe::limits::{Limit, MetricName};
+use crate::describe::tolerance::{Correlated, Scattered, Tolerance as Described};
+use crate::error::{Errors, ScenarioErrors};
+use crate::library::{Library, sha256};
+use crate::problem::Problem;
+use crate::read::{At, Read};
+use crate::scattered::scattered;
+use crate::scenario::Scenario;
+use crate::source::Origin;
+use crate::varied::{Base, Varied};
+
+/// What is reported where the scenario does not say.
+const REPORTED: [&str; 7] = [
+    "contrast_ratio",
+    "gamut_percent_srgb",
+    "white.Y",
+    "black.Y",
+    "white.L_star",
+    "white.a_star",
+    "white.b_star",
+];
+
+/// A scenario whose keys scatter, and what its displays have to meet.
+#[derive(Debug, Clone)]
+pub struct Tolerance {
+    /// The scenario: its paths are those of all keys, in order.
+    pub varied: Varied,
+    /// The scenario's title.
+    pub title: Option<String>,
+    /// How many displays are made.
+    pub samples: usize,
+    /// For how many of them sensitivities are sought; at most `samples`.
+    pub sensitivity_samples: usize,
+    /// Which displays are made.
+    pub seed: u64,
+    /// What scatters.
+    pub keys: Vec<ScatteredKey>,
+    /// What scatters together.
+    pub correlation: Correlation,
+    /// What is reported, those with limits first.
+    pub metrics: Vec<AskedMetric>,
+    /// What a good display has to meet.
+    pub limits: Vec<ToleranceLimit>,
+    /// SHA-256 of all that a display's numbers depend on besides its number: the scenario, the keys, the seed, the metrics.
+    pub hash: String,
+}
+
+/// Keys that scatter alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScatteredKey {
+    /// For tables and figures.
+    pub name: String,
+    /// Each path with slope and offset: the number x of the distribution makes it `slope * x + offset`.
+    pub paths: Vec<(String, f64, f64)>,
+    /// How it scatters.
+    pub distribution: Distribution,
+    /// What it is one of, where it is [`Distribution::Choices`].
+    pub choices: Vec<Value>,
+}
+
+/// A metric, where it is seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AskedMetric {
+    /// For tables and figures: "white.Y", "white.Y, view 1".
+    pub name: String,
+    /// The view, from 0.
+    pub view: usize,
+    /// The state, if it is of one.
+    pub state: Option<String>,
+    /// The metric.
+    pub metric: Metric,
+}
+
+/// What one of the metrics has to meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToleranceLimit {
+    /// Which of [`Tolerance::metrics`].
+    pub metric: usize,
+    /// No less.
+    pub at_least: Option<f64>,
+    /// No more.
+    pub at_most: Option<f64>,
+}
+
+impl Tolerance {
+    /// Reads a scenario file with a `[tolerance]`; `overrides` are texts `PATH=VALUE`, as of `--set`.
+    ///
+    /// # Errors
+    /// What is wrong with the scenario as it stands, and with `[tolerance]`, each with its place.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
+        Base::load(path, overrides).and_then(Self::new)
+    }
+
+    /// The same of a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_text(
+        text: &str,
+        name: &str,
+        library: impl Into<Library>,
+        overrides: &[String],
+    ) -> Result<Self, ScenarioErrors> {
+        Base::from_text(text, name, library, overrides).and_then(Self::new)
+    }
+
+    fn new(base: Base) -> Result<Self, ScenarioErrors> {
+        let assembled = base.assembled()?;
+        let mut errors = Errors::default();
+        let read = match assembled.get("tolerance") {
+            Some(node) => Described::read(node, &mut errors),
+            None => {
+                errors.push(assembled.origin, Problem::NoTolerance);
+                None
+            }
+        };
+        let read = errors.finish(read, &base.sources)?;
+        let scenario = base.scenario(&[])?;
+        let resolved = scenario.resolve()?;
+        let mut errors = Errors::default();
+        let found = Self::found(&read, &scenario, &resolved.scene, &mut errors);
+        let (keys, correlation, metrics, limits) = errors.finish(found, &base.sources)?;
+        let samples = read.samples.0 as usize;
+        let sensitivity = read.sensitivity_samples.value.map_or(samples / 4, |count| count.0 as usize);
+        let names: Vec<&str> = metrics.iter().map(|one| one.name.as_str()).collect();
+        let means = json!([resolved.hash, read.keys, read.correlations, read.seed, names]);
+        let places: Vec<(String, Origin)> = read.keys.iter().flat_map(|key| key.paths()).collect();
+        Ok(Self {
+            title: resolved.title,
+            samples,
+            sensitivity_samples: sensitivity.min(samples),
+            seed: read.seed.0,
+            keys,
+            correlation,
+            metrics,
+            limits,
+            hash: sha256(means.to_string().as_bytes()),
+            varied: Varied::new(base, Vec::new(), places),
+        })
+    }
+
+    #[allow(clippy::type_complexity, reason = "the parts of what is made of them next")]
+    fn found(
+        read: &Described,
+        scenario: &Scenario,
+        scene: &Scene,
+        errors: &mut Errors,
+    ) -> Option<(Vec<ScatteredKey>, Correlation, Vec<AskedMetric>, Vec<ToleranceLimit>)> {
+        let filled = serde_json::to_value(scenario.filled()).unwrap_or_default();
+        let keys: Vec<_> = read.keys.iter().map(|key| scattered(key, &filled, errors)).collect();
+        if read.keys.is_empty() {
+            errors.push(read.keys.origin, Problem::EmptyList);
+        }
+        let keys: Vec<ScatteredKey> = keys.into_iter().collect::<Option<_>>()?;
+        told_apart(&read.keys, &keys, errors);
+        let correlation = correlation(&read.correlations, &keys, errors);
+        let (metrics, limits) = asked(read, scene, errors);
+        errors.is_empty().then_some((keys, correlation?, metrics, limits))
+    }
+
+    /// Nothing, if there are displays whose paths have these values.
+    ///
+    /// # Errors
+    /// What is wrong with them, where [tolerance] has the key.
+    pub fn check(&self, values: &[Value]) -> Result<(), ScenarioErrors> {
+        self.varied.scenario(values)?.resolve().map(|_| ())
+    }
+}
+
+impl Scattered {
+    /// Its paths, each with its place.
+    fn paths(&self) -> Vec<(String, Origin)> {
+        let several = self.keys.iter().flatten().map(|path| (path.value.clone(), path.origin));
+        self.key.iter().map(|path| (path.clone(), self.key.origin)).chain(several).collect()
+    }
+}
+
+/// No key and no name comes twice.
+fn told_apart(read: &[At<Scattered>], keys: &[ScatteredKey], errors: &mut Errors) {
+    let (mut paths, mut names): (Vec<String>, Vec<&str>) = (Vec::new(), Vec::new());
+    for (one, key) in read.iter().zip(keys) {
+        for (path, origin) in one.paths() {
+            if paths.contains(&path) {
+                errors.push(origin, Problem::ScattersTwice { path: path.clone() });
+            }
+            paths.push(path);
+        }
+        if names.contains(&key.name.as_str()) && errors.is_empty() {
+            errors.push(one.name.origin, Problem::ScattersTwice { path: key.name.clone() });
+        }
+        names.push(&key.name);
+    }
+}
+
+fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Errors) -> Option<Correlation> {
+    let (mut coefficients, mut places) = (Vec::new(), Vec::new());
+    for one in read {
+        let place = |name: &At<String>| {
+            let place = keys.iter().position(|key| key.name == name.value);
+            if place.is_none() {
+                let known = keys.iter().map(|key| key.name.clone()).collect();
+                errors.push(name.origin, Problem::NothingScatters { name: name.value.clone(), known });
+            }
+            place
+        };
+        let found: Vec<usize> = one.keys.iter().map(place).collect::<Option<_>>()?;
+        if found.len() < 2 {
+            errors.push(
+                one.keys.origin,
+                Problem::NoSuchCount { value: found.len() as f64, expected: "two keys or more".to_owned() },
+            );
+        }
+        for (i, &second) in found.iter().enumerate() {
+            for &first in &found[..i] {
+                coefficients.push(Coefficient { between: [first, second], value: one.coefficient.0 });
+                places.push(one.origin);
+            }
+        }
+    }
+    match Correlation::new(keys.len(), &coefficients) {
+        Ok(correlation) => Some(correlation),
+        Err(at) => {
+            errors.push(places.get(at).copied().unwrap_or(Origin::FILE), Problem::NoSuchCorrelation);
+            None
+        }
+    }
+}
+
+/// The metrics that have limits, then those that are reported besides.
+fn asked(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetric>, Vec<ToleranceLimit>) {
+    let states = state_names(&scene.display.pixel);
+    let mut metrics: Vec<AskedMetric> = Vec::new();
+    let mut column = |name: &MetricName, view: usize| {
+        let text = if view == 0 { name.text() } else { format!("{}, view {view}", name.text()) };
+        let at = metrics.iter().position(|known| known.name == text);
+        at.unwrap_or_else(|| {
+            metrics.push(AskedMetric { name: text, view, state: name.state.clone(), metric: name.metric });
+            metrics.len() - 1
+        })
+    };
+    let limits = read.limits.iter().map(|limit| {
+        checked(limit, scene, &states, errors);
+        let (at_least, at_most) = (limit.at_least.map(|one| one.0), limit.at_most.map(|one| one.0));
+        ToleranceLimit { metric: column(&limit.metric, limit.view.0 as usize), at_least, at_most }
+    });
+    let limits = limits.collect();
+    match &read.metrics.value {
+        Some(named) => named.iter().for_each(|name| {
+            has_state(name, &states, errors);
+            column(name, 0);
+        }),
+        None => REPORTED.iter().filter_map(|text| MetricName::named(text)).for_each(|name| {
+            if name.state.as_ref().is_none_or(|state| states.contains(state)) {
+                column(&name, 0);
+            }
+        }),
+    }
+    (metrics, limits)
+}
+
+fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Errors) {
+    has_state(&limit.metric, states, errors);
+    let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
+    if limit.view.0 as usize >= views {
+        let expected = format!("the number of a view, 0 to {}", views - 1);
+        errors.push(limit.view.origin, Problem::NoSuchCount { value: limit.view.0 as f64, expected });
+    }
+    match (limit.at_least.value, limit.at_most.value) {
+        (None, None) => errors.push(limit.origin, Problem::NoLimit),
+        (Some(from), Some(to)) if from.0 >= to.0 => {
+            errors.push(limit.at_most.origin, Problem::NoInside { from: from.0, to: to.0 });
+        }
+        _ => {}
+    }
+}
+
+fn has_state(name: &At<MetricName>, states: &[String], errors: &mut Errors) {
+    if let Some(state) = name.state.as_ref().filter(|state| !states.contains(state)) {
+        errors.push(name.origin, Problem::NoSuchState { name: state.clone(), known: states.to_vec() });
+    }
+}
