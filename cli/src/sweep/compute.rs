@@ -1,15 +1,13 @@
 //! The points of a sweep, side by side: what is known is taken, what is new is kept at once.
 
 use std::collections::{BTreeMap, HashSet};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
 
 use papilio_display::{Control, DisplayError, Prepared};
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use papilio_scenario::Sweep;
 
 use super::journal::Journal;
-use super::progress::Progress;
+use crate::side_by_side::side_by_side;
 use crate::{Failure, interrupt};
 
 /// A point that is done.
@@ -20,7 +18,7 @@ pub(super) struct Done {
 }
 
 /// What a worker found at a point; without a result if that is known.
-type Found = Result<(usize, String, Option<SweepPoint>), Failure>;
+type Found = (usize, String, Option<SweepPoint>);
 
 /// Computes what is not known yet, and keeps it; ends early if interrupted. The points that are done, by number.
 pub(super) fn compute(
@@ -30,45 +28,14 @@ pub(super) fn compute(
     journal: &mut Journal,
     threads: Option<u16>,
 ) -> Result<BTreeMap<usize, Done>, Failure> {
-    interrupt::heed();
-    let threads =
-        threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let workers = threads.min(points.len()).max(1);
-    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let known = journal.hashes();
-    let mut progress = Progress::new(points.len());
-    let (sender, receiver) = mpsc::channel::<Found>();
-    let (mut done, mut failure) = (BTreeMap::new(), None);
-    std::thread::scope(|scope| {
-        for _ in 0..workers {
-            let sender = sender.clone();
-            let (next, stop, known) = (&next, &stop, &known);
-            scope.spawn(move || {
-                let mut prepared = None;
-                while !stop.load(Ordering::Relaxed) && !interrupt::STOP.load(Ordering::Relaxed) {
-                    let Some(&point) = points.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    match at(sweep, head, point, known, threads / workers, &mut prepared) {
-                        Ok(None) => break,
-                        Ok(Some(found)) => drop(sender.send(Ok(found))),
-                        Err(failure) => drop(sender.send(Err(failure))),
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for found in receiver {
-            let kept = found.and_then(|found| keep(found, sweep, journal, &mut done));
-            match kept {
-                Ok(computed) => progress.done(computed),
-                Err(error) => {
-                    stop.store(true, Ordering::Relaxed);
-                    failure.get_or_insert(error);
-                }
-            }
-        }
-    });
-    drop(progress);
-    failure.map_or(Ok(done), Err)
+    let mut done = BTreeMap::new();
+    let worker = |threads: usize| {
+        let (known, mut prepared) = (&known, None);
+        move |point: usize| at(sweep, head, point, known, threads, &mut prepared)
+    };
+    side_by_side(points, "points", threads, worker, |found| keep(found, sweep, journal, &mut done))?;
+    Ok(done)
 }
 
 /// Computes a point unless it is known, from what is left of the worker's last one; `None` if interrupted.
@@ -79,7 +46,7 @@ fn at(
     known: &HashSet<String>,
     threads: usize,
     prepared: &mut Option<Prepared>,
-) -> Result<Option<(usize, String, Option<SweepPoint>)>, Failure> {
+) -> Result<Option<Found>, Failure> {
     let resolved = sweep.scenario(point).and_then(|scenario| scenario.resolve());
     let resolved = resolved.map_err(|errors| failed_at(head, point, &errors))?;
     if known.contains(&resolved.hash) {
@@ -114,7 +81,7 @@ fn failed_at(head: &SweepHead, point: usize, error: &dyn std::fmt::Display) -> F
 
 /// Keeps what was found; whether it was computed now. The first point also tells whether there is what is to be drawn.
 fn keep(
-    (point, hash, result): (usize, String, Option<SweepPoint>),
+    (point, hash, result): Found,
     sweep: &Sweep,
     journal: &mut Journal,
     done: &mut BTreeMap<usize, Done>,

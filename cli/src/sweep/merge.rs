@@ -27,7 +27,7 @@ pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
                 Some(_) => {}
                 None => head = Some((path, own)),
             }
-            points.extend(journal.points.into_iter().filter_map(|point| Some((point.point?, point))));
+            points.extend(journal.lines.into_iter().filter_map(|point| Some((point.point?, point))));
         }
     }
     let folders = arguments.folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>();

@@ -8,7 +8,6 @@ mod compute;
 mod journal;
 mod listed;
 mod merge;
-mod progress;
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -22,6 +21,7 @@ use papilio_scenario::Sweep;
 use self::compute::compute;
 use self::journal::Journal;
 use crate::arguments::{Sweep as Command, SweepCommand, SweepRun, SweepWanted as Wanted, default_out};
+use crate::journal::name;
 use crate::{Failure, interrupt, output, report, say};
 
 /// Points whose scenario is looked at before any is computed.
@@ -45,7 +45,7 @@ fn run(arguments: &SweepRun, wanted: Wanted) -> Result<(), Failure> {
     output::check(&folder)?;
     output::make_folder(&folder)?;
     let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
-    let mut journal = Journal::open(&folder, &journal::name(arguments.shard), head.clone())?;
+    let mut journal = Journal::open(&folder, &name(journal::STEM, arguments.shard), head.clone())?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..sweep.len()).filter(|point| point % n == k - 1).collect();
     let started = Instant::now();

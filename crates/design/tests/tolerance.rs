@@ -54,7 +54,7 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
         let plan = Plan::new(vec![normal(1.0, 0.3), normal(-2.0, 0.4), normal(3.0, 0.5)], correlation, seed);
         let sum = column(&plan, 2048, Draw::Own, |x| a * x[0] + b * x[1] + c * x[2]);
         let spread = Spread::of(&sum).unwrap();
-        let verdict = Verdict::of(&[sum], &[limit], &[spread.deviation.value], 1);
+        let (verdict, _) = Verdict::of(&[sum], &[limit], &[spread.deviation.value], 1);
         let found = verdict.yield_share;
         let of_random = (wanted * (1.0 - wanted) / 2048.0).sqrt();
         gains[0] += found.standard_error / of_random / 40.0;

@@ -49,6 +49,7 @@ mod cone;
 mod error;
 mod file;
 mod index;
+mod journal;
 mod json;
 mod light;
 mod measured_panel;
@@ -77,6 +78,7 @@ pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
+pub use journal::{Journal, JournalNumber, JournalRow, LARGEST_JOURNAL, read_journal, write_journal_line};
 pub use json::write_json;
 pub use light::{
     LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
@@ -89,8 +91,7 @@ pub use result_read::{ReadResult, read_result};
 pub use spectrum::{read_light, read_shares, read_spectrum};
 pub use study::write_study;
 pub use sweep::{
-    LARGEST_JOURNAL, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, read_sweep, sweep_place,
-    sweep_value, write_sweep_csv, write_sweep_line,
+    SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };
 pub use sweep_json::write_sweep_json;
 pub use sweep_parquet::sweep_parquet;

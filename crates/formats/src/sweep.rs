@@ -2,7 +2,7 @@
 //!
 //! The journal is JSON, a line each: first what the sweep is ([`SweepHead`]), then every point as it is done
 //! ([`SweepPoint`]). A point is known by the hash of its scenario and of its files, so that a journal serves a
-//! sweep that was changed, too. A line without its end was cut off when the program was killed, and counts for nothing.
+//! sweep that was changed, too.
 
 use std::io::{self, Write};
 
@@ -10,13 +10,8 @@ use papilio_display::result::RunResult;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::error::{FormatError, Problem};
-use crate::file::DataFile;
-use crate::place::Place;
+use crate::journal::Journal;
 use crate::result::state_table;
-
-/// No journal may be larger, in bytes.
-pub const LARGEST_JOURNAL: u64 = 4 << 30;
 
 /// What a sweep is: the first line of its journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -147,49 +142,8 @@ impl SweepPoint {
     }
 }
 
-/// A journal as it was found.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct SweepJournal {
-    /// What the sweep is; `None` if even that was cut off.
-    pub head: Option<SweepHead>,
-    /// The points that are done.
-    pub points: Vec<SweepPoint>,
-    /// Bytes up to the end of the last whole line.
-    pub whole: usize,
-}
-
-/// Reads a journal; a last line without its end is left out.
-///
-/// # Errors
-/// A whole line that is not what it should be, with its number.
-pub fn read_sweep(file: &DataFile) -> Result<SweepJournal, FormatError> {
-    let mut journal = SweepJournal::default();
-    for line in file.bytes.split_inclusive(|byte| *byte == b'\n').take_while(|line| line.ends_with(b"\n")) {
-        let at = journal.whole..journal.whole + line.len();
-        let wrong = |error: serde_json::Error| {
-            let text = String::from_utf8_lossy(&file.bytes[..at.end]);
-            let problem = Problem::NotAJournal { reason: error.to_string() };
-            FormatError { place: Place::in_text(&file.name, &text, at.start..at.end), problem }
-        };
-        match journal.head {
-            None => journal.head = Some(serde_json::from_slice(line).map_err(wrong)?),
-            Some(_) => journal.points.push(serde_json::from_slice(line).map_err(wrong)?),
-        }
-        journal.whole += line.len();
-    }
-    Ok(journal)
-}
-
-/// Writes a line of a journal, its end included.
-///
-/// # Errors
-/// Those of `out`.
-pub fn write_sweep_line(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
-    // In one piece: another program's reader sees all of a line or nothing.
-    let mut text = serde_json::to_vec(line)?;
-    text.push(b'\n');
-    out.write_all(&text)
-}
+/// A sweep's journal as it was found.
+pub type SweepJournal = Journal<SweepHead, SweepPoint>;
 
 /// Writes `sweep.csv`: for every point, view and state a row; the swept keys first, then the columns of `states.csv`.
 /// `points` are all of them, in order. A column that a point does not have is empty there.
@@ -245,6 +199,7 @@ pub fn sweep_value(value: &Value) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::{DataFile, read_journal, write_journal_line};
     use serde_json::json;
 
     pub(crate) fn head() -> SweepHead {
@@ -277,14 +232,14 @@ pub(crate) mod tests {
     #[test]
     fn a_journal_may_end_anywhere() {
         let mut bytes = Vec::new();
-        write_sweep_line(&mut bytes, &head()).unwrap();
-        (0..3).for_each(|number| write_sweep_line(&mut bytes, &point(number)).unwrap());
+        write_journal_line(&mut bytes, &head()).unwrap();
+        (0..3).for_each(|number| write_journal_line(&mut bytes, &point(number)).unwrap());
         let ends: Vec<usize> = (0..bytes.len()).filter(|at| bytes[*at] == b'\n').map(|at| at + 1).collect();
         for length in 0..=bytes.len() {
             let file = DataFile { name: "j".to_owned(), bytes: bytes[..length].to_vec() };
-            let journal = read_sweep(&file).unwrap();
+            let journal: SweepJournal = read_journal(&file, |_| true).unwrap();
             let whole = ends.iter().filter(|end| **end <= length).count();
-            assert_eq!(usize::from(journal.head.is_some()) + journal.points.len(), whole);
+            assert_eq!(usize::from(journal.head.is_some()) + journal.lines.len(), whole);
             assert_eq!(journal.whole, ends[..whole].last().copied().unwrap_or(0));
         }
     }
@@ -292,9 +247,11 @@ pub(crate) mod tests {
     #[test]
     fn a_line_that_is_wrong_has_its_number() {
         let mut bytes = Vec::new();
-        write_sweep_line(&mut bytes, &head()).unwrap();
+        write_journal_line(&mut bytes, &head()).unwrap();
         bytes.extend(b"{\"point\": 1}\n");
-        let error = read_sweep(&DataFile { name: "j".to_owned(), bytes }).unwrap_err();
+        let error =
+            read_journal::<SweepHead, SweepPoint>(&DataFile { name: "j".to_owned(), bytes }, |_| true)
+                .unwrap_err();
         assert_eq!(error.place.line_column().map(|at| at.0), Some(2));
     }
 

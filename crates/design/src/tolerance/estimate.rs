@@ -1,9 +1,11 @@
 //! Numbers with their standard errors.
 
+use serde::Serialize;
+
 use super::plan::REPLICATES;
 
 /// A number found from a sample, and one sigma of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
     /// The number.
     pub value: f64,

@@ -10,11 +10,13 @@
 //! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred; total M. J. W.
 //! Jansen, Comput. Phys. Commun. 117, 35 (1999).
 
+use serde::Serialize;
+
 use super::estimate::{Estimate, Sums};
 use super::plan::replicate;
 
 /// How much of a metric's variance comes from a group of keys.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Indices {
     /// By itself.
     pub first: Estimate,

@@ -6,20 +6,25 @@
 //! - [`Spread`]: mean, standard deviation and percentiles of a metric.
 //! - [`Verdict`]: yield against limits, which limit fails how often, and the pieces that miss most.
 //! - [`Indices`]: first-order and total Sobol indices.
+//! - [`Production`]: all of it for a scenario's `[tolerance]`; [`Report`]: what is said of it.
 //!
 //! Every number has its standard error: the jackknife over the replicates. Undefined metrics are NaN here: they are
 //! counted, meet no limit, and are left out of all else.
 //!
-//! **Out of scope**: what a metric is. Arrays in, arrays out.
+//! **Out of scope**: files, threads.
 
 mod estimate;
 mod indices;
 mod plan;
+mod production;
+mod report;
 mod spread;
 mod verdict;
 
 pub use estimate::Estimate;
 pub use indices::{Indices, indices};
 pub use plan::{Draw, Plan, REPLICATES};
+pub use production::Production;
+pub use report::{LimitReport, MetricReport, Report, WorstDisplay};
 pub use spread::{PERCENTILES, Spread};
 pub use verdict::{Failing, Limit, Miss, Verdict};

@@ -1,5 +1,7 @@
 //! How a metric scatters.
 
+use serde::Serialize;
+
 use super::estimate::{Estimate, Sums};
 use super::plan::{REPLICATES, replicate};
 
@@ -7,7 +9,7 @@ use super::plan::{REPLICATES, replicate};
 pub const PERCENTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
 
 /// How a metric scatters over the pieces that have it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spread {
     /// Pieces that do not have it.
     pub undefined: usize,

@@ -1,5 +1,7 @@
 //! Yield against limits.
 
+use serde::Serialize;
+
 use super::estimate::{Estimate, Sums};
 use super::plan::replicate;
 
@@ -15,18 +17,16 @@ pub struct Limit {
 }
 
 /// How many pieces meet all limits, and why the others do not.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
     /// The share of pieces that meet all limits.
     pub yield_share: Estimate,
     /// For each limit.
     pub failing: Vec<Failing>,
-    /// The pieces that miss most, the worst first.
-    pub worst: Vec<Miss>,
 }
 
 /// How often a limit is not met.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Failing {
     /// The share of pieces that do not meet it.
     pub share: Estimate,
@@ -58,9 +58,9 @@ impl Limit {
 }
 
 impl Verdict {
-    /// Of pieces by their metrics, `columns[metric][row]`; `deviations` are the standard deviations of the metrics,
-    /// `worst` is how many of the worst pieces are wanted.
-    pub fn of(columns: &[Vec<f64>], limits: &[Limit], deviations: &[f64], worst: usize) -> Self {
+    /// Of pieces by their metrics, `columns[metric][row]`, and the pieces that miss most, the worst first: `worst` at
+    /// most. `deviations` are the standard deviations of the metrics.
+    pub fn of(columns: &[Vec<f64>], limits: &[Limit], deviations: &[f64], worst: usize) -> (Self, Vec<Miss>) {
         let rows = columns.first().map_or(0, Vec::len);
         let missed = |row: usize| -> Vec<f64> {
             limits.iter().map(|limit| limit.missed_by(columns[limit.column][row])).collect()
@@ -75,11 +75,11 @@ impl Verdict {
             share: share(&|missed| missed[k] > 0.0),
             alone: share(&|missed| missed.iter().enumerate().all(|(i, by)| (*by > 0.0) == (i == k))),
         };
-        Self {
+        let verdict = Self {
             yield_share: share(&|missed| missed.iter().all(|by| *by <= 0.0)),
             failing: (0..limits.len()).map(failing).collect(),
-            worst: most_missed(&fails, limits, deviations, worst),
-        }
+        };
+        (verdict, most_missed(&fails, limits, deviations, worst))
     }
 }
 
@@ -116,19 +116,19 @@ mod tests {
         let mut b = a.clone();
         b[1] = f64::NAN;
         let limits = [at_least(0, 1.0), Limit { column: 1, at_least: Some(1.0), at_most: Some(2.0) }];
-        let verdict = Verdict::of(&[a, b], &limits, &[1.0, 2.0], 2);
+        let (verdict, found) = Verdict::of(&[a, b], &limits, &[1.0, 2.0], 2);
         let share = |count: f64| count / f64::from(rows);
         // Of four pieces the first fails both, the last the second alone; one more is undefined.
         assert_eq!(verdict.yield_share.value, share(79.0));
         assert_eq!(verdict.failing[0].share.value, share(40.0));
         assert_eq!((verdict.failing[0].alone.value, verdict.failing[1].alone.value), (0.0, share(41.0)));
         let worst = [Miss { row: 1, limit: 1, by: f64::INFINITY }, Miss { row: 0, limit: 0, by: 1.0 }];
-        assert_eq!(verdict.worst, worst);
+        assert_eq!(found, worst);
     }
 
     #[test]
     fn without_limits_all_is_well() {
-        let verdict = Verdict::of(&[vec![1.0; 32]], &[], &[0.0], 5);
-        assert_eq!((verdict.yield_share.value, verdict.worst.len()), (1.0, 0));
+        let (verdict, worst) = Verdict::of(&[vec![1.0; 32]], &[], &[0.0], 5);
+        assert_eq!((verdict.yield_share.value, worst.len()), (1.0, 0));
     }
 }

@@ -1,4 +1,4 @@
-//! How far a sweep is: a bar on a terminal, a line now and then in a log.
+//! How far many pieces of work are: a bar on a terminal, a line now and then in a log.
 
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
@@ -10,9 +10,11 @@ use crate::say;
 /// A log gets a line no more often than this.
 const BETWEEN_LINES: Duration = Duration::from_secs(20);
 
-pub(super) struct Progress {
+pub(crate) struct Progress {
     bar: Option<ProgressBar>,
-    points: usize,
+    pieces: usize,
+    /// What they are called.
+    unit: &'static str,
     known: usize,
     computed: usize,
     started: Instant,
@@ -20,17 +22,17 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(points: usize) -> Self {
-        let bar = stderr().is_terminal().then(|| bar(points));
+    pub(crate) fn new(pieces: usize, unit: &'static str) -> Self {
+        let bar = stderr().is_terminal().then(|| bar(pieces, unit));
         let now = Instant::now();
-        Self { bar, points, known: 0, computed: 0, started: now, said: now }
+        Self { bar, pieces, unit, known: 0, computed: 0, started: now, said: now }
     }
 
-    /// One point more is done, computed now or known before.
-    pub(super) fn done(&mut self, computed: bool) {
+    /// One piece more is done, computed now or known before.
+    pub(crate) fn done(&mut self, computed: bool) {
         *(if computed { &mut self.computed } else { &mut self.known }) += 1;
         let done = self.known + self.computed;
-        let left = left(self.started.elapsed(), self.computed, self.points - done);
+        let left = left(self.started.elapsed(), self.computed, self.pieces - done);
         match &self.bar {
             Some(bar) => {
                 bar.set_position(done as u64);
@@ -38,7 +40,7 @@ impl Progress {
             }
             None if self.said.elapsed() >= BETWEEN_LINES => {
                 self.said = Instant::now();
-                say(&format!("{done} of {} points{left}", self.points));
+                say(&format!("{done} of {} {}{left}", self.pieces, self.unit));
             }
             None => {}
         }
@@ -51,17 +53,18 @@ impl Drop for Progress {
     }
 }
 
-fn bar(points: usize) -> ProgressBar {
-    let bar = ProgressBar::new(points as u64);
-    if let Ok(style) = ProgressStyle::with_template("  {bar:30} {pos} of {len} points{msg}") {
+fn bar(pieces: usize, unit: &str) -> ProgressBar {
+    let bar = ProgressBar::new(pieces as u64);
+    if let Ok(style) = ProgressStyle::with_template(&format!("  {{bar:30}} {{pos}} of {{len}} {unit}{{msg}}"))
+    {
         bar.set_style(style);
     }
-    // It is there before the first point is.
+    // It is there before the first piece is.
     bar.tick();
     bar
 }
 
-/// How long the rest takes, if points go on as they went: what was known before took no time.
+/// How long the rest takes, if pieces go on as they went: what was known before took no time.
 fn left(elapsed: Duration, computed: usize, rest: usize) -> String {
     if computed == 0 || rest == 0 {
         return String::new();
