@@ -50,6 +50,11 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
                       What is done is kept: the same command goes on after a kill, and ends in the same files.")]
     Optimize(Optimize),
+    /// Scatter a scenario's keys as its `[tolerance]` says: percentiles, yield, sensitivities, resumably
+    #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
+                      What is done is kept: the same command goes on after a kill, and more samples begin with those that\n\
+                      are known.")]
+    Tolerance(Tolerance),
     /// Studies of the methods on a scenario of your own
     #[command(subcommand)]
     Study(Study),
@@ -158,6 +163,33 @@ pub(crate) struct SweepMerge {
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) wanted: SweepWanted,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Tolerance {
+    /// The scenario (TOML), with a `[tolerance]`
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Folder for the results [default: out/ and the name of FILE]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Set a key of the scenario, e.g. tolerance.samples=65536; may be repeated
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Compute part K of N alone, for many machines: every N-th sample
+    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "json")]
+    pub(crate) shard: Option<(usize, usize)>,
+    /// Also take what is done from the journals in this folder; may be repeated
+    #[arg(long, value_name = "DIR")]
+    pub(crate) merge: Vec<PathBuf>,
+    /// Print the report as JSON on standard output; files are written as ever
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write each figure as PNG, too
+    #[arg(long)]
+    pub(crate) png: bool,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
 }
 
 /// What a finished sweep gives besides `sweep.csv` and its figures as SVG.

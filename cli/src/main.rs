@@ -20,6 +20,7 @@ mod serve;
 mod side_by_side;
 mod study;
 mod sweep;
+mod tolerance;
 mod validate;
 
 use std::io::Write;
@@ -107,6 +108,7 @@ fn main() -> ExitCode {
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
+        Command::Tolerance(arguments) => tolerance::run(&arguments),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),
         Command::Schema { result } => output::schema(result),
     };

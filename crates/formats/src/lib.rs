@@ -65,6 +65,7 @@ mod study;
 mod sweep;
 mod sweep_json;
 mod sweep_parquet;
+mod tolerance;
 pub mod words;
 
 pub use audit::{AuditFile, FitFile};
@@ -95,3 +96,4 @@ pub use sweep::{
 };
 pub use sweep_json::write_sweep_json;
 pub use sweep_parquet::sweep_parquet;
+pub use tolerance::{ToleranceHead, write_table};

@@ -1,0 +1,173 @@
+//! What a finished tolerance analysis writes.
+
+use std::path::Path;
+
+use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
+use papilio_figures::{Blame, Ends, good_and_bad, histogram, sensitivities};
+use papilio_formats::{sweep_value, write_file, write_json, write_table};
+use papilio_scenario::Tolerance;
+
+use crate::{Failure, output};
+
+/// Writes tables and figures, and returns their names.
+pub(super) fn write(
+    folder: &Path,
+    title: &str,
+    tolerance: &Tolerance,
+    production: &Production,
+    rows: &[&[f64]],
+    report: &Report,
+    png: bool,
+) -> Result<Vec<String>, Failure> {
+    output::remove(folder, |name| {
+        name.starts_with("tolerance_") && (name.ends_with(".svg") || name.ends_with(".png"))
+    })?;
+    let (columns, samples) = samples(tolerance, production, rows);
+    write_file(&folder.join("tolerance.csv"), |out| write_table(out, &columns, samples))?;
+    let (columns, metrics) = summary(report);
+    write_file(&folder.join("tolerance-metrics.csv"), |out| write_table(out, &columns, metrics))?;
+    write_file(&folder.join("tolerance.json"), |out| write_json(out, report))?;
+    let tables = ["tolerance.csv", "tolerance-metrics.csv", "tolerance.json"];
+    let mut names: Vec<String> = tables.map(str::to_owned).to_vec();
+    for (name, svg) in figures(title, tolerance, production, rows, report) {
+        if png {
+            names.extend(output::write_figure(folder, &name, &svg)?);
+        } else {
+            let name = format!("{name}.svg");
+            write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
+            names.push(name);
+        }
+    }
+    Ok(names)
+}
+
+/// A number as it stands in a cell.
+fn cell(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { String::new() }
+}
+
+/// Every display: its keys and its metrics, and whether it meets all limits.
+fn samples<'a>(
+    tolerance: &'a Tolerance,
+    production: &'a Production,
+    rows: &'a [&[f64]],
+) -> (Vec<String>, impl Iterator<Item = Vec<String>> + 'a) {
+    let keys = tolerance.keys.iter().map(|key| key.name.clone());
+    let metrics = tolerance.metrics.iter().map(|metric| metric.name.clone());
+    let columns = ["sample".to_owned()].into_iter().chain(keys).chain(metrics).chain(["good".to_owned()]);
+    let row = |(number, row): (usize, &&[f64])| {
+        let keys = production.values(number).iter().map(sweep_value).collect::<Vec<_>>();
+        let metrics = row.iter().take(tolerance.metrics.len()).map(|value| cell(*value));
+        let good = u8::from(is_good(tolerance, row)).to_string();
+        [number.to_string()].into_iter().chain(keys).chain(metrics).chain([good]).collect()
+    };
+    (columns.collect(), rows.iter().enumerate().map(row))
+}
+
+/// Whether a display meets all limits.
+fn is_good(tolerance: &Tolerance, row: &[f64]) -> bool {
+    tolerance.limits.iter().all(|limit| ends(limit.at_least, limit.at_most).meets(row[limit.metric]))
+}
+
+fn ends(at_least: Option<f64>, at_most: Option<f64>) -> Ends {
+    Ends { at_least, at_most }
+}
+
+/// Every metric: its spread and its sensitivities, each number beside its standard error.
+fn summary(report: &Report) -> (Vec<String>, impl Iterator<Item = Vec<String>> + '_) {
+    let with_error = |name: String| [name.clone(), format!("{name}_se")];
+    let percentiles = PERCENTILES.iter().map(|percent| format!("p{percent}"));
+    let spread = ["mean", "deviation"].map(str::to_owned).into_iter().chain(percentiles);
+    let indices = report.groups.iter().flat_map(|group| {
+        let group = group.join(" + ");
+        [format!("first-order {group}"), format!("total {group}")]
+    });
+    let columns = ["metric", "undefined", "least", "largest"].map(str::to_owned).into_iter();
+    let columns = columns.chain(spread.chain(indices).flat_map(with_error)).collect();
+    (columns, report.metrics.iter().map(summary_of))
+}
+
+fn summary_of(metric: &MetricReport) -> Vec<String> {
+    let mut cells = vec![metric.name.clone()];
+    let pair = |one: Option<Estimate>| {
+        one.map_or([String::new(), String::new()], |one| [cell(one.value), cell(one.standard_error)])
+    };
+    match &metric.spread {
+        Some(spread) => {
+            cells.push(spread.undefined.to_string());
+            cells.extend(spread.range.map(cell));
+            let all = [spread.mean, spread.deviation].into_iter().chain(spread.percentiles);
+            cells.extend(all.flat_map(|one| pair(Some(one))));
+        }
+        None => cells.extend(vec![String::new(); 3 + 2 * (2 + PERCENTILES.len())]),
+    }
+    for indices in &metric.indices {
+        cells.extend(pair(indices.map(|one| one.first)));
+        cells.extend(pair(indices.map(|one| one.total)));
+    }
+    cells
+}
+
+/// Names of figures without their ends, and SVG texts.
+fn figures(
+    title: &str,
+    tolerance: &Tolerance,
+    production: &Production,
+    rows: &[&[f64]],
+    report: &Report,
+) -> Vec<(String, String)> {
+    let mut drawn = Vec::new();
+    for (column, metric) in tolerance.metrics.iter().enumerate() {
+        let values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
+        let limit = tolerance.limits.iter().find(|limit| limit.metric == column);
+        let ends = limit.map_or(Ends::default(), |limit| ends(limit.at_least, limit.at_most));
+        let svg = histogram(&metric.name, &values, ends, title);
+        drawn.extend(svg.map(|svg| (format!("tolerance_{}", plain(&metric.name)), svg)));
+    }
+    let metrics: Vec<String> = report.metrics.iter().map(|metric| metric.name.clone()).collect();
+    let groups: Vec<String> = report.groups.iter().map(|group| group.join(" + ")).collect();
+    let blame = |one: &papilio_design::tolerance::Indices| Blame {
+        first: [one.first.value, one.first.standard_error],
+        total: [one.total.value, one.total.standard_error],
+    };
+    let blames: Vec<Vec<Option<Blame>>> = report
+        .metrics
+        .iter()
+        .map(|metric| metric.indices.iter().map(|one| one.as_ref().map(blame)).collect())
+        .collect();
+    let bars = sensitivities(&metrics, &groups, &blames, title);
+    drawn.extend(bars.map(|svg| ("tolerance_sensitivities".to_owned(), svg)));
+    if let Some([x, y]) = most_important(tolerance, production, report) {
+        let number = |row: usize, key: usize| production.values(row)[key].as_f64().unwrap_or(f64::NAN);
+        let points = rows.iter().enumerate();
+        let points: Vec<([f64; 2], bool)> = points
+            .map(|(row, values)| ([number(row, x), number(row, y)], is_good(tolerance, values)))
+            .collect();
+        let names = [x, y].map(|key| tolerance.keys[key].name.as_str());
+        drawn.push(("tolerance_keys".to_owned(), good_and_bad(names, &points, title)));
+    }
+    drawn
+}
+
+/// A metric's name as that of a file.
+fn plain(name: &str) -> String {
+    name.replace(", ", "_").replace(' ', "-").replace(['/', '\\'], "-")
+}
+
+/// The two keys with numbers that most of the variance comes from, of the metric whose limit fails most often.
+fn most_important(tolerance: &Tolerance, production: &Production, report: &Report) -> Option<[usize; 2]> {
+    let failing = report.verdict.failing.iter().map(|failing| failing.share.value);
+    let limit = failing.enumerate().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?.0;
+    let metric = report.metrics.get(tolerance.limits[limit].metric)?;
+    let mut keys: Vec<(usize, f64)> = Vec::new();
+    for (group, indices) in production.plan().groups().iter().zip(&metric.indices) {
+        let total = indices.map_or(0.0, |one| one.total.value);
+        let numbers = group.iter().filter(|key| tolerance.keys[**key].choices.is_empty());
+        keys.extend(numbers.map(|key| (*key, total)));
+    }
+    keys.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    match keys[..] {
+        [(x, _), (y, _), ..] => Some([x, y]),
+        _ => None,
+    }
+}

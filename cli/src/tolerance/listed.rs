@@ -1,0 +1,117 @@
+//! A tolerance analysis on the terminal.
+
+use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
+use papilio_formats::sweep_value;
+
+use crate::report;
+
+/// More of the worst displays are not printed.
+const MOST_WORST: usize = 5;
+
+/// Yield first, then why it is what it is.
+pub(super) fn listed(title: &str, production: &Production, found: &Report) -> String {
+    let mut text = format!("{title}\n{} displays", found.samples);
+    if found.sensitivity_samples > 0 {
+        text.push_str(&format!(", {} more for sensitivities", production.displays() - found.samples));
+    }
+    text.push('\n');
+    if !found.limits.is_empty() {
+        text.push_str(&format!("\nyield {}{}\n\n", percent(found.verdict.yield_share), none_fails(found)));
+        text.push_str(&report::table(&limits(found)));
+    }
+    text.push('\n');
+    text.push_str(&report::table(&spreads(found)));
+    if found.sensitivity_samples > 0 {
+        text.push_str("\nwhere the variance comes from: by itself / with others, %\n");
+        text.push_str(&report::table(&sensitivities(found)));
+    }
+    if !found.worst.is_empty() {
+        text.push_str("\nthe displays that miss most (in standard deviations of the metric)\n");
+        text.push_str(&report::table(&worst(production, found)));
+    }
+    text
+}
+
+/// What a sample in which nothing fails says of the whole: the rule of three.
+fn none_fails(found: &Report) -> String {
+    if found.verdict.yield_share.value < 1.0 {
+        return String::new();
+    }
+    format!(
+        ": none of {} fails, so fewer than {:.2} % do (95 % sure)",
+        found.samples,
+        300.0 / found.samples as f64
+    )
+}
+
+/// A share in % with its standard error.
+fn percent(share: Estimate) -> String {
+    format!("{:.2} +- {:.2} %", 100.0 * share.value, 100.0 * share.standard_error)
+}
+
+fn row(cells: &[&str]) -> Vec<String> {
+    cells.iter().map(|cell| (*cell).to_owned()).collect()
+}
+
+fn limits(found: &Report) -> Vec<Vec<String>> {
+    let mut rows = vec![row(&["limit", "at least", "at most", "fails", "fails alone"])];
+    for (limit, failing) in found.limits.iter().zip(&found.verdict.failing) {
+        let end = |end: Option<f64>| end.map_or("-".to_owned(), |end| end.to_string());
+        let cells = [limit.metric.clone(), end(limit.at_least), end(limit.at_most)];
+        rows.push(cells.into_iter().chain([percent(failing.share), percent(failing.alone)]).collect());
+    }
+    rows
+}
+
+fn spreads(found: &Report) -> Vec<Vec<String>> {
+    let titles = ["metric", "mean", "deviation"].map(str::to_owned).into_iter();
+    let mut rows = vec![titles.chain(PERCENTILES.map(|percent| format!("{percent} %"))).collect::<Vec<_>>()];
+    let undefined = |metric: &MetricReport| metric.spread.as_ref().map_or(found.samples, |one| one.undefined);
+    let some = found.metrics.iter().any(|metric| undefined(metric) > 0);
+    rows[0].extend(some.then(|| "undefined".to_owned()));
+    for metric in &found.metrics {
+        let mut cells = vec![metric.name.clone()];
+        match &metric.spread {
+            Some(spread) => {
+                // So many digits that a tenth of the spread is seen.
+                let decimals = (1.0 - spread.deviation.value.log10().floor()).clamp(0.0, 8.0) as usize;
+                let all = [spread.mean, spread.deviation].into_iter().chain(spread.percentiles);
+                cells.extend(all.map(|one| report::unsigned_zero(format!("{:.decimals$}", one.value))));
+            }
+            None => cells.extend(vec!["-".to_owned(); 2 + PERCENTILES.len()]),
+        }
+        cells.extend(some.then(|| undefined(metric).to_string()));
+        rows.push(cells);
+    }
+    rows
+}
+
+fn sensitivities(found: &Report) -> Vec<Vec<String>> {
+    let groups = found.groups.iter().map(|group| group.join(" + "));
+    let mut rows = vec![["metric".to_owned()].into_iter().chain(groups).collect::<Vec<_>>()];
+    for metric in &found.metrics {
+        let of = |one: &papilio_design::tolerance::Indices| {
+            let share = |one: Estimate| report::unsigned_zero(format!("{:.0}", 100.0 * one.value));
+            format!("{} / {}", share(one.first), share(one.total))
+        };
+        let cells = metric.indices.iter().map(|one| one.as_ref().map_or("-".to_owned(), of));
+        rows.push([metric.name.clone()].into_iter().chain(cells).collect());
+    }
+    rows
+}
+
+fn worst(production: &Production, found: &Report) -> Vec<Vec<String>> {
+    let names = production.study().variables.iter().map(|variable| variable.name.clone());
+    let titles = ["sample", "misses", "by"].map(str::to_owned).into_iter();
+    let mut rows = vec![titles.chain(names).collect::<Vec<_>>()];
+    for one in found.worst.iter().take(MOST_WORST) {
+        let by = one.missed_by_sigma.map_or("undefined".to_owned(), |by| format!("{by:.1}"));
+        let limit = found.limits.get(one.limit).map_or(String::new(), |limit| limit.metric.clone());
+        let keys = one.keys.iter().map(|value| match value.as_f64() {
+            Some(number) => format!("{number:.5}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+            None => sweep_value(value),
+        });
+        rows.push([one.row.to_string(), limit, by].into_iter().chain(keys).collect());
+    }
+    rows
+}

@@ -1,0 +1,106 @@
+//! `papilio tolerance`: how production scatters a display, how much of it meets its limits, and why the rest does not;
+//! stopped and gone on with at will.
+//!
+//! A row of displays is known by its number, and depends on nothing else: so parts may be computed anywhere, and a
+//! production of more displays begins with those of a smaller one.
+
+mod files;
+mod listed;
+
+use std::io::Write;
+use std::time::Instant;
+
+use papilio_design::tolerance::{Production, Report};
+use papilio_design::{DesignError, Evaluator};
+use papilio_display::DisplayError;
+use papilio_formats::{ToleranceHead, write_json};
+use papilio_scenario::Tolerance;
+
+use crate::arguments::{Tolerance as Arguments, default_out};
+use crate::journal::Rows;
+use crate::side_by_side::side_by_side;
+use crate::{Failure, interrupt, output, report, say};
+
+/// Names of files begin so.
+const STEM: &str = "tolerance";
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let tolerance = Tolerance::load(&arguments.file, &arguments.set)?;
+    let production = Production::new(&tolerance);
+    production.check(&tolerance)?;
+    let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));
+    output::check(&folder)?;
+    output::make_folder(&folder)?;
+    let head = ToleranceHead {
+        papilio: env!("CARGO_PKG_VERSION").to_owned(),
+        hash: tolerance.hash.clone(),
+        metrics: tolerance.metrics.iter().map(|metric| metric.name.clone()).collect(),
+    };
+    let mut rows = Rows::open(&folder, STEM, arguments.shard, head, &arguments.merge)?;
+    let (k, n) = arguments.shard.unwrap_or((1, 1));
+    let mine: Vec<usize> = (0..production.rows()).filter(|row| row % n == k - 1).collect();
+    let started = Instant::now();
+    let computed = compute(&production, &mine, &mut rows, arguments.workers.threads)?;
+    let done = mine.iter().filter(|row| is_known(&production, &rows, **row)).count();
+    if done < mine.len() {
+        say(&format!("{done} of {} samples are done and kept", mine.len()));
+        return Err(Failure::Interrupted("the same command goes on from here"));
+    }
+    interrupt::whole(|| rows.finish(mine.iter().copied()))?;
+    let title = tolerance.title.clone().unwrap_or_else(|| report::file_title(&arguments.file));
+    let title = report::plain(&title);
+    let seconds = started.elapsed().as_secs_f64();
+    say(&format!("{title}: {} samples, {computed} computed in {seconds:.2} s", mine.len()));
+    if arguments.shard.is_some() {
+        say(&format!(
+            "part {k} of {n} is done; when all are: the same command without --shard, here or with --merge DIR"
+        ));
+        return Ok(());
+    }
+    let rows: Vec<&[f64]> = mine.iter().filter_map(|row| rows.get(*row)).collect();
+    let found = Report::new(&tolerance, &production, &rows);
+    let names = interrupt::whole(|| {
+        files::write(&folder, &title, &tolerance, &production, &rows, &found, arguments.png)
+    })?;
+    let mut stdout = anstream::stdout().lock();
+    if arguments.json {
+        write_json(&mut stdout, &found)?;
+    } else {
+        stdout.write_all(listed::listed(&title, &production, &found).as_bytes())?;
+    }
+    stdout.flush()?;
+    output::announce(&folder, &names);
+    Ok(())
+}
+
+/// Whether all numbers of a row are there.
+fn is_known(production: &Production, rows: &Rows<ToleranceHead>, row: usize) -> bool {
+    rows.get(row).is_some_and(|values| values.len() >= production.width(row))
+}
+
+/// Computes the rows that are not known yet, and keeps them; how many those were. Ends early if interrupted.
+fn compute(
+    production: &Production,
+    mine: &[usize],
+    rows: &mut Rows<ToleranceHead>,
+    threads: Option<u16>,
+) -> Result<usize, Failure> {
+    let missing: Vec<usize> = mine.iter().copied().filter(|row| !is_known(production, rows, *row)).collect();
+    let mut computed = 0;
+    let worker = |_| {
+        let mut evaluator = Evaluator::new(production.study().clone(), &interrupt::STOP);
+        move |row: usize| match production.evaluate(&mut evaluator, row) {
+            Ok(values) => Ok(Some((row, values))),
+            Err(DesignError::Display(DisplayError::Interrupted)) => Ok(None),
+            Err(error) => Err(Failure::Input(format!(
+                "{}\n  = note: in sample {row}",
+                error.to_string().trim_start_matches("error: ")
+            ))),
+        }
+    };
+    side_by_side(&missing, "samples", threads, worker, |(row, values)| {
+        computed += 1;
+        rows.add(row, values).map(|()| true)
+    })?;
+    Ok(computed)
+}
