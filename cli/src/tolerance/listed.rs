@@ -22,7 +22,12 @@ pub(super) fn listed(title: &str, production: &Production, found: &Report) -> St
     text.push('\n');
     text.push_str(&report::table(&spreads(found)));
     if found.sensitivity_samples > 0 {
-        text.push_str("\nwhere the variance comes from: by itself / with others, %\n");
+        let errors = found.metrics.iter().flat_map(|metric| metric.indices.iter().flatten());
+        let errors = errors.flat_map(|one| [one.first.standard_error, one.total.standard_error]);
+        let largest = 100.0 * errors.fold(0.0, f64::max);
+        text.push_str(&format!(
+            "\nwhere the variance comes from: by itself / with others, % (standard errors up to {largest:.1})\n"
+        ));
         text.push_str(&report::table(&sensitivities(found)));
     }
     if !found.worst.is_empty() {

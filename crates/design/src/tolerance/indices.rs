@@ -7,8 +7,11 @@
 //!
 //! Correlated keys have no indices of their own: what each of them does cannot be told apart. Their group has.
 //!
-//! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred; total M. J. W.
-//! Jansen, Comput. Phys. Commun. 117, 35 (1999).
+//! The first-order index is the mean, weighted by their errors, of two estimators: one is exact for a key that does
+//! nothing, the other for a key that does all.
+//!
+//! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred, and eq. 17 (M. J. W.
+//! Jansen); total index M. J. W. Jansen, Comput. Phys. Commun. 117, 35 (1999).
 
 use serde::Serialize;
 
@@ -33,9 +36,10 @@ pub fn indices(own: &[f64], other: &[f64], mixed: &[f64]) -> Option<Indices> {
     let centre = known.iter().map(|(_, [a, b, _])| 0.5 * (a + b)).sum::<f64>() / known.len() as f64;
     let sums = Sums::of(known.iter().map(|(row, values)| {
         let [a, b, m] = values.map(|value| value - centre);
+        let halved = |difference: f64| 0.5 * difference * difference;
         (
             replicate(*row),
-            [0.5 * (a + b), 0.5 * (a * a + b * b), b * (m - a), m - a, 0.5 * (m - a).powi(2), 1.0],
+            [0.5 * (a + b), 0.5 * (a * a + b * b), b * (m - a), m - a, halved(b - m), halved(m - a), 1.0],
         )
     }));
     let variance = |left_out| {
@@ -47,13 +51,23 @@ pub fn indices(own: &[f64], other: &[f64], mixed: &[f64]) -> Option<Indices> {
     if known.is_empty() || variance(None) <= least {
         return None;
     }
-    let first = Estimate::jackknife(|left_out| {
-        let [sum, _, product, change, _, count] = sums.without(left_out);
+    let of_little = |left_out| {
+        let [sum, _, product, change, .., count] = sums.without(left_out);
         (product - sum * change / count) / count / variance(left_out)
-    });
+    };
+    let of_much = |left_out| {
+        let [.., halved, _, count] = sums.without(left_out);
+        1.0 - halved / count / variance(left_out)
+    };
     let total = Estimate::jackknife(|left_out| {
         let [.., halved, count] = sums.without(left_out);
         halved / count / variance(left_out)
     });
+    let [of_little_varies, of_much_varies] =
+        [Estimate::jackknife(of_little), Estimate::jackknife(of_much)].map(|one| one.standard_error.powi(2));
+    // The whole of the weight to one that has no error.
+    let weight = of_much_varies / (of_little_varies + of_much_varies).max(f64::MIN_POSITIVE);
+    let first =
+        Estimate::jackknife(|left_out| weight * of_little(left_out) + (1.0 - weight) * of_much(left_out));
     Some(Indices { first, total })
 }

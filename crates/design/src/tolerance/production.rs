@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use papilio_scenario::{ScenarioErrors, Tolerance};
+use serde_json::Value;
 
 use super::plan::{Draw, Plan};
 use crate::{Condition, DesignError, Evaluator, Key, Named, Quantity, Study, Values, Variable};
@@ -106,11 +107,16 @@ impl Production {
         Ok(numbers)
     }
 
-    /// What each key of a row's own display is: the value of its first path.
-    pub fn values(&self, row: usize) -> Vec<serde_json::Value> {
+    /// What each key of a row's own display is: the value of its first path; of a choice that is a table or a list, its
+    /// place in the list of choices, as "#2".
+    pub fn values(&self, row: usize) -> Vec<Value> {
         let piece = self.plan.piece(row as u64, Draw::Own);
         let values = self.study.variables.iter().zip(piece);
-        values.map(|(variable, x)| variable.value(&variable.keys[0], x).unwrap_or_default()).collect()
+        let shown = |(variable, x): (&Variable, f64)| match variable.value(&variable.keys[0], x) {
+            Some(Value::Array(_) | Value::Object(_)) => format!("#{}", x as usize + 1).into(),
+            value => value.unwrap_or_default(),
+        };
+        values.map(shown).collect()
     }
 
     /// Nothing, if the displays at both ends of every key can be: found before any is computed.

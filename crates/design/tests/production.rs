@@ -76,7 +76,6 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
         let squares = of.iter().map(|t| t * t).sum::<f64>() / of.len() as f64;
         // Squares of Student's t of 15 degrees of freedom: mean 15/13, variance 1.96 in the mean of one; over 40
         // seeds one in 2000 lies outside.
-        println!("{name} {squares}");
         assert!((0.45..2.5).contains(&squares), "{name}: mean square {squares}");
         assert!(of.iter().all(|t| t.abs() < 6.0), "{name}: {of:?}");
     }
@@ -97,7 +96,6 @@ fn ishigamis_indices_are_found_to_a_hundredth() {
     let f = |x: &[f64]| x[0].sin() + a * x[1].sin().powi(2) + b * x[2].powi(4) * x[0].sin();
     let found = indices_of(&plan, 1 << 16, f);
     for (k, found) in found.iter().enumerate() {
-        println!("{k} {found:?} {} {}", first[k], total[k]);
         for (found, wanted) in [(found.first, first[k]), (found.total, total[k])] {
             assert!(
                 (found.value - wanted).abs() < 0.01 * f64::max(wanted, total[2]),

@@ -1,0 +1,278 @@
+//! Tolerances as their users meet them: whole, killed and gone on with, in parts, more of them, wrong.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+/// A bare film pixel: quick, and not so quick that its analysis cannot be killed.
+const SCENARIO: &str = r#"
+title = "Bare"
+[display.pixel]
+model = "film"
+substrate = "Al"
+area = { red = 0.4, green = 0.4, blue = 0.2 }
+gap_nm = { red = 275.9, green = 192.3, blue = 137.8, dark = 20.0 }
+film = [
+  { material = "Si3N4", thickness_nm = 55.9 },
+  { material = "Cr:Johnson", thickness_nm = 12.15 },
+  { material = "air", thickness_nm = "gap" },
+]
+[display.diffuser]
+model = "k-correlation"
+haze = 0.78
+transmittance = 0.9
+[solver]
+relative_error = 0.01
+[tolerance]
+samples = 96
+sensitivity_samples = 32
+[[tolerance.keys]]
+key = "display.pixel.film.1.thickness_nm"
+normal = { sigma = 0.3 }
+[[tolerance.keys]]
+name = "gaps"
+keys = ["display.pixel.gap_nm.red", "display.pixel.gap_nm.green"]
+uniform = { plus_minus = 4 }
+[[tolerance.keys]]
+name = "matching layer"
+key = "display.pixel.film.0.material"
+choices = { values = ["Si3N4", "AlOx"], weights = [3, 1] }
+[[tolerance.correlations]]
+keys = ["gaps", "display.pixel.film.1.thickness_nm"]
+coefficient = -0.5
+[[tolerance.limits]]
+metric = "contrast_ratio"
+at_least = 1.1
+[[tolerance.limits]]
+metric = "white.Y"
+at_least = 0.1
+at_most = 0.185
+"#;
+
+fn papilio(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Every file of a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
+}
+
+/// The same names, and the same bytes under each.
+fn same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
+    assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
+    let other: Vec<_> = found.keys().filter(|name| found[*name] != expected[*name]).collect();
+    assert!(other.is_empty(), "{other:?} are not what they should be");
+}
+
+/// The scenario in a folder of its own, and where results go.
+fn place(text: &str) -> (tempfile::TempDir, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    fs::write(&file, text).unwrap();
+    let out = folder.path().join("out");
+    let names = [file, out].map(|path| path.to_str().unwrap().to_owned());
+    let [file, out] = names;
+    (folder, file, out)
+}
+
+fn undisturbed() -> BTreeMap<String, Vec<u8>> {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    files(Path::new(&out))
+}
+
+/// The report agrees with the table of all displays, and a display of it with `papilio run`, to the last digit.
+#[test]
+fn the_report_is_that_of_its_displays() {
+    let (folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out, "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        report["groups"],
+        serde_json::json!([["display.pixel.film.1.thickness_nm", "gaps"], ["matching layer"]])
+    );
+    let table = fs::read_to_string(Path::new(&out).join("tolerance.csv")).unwrap();
+    let mut lines = table.lines();
+    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    assert_eq!(rows.len(), 96);
+    let good = rows.iter().filter(|row| row[at("good")] == "1").count();
+    assert_eq!(report["verdict"]["yield_share"]["value"], serde_json::json!(good as f64 / 96.0));
+    assert!((1..96).contains(&good), "limits that decide nothing show nothing: {good}");
+    // The worst display has the least contrast of all, or a white beyond its limits.
+    let least = report["metrics"][0]["spread"]["range"][0].as_f64().unwrap();
+    let contrasts = rows.iter().map(|row| row[at("contrast_ratio")].parse::<f64>().unwrap());
+    assert_eq!(contrasts.fold(f64::INFINITY, f64::min), least);
+
+    let row = &rows[5];
+    let deviation = row[at("gaps")].parse::<f64>().unwrap() - 275.9;
+    let set = [
+        format!("display.pixel.film.1.thickness_nm={}", row[at("display.pixel.film.1.thickness_nm")]),
+        format!("display.pixel.gap_nm.red={}", row[at("gaps")]),
+        format!("display.pixel.gap_nm.green={}", 192.3 + deviation),
+        format!("display.pixel.film.0.material={}", row[at("matching layer")]),
+    ];
+    let alone = folder.path().join("run");
+    let mut arguments = vec!["run", &file, "--json", "--out", alone.to_str().unwrap()];
+    set.iter().for_each(|set| arguments.extend(["--set", set]));
+    let output = papilio(&arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let run: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let (run, row) = (run["views"][0]["contrast_ratio"].as_f64().unwrap(), row[at("contrast_ratio")]);
+    // The gap of green goes through a difference here.
+    assert!((run - row.parse::<f64>().unwrap()).abs() < 1e-9 * run, "{run} {row}");
+}
+
+#[test]
+fn the_terminal_says_yield_and_reasons() {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    let text = stdout(&output);
+    for words in
+        ["Bare\n96 displays, 96 more for sensitivities", "yield ", "fails alone", "by itself / with others"]
+    {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let again = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(stderr(&again).contains("96 samples, 0 computed"), "{}", stderr(&again));
+    assert_eq!(stdout(&again), text);
+}
+
+/// Killed and gone on with, on one thread or on three: the same bytes.
+#[test]
+fn a_kill_makes_no_difference() {
+    let expected = undisturbed();
+    let (_folder, file, out) = place(SCENARIO);
+    let journal = Path::new(&out).join("tolerance.jsonl");
+    let lines = || fs::read(&journal).map_or(0, |text| text.iter().filter(|byte| **byte == b'\n').count());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_papilio"))
+        .args(["tolerance", &file, "--out", &out, "--threads", "1"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while lines() < 10 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let done = lines();
+    assert!((10..97).contains(&done), "killed too early or too late: {done}");
+    // The kill met it in the middle of a line.
+    let mut text = fs::read(&journal).unwrap();
+    text.extend(b"{\"row\":");
+    fs::write(&journal, text).unwrap();
+    let output = papilio(&["tolerance", &file, "--out", &out, "--threads", "3"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("96 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+}
+
+/// Parts in folders of their own, put together by the same command.
+#[test]
+fn parts_make_the_whole() {
+    let expected = undisturbed();
+    let (folder, file, out) = place(SCENARIO);
+    let parts: Vec<String> =
+        (1..=3).map(|k| folder.path().join(format!("part{k}")).to_str().unwrap().to_owned()).collect();
+    for (k, part) in parts.iter().enumerate() {
+        let shard = format!("{}/3", k + 1);
+        let output = papilio(&["tolerance", &file, "--out", part, "--shard", &shard]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let merge: Vec<&str> = parts.iter().flat_map(|part| ["--merge", part.as_str()]).collect();
+    let output = papilio(&[&["tolerance", &file, "--out", &out][..], &merge].concat());
+    assert!(stderr(&output).contains(" 0 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+}
+
+/// More samples begin with those that are known; other limits need none anew; another seed all.
+#[test]
+fn what_is_known_is_not_computed_again() {
+    let (_folder, file, out) = place(SCENARIO);
+    let computed = |set: &[&str]| {
+        let set: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+        let output = papilio(&[&["tolerance", &file, "--out", &out][..], &set].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let text = stderr(&output);
+        let line = text.lines().find(|line| line.contains(" computed in ")).unwrap().to_owned();
+        line.split(" computed").next().unwrap().rsplit(' ').next().unwrap().parse::<usize>().unwrap()
+    };
+    assert_eq!(computed(&["tolerance.samples=64"]), 64);
+    assert_eq!(computed(&[]), 32);
+    assert_eq!(computed(&["tolerance.limits.0.at_least=1.2"]), 0);
+    assert_eq!(computed(&["tolerance.sensitivity_samples=48"]), 16);
+    assert_eq!(computed(&["tolerance.seed=1", "tolerance.samples=64"]), 64);
+}
+
+/// A change of the text, and what the answer must say.
+#[test]
+fn mistakes_are_answered_with_their_place() {
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("normal = { sigma = 0.3 }", "normal = { sigma = -1 }", &["s.toml:24:20", "-1 is out of range"]),
+        (
+            "normal = { sigma = 0.3 }",
+            "",
+            &["none of normal, lognormal, uniform, triangular, choices is given"],
+        ),
+        (
+            "normal = { sigma = 0.3 }",
+            "normal = { sigma = 30 }",
+            &["is out of range", "s.toml:23:7", "expected a number from 0"],
+        ),
+        (
+            "film.1.thickness_nm\"\nnormal",
+            "film.1.thick\"\nnormal",
+            &["no number at `display.pixel.film.1.thick`"],
+        ),
+        (
+            "film.1.thickness_nm\"\nnormal = {",
+            "film.1.thick\"\nnormal = { mean = 3,",
+            &["no key `thick`", "did you mean `thickness_nm`?"],
+        ),
+        ("coefficient = -0.5", "coefficient = -1", &["-1 is out of range"]),
+        ("\"gaps\", ", "\"gap\", ", &["nothing named `gap` scatters", "did you mean `gaps`?"]),
+        ("weights = [3, 1]", "weights = [3]", &["1 weights of 2 values", "expected 2 weights"]),
+        ("\"AlOx\"]", "\"Alox\"]", &["no material named `Alox`"]),
+        ("metric = \"white.Y\"", "metric = \"whit.Y\"", &["no state `whit`", "did you mean `white`?"]),
+        ("metric = \"white.Y\"", "metric = \"Y\"", &["`Y` is not a choice here"]),
+        ("at_least = 1.1", "", &["neither `at_least` nor `at_most`"]),
+        ("at_least = 1.1", "at_least = 1.1\nview = 3", &["3 is out of range", "the number of a view, 0 to 0"]),
+        (
+            "name = \"gaps\"\nkeys",
+            "name = \"gaps\"\nkey = \"a\"\nkeys",
+            &["more than one of key, keys is given"],
+        ),
+        ("gap_nm.green\"]", "gap_nm.red\"]", &["`display.pixel.gap_nm.red` scatters twice"]),
+    ];
+    for (from, to, words) in cases {
+        assert!(SCENARIO.contains(from), "{from}");
+        let (_folder, file, out) = place(&SCENARIO.replacen(from, to, 1));
+        let output = papilio(&["tolerance", &file, "--out", &out]);
+        assert_eq!(output.status.code(), Some(2), "{from} -> {to}: {}", stdout(&output));
+        words.iter().for_each(|words| assert!(stderr(&output).contains(words), "{to}: {}", stderr(&output)));
+        assert!(!Path::new(&out).exists(), "wrong input writes nothing: {to}");
+    }
+    let (_folder, file, out) = place(&SCENARIO[..SCENARIO.find("[tolerance]").unwrap()]);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(stderr(&output).contains("the scenario has no `[tolerance]`"), "{}", stderr(&output));
+}
