@@ -6,8 +6,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use papilio_formats::{
-    DataFile, FormatError, Journal, JournalNumber, JournalRow, LARGEST_JOURNAL, Place, Problem, read_journal,
-    write_file, write_journal_line,
+    DataFile, FormatError, Journal, JournalNumber, JournalRow, LARGEST_JOURNAL, Place, Problem,
+    ToleranceHead, read_journal, write_file, write_journal_line,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -26,6 +26,7 @@ pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
     stem: &str,
     wanted: impl Fn(&H) -> bool,
 ) -> Result<Vec<(PathBuf, Journal<H, L>)>, Failure> {
+    let command = stem.split('-').next().unwrap_or(stem);
     let unreadable = |error: std::io::Error| {
         let why = match error.kind() {
             ErrorKind::NotFound => "is not there".to_owned(),
@@ -33,7 +34,7 @@ pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
             _ => format!("cannot be read: {error}"),
         };
         Failure::Input(format!(
-            "{} {why}\n  = help: expected a folder that `papilio {stem} FILE --out DIR` wrote a journal into",
+            "{} {why}\n  = help: expected a folder that `papilio {command} FILE --out DIR` wrote a journal into",
             folder.display()
         ))
     };
@@ -113,7 +114,19 @@ pub(crate) struct Rows<H> {
     known: BTreeMap<usize, Vec<f64>>,
 }
 
-impl<H: PartialEq + Serialize + DeserializeOwned> Rows<H> {
+/// What the rows of a light journal are of.
+pub(crate) trait RowsHead: PartialEq + Serialize + DeserializeOwned {
+    /// Whether rows of one are rows of the other.
+    fn is_of(&self, other: &Self) -> bool;
+}
+
+impl RowsHead for ToleranceHead {
+    fn is_of(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl<H: RowsHead> Rows<H> {
     /// Opens or begins it. Rows of other journals of the same head are known, too: of those in its folder, and in these.
     pub(crate) fn open(
         folder: &Path,
@@ -127,12 +140,12 @@ impl<H: PartialEq + Serialize + DeserializeOwned> Rows<H> {
         tidy(folder, &[&name(stem, shard), &format!("{stem}.csv."), &format!("{stem}_")]);
         let mut known = BTreeMap::new();
         for folder in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)) {
-            for (_, journal) in read_all::<H, JournalRow>(folder, stem, |other| *other == head)? {
+            for (_, journal) in read_all::<H, JournalRow>(folder, stem, |other| head.is_of(other))? {
                 known.extend(journal.lines.into_iter().map(plain));
             }
         }
-        let mine: Journal<H, JournalRow> = read(&path, |other| *other == head)?;
-        if mine.head.as_ref() == Some(&head) {
+        let mine: Journal<H, JournalRow> = read(&path, |other| head.is_of(other))?;
+        if mine.head.as_ref().is_some_and(|own| head.is_of(own)) {
             file.set_len(mine.whole as u64).map_err(|error| unwritable(&path, &error))?;
         } else {
             write_lines(&path, &head, std::iter::empty::<JournalRow>())?;
@@ -161,7 +174,8 @@ impl<H: PartialEq + Serialize + DeserializeOwned> Rows<H> {
     }
 }
 
-fn plain(line: JournalRow) -> (usize, Vec<f64>) {
+/// A line as it was kept.
+pub(crate) fn plain(line: JournalRow) -> (usize, Vec<f64>) {
     (line.row, line.values.into_iter().map(|one| one.0).collect())
 }
 

@@ -132,6 +132,25 @@ pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<[Stri
     Ok(names)
 }
 
+/// Writes figures, each under its name without an end, as PNG too if that is wanted; returns the names.
+pub(crate) fn write_figures(
+    folder: &Path,
+    drawn: Vec<(String, String)>,
+    png: bool,
+) -> Result<Vec<String>, Failure> {
+    let mut names = Vec::new();
+    for (name, svg) in drawn {
+        if png {
+            names.extend(write_figure(folder, &name, &svg)?);
+        } else {
+            let name = format!("{name}.svg");
+            write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
+            names.push(name);
+        }
+    }
+    Ok(names)
+}
+
 /// Says on standard error what was written; figures beyond the first few only by number.
 pub(crate) fn announce(folder: &Path, names: &[String]) {
     let (figures, tables): (Vec<&str>, Vec<&str>) =

@@ -72,7 +72,7 @@ fn at(
 }
 
 /// What is wrong at a point, and which point that is.
-fn failed_at(head: &SweepHead, point: usize, error: &dyn std::fmt::Display) -> Failure {
+pub(super) fn failed_at(head: &SweepHead, point: usize, error: &dyn std::fmt::Display) -> Failure {
     let (error, swept) = (error.to_string(), head.swept(point));
     let swept: Vec<String> = swept.map(|(key, value)| format!("{key} = {}", sweep_value(value))).collect();
     let said = error.strip_prefix("error: ").unwrap_or(&error);

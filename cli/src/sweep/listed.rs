@@ -6,10 +6,11 @@ use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use crate::report::{self, digits};
 
 /// More lines are not printed.
-const MOST_LISTED: usize = 40;
+pub(super) const MOST_LISTED: usize = 40;
 
-/// A line for each point and view: what is swept, and the metrics that are drawn.
-pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint]) -> String {
+/// A line for each point and view: what is swept, and the metrics that are drawn. `points` are the first of so many
+/// `in_all`.
+pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint], in_all: usize) -> String {
     let views: Vec<Vec<[&str; 2]>> = points.iter().map(|point| point.views()).collect();
     let several = views.iter().any(|views| views.len() > 1);
     let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(|key| short_key(head, key));
@@ -24,7 +25,8 @@ pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint]) -> String {
         let metrics = head.figures.iter().map(|name| point.metric(view, name).map_or("-".to_owned(), digits));
         rows.push(swept.chain(angles).chain(metrics).collect());
     }
-    let more = views.iter().map(Vec::len).sum::<usize>().saturating_sub(MOST_LISTED);
+    let lines = views.iter().map(Vec::len).sum::<usize>() + in_all - points.len();
+    let more = lines.saturating_sub(MOST_LISTED);
     let rest = if more > 0 { format!("  ... and {more} more lines in sweep.csv\n") } else { String::new() };
     report::table(&rows) + &rest
 }

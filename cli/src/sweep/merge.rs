@@ -1,11 +1,11 @@
 //! `papilio sweep merge`: parts that were computed apart, as one sweep.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use papilio_formats::{SweepHead, SweepPoint};
 
-use super::{finish, journal};
+use super::{finish, journal, light};
 use crate::arguments::SweepMerge;
 use crate::{Failure, output};
 
@@ -15,39 +15,63 @@ pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
     let mut points: BTreeMap<usize, SweepPoint> = BTreeMap::new();
     for folder in &arguments.folders {
         for (path, journal) in journal::read_all(folder)? {
-            let Some(own) = journal.head else { continue };
-            match &head {
-                Some((first, head)) if *head != own => {
-                    return Err(Failure::Input(format!(
-                        "{} and {} are of two sweeps\n  = help: give the folders of one sweep's parts",
-                        first.display(),
-                        path.display()
-                    )));
-                }
-                Some(_) => {}
-                None => head = Some((path, own)),
-            }
+            one_sweep(&mut head, &path, journal.head, |a, b| a == b)?;
             points.extend(journal.lines.into_iter().filter_map(|point| Some((point.point?, point))));
         }
     }
     let folders = arguments.folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>();
     let Some((_, head)) = head else {
+        if light::merged(arguments)? {
+            return Ok(());
+        }
         return Err(Failure::Input(format!("there is no journal of a sweep in {}", folders.join(", "))));
     };
-    let missing: Vec<usize> = (0..head.points()).filter(|point| !points.contains_key(point)).collect();
-    if !missing.is_empty() {
-        return Err(Failure::Input(format!(
-            "{} of {} points are not done: {}\n  = help: run the parts that they belong to (part K of N has points K-1, K-1+N, ...)",
-            missing.len(),
-            head.points(),
-            ranges(&missing)
-        )));
+    complete(head.points(), |point| points.contains_key(&point))?;
+    let out = folder(arguments)?;
+    let points: Vec<&SweepPoint> = (0..head.points()).filter_map(|point| points.get(&point)).collect();
+    finish(out, &head, &points, arguments.wanted)
+}
+
+/// Keeps the head of the first journal; those of all others have to be the same.
+pub(super) fn one_sweep(
+    first: &mut Option<(PathBuf, SweepHead)>,
+    path: &Path,
+    own: Option<SweepHead>,
+    same: impl Fn(&SweepHead, &SweepHead) -> bool,
+) -> Result<(), Failure> {
+    match (first, own) {
+        (Some((first, head)), Some(own)) if !same(head, &own) => Err(Failure::Input(format!(
+            "{} and {} are of two sweeps\n  = help: give the folders of one sweep's parts",
+            first.display(),
+            path.display()
+        ))),
+        (first @ None, Some(own)) => {
+            *first = Some((path.to_owned(), own));
+            Ok(())
+        }
+        _ => Ok(()),
     }
+}
+
+/// Nothing, if all points are done.
+pub(super) fn complete(points: usize, is_done: impl Fn(usize) -> bool) -> Result<(), Failure> {
+    let missing: Vec<usize> = (0..points).filter(|point| !is_done(*point)).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "{} of {points} points are not done: {}\n  = help: run the parts that they belong to (part K of N has points K-1, K-1+N, ...)",
+        missing.len(),
+        ranges(&missing)
+    )))
+}
+
+/// Where what was merged goes.
+pub(super) fn folder(arguments: &SweepMerge) -> Result<&Path, Failure> {
     let out = arguments.out.as_ref().unwrap_or(&arguments.folders[0]);
     output::check(out)?;
     output::make_folder(out)?;
-    let points: Vec<&SweepPoint> = (0..head.points()).filter_map(|point| points.get(&point)).collect();
-    finish(out, &head, &points, arguments.wanted)
+    Ok(out)
 }
 
 /// `0-3, 7, 9-10`; the first few.

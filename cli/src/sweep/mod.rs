@@ -6,6 +6,7 @@
 
 mod compute;
 mod journal;
+mod light;
 mod listed;
 mod merge;
 
@@ -37,13 +38,17 @@ pub(crate) fn sweep(command: &Command) -> Result<(), Failure> {
 }
 
 fn run(arguments: &SweepRun, wanted: Wanted) -> Result<(), Failure> {
-    let sweep = Sweep::load(&arguments.file, &arguments.set)?;
+    let mut sweep = Sweep::load(&arguments.file, &arguments.set)?;
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
         sweep.scenario(point)?.resolve()?;
     }
+    let light = sweep.light()?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));
     output::check(&folder)?;
     output::make_folder(&folder)?;
+    if let Some(light) = light {
+        return light::run(arguments, wanted, &sweep, light, &folder);
+    }
     let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
     let mut journal = Journal::open(&folder, &name(journal::STEM, arguments.shard), head.clone())?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
@@ -79,22 +84,14 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], wanted: Wante
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
-        for (name, svg) in of_sweep(head, points) {
-            if wanted.png {
-                names.extend(output::write_figure(folder, &name, &svg)?);
-            } else {
-                let name = format!("{name}.svg");
-                write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
-                names.push(name);
-            }
-        }
+        names.extend(output::write_figures(folder, of_sweep(head, points), wanted.png)?);
         Ok(names)
     })?;
     let mut stdout = anstream::stdout().lock();
     if wanted.json {
         write_sweep_json(&mut stdout, head, points)?;
     } else {
-        stdout.write_all(listed::listed(head, points).as_bytes())?;
+        stdout.write_all(listed::listed(head, points, points.len()).as_bytes())?;
     }
     stdout.flush()?;
     output::announce(folder, &names);

@@ -29,15 +29,8 @@ pub(super) fn write(
     write_file(&folder.join("tolerance.json"), |out| write_json(out, report))?;
     let tables = ["tolerance.csv", "tolerance-metrics.csv", "tolerance.json"];
     let mut names: Vec<String> = tables.map(str::to_owned).to_vec();
-    for (name, svg) in figures(title, tolerance, production, rows, report) {
-        if png {
-            names.extend(output::write_figure(folder, &name, &svg)?);
-        } else {
-            let name = format!("{name}.svg");
-            write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
-            names.push(name);
-        }
-    }
+    let drawn = figures(title, tolerance, production, rows, report);
+    names.extend(output::write_figures(folder, drawn, png)?);
     Ok(names)
 }
 

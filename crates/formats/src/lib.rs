@@ -64,6 +64,7 @@ mod spectrum;
 mod study;
 mod sweep;
 mod sweep_json;
+mod sweep_light;
 mod sweep_parquet;
 mod tolerance;
 pub mod words;
@@ -92,8 +93,9 @@ pub use result_read::{ReadResult, read_result};
 pub use spectrum::{read_light, read_shares, read_spectrum};
 pub use study::write_study;
 pub use sweep::{
-    SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
+    LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };
 pub use sweep_json::write_sweep_json;
-pub use sweep_parquet::sweep_parquet;
+pub use sweep_light::{light_points, write_light_csv, write_light_json};
+pub use sweep_parquet::{light_parquet, sweep_parquet};
 pub use tolerance::{ToleranceHead, write_table};

@@ -24,6 +24,18 @@ pub struct SweepHead {
     pub axes: Vec<SweepHeadAxis>,
     /// Metrics to draw.
     pub figures: Vec<String>,
+    /// What a light sweep keeps, and what its numbers depend on; none of an ordinary one, which keeps all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light: Option<LightHead>,
+}
+
+/// What a light sweep keeps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LightHead {
+    /// Metrics: the numbers of a row.
+    pub metrics: Vec<String>,
+    /// SHA-256 of the scenario, of all files and of what is swept.
+    pub hash: String,
 }
 
 /// An axis: keys that move together.
@@ -124,7 +136,8 @@ impl SweepPoint {
 
     /// A metric of one of its [`views`](Self::views), if it is defined: one of [`metrics`](Self::metrics).
     pub fn metric(&self, view: [&str; 2], name: &str) -> Option<f64> {
-        let of_state = name.split_once('.');
+        // A light sweep has metrics of states as columns of their own.
+        let of_state = name.split_once('.').filter(|_| !self.columns.iter().any(|own| own == name));
         let (state, column) = of_state.map_or((None, name), |(state, column)| (Some(state), column));
         let is_it = |row: &&Vec<String>| {
             self.view(row) == view && state.is_none_or(|state| self.cell(row, "state") == Some(state))
@@ -212,6 +225,7 @@ pub(crate) mod tests {
             title: None,
             axes: vec![axis("a", &[1.0, 2.0]), axis("b", &[0.1, 0.2, 0.3])],
             figures: vec![],
+            light: None,
         }
     }
 

@@ -14,7 +14,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use serde_json::Value;
 
-use crate::sweep::{SweepHead, SweepPoint, columns, sweep_value};
+use crate::sweep::{SweepHead, SweepPoint, columns, sweep_place, sweep_value};
 
 /// A column and what it holds.
 enum Column {
@@ -32,24 +32,48 @@ pub fn sweep_parquet(head: &SweepHead, points: &[&SweepPoint]) -> Result<Vec<u8>
     written(&table).map_err(std::io::Error::other)
 }
 
+/// The bytes of `sweep.parquet` of a light sweep; `rows` are those of all points, in order.
+///
+/// # Errors
+/// As [`sweep_parquet`].
+pub fn light_parquet(head: &SweepHead, rows: &[&[f64]]) -> Result<Vec<u8>, std::io::Error> {
+    let all: Vec<usize> = (0..rows.len()).collect();
+    let mut table = places(head, &all);
+    for (k, name) in head.light.iter().flat_map(|light| &light.metrics).enumerate() {
+        let values = rows.iter().map(|row| row.get(k).copied().filter(|value| value.is_finite()));
+        table.push((name.clone(), Column::Numbers(values.collect())));
+    }
+    written(&table).map_err(std::io::Error::other)
+}
+
+/// The points of rows, and the swept keys.
+fn places(head: &SweepHead, points: &[usize]) -> Vec<(String, Column)> {
+    let numbers = points.iter().map(|point| *point as i64).collect();
+    let mut table = vec![("point".to_owned(), Column::Integers(numbers))];
+    let lengths: Vec<usize> = head.axes.iter().map(|axis| axis.values.len()).collect();
+    for (on, axis) in head.axes.iter().enumerate() {
+        for (k, key) in axis.keys.iter().enumerate() {
+            let of = |point: &usize| axis.values[sweep_place(&lengths, *point)[on]].get(k);
+            let column = if axis.values.iter().all(|values| values.get(k).is_some_and(Value::is_number)) {
+                Column::Numbers(points.iter().map(|point| of(point).and_then(Value::as_f64)).collect())
+            } else {
+                Column::Texts(
+                    points.iter().map(|point| of(point).map_or(String::new(), sweep_value)).collect(),
+                )
+            };
+            table.push((key.clone(), column));
+        }
+    }
+    table
+}
+
 /// The columns of `sweep.csv`.
 fn table(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, Column)> {
     let rows = || {
         points.iter().enumerate().flat_map(|(k, point)| point.rows.iter().map(move |row| (k, *point, row)))
     };
-    let mut table = vec![("point".to_owned(), Column::Integers(rows().map(|(k, ..)| k as i64).collect()))];
-    let keys = head.axes.iter().flat_map(|axis| &axis.keys);
-    for (i, key) in keys.enumerate() {
-        let at: Vec<Value> = (0..points.len())
-            .map(|k| head.swept(k).nth(i).map_or(Value::Null, |(_, value)| value.clone()))
-            .collect();
-        let column = if at.iter().all(Value::is_number) {
-            Column::Numbers(rows().map(|(k, ..)| at[k].as_f64()).collect())
-        } else {
-            Column::Texts(rows().map(|(k, ..)| sweep_value(&at[k])).collect())
-        };
-        table.push((key.clone(), column));
-    }
+    let all: Vec<usize> = rows().map(|(k, ..)| k).collect();
+    let mut table = places(head, &all);
     for name in columns(points) {
         let cells = rows().map(|(_, point, row)| {
             let at = point.columns.iter().position(|own| own == name);

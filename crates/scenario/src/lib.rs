@@ -84,6 +84,6 @@ pub use problem::Problem;
 pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
-pub use sweep::Sweep;
+pub use sweep::{LightSweep, Sweep};
 pub use tolerance::{AskedMetric, ScatteredKey, Tolerance, ToleranceLimit};
 pub use varied::Varied;

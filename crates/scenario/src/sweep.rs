@@ -5,15 +5,18 @@ use std::path::Path;
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
+use crate::describe::limits::MetricName;
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
 use crate::error::{Errors, ScenarioErrors};
-use crate::library::Library;
+use crate::library::{Library, sha256};
 use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::scenario::Scenario;
 use crate::set::Change;
+use crate::source::Origin;
+use crate::tolerance::{AskedMetric, of_all_views};
 use crate::tree::{Node, Value};
-use crate::varied::Base;
+use crate::varied::{Base, Varied};
 
 /// A scenario whose keys vary: the product of its axes, the last one fastest.
 #[derive(Debug, Clone)]
@@ -21,6 +24,7 @@ pub struct Sweep {
     base: Base,
     axes: Vec<Axis>,
     figures: Vec<At<String>>,
+    metrics: Option<Vec<At<MetricName>>>,
     title: Option<String>,
 }
 
@@ -69,6 +73,7 @@ impl Sweep {
             base,
             axes: read.axes.value.into_iter().map(|axis| axis.value).collect(),
             figures: read.figures.value,
+            metrics: read.metrics.value,
             title,
         })
     }
@@ -93,7 +98,41 @@ impl Sweep {
             title: Some(self.title.clone().unwrap_or_else(|| name.to_owned())),
             axes: self.axes.iter().map(axis).collect(),
             figures: self.figures.iter().map(|name| name.value.clone()).collect(),
+            light: None,
         }
+    }
+
+    /// What a light sweep keeps, if this is one; the figures that are drawn where nobody asked for any are among it.
+    ///
+    /// # Errors
+    /// What is wrong with its metrics, or with the scenario at a point of [`samples`](Self::samples).
+    pub fn light(&mut self) -> Result<Option<LightSweep>, ScenarioErrors> {
+        let Some(named) = self.metrics.clone() else { return Ok(None) };
+        let first = self.scenario(0)?.resolve()?;
+        let mut errors = Errors::default();
+        let metrics = of_all_views(&named, &first.scene, &mut errors);
+        errors.check(&self.base.sources)?;
+        let known: Vec<String> = metrics.iter().map(|metric| metric.name.clone()).collect();
+        self.figures.retain(|name| name.origin != Origin::FILE || known.contains(&name.value));
+        self.check_figures(&known)?;
+        // Other files may change what a value means; numbers are what they are.
+        let mut means = vec![first.hash];
+        for point in self.samples().into_iter().skip(1) {
+            if self.at(point).iter().any(|change| change.value.number().is_none()) {
+                means.push(self.scenario(point)?.resolve()?.hash);
+            }
+        }
+        let head = self.head("", "");
+        let means = serde_json::json!([means, head.axes, known]);
+        let keys = self.axes.iter().flat_map(|axis| &axis.0);
+        let places = keys.clone().map(|swept| (swept.path.clone(), swept.origin)).collect();
+        Ok(Some(LightSweep {
+            varied: Varied::new(self.base.clone(), Vec::new(), places),
+            keys: keys.map(|swept| swept.values.iter().map(Node::to_json).collect()).collect(),
+            axes: self.axes.iter().map(|axis| (axis.len(), axis.0.len())).collect(),
+            metrics,
+            hash: sha256(means.to_string().as_bytes()),
+        }))
     }
 
     /// Nothing, if results have all metrics that are to be drawn: `known`.
@@ -139,6 +178,30 @@ impl Sweep {
             value: swept.values[at].clone(),
         };
         swept.flat_map(|(axis, at)| axis.0.iter().map(move |swept| change(swept, at))).collect()
+    }
+}
+
+/// A sweep of which only some metrics are kept.
+#[derive(Debug, Clone)]
+pub struct LightSweep {
+    /// The scenario: its paths are those of all keys, in order.
+    pub varied: Varied,
+    /// The values of each key.
+    pub keys: Vec<Vec<serde_json::Value>>,
+    /// What is kept of every point.
+    pub metrics: Vec<AskedMetric>,
+    /// SHA-256 of all that a point's numbers depend on besides its number.
+    pub hash: String,
+    /// For each axis its length and how many keys it has.
+    axes: Vec<(usize, usize)>,
+}
+
+impl LightSweep {
+    /// Which of its values each key has at a point.
+    pub fn at(&self, point: usize) -> Vec<usize> {
+        let lengths: Vec<usize> = self.axes.iter().map(|(length, _)| *length).collect();
+        let place = sweep_place(&lengths, point);
+        place.iter().zip(&self.axes).flat_map(|(at, (_, keys))| std::iter::repeat_n(*at, *keys)).collect()
     }
 }
 

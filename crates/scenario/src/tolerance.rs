@@ -176,6 +176,13 @@ impl Tolerance {
     }
 }
 
+impl AskedMetric {
+    fn of(name: &MetricName, view: usize) -> Self {
+        let text = if view == 0 { name.text() } else { format!("{}, view {view}", name.text()) };
+        Self { name: text, view, state: name.state.clone(), metric: name.metric }
+    }
+}
+
 impl Scattered {
     /// Its paths, each with its place.
     fn paths(&self) -> Vec<(String, Origin)> {
@@ -240,10 +247,10 @@ fn asked(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetr
     let states = state_names(&scene.display.pixel);
     let mut metrics: Vec<AskedMetric> = Vec::new();
     let mut column = |name: &MetricName, view: usize| {
-        let text = if view == 0 { name.text() } else { format!("{}, view {view}", name.text()) };
-        let at = metrics.iter().position(|known| known.name == text);
+        let asked = AskedMetric::of(name, view);
+        let at = metrics.iter().position(|known| known.name == asked.name);
         at.unwrap_or_else(|| {
-            metrics.push(AskedMetric { name: text, view, state: name.state.clone(), metric: name.metric });
+            metrics.push(asked);
             metrics.len() - 1
         })
     };
@@ -269,7 +276,7 @@ fn asked(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetr
 
 fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Errors) {
     has_state(&limit.metric, states, errors);
-    let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
+    let views = views(scene);
     if limit.view.0 as usize >= views {
         let expected = format!("the number of a view, 0 to {}", views - 1);
         errors.push(limit.view.origin, Problem::NoSuchCount { value: limit.view.0 as f64, expected });
@@ -281,6 +288,18 @@ fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Err
         }
         _ => {}
     }
+}
+
+/// Metrics of every view of a scene, those of the first under their own names.
+pub(crate) fn of_all_views(named: &[At<MetricName>], scene: &Scene, errors: &mut Errors) -> Vec<AskedMetric> {
+    let states = state_names(&scene.display.pixel);
+    named.iter().for_each(|name| has_state(name, &states, errors));
+    let of_view = |view: usize| named.iter().map(move |name| AskedMetric::of(name, view));
+    (0..views(scene)).flat_map(of_view).collect()
+}
+
+fn views(scene: &Scene) -> usize {
+    scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len()
 }
 
 fn has_state(name: &At<MetricName>, states: &[String], errors: &mut Errors) {

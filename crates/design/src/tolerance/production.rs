@@ -6,7 +6,7 @@ use papilio_scenario::{ScenarioErrors, Tolerance};
 use serde_json::Value;
 
 use super::plan::{Draw, Plan};
-use crate::{Condition, DesignError, Evaluator, Key, Named, Quantity, Study, Values, Variable};
+use crate::{Condition, DesignError, Evaluator, Key, Named, Study, Values, Variable};
 
 /// The displays of a `[tolerance]`, by row.
 ///
@@ -35,15 +35,10 @@ impl Production {
                 Values::Choices(key.choices.clone())
             },
         });
-        let quantities = tolerance.metrics.iter().map(|asked| Named {
-            name: asked.name.clone(),
-            condition: 0,
-            quantity: Quantity::Metric { view: asked.view, state: asked.state.clone(), metric: asked.metric },
-        });
         let study = Study {
             conditions: vec![Condition { name: String::new(), varied: tolerance.varied.clone() }],
             variables: variables.collect(),
-            quantities: quantities.collect(),
+            quantities: tolerance.metrics.iter().map(Named::of).collect(),
         };
         let distributions = tolerance.keys.iter().map(|key| key.distribution.clone()).collect();
         Self {

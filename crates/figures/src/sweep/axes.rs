@@ -55,7 +55,7 @@ mod tests {
     use serde_json::json;
 
     fn head(axes: Vec<SweepHeadAxis>) -> SweepHead {
-        SweepHead { papilio: String::new(), title: None, axes, figures: vec![] }
+        SweepHead { papilio: String::new(), title: None, axes, figures: vec![], light: None }
     }
 
     #[test]

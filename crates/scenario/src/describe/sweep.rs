@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Serialize, Serializer};
 
+use super::limits::MetricName;
 use super::numbers::Count;
 use crate::error::Errors;
 use crate::grammar::{number, table};
@@ -21,6 +22,8 @@ table! {
         /// Metrics that are drawn: columns of sweep.csv, those of a state as "white.L_star". Default: contrast_ratio, gamut_percent_srgb.
         figures: Vec<At<String>> =
             ["contrast_ratio", "gamut_percent_srgb"].map(|name| At::at_large(name.to_owned())).to_vec(),
+        /// The metrics that are kept, of every view: a light sweep, for many points. Default: all that is known of every point.
+        metrics: Option<Vec<At<MetricName>>>,
     }
 }
 

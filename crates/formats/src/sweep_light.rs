@@ -1,0 +1,86 @@
+//! What a light sweep writes: a row of numbers for each point.
+
+use std::io::{self, Write};
+
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value};
+
+use crate::json::write_json;
+use crate::sweep::{SweepHead, SweepPoint, sweep_value};
+use crate::tolerance::write_table;
+
+/// Writes `sweep.csv` of a light sweep: for every point the swept keys, then its metrics, empty where undefined.
+/// `rows` are those of all points, in order.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_light_csv(out: impl Write, head: &SweepHead, rows: &[&[f64]]) -> io::Result<()> {
+    let keys = head.axes.iter().flat_map(|axis| &axis.keys).cloned();
+    let metrics = head.light.iter().flat_map(|light| &light.metrics).cloned();
+    let columns: Vec<String> = ["point".to_owned()].into_iter().chain(keys).chain(metrics).collect();
+    let row = |(point, row): (usize, &&[f64])| {
+        let swept = head.swept(point).map(|(_, value)| sweep_value(value)).collect::<Vec<_>>();
+        [point.to_string()].into_iter().chain(swept).chain(row.iter().map(|value| cell(*value))).collect()
+    };
+    write_table(out, &columns, rows.iter().enumerate().map(row))
+}
+
+/// A number as it stands in a cell; empty where there is none.
+fn cell(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { String::new() }
+}
+
+/// The first points of a light sweep as points of an ordinary one, for figures and the terminal.
+pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
+    let Some(light) = &head.light else { return Vec::new() };
+    let point = |(number, row): (usize, &&[f64])| SweepPoint {
+        point: Some(number),
+        hash: String::new(),
+        papilio: head.papilio.clone(),
+        warnings: Vec::new(),
+        columns: light.metrics.clone(),
+        rows: vec![row.iter().map(|value| cell(*value)).collect()],
+    };
+    rows.iter().enumerate().map(point).collect()
+}
+
+/// Writes a light sweep as JSON; `rows` are those of all points, in order.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_light_json(out: impl Write, head: &SweepHead, rows: &[&[f64]]) -> io::Result<()> {
+    write_json(out, &Whole { head, points: Points { head, rows } })
+}
+
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    head: &'a SweepHead,
+    points: Points<'a>,
+}
+
+/// All points, made one by one.
+struct Points<'a> {
+    head: &'a SweepHead,
+    rows: &'a [&'a [f64]],
+}
+
+#[derive(Serialize)]
+struct Point<'a> {
+    point: usize,
+    /// Every key with its value.
+    swept: Map<String, Value>,
+    /// The metrics, in the order of the head; null where undefined.
+    values: &'a [f64],
+}
+
+impl Serialize for Points<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let point = |(point, row): (usize, &&'_ [f64])| Point {
+            point,
+            swept: self.head.swept(point).map(|(key, value)| (key.to_owned(), value.clone())).collect(),
+            values: row,
+        };
+        serializer.collect_seq(self.rows.iter().enumerate().map(point))
+    }
+}
