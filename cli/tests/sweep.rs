@@ -340,3 +340,65 @@ fn the_table_may_be_parquet() {
     let bytes = fs::read(Path::new(&out).join("sweep.parquet")).unwrap();
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
 }
+
+/// A sweep of a few metrics has the numbers of one that keeps everything, to the last digit, in parts and killed, too.
+#[test]
+fn a_light_sweep_has_the_numbers_of_a_whole_one() {
+    let text = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
+    let (folder, file, out) = place(&text);
+    let output = papilio(&["sweep", &file, "--out", &out, "--parquet", "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let light = files(Path::new(&out));
+    let whole = String::from_utf8(undisturbed()["sweep.csv"].clone()).unwrap();
+    let columns: Vec<&str> = whole.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let cells = |line: &str| -> Vec<String> { line.split(',').map(str::to_owned).collect() };
+    let white = whole.lines().map(cells).filter(|row| row[at("state")] == "white");
+    let expected: Vec<String> = white
+        .map(|row| {
+            [&row[..4], &[row[at("contrast_ratio")].clone(), row[at("L_star")].clone()]].concat().join(",")
+        })
+        .collect();
+    let table = String::from_utf8(light["sweep.csv"].clone()).unwrap();
+    assert_eq!(table.lines().skip(1).collect::<Vec<_>>(), expected);
+    assert!(
+        light.keys().any(|name| name == "sweep.parquet") && light.contains_key("sweep_white.L_star_map.svg")
+    );
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(printed["points"][14]["values"].as_array().unwrap().len(), 2);
+
+    let parts: Vec<String> = (1..=2)
+        .map(|k| {
+            let part = folder.path().join(format!("part{k}")).to_str().unwrap().to_owned();
+            let shard = format!("{k}/2");
+            let arguments = ["sweep", &file, "--out", &part, "--shard", &shard];
+            assert!(papilio(&arguments).status.success());
+            // As a kill leaves it: one line is whole, the next is not.
+            let journal = Path::new(&part).join(format!("sweep-light.{k}-of-2.jsonl"));
+            let text = fs::read_to_string(&journal).unwrap();
+            let two: usize = text.lines().take(2).map(|line| line.len() + 1).sum();
+            fs::write(&journal, &text[..two + 9]).unwrap();
+            let again = papilio(&arguments);
+            assert!(!stderr(&again).contains(" 0 computed"), "{}", stderr(&again));
+            assert_eq!(fs::read_to_string(&journal).unwrap(), text);
+            part
+        })
+        .collect();
+    let merged = folder.path().join("merged");
+    let output =
+        papilio(&["sweep", "merge", &parts[0], &parts[1], "--out", merged.to_str().unwrap(), "--parquet"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut expected = light;
+    expected.remove("sweep-light.jsonl");
+    same(&files(&merged), &expected);
+    let half = papilio(&["sweep", "merge", &parts[0], "--out", merged.to_str().unwrap()]);
+    assert!(stderr(&half).contains("7 of 15 points are not done: 1, 3, 5"), "{}", stderr(&half));
+
+    let wrong = text.replace("metrics = [\"contrast_ratio\"", "metrics = [\"contrast\"");
+    fs::write(&file, &wrong).unwrap();
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(
+        stderr(&output).contains("s.toml:20:12")
+            && stderr(&output).contains("did you mean `contrast_ratio`?")
+    );
+}
