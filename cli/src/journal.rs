@@ -19,13 +19,16 @@ pub(crate) fn name(stem: &str, shard: Option<(usize, usize)>) -> String {
     shard.map_or(format!("{stem}.jsonl"), |(k, n)| format!("{stem}.{k}-of-{n}.jsonl"))
 }
 
+/// Journals, and where they are.
+pub(crate) type Found<H, L> = Vec<(PathBuf, Journal<H, L>)>;
+
 /// All journals of this stem in a folder, in the order of their names, and where they are; without lines where the
 /// head is not `wanted`.
 pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
     folder: &Path,
     stem: &str,
     wanted: impl Fn(&H) -> bool,
-) -> Result<Vec<(PathBuf, Journal<H, L>)>, Failure> {
+) -> Result<Found<H, L>, Failure> {
     let command = stem.split('-').next().unwrap_or(stem);
     let unreadable = |error: std::io::Error| {
         let why = match error.kind() {

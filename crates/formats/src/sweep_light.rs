@@ -74,9 +74,9 @@ struct Point<'a> {
     values: &'a [f64],
 }
 
-impl Serialize for Points<'_> {
+impl<'a> Serialize for Points<'a> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let point = |(point, row): (usize, &&'_ [f64])| Point {
+        let point = |(point, row): (usize, &&'a [f64])| Point {
             point,
             swept: self.head.swept(point).map(|(key, value)| (key.to_owned(), value.clone())).collect(),
             values: row,
