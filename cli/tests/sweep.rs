@@ -397,8 +397,7 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     let wrong = text.replace("metrics = [\"contrast_ratio\"", "metrics = [\"contrast\"");
     fs::write(&file, &wrong).unwrap();
     let output = papilio(&["sweep", &file, "--out", &out]);
-    assert!(
-        stderr(&output).contains("s.toml:20:12")
-            && stderr(&output).contains("did you mean `contrast_ratio`?")
-    );
+    for words in ["s.toml:20:12", "`contrast` is not a choice here"] {
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
 }

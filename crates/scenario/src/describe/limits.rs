@@ -84,7 +84,7 @@ impl schemars::JsonSchema for MetricName {
         "MetricName".into()
     }
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({ "type": "string", "examples": ["contrast_ratio", "white.Y"] })
+        schemars::json_schema!({ "type": "string" })
     }
     fn inline_schema() -> bool {
         true
