@@ -5,7 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use papilio_design::search::{Found, Kept, Record};
-use papilio_formats::{DataFile, FormatError, LARGEST_JOURNAL, Place, Problem, write_file, write_sweep_line};
+use papilio_formats::{
+    DataFile, FormatError, LARGEST_JOURNAL, Place, Problem, write_file, write_journal_line,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::Failure;
@@ -54,14 +56,14 @@ impl Journal {
         let why = |error: std::io::Error| unwritable(&path, &error);
         file.set_len(whole as u64).map_err(why)?;
         if !known {
-            write_sweep_line(&mut file, head).map_err(why)?;
+            write_journal_line(&mut file, head).map_err(why)?;
         }
         Ok((Self { path, file }, kept))
     }
 
     /// Keeps a record: on the disk before this returns.
     pub(super) fn add(&mut self, record: &Record) -> Result<(), Failure> {
-        write_sweep_line(&mut self.file, record)
+        write_journal_line(&mut self.file, record)
             .and_then(|()| self.file.flush())
             .map_err(|error| unwritable(&self.path, &error))
     }
@@ -70,8 +72,8 @@ impl Journal {
 /// Puts the journal in order: what each task found, by its number.
 pub(super) fn finish(folder: &Path, head: &Head, found: &[Found]) -> Result<(), Failure> {
     write_file(&folder.join("optimize.jsonl"), |mut out| {
-        write_sweep_line(&mut out, head)?;
-        found.iter().try_for_each(|one| write_sweep_line(&mut out, one))
+        write_journal_line(&mut out, head)?;
+        found.iter().try_for_each(|one| write_journal_line(&mut out, one))
     })?;
     Ok(())
 }

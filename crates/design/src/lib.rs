@@ -33,18 +33,15 @@
 mod error;
 mod evaluator;
 mod exact;
+mod light;
 mod parameter;
 mod road;
 pub mod search;
-mod light;
-mod quantity;
 mod study;
 pub mod tolerance;
 
 pub use error::DesignError;
 pub use evaluator::{Evaluator, Slopes};
-pub use papilio_display::Quantity;
-pub use evaluator::Evaluator;
 pub use light::LightStudy;
-pub use quantity::Quantity;
+pub use papilio_display::Quantity;
 pub use study::{Condition, Key, Named, Study, Values, Variable};

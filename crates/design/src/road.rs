@@ -6,7 +6,7 @@ use papilio_display::scene::{FilmPixel, Pixel, Scene};
 use papilio_display::{Control, Designs, Parameter, Quantity};
 
 use crate::parameter::{is_whole, parameter, set};
-use crate::study::{Study, Values};
+use crate::study::{Study, Values, Variable};
 use crate::{Condition, DesignError, Slopes};
 
 /// Displays that are kept, of different layers, lights or views: choices may change them.
@@ -99,6 +99,12 @@ impl Road {
         condition: &Condition,
         design: &[f64],
     ) -> Result<Option<Arc<Base>>, DesignError> {
+        let of_film = |variable: &&Variable| {
+            variable.keys.iter().all(|key| key.path.trim().starts_with("display.pixel."))
+        };
+        if !study.variables.iter().filter(|variable| variable.is_number()).all(|one| of_film(&one)) {
+            return Ok(None);
+        }
         let of_choices = study.variables.iter().zip(design);
         let choices: Vec<usize> = of_choices
             .filter(|(variable, _)| matches!(variable.values, Values::Choices(_)))
@@ -107,7 +113,12 @@ impl Road {
         if let Some(known) = self.pixels.iter().find(|base| base.choices == choices) {
             return Ok(Some(known.clone()));
         }
-        let scene = condition.varied.scenario(&study.values(design)?)?.resolve()?.scene;
+        // Numbers as they stand, whatever design comes first: the level that serves must not depend on it.
+        let mut values = study.values(design)?;
+        let keys = study.variables.iter().flat_map(|variable| variable.keys.iter().map(move |_| variable));
+        let numbers_of = values.iter_mut().zip(keys).filter(|(_, variable)| variable.is_number());
+        numbers_of.for_each(|(value, _)| *value = serde_json::Value::Null);
+        let scene = condition.varied.scenario(&values)?.resolve()?.scene;
         let Pixel::Film(film) = scene.display.pixel.clone() else { return Ok(None) };
         let Some(numbers) = numbers(study, &film) else { return Ok(None) };
         let base = Arc::new(Base { choices, scene: Arc::new(scene), film, numbers });

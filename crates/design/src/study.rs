@@ -154,7 +154,7 @@ impl Variable {
     }
 
     /// The value of one of its keys; null for a choice that there is not.
-    fn value(&self, key: &Key, x: f64) -> Json {
+    pub(crate) fn value(&self, key: &Key, x: f64) -> Json {
         match &self.values {
             Values::Number => (key.slope * x + key.offset).into(),
             Values::Choices(choices) => choices.get(x as usize).cloned().unwrap_or_default(),

@@ -108,8 +108,8 @@ impl Production {
         let piece = self.plan.piece(row as u64, Draw::Own);
         let values = self.study.variables.iter().zip(piece);
         let shown = |(variable, x): (&Variable, f64)| match variable.value(&variable.keys[0], x) {
-            Some(Value::Array(_) | Value::Object(_)) => format!("#{}", x as usize + 1).into(),
-            value => value.unwrap_or_default(),
+            Value::Array(_) | Value::Object(_) => format!("#{}", x as usize + 1).into(),
+            value => value,
         };
         values.map(shown).collect()
     }
