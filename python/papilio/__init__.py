@@ -8,7 +8,7 @@ A scenario goes in; spectra, colours and metrics with their errors come out::
     result["gamut_percent_srgb"]
 
 - `run` computes a scenario, `cone` what is seen from every direction, `Prepared` thousands of designs;
-- `optimize` searches for better designs;
+- `optimize` searches for better designs, `tolerance` tells what production makes of one;
 - `Scenario` reads, builds and edits scenarios;
 - `cluster` computes designs by the million, on many machines;
 - `films`, `colour` and `diffuser` are the parts by themselves, on arrays.
@@ -33,6 +33,7 @@ from .errors import (
 from .figure import Figure
 from .optimum import Optimum, optimize
 from .prepared import Prepared, metric_names
+from .production import Yield, tolerance
 from .result import Result
 from .running import run
 from .scenario import Scenario, preset_names, schema
@@ -52,6 +53,7 @@ __all__ = [
     "Result",
     "Scenario",
     "ScenarioError",
+    "Yield",
     "__version__",
     "cluster",
     "colour",
@@ -64,4 +66,5 @@ __all__ = [
     "preset_names",
     "run",
     "schema",
+    "tolerance",
 ]

@@ -12,6 +12,7 @@ __all__ = [
     "Described",
     "Diffuser",
     "Prepared",
+    "Production",
     "Resolved",
     "RunResult",
     "__version__",
@@ -68,6 +69,29 @@ class Prepared:
         threads: int | None = None,
         progress: Callable[[dict[str, Any]], object] | None = None,
     ) -> RunResult: ...
+
+@final
+class Production:
+    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Production: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def sensitivity_rows(self) -> int: ...
+    @property
+    def hash(self) -> str: ...
+    @property
+    def title(self) -> str | None: ...
+    def names(self) -> tuple[list[str], list[str]]: ...
+    def width(self, row: int) -> int: ...
+    def keys(self, row: int) -> str: ...
+    def evaluate(
+        self,
+        start: int,
+        stop: int,
+        threads: int,
+        progress: Callable[[dict[str, Any]], object] | None = None,
+    ) -> NDArray[np.float64]: ...
+    def report(self, numbers: NDArray[np.float64]) -> str: ...
 
 @final
 class RunResult:

@@ -16,6 +16,7 @@ mod films;
 mod optimise;
 mod plot;
 mod pool;
+mod production;
 mod result;
 mod run;
 mod scenario;
@@ -46,6 +47,8 @@ mod _papilio {
     use crate::optimise::optimise;
     #[pymodule_export]
     use crate::plot::{curves, map};
+    #[pymodule_export]
+    use crate::production::Production;
     #[pymodule_export]
     use crate::result::RunResult;
     #[pymodule_export]

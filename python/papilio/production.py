@@ -1,0 +1,104 @@
+"""Yield: what production makes of a design, as a scenario's ``[tolerance]`` describes it."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Mapping
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _papilio
+from .running import Progress, checked_progress, checked_threads, with_solver
+from .scenario import Scenario, read
+
+if TYPE_CHECKING:
+    import pandas
+
+__all__ = ["Yield", "tolerance"]
+
+#: Those of a report.
+_PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
+
+
+class Yield:
+    """How the metrics of a production scatter, how much of it meets its limits, and what is to blame.
+
+    `report` is what ``papilio tolerance`` writes as ``tolerance.json``; a notebook shows a table.
+    """
+
+    def __init__(self, core: _papilio.Production, numbers: NDArray[np.float64]) -> None:
+        self._core = core
+        keys, metrics = core.names()
+        #: The names of what scatters.
+        self.keys: list[str] = keys
+        #: The names of what is reported.
+        self.metrics: list[str] = metrics
+        #: Yield, percentiles, sensitivities and the worst displays, each number with its standard error.
+        self.report: dict[str, Any] = json.loads(core.report(numbers))
+        starts = np.cumsum([0, *(core.width(row) for row in range(core.rows - 1))])
+        #: The metrics of every display, shape [display, metric]; NaN where one is not defined.
+        self.values: NDArray[np.float64] = numbers[starts[:, None] + np.arange(len(metrics))]
+
+    @property
+    def share(self) -> float:
+        """The share of displays that meet all limits, 0 to 1; its standard error is in `report`."""
+        return float(self.report["verdict"]["yield_share"]["value"])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Every display: what its keys are, and its metrics.
+
+        Raises:
+            ImportError: without pandas.
+        """
+        import pandas
+
+        rows = [json.loads(self._core.keys(row)) for row in range(self._core.rows)]
+        keys = pandas.DataFrame(rows, columns=self.keys)
+        return pandas.concat([keys, pandas.DataFrame(self.values, columns=self.metrics)], axis=1)
+
+    def __repr__(self) -> str:
+        return f"<papilio.Yield: {100 * self.share:.4g} % of {self.values.shape[0]} displays>"
+
+    def _repr_html_(self) -> str:
+        """The percentiles of every metric."""
+        spreads = [(one["name"], one["spread"]) for one in self.report["metrics"]]
+        rows = ""
+        for name, spread in spreads:
+            cells = [] if spread is None else [spread["mean"], spread["deviation"], *spread["percentiles"]]
+            shown = "".join(f"<td>{cell['value']:.5g}</td>" for cell in cells)
+            rows += f"<tr><th>{html.escape(name)}</th>{shown}</tr>"
+        titles = ["", "mean", "deviation", *(f"{percent} %" for percent in _PERCENTILES)]
+        head = "".join(f"<th>{title}</th>" for title in titles)
+        said = f"{100 * self.share:.4g} % of {self.values.shape[0]} displays meet all limits"
+        return f"<p>{said}</p><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def tolerance(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Yield:
+    """What production makes of a design, as a scenario's ``[tolerance]`` describes it: what ``papilio tolerance`` finds.
+
+    Args:
+        scenario: a `Scenario`, or the path of one, with ``[tolerance]``.
+        set: values put in before, ``{path: value}``, those of ``[tolerance]`` included (``"tolerance.samples": 1024``).
+        threads: how many; None: one for each processor. They change no number.
+        progress: called a few times a second.
+
+    Raises:
+        ScenarioError: with the place of what is wrong.
+        DesignError: if one of the displays cannot be.
+        KeyboardInterrupt: on Ctrl-C.
+    """
+    changed = read(scenario, with_solver(set))
+    core = _papilio.Production(*changed._state())
+    workers = checked_threads(threads) or os.cpu_count() or 1
+    return Yield(core, core.evaluate(0, core.rows, workers, checked_progress(progress)))

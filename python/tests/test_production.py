@@ -1,0 +1,56 @@
+"""Yield from Python: what the program finds."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import papilio
+from papilio import ArgumentError, Scenario, ScenarioError
+
+FEW = {"tolerance.samples": 64}
+
+
+@pytest.fixture(scope="module")
+def path():
+    from conftest import ROOT
+
+    return ROOT / "scenarios" / "tolerance.toml"
+
+
+@pytest.fixture(scope="module")
+def found(path):
+    return papilio.tolerance(path, set=FEW)
+
+
+def test_it_is_what_the_program_finds(path, found, program, tmp_path):
+    few = [word for key, value in FEW.items() for word in ["--set", f"{key}={value}"]]
+    done = subprocess.run([program, "tolerance", path, "--out", tmp_path, *few], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert found.report == json.loads((tmp_path / "tolerance.json").read_text())
+    assert 0 <= found.share <= 1 and "%" in repr(found) and "<table>" in found._repr_html_()
+
+
+def test_every_display_has_its_numbers(found):
+    pytest.importorskip("pandas")
+    table = found.to_pandas()
+    assert list(table.columns) == [*found.keys, *found.metrics] and len(table) == 64
+    means = {one["name"]: one["spread"]["mean"]["value"] for one in found.report["metrics"]}
+    for at, name in enumerate(found.metrics):
+        np.testing.assert_allclose(np.nanmean(found.values[:, at]), means[name], rtol=1e-9)
+
+
+def test_threads_change_nothing(path, found):
+    again = papilio.tolerance(path, set=FEW, threads=3)
+    assert again.values.tobytes() == found.values.tobytes() and again.report == found.report
+
+
+def test_mistakes_have_their_places(path):
+    with pytest.raises(ScenarioError) as error:
+        papilio.tolerance(path, set={"tolerance.samples": 0})
+    assert error.value.file == str(path) and error.value.line is not None
+    with pytest.raises(ScenarioError):
+        papilio.tolerance(Scenario.new("indoor"))
+    with pytest.raises(ArgumentError, match="^threads:"):
+        papilio.tolerance(path, threads=0)
