@@ -38,7 +38,7 @@ class Question:
     metrics: tuple[str, ...]
     view: int
     hash: str
-    version: str = __version__
+    version: str = field(default=__version__, kw_only=True)
 
     @cached_property
     def described(self) -> dict[str, Any]:
@@ -70,18 +70,23 @@ class Question:
 
     def answered(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
         """The metrics of designs, shape [design, metric]."""
-        return self._prepared().evaluate(columns, list(self.metrics), view=self.view, threads=threads)
+        prepared: Prepared = self.kept()
+        return prepared.evaluate(columns, list(self.metrics), view=self.view, threads=threads)
 
-    def _prepared(self) -> Prepared:
-        """This thread's display for this question. The last one is kept, so memory does not grow with questions."""
+    def made(self) -> tuple[Any, str]:
+        """What answers it, and the hash of what that was made of."""
+        return Prepared(self.scenario), self.scenario.hash
+
+    def kept(self) -> Any:
+        """What answers it in this thread. The last one is kept, so memory does not grow with questions."""
         if getattr(_kept, "address", None) != self.address:
             if self.version != __version__:
                 raise ClusterError(f"a worker has papilio {__version__}, this program {self.version}")
-            if self.scenario.hash != self.hash:
+            made, of = self.made()
+            if of != self.hash:
                 raise ClusterError("a worker reads other files than this program, by the same names")
-            _kept.prepared, _kept.address = Prepared(self.scenario), self.address
-        prepared: Prepared = _kept.prepared
-        return prepared
+            _kept.made, _kept.address = made, self.address
+        return _kept.made
 
 
 _kept = threading.local()

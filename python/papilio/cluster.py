@@ -1,7 +1,7 @@
 """Designs by the million: in batches, on this machine or on a Dask cluster, stopped and gone on with at will.
 
-`evaluate_many` is `Prepared.evaluate` for more designs than one call should hold, `sweep` the same on a grid. Both
-give the same numbers, to the last bit, wherever and in whatever order batches are computed.
+`evaluate_many` is `Prepared.evaluate` for more designs than one call should hold, `sweep` the same on a grid, and
+`tolerance` is `papilio.tolerance`. All give the same numbers, to the last bit, wherever and in whatever order batches are computed.
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _batches, _parts
+from . import _batches, _parts, _samples
 from ._arguments import common_shape, described, reals, whole
 from ._batches import Batch, Grid, Question
 from ._roads import Failed, OnCluster, Serial
 from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
 from .prepared import Keys, checked_metrics, columns, named
+from .production import Yield
 from .running import checked_threads
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
+__all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep", "tolerance"]
 
 #: What a ``progress`` function is given: ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
 Progress = Callable[[dict[str, Any]], object]
@@ -77,37 +78,31 @@ def evaluate_many(
         DesignError: names the first design found that cannot be.
         ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
     """
-    seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
-    whole("retries", retries, 0, 1000)
-    if client is not None:
-        _check_client(client)
     grid = _grid(variables)
     question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
-    road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
-    folder, size = _opened(out, question, grid, road, seconds)
-    tell = _Telling(progress, grid.size, road)
-    found: dict[str, NDArray[np.float64]] = {}
-    order: list[str] = []
+    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, progress)
 
-    def missing() -> Iterator[Batch]:
-        for batch in _batches.cut(question, grid, size):
-            order.append(batch.address)
-            if folder is not None and _parts.whole(folder, batch.address, batch.size):
-                tell(batch, reused=True)
-            else:
-                yield batch
 
-    try:
-        with closing(road.each(question, missing(), None if folder is None else str(folder))) as answers:
-            for batch, values in answers:
-                if values is not None:
-                    found[batch.address] = values
-                tell(batch)
-    except Failed as failed:
-        raise _batches.placed(failed.error, failed.batch, grid) from None
-    finally:
-        tell.end()
-    return Evaluated(grid, question, order, found, folder, size, tell.reused)
+def tolerance(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    out: str | PathLike[str] | None = None,
+    client: Client | None = None,
+    batch_seconds: float = 4.0,
+    threads: int | None = None,
+    retries: int = 3,
+    progress: Progress | bool | None = None,
+) -> Yield:
+    """What production makes of a design: `papilio.tolerance` for very many displays, with the same report to the last bit.
+
+    Samples are computed in batches; the arguments are those of `evaluate_many`. With ``out``, a production of more
+    samples goes on from a smaller one's, as long as both seek sensitivities with as many (``sensitivity_samples``).
+    """
+    question, production = _samples.question(read(scenario, set))
+    grid = Grid({_samples.SAMPLE: np.arange(production.rows, dtype=np.float64)}, (production.rows,))
+    found = _evaluated(question, grid, out, client, batch_seconds, threads, retries, progress)
+    return Yield(production, _samples.flat(production, found.values))
 
 
 def sweep(
@@ -139,6 +134,48 @@ def print_progress(state: Mapping[str, Any]) -> None:
     line = f"{state['done']:,} of {state['of']:,} designs, {rate:,.0f}/s{of_workers}{left}"
     sys.stderr.write(f"\r{line:<79}{end}")
     sys.stderr.flush()
+
+
+def _evaluated(
+    question: Question,
+    grid: Grid,
+    out: str | PathLike[str] | None,
+    client: Client | None,
+    batch_seconds: float,
+    threads: int | None,
+    retries: int,
+    progress: Progress | bool | None,
+) -> Evaluated:
+    """The answers for all designs of a grid."""
+    seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
+    whole("retries", retries, 0, 1000)
+    if client is not None:
+        _check_client(client)
+    road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
+    folder, size = _opened(out, question, grid, road, seconds)
+    tell = _Telling(progress, grid.size, road)
+    found: dict[str, NDArray[np.float64]] = {}
+    order: list[str] = []
+
+    def missing() -> Iterator[Batch]:
+        for batch in _batches.cut(question, grid, size):
+            order.append(batch.address)
+            if folder is not None and _parts.whole(folder, batch.address, batch.size):
+                tell(batch, reused=True)
+            else:
+                yield batch
+
+    try:
+        with closing(road.each(question, missing(), None if folder is None else str(folder))) as answers:
+            for batch, values in answers:
+                if values is not None:
+                    found[batch.address] = values
+                tell(batch)
+    except Failed as failed:
+        raise _batches.placed(failed.error, failed.batch, grid) from None
+    finally:
+        tell.end()
+    return Evaluated(grid, question, order, found, folder, size, tell.reused)
 
 
 def _grid(variables: Mapping[Keys, ArrayLike]) -> Grid:

@@ -119,6 +119,15 @@ def test_a_sweep_is_a_grid(indoor, client):
     assert arrays["gamut_percent_srgb"].attrs["units"] == "%"
 
 
+def test_a_production_on_a_cluster_is_the_same(scenarios, client, tmp_path):
+    of = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 4}
+    here = papilio.tolerance(scenarios / "tolerance.toml", set=of)
+    there = cluster.tolerance(scenarios / "tolerance.toml", set=of, client=client, out=tmp_path, batch_seconds=0.05)
+    assert there.report == here.report and np.array_equal(there.values, here.values, equal_nan=True)
+    more = cluster.tolerance(scenarios / "tolerance.toml", set=of | {"tolerance.samples": 80}, out=tmp_path)
+    assert np.array_equal(more.values[:64], here.values, equal_nan=True)
+
+
 def test_a_killed_worker_loses_nothing(indoor, client, tmp_path, capsys):
     """A worker dies in the middle; numbers are the serial run's to the last bit, and memory stays as it is."""
     designs = plane(DESIGNS)
