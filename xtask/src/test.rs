@@ -31,6 +31,12 @@ const SEARCH_VARIABLE: &str = "PAPILIO_SEARCH_SEEDS";
 /// `PAPILIO_LOAD_SECONDS` is read by the web app's test of fifty clients at once.
 const LOAD_VARIABLE: &str = "PAPILIO_LOAD_SECONDS";
 
+/// `PAPILIO_SWEEP_POINTS` is read by the program's test of sweeps of many points.
+const POINTS_VARIABLE: &str = "PAPILIO_SWEEP_POINTS";
+
+/// As many as a sweep may have.
+const POINTS: &str = "100000";
+
 /// How long they ask.
 const LOAD_SECONDS: &str = "60";
 
@@ -47,7 +53,8 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
         .env(STACKS_VARIABLE, stacks.to_string())
         .env(FUZZ_VARIABLE, FUZZ_SECONDS)
         .env(SEARCH_VARIABLE, "10")
-        .env(LOAD_VARIABLE, LOAD_SECONDS);
+        .env(LOAD_VARIABLE, LOAD_SECONDS)
+        .env(POINTS_VARIABLE, POINTS);
     all_checks(tests, page::ALL)
 }
 

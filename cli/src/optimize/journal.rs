@@ -1,16 +1,15 @@
 //! The journal of a search, `optimize.jsonl`: what it is, then every record as it comes.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use papilio_design::search::{Found, Kept, Record};
-use papilio_formats::{
-    DataFile, FormatError, LARGEST_JOURNAL, Place, Problem, write_file, write_journal_line,
-};
+use papilio_formats::{DataFile, LARGEST_JOURNAL, write_file, write_journal_line};
 use serde::{Deserialize, Serialize};
 
 use crate::Failure;
+use crate::journal::{locked, unwritable};
 
 /// Its first line: a search that is another one begins anew.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -76,23 +75,4 @@ pub(super) fn finish(folder: &Path, head: &Head, found: &[Found]) -> Result<(), 
         found.iter().try_for_each(|one| write_journal_line(&mut out, one))
     })?;
     Ok(())
-}
-
-/// Opens a journal to add to it; no other program can until it is closed.
-fn locked(path: &Path) -> Result<File, Failure> {
-    let opened = OpenOptions::new().create(true).append(true).open(path);
-    let file = opened.map_err(|error| unwritable(path, &error))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(Failure::Input(format!(
-            "another search is writing {}\n  = help: wait for it, or choose another folder with --out DIR",
-            path.display()
-        ))),
-        Err(TryLockError::Error(error)) => Err(unwritable(path, &error)),
-    }
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    let problem = Problem::Unwritable { reason: error.to_string() };
-    FormatError { place: Place::whole(&path.display().to_string()), problem }.into()
 }

@@ -170,7 +170,7 @@ impl Tolerance {
     /// Nothing, if there are displays whose paths have these values.
     ///
     /// # Errors
-    /// What is wrong with them, where [tolerance] has the key.
+    /// What is wrong with them, where `[tolerance]` has the key.
     pub fn check(&self, values: &[Value]) -> Result<(), ScenarioErrors> {
         self.varied.scenario(values)?.resolve().map(|_| ())
     }
