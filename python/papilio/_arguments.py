@@ -110,6 +110,8 @@ def described(value: object) -> str:
 
 def _array(name: str, values: ArrayLike) -> NDArray[Any]:
     """Whatever numpy makes of it."""
+    if np.ma.is_masked(values):
+        raise ArgumentError(f"{name}: some of its values are masked")
     try:
         array = np.asarray(values)
     except Exception as error:  # numpy asks the object, which may raise anything

@@ -203,11 +203,15 @@ def columns(variables: Mapping[Keys, ArrayLike]) -> dict[Keys, NDArray[Any]]:
     if not isinstance(variables, Mapping):
         raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
     arrays: dict[Keys, NDArray[Any]] = {}
+    varied: set[str] = set()
     for keys, values in variables.items():
         if not isinstance(keys, (str, tuple)) or not keys:
             raise ArgumentError(f"variables: expected a key, as display.pixel.gap_nm.red, or a tuple of them, not {described(keys)}")
         for path in _keys(keys):
             text("variables", path, "a key such as display.pixel.gap_nm.red")
+            if path in varied:
+                raise ArgumentError(f"variables: {path} varies twice")
+            varied.add(path)
         words = _words(values)
         arrays[keys] = _arguments.reals(named(keys), values) if words is None else words
     return arrays
