@@ -1,6 +1,6 @@
 //! What a search came to, on the terminal, as JSON and as a table in a file.
 
-use papilio_design::search::{Chosen, Found, Search};
+use papilio_design::search::{Chosen, FEASIBLE, Found, Search};
 use papilio_formats::sweep_value;
 use papilio_scenario::{SearchAim, SearchRange};
 use serde_json::{Map, Value, json};
@@ -32,13 +32,13 @@ fn one(search: &Search, best: &Chosen) -> String {
     for (at, asked) in search.study().quantities.iter().enumerate() {
         let cells = [own_values[at], best.values[at]].map(|value| value.map_or("-".to_owned(), digits));
         let [own, found] = cells;
-        rows.push(vec![asked.name.clone(), own, found, wanted(search, &asked.name)]);
+        rows.push(vec![asked.name.clone(), own, found, wanted(search, &asked.name, best.values[at])]);
     }
     table(&rows)
 }
 
-/// What is wanted of a quantity, in words.
-fn wanted(search: &Search, name: &str) -> String {
+/// What is wanted of a quantity, in words, and whether what was found misses it.
+fn wanted(search: &Search, name: &str, found: Option<f64>) -> String {
     let aims =
         search.said().objectives.iter().filter(|one| one.parts.iter().any(|(_, part)| part.name == name));
     let aims = aims.map(|one| match one.aim {
@@ -48,8 +48,17 @@ fn wanted(search: &Search, name: &str) -> String {
     });
     let limits = search.said().constraints.iter().filter(|one| one.quantity.name == name);
     let limits = limits.flat_map(|one| {
-        let least = one.at_least.map(|least| format!("at least {least}"));
-        least.into_iter().chain(one.at_most.map(|most| format!("at most {most}")))
+        let verdict = |short: f64, limit: f64| {
+            // As exactly as designs are handed on.
+            if short <= 100.0 * FEASIBLE * limit.abs() { "" } else { ": missed" }
+        };
+        let least = one.at_least.map(|least| {
+            format!("at least {least}{}", verdict(found.map_or(f64::INFINITY, |found| least - found), least))
+        });
+        let most = one.at_most.map(|most| {
+            format!("at most {most}{}", verdict(found.map_or(f64::INFINITY, |found| found - most), most))
+        });
+        least.into_iter().chain(most)
     });
     aims.chain(limits).collect::<Vec<_>>().join(", ")
 }
