@@ -183,7 +183,7 @@ fn a_front_is_a_front() {
 fn wrong_input_is_answered_and_writes_nothing() {
     for (from, to, said) in [
         ("[optimize]\nstarts = 3", "[optimise]\nstarts = 3", "did you mean `optimize`?"),
-        ("bounds = [3, 25]", "bounds = [25, 3]", "these are no bounds"),
+        ("bounds = [3, 25]", "bounds = [25, 3]", "the first bound, 25, is above the second, 3"),
         ("at_least = 4", "at_leest = 4", "did you mean `at_least`?"),
         ("contrast_ratio", "contrast_ration", "did you mean `contrast_ratio`?"),
     ] {

@@ -397,7 +397,15 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     let wrong = text.replace("metrics = [\"contrast_ratio\"", "metrics = [\"contrast\"");
     fs::write(&file, &wrong).unwrap();
     let output = papilio(&["sweep", &file, "--out", &out]);
-    for words in ["s.toml:20:12", "`contrast` is not a choice here"] {
+    for words in ["s.toml:20:12", "there is no metric `contrast`", "did you mean `contrast_ratio`?"] {
         assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+    for (metrics, words) in [
+        ("[]", "at least one item"),
+        ("[\"white.L_star\"]", "does not keep `contrast_ratio`: it keeps white.L_star"),
+    ] {
+        let set = format!("sweep.metrics={metrics}");
+        let output = papilio(&["sweep", &file, "--out", &out, "--set", &set]);
+        assert!(stderr(&output).contains(words), "{metrics}: {}", stderr(&output));
     }
 }

@@ -1,6 +1,6 @@
 //! What should stand in the place of what is wrong, and what to do about it.
 
-use crate::nearest::nearest;
+use crate::nearest::{metric_advice, nearest};
 use crate::problem::{ABSORBING_K, Problem, tidy};
 
 impl Problem {
@@ -9,7 +9,7 @@ impl Problem {
         Some(match self {
             Self::NoAxes => "expected `[[sweep.axes]]`, a table of keys with a list of values each".to_owned(),
             Self::NothingToSearch => "expected `[optimize]` with its variables and objectives".to_owned(),
-            Self::NoBounds => "expected the smallest and the largest value, as [0, 120]".to_owned(),
+            Self::NoBounds { .. } => "expected the smaller value first, and a larger one".to_owned(),
             Self::NoSuchView { views, .. } => format!("expected a number from 0 to {}", views.saturating_sub(1)),
             Self::NoTolerance => {
                 "expected [tolerance] with [[tolerance.keys]], each with a key and its distribution".to_owned()
@@ -103,6 +103,9 @@ impl Problem {
             Self::NoAxes => "[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]".to_owned(),
             Self::NothingToSearch => "scenarios/optimize.toml is an example; docs/optimize.md says what there is".to_owned(),
             Self::NoSum { .. } => "give both keys a number, whose sum then stays".to_owned(),
+            Self::NoBounds { from, to } if from == to => {
+                "what does not vary is no variable: leave it out here, and set the key itself".to_owned()
+            }
             Self::WalkSearch => "set solver.method = \"adding\"; the walk checks the best design afterwards".to_owned(),
             Self::NoSuchCondition { known, .. } if known.is_empty() => {
                 "[[optimize.conditions]] gives conditions their names".to_owned()
@@ -126,9 +129,8 @@ impl Problem {
             Self::SweepLengths { .. } => {
                 "keys of one [[sweep.axes]] move together; for all combinations give each its own".to_owned()
             }
-            Self::NoSuchMetric { name, known } => {
-                suggestion(name, known.iter().map(String::as_str), "metrics")
-            }
+            Self::NoSuchMetric { name, known } => metric_advice(name, known),
+            Self::NotKept { name, .. } => format!("add \"{name}\" to sweep.metrics, or take it out of sweep.figures"),
             Self::NoSuchFile { name, known } => suggestion(name, known.iter().map(String::as_str), "files"),
             Self::NoSuchState { name, known } => suggestion(name, known.iter().map(String::as_str), "states"),
             Self::NothingScatters { name, known } => suggestion(name, known.iter().map(String::as_str), "names"),

@@ -24,6 +24,8 @@ pub struct ScenarioError {
     pub problem: Problem,
     /// Where the scenario asks for the file that `place` is in.
     pub asked_for_at: Option<Place>,
+    /// What else there is to know: which of many scenarios this is of.
+    pub note: Option<String>,
     /// The key that it concerns, as of `--set`: `display.pixel.film.1.thickness_nm`.
     pub path: Option<String>,
 }
@@ -45,6 +47,12 @@ impl ScenarioErrors {
         self
     }
 
+    /// The same, with something else to know about each.
+    pub(crate) fn noted(mut self, note: impl Fn(&Problem) -> Option<String>) -> Self {
+        self.errors.iter_mut().for_each(|error| error.note = note(&error.problem));
+        self
+    }
+
     /// The errors, in the order of the text; the first 50 that were found.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
         self.errors.iter()
@@ -60,7 +68,7 @@ impl From<ScenarioError> for ScenarioErrors {
 impl ScenarioError {
     /// An error about a file as a whole.
     pub(crate) fn about_file(name: &str, problem: Problem) -> Self {
-        Self { place: Place::whole(name), problem, asked_for_at: None, path: None }
+        Self { place: Place::whole(name), problem, asked_for_at: None, note: None, path: None }
     }
 
     /// What to do about it.
@@ -78,7 +86,7 @@ impl ScenarioError {
 
 impl From<FormatError> for ScenarioError {
     fn from(error: FormatError) -> Self {
-        Self { place: error.place, problem: error.problem.into(), asked_for_at: None, path: None }
+        Self { place: error.place, problem: error.problem.into(), asked_for_at: None, note: None, path: None }
     }
 }
 
@@ -100,11 +108,13 @@ impl fmt::Display for ScenarioErrors {
 impl fmt::Display for ScenarioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (message, expected, hint) = (self.problem.to_string(), self.problem.expected(), self.hint());
-        let note = self.asked_for_at.as_ref().map(|place| {
+        let asked = self.asked_for_at.as_ref().map(|place| {
             let text = place.spot.as_ref().map_or("", |spot| spot.text.trim());
             let text: String = text.chars().take(LONGEST_NOTE).collect();
             format!("it is asked for at {place}: {text}")
         });
+        let notes: Vec<&str> = asked.as_deref().into_iter().chain(self.note.as_deref()).collect();
+        let note = (!notes.is_empty()).then(|| notes.join("; "));
         let remark = Remark {
             message: &message,
             expected: expected.as_deref(),
@@ -169,10 +179,11 @@ impl Errors {
                 _ => path,
             });
             let path = path.filter(|path| !path.is_empty());
-            match file {
-                Some(file) => ScenarioError { place: file, problem, asked_for_at: Some(place), path },
-                None => ScenarioError { place, problem, asked_for_at: None, path },
-            }
+            let (place, asked_for_at) = match file {
+                Some(file) => (file, Some(place)),
+                None => (place, None),
+            };
+            ScenarioError { place, problem, asked_for_at, note: None, path }
         };
         Err(ScenarioErrors { errors: self.found.into_iter().map(error).collect(), more: self.more })
     }

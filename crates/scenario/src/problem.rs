@@ -59,7 +59,7 @@ pub enum Problem {
         found: &'static str,
     },
     /// A number outside its range.
-    #[error("{value} is out of range")]
+    #[error("{} is out of range", written(*.value))]
     OutOfRange {
         /// The number.
         value: f64,
@@ -301,9 +301,14 @@ pub enum Problem {
     /// A search without anything to search.
     #[error("there is nothing to search: the scenario has no `[optimize]`")]
     NothingToSearch,
-    /// Two values that are no range.
-    #[error("these are no bounds")]
-    NoBounds,
+    /// Two values between which nothing varies.
+    #[error("{}", if from == to { format!("both bounds are {from}") } else { format!("the first bound, {from}, is above the second, {to}") })]
+    NoBounds {
+        /// The first.
+        from: f64,
+        /// The second.
+        to: f64,
+    },
     /// A key that two variables move.
     #[error("`{path}` varies twice")]
     VariesTwice {
@@ -404,6 +409,14 @@ pub enum Problem {
         name: String,
         /// The files that there are.
         known: Vec<String>,
+    },
+    /// A figure of a metric that a light sweep does not keep.
+    #[error("this sweep does not keep `{name}`: it keeps {kept}")]
+    NotKept {
+        /// What is to be drawn.
+        name: String,
+        /// What is kept.
+        kept: String,
     },
     /// A metric that no result has.
     #[error("there is no metric `{name}`")]
@@ -588,10 +601,34 @@ pub enum Problem {
     Data(#[from] papilio_formats::Problem),
 }
 
+impl Problem {
+    /// Whether the path of a key is wrong, not what stands there.
+    pub(crate) fn is_of_a_path(&self) -> bool {
+        matches!(
+            self,
+            Self::UnknownKey { .. }
+                | Self::NotInThisVersion { .. }
+                | Self::OfAnotherKind { .. }
+                | Self::SetPath { .. }
+                | Self::NoSubPixel { .. }
+        )
+    }
+}
+
 /// The k of a clear medium: at most this.
 pub(crate) const CLEAR_K: f64 = 1e-6;
 /// And of one that absorbs along a path that is given; beyond it Fresnel's real index is not enough.
 pub(crate) const ABSORBING_K: f64 = 1e-3;
+
+/// A number as a reader writes it: without the digits that are rounding, and with an exponent where it is very large or small.
+fn written(value: f64) -> String {
+    let short: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    if short == 0.0 || (1e-6..1e16).contains(&short.abs()) || !short.is_finite() {
+        short.to_string()
+    } else {
+        format!("{short:e}")
+    }
+}
 
 /// A sum of decimal fractions as a reader writes it: to a millionth.
 pub(crate) fn tidy(value: f64) -> f64 {

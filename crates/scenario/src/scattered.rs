@@ -10,11 +10,17 @@ use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
 use crate::tolerance::ScatteredKey;
+use crate::varied::Base;
 
 const KINDS: &str = "normal, lognormal, uniform, triangular, choices";
 
-/// A key as it scatters; `filled` is the scenario as it stands.
-pub(crate) fn scattered(key: &At<Scattered>, filled: &Value, errors: &mut Errors) -> Option<ScatteredKey> {
+/// A key as it scatters; `filled` is the scenario as it stands, of `base`.
+pub(crate) fn scattered(
+    key: &At<Scattered>,
+    base: &Base,
+    filled: &Value,
+    errors: &mut Errors,
+) -> Option<ScatteredKey> {
     let paths: Vec<(&str, Origin)> = match (&key.key.value, &key.keys.value) {
         (Some(path), None) => vec![(path, key.key.origin)],
         (None, Some(paths)) if !paths.is_empty() => {
@@ -31,6 +37,13 @@ pub(crate) fn scattered(key: &At<Scattered>, filled: &Value, errors: &mut Errors
         }
     };
     let stands: Vec<Option<f64>> = paths.iter().map(|(path, _)| number_at(filled, path)).collect();
+    let absent = paths.iter().zip(&stands).filter(|(_, stands)| stands.is_none());
+    let wrong = absent.filter_map(|((path, origin), _)| Some((*origin, base.wrong_path(path, *origin)?)));
+    let wrong: Vec<(Origin, Problem)> = wrong.collect();
+    if !wrong.is_empty() {
+        wrong.into_iter().for_each(|(origin, problem)| errors.push(origin, problem));
+        return None;
+    }
     let middle = Middle::of(*key.relative, &stands);
     let distribution = distribution(key, &middle, errors);
     // What the key is has a part only where numbers are told from it.

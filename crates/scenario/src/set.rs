@@ -136,8 +136,13 @@ fn child<'a>(
                     items.push(new);
                     return Ok(&mut items[i]);
                 }
-                Ok(_) if items.is_empty() => "this array is empty, its first index is 0".to_owned(),
+                Ok(_) if items.is_empty() => {
+                    "this array is empty or not there, its first index is 0".to_owned()
+                }
                 Ok(_) => format!("this array has the indices 0 to {}", items.len() - 1),
+                Err(_) if key.parse::<i64>().is_ok() && !items.is_empty() => {
+                    format!("indices count from 0: this array has 0 to {}", items.len() - 1)
+                }
                 Err(_) => "this is an array: an index is needed here".to_owned(),
             };
             Err((origin, Problem::SetPath { why }))

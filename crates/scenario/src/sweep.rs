@@ -16,7 +16,7 @@ use crate::set::Change;
 use crate::source::Origin;
 use crate::tolerance::{AskedMetric, of_all_views};
 use crate::tree::{Node, Value};
-use crate::varied::{Base, Varied};
+use crate::varied::{Base, Varied, VariedKey};
 
 /// A scenario whose keys vary: the product of its axes, the last one fastest.
 #[derive(Debug, Clone)]
@@ -111,9 +111,14 @@ impl Sweep {
         let first = self.scenario(0)?.resolve()?;
         let mut errors = Errors::default();
         let metrics = of_all_views(&named, &first.scene, &mut errors);
-        errors.check(&self.base.sources)?;
         let known: Vec<String> = metrics.iter().map(|metric| metric.name.clone()).collect();
         self.figures.retain(|name| name.origin != Origin::FILE || known.contains(&name.value));
+        let is_metric = |name: &str| MetricName::named(name).is_some();
+        for name in self.figures.iter().filter(|name| !known.contains(name) && is_metric(name)) {
+            let problem = Problem::NotKept { name: name.value.clone(), kept: known.join(", ") };
+            errors.push(name.origin, problem);
+        }
+        errors.check(&self.base.sources)?;
         self.check_figures(&known)?;
         // Other files may change what a value means; numbers are what they are.
         let mut means = vec![first.hash];
@@ -125,7 +130,7 @@ impl Sweep {
         let head = self.head("", "");
         let means = serde_json::json!([means, head.axes, known]);
         let keys = self.axes.iter().flat_map(|axis| &axis.0);
-        let places = keys.clone().map(|swept| (swept.path.clone(), swept.origin)).collect();
+        let places = keys.clone().map(|swept| VariedKey::at(&swept.path, swept.origin)).collect();
         Ok(Some(LightSweep {
             varied: Varied::new(self.base.clone(), Vec::new(), places),
             keys: keys.map(|swept| swept.values.iter().map(Node::to_json).collect()).collect(),
@@ -207,6 +212,12 @@ impl LightSweep {
 
 /// What an axis cannot know: that there is one, that no key is swept twice, and how many points there are.
 fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
+    if let Some(metrics) = &sweep.metrics.value
+        && metrics.is_empty()
+    {
+        errors.push(sweep.metrics.origin, Problem::EmptyList);
+        return false;
+    }
     if sweep.axes.is_empty() {
         errors.push(sweep.axes.origin, Problem::EmptyList);
         return false;

@@ -8,7 +8,7 @@ use papilio_sampling::{Coefficient, Correlation, Distribution};
 use serde_json::{Value, json};
 
 use crate::describe::limits::{Limit, MetricName};
-use crate::describe::tolerance::{Correlated, Scattered, Tolerance as Described};
+use crate::describe::tolerance::{Correlated, Deviation, Scattered, Tolerance as Described};
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::problem::Problem;
@@ -16,7 +16,7 @@ use crate::read::{At, Read};
 use crate::scattered::scattered;
 use crate::scenario::Scenario;
 use crate::source::Origin;
-use crate::varied::{Base, Varied};
+use crate::varied::{Base, Varied, VariedKey};
 
 /// What is reported where the scenario does not say.
 const REPORTED: [&str; 7] = [
@@ -127,13 +127,18 @@ impl Tolerance {
         let scenario = base.scenario(&[])?;
         let resolved = scenario.resolve()?;
         let mut errors = Errors::default();
-        let found = Self::found(&read, &scenario, &resolved.scene, &mut errors);
+        let found = Self::found(&read, &base, &scenario, &resolved.scene, &mut errors);
         let (keys, correlation, metrics, limits) = errors.finish(found, &base.sources)?;
         let samples = read.samples.0 as usize;
         let sensitivity = read.sensitivity_samples.value.map_or(samples / 4, |count| count.0 as usize);
         let names: Vec<&str> = metrics.iter().map(|one| one.name.as_str()).collect();
         let means = json!([resolved.hash, read.keys, read.correlations, read.seed, names]);
-        let places: Vec<(String, Origin)> = read.keys.iter().flat_map(|key| key.paths()).collect();
+        let varied = |key: &At<Scattered>| {
+            let values = key.spread_at().unwrap_or(key.origin);
+            let paths = key.paths().into_iter();
+            paths.map(move |(path, origin)| VariedKey { path, origin, values }).collect::<Vec<_>>()
+        };
+        let places = read.keys.iter().flat_map(varied).collect();
         Ok(Self {
             title: resolved.title,
             samples,
@@ -151,12 +156,13 @@ impl Tolerance {
     #[allow(clippy::type_complexity, reason = "the parts of what is made of them next")]
     fn found(
         read: &Described,
+        base: &Base,
         scenario: &Scenario,
         scene: &Scene,
         errors: &mut Errors,
     ) -> Option<(Vec<ScatteredKey>, Correlation, Vec<AskedMetric>, Vec<ToleranceLimit>)> {
         let filled = serde_json::to_value(scenario.filled()).unwrap_or_default();
-        let keys: Vec<_> = read.keys.iter().map(|key| scattered(key, &filled, errors)).collect();
+        let keys: Vec<_> = read.keys.iter().map(|key| scattered(key, base, &filled, errors)).collect();
         if read.keys.is_empty() {
             errors.push(read.keys.origin, Problem::EmptyList);
         }
@@ -172,7 +178,15 @@ impl Tolerance {
     /// # Errors
     /// What is wrong with them, where `[tolerance]` has the key.
     pub fn check(&self, values: &[Value]) -> Result<(), ScenarioErrors> {
-        self.varied.scenario(values)?.resolve().map(|_| ())
+        let made = self.varied.scenario(values).and_then(|scenario| scenario.resolve());
+        made.map(|_| ()).map_err(|errors| {
+            errors.noted(|problem| match problem {
+                Problem::OutOfRange { .. } => Some(
+                    "a display of this production has it: `from` and `to` sort such displays out".to_owned(),
+                ),
+                _ => None,
+            })
+        })
     }
 }
 
@@ -188,6 +202,21 @@ impl Scattered {
     fn paths(&self) -> Vec<(String, Origin)> {
         let several = self.keys.iter().flatten().map(|path| (path.value.clone(), path.origin));
         self.key.iter().map(|path| (path.clone(), self.key.origin)).chain(several).collect()
+    }
+}
+
+impl Scattered {
+    /// Where it is said how far it scatters.
+    fn spread_at(&self) -> Option<Origin> {
+        let or_all = |spread: &At<Option<Deviation>>, all: Origin| {
+            if spread.is_some() { spread.origin } else { all }
+        };
+        let normal = self.normal.as_ref().map(|one| one.sigma.origin);
+        let lognormal = self.lognormal.as_ref().map(|one| one.sigma.origin);
+        let uniform = self.uniform.as_ref().map(|one| or_all(&one.plus_minus, self.uniform.origin));
+        let triangular = self.triangular.as_ref().map(|one| or_all(&one.plus_minus, self.triangular.origin));
+        let choices = self.choices.as_ref().map(|one| one.values.origin);
+        normal.or(lognormal).or(uniform).or(triangular).or(choices)
     }
 }
 

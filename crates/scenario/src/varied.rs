@@ -7,6 +7,7 @@ use serde_json::Value as Json;
 
 use crate::error::{ScenarioError, ScenarioErrors};
 use crate::library::Library;
+use crate::problem::Problem;
 use crate::scenario::{Assembled, Scenario, assemble, parse};
 use crate::set::Change;
 use crate::source::{Origin, Sources};
@@ -51,6 +52,21 @@ impl Base {
         Ok(assemble(self.root.clone(), &self.sources, &[])?.root)
     }
 
+    /// What is wrong with a path that no scenario has, if that is so.
+    pub(crate) fn wrong_path(&self, path: &str, origin: Origin) -> Option<Problem> {
+        let place = self.sources.place(origin);
+        let wrong = |path: &str| {
+            let value = Node { origin, value: Value::Float(0.0) };
+            let change = Change { path: path.to_owned(), origin, value };
+            let errors = self.scenario(&[change]).and_then(|scenario| scenario.resolve()).err()?;
+            let mut here = errors.iter().filter(|error| error.place == place).map(|error| &error.problem);
+            here.find(|problem| problem.is_of_a_path()).cloned()
+        };
+        // The first of its keys that is wrong: what follows has no meaning then.
+        let ends = path.match_indices('.').map(|(at, _)| at).chain([path.len()]);
+        ends.map(|end| &path[..end]).find_map(wrong)
+    }
+
     /// The scenario with changes, those of the preset first.
     pub(crate) fn scenario(&self, changes: &[Change]) -> Result<Scenario, ScenarioErrors> {
         let Assembled { mut root, warnings } = assemble(self.root.clone(), &self.sources, changes)?;
@@ -77,7 +93,17 @@ pub struct Varied {
     base: Base,
     /// What holds whatever varies.
     fixed: Vec<Change>,
-    keys: Vec<(String, Origin)>,
+    keys: Vec<VariedKey>,
+}
+
+/// A key that varies.
+#[derive(Debug, Clone)]
+pub(crate) struct VariedKey {
+    pub(crate) path: String,
+    /// Where the path stands.
+    pub(crate) origin: Origin,
+    /// Where it is said what values it has.
+    pub(crate) values: Origin,
 }
 
 impl Varied {
@@ -104,18 +130,18 @@ impl Varied {
     }
 
     fn of_paths(mut base: Base, paths: &[String]) -> Self {
-        let place = |path: &String| (path.clone(), base.sources.add("key", path));
-        let keys = paths.iter().map(place).collect();
+        let key = |path: &String| VariedKey::at(path, base.sources.add("key", path));
+        let keys = paths.iter().map(key).collect();
         Self::new(base, Vec::new(), keys)
     }
 
-    pub(crate) fn new(base: Base, fixed: Vec<Change>, keys: Vec<(String, Origin)>) -> Self {
+    pub(crate) fn new(base: Base, fixed: Vec<Change>, keys: Vec<VariedKey>) -> Self {
         Self { base, fixed, keys }
     }
 
     /// The paths of the keys.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
-        self.keys.iter().map(|(path, _)| path.as_str())
+        self.keys.iter().map(|key| key.path.as_str())
     }
 
     /// The scenario with these values, one for each key; a null leaves the key as it stands.
@@ -124,10 +150,10 @@ impl Varied {
     /// As [`Scenario::load`]; a value's place is that of its key.
     pub fn scenario(&self, values: &[Json]) -> Result<Scenario, ScenarioErrors> {
         let given = self.keys.iter().zip(values).filter(|(_, value)| !value.is_null());
-        let varied = given.map(|((path, origin), value)| Change {
-            path: path.clone(),
-            origin: *origin,
-            value: Node::from_json(value, *origin),
+        let varied = given.map(|(key, value)| Change {
+            path: key.path.clone(),
+            origin: key.origin,
+            value: Node::from_json(value, key.values),
         });
         self.with(varied)
     }
@@ -136,6 +162,13 @@ impl Varied {
     pub(crate) fn with(&self, changes: impl Iterator<Item = Change>) -> Result<Scenario, ScenarioErrors> {
         let changes: Vec<Change> = self.fixed.iter().cloned().chain(changes).collect();
         self.base.scenario(&changes)
+    }
+}
+
+impl VariedKey {
+    /// Its values have no place of their own.
+    pub(crate) fn at(path: &str, origin: Origin) -> Self {
+        Self { path: path.to_owned(), origin, values: origin }
     }
 }
 

@@ -6,7 +6,8 @@ use super::numbers::Count;
 use super::sweep::Any;
 use crate::error::Errors;
 use crate::grammar::table;
-use crate::read::{At, Read, unknown_word};
+use crate::problem::Problem;
+use crate::read::{At, Read};
 use crate::tree::{Node, Value};
 
 table! {
@@ -59,9 +60,9 @@ impl Read for MetricName {
             return Some(named);
         }
         let state = text.rsplit_once('.').map_or("white", |(state, _)| state);
-        let known: Vec<String> = Metric::ALL.iter().map(written_with(state)).collect();
-        let known: Vec<&str> = known.iter().map(String::as_str).collect();
-        unknown_word(node, text, &known, &[], errors)
+        let known = Metric::ALL.iter().map(written_with(state)).collect();
+        errors.push(node.origin, Problem::NoSuchMetric { name: text.clone(), known });
+        None
     }
 }
 

@@ -99,8 +99,8 @@ impl Reader {
             self.errors.push(said.origin, problem);
             return None;
         }
-        if at_least.zip(at_most).is_some_and(|(least, most)| least > most) {
-            self.errors.push(said.at_most.origin, Problem::NoBounds);
+        if let Some((from, to)) = at_least.zip(at_most).filter(|(least, most)| least > most) {
+            self.errors.push(said.at_most.origin, Problem::NoInside { from, to });
             return None;
         }
         let parts = self.asked(&asked, names, scenes)?;

@@ -9,12 +9,12 @@ use super::{Optimisation, SearchCondition, SearchMethod, SearchRange, SearchVari
 use crate::describe::optimize as describe;
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::hex;
-use crate::problem::Problem;
+use crate::problem::{Problem, tidy};
 use crate::read::{At, Read};
 use crate::set::Change;
 use crate::source::Origin;
 use crate::tree::Node;
-use crate::varied::{ABOUT, Base, Varied};
+use crate::varied::{ABOUT, Base, Varied, VariedKey};
 
 /// Reads the search of a scenario.
 pub(super) fn search(base: Base) -> Result<Optimisation, ScenarioErrors> {
@@ -37,8 +37,18 @@ struct Found {
     variable: SearchVariable,
     /// Where each of its paths stands.
     origins: Vec<Origin>,
-    /// Where each bound or choice stands, with its number.
+    /// Where its bounds or choices stand,
+    values: Origin,
+    /// and each of them, with its number.
     ends: Vec<(Origin, f64)>,
+}
+
+impl Found {
+    /// What the key gives that stands against the others, where they are `x`.
+    fn given(&self, x: f64) -> Option<String> {
+        let (path, slope, offset) = self.variable.keys.iter().find(|(_, slope, _)| *slope < 0.0)?;
+        Some(format!("at this bound `{path}` is {}", tidy(slope * x + offset)))
+    }
 }
 
 pub(super) struct Reader {
@@ -125,10 +135,13 @@ impl Reader {
         if let Some(against) = &said.against.value {
             let sum = own.as_ref().and_then(Node::number).zip(self.root.at(against).and_then(Node::number));
             let Some((own, other)) = sum else {
-                self.errors.push(
-                    said.against.origin,
-                    Problem::NoSum { path: against.clone(), with: paths[0].0.clone() },
-                );
+                let both = [(against, said.against.origin), (&paths[0].0, paths[0].1)];
+                let wrong = both
+                    .into_iter()
+                    .find_map(|(path, origin)| Some((origin, self.base.wrong_path(path, origin)?)));
+                let no_sum = || Problem::NoSum { path: against.clone(), with: paths[0].0.clone() };
+                let (origin, problem) = wrong.unwrap_or_else(|| (said.against.origin, no_sum()));
+                self.errors.push(origin, problem);
                 return None;
             };
             keys.push((against.clone(), -(paths.len() as f64), other + paths.len() as f64 * own));
@@ -142,7 +155,9 @@ impl Reader {
                 choices.iter().position(|choice| plain(choice) == own).map(|at| at as f64)
             }
         });
-        Some(Found { variable: SearchVariable { name: paths[0].0.clone(), keys, range, own }, origins, ends })
+        let values = if said.bounds.is_some() { said.bounds.origin } else { said.choices.origin };
+        let variable = SearchVariable { name: paths[0].0.clone(), keys, range, own };
+        Some(Found { variable, origins, values, ends })
     }
 
     fn range(&mut self, said: &At<describe::Variable>) -> Option<(SearchRange, Vec<(Origin, f64)>)> {
@@ -151,8 +166,14 @@ impl Reader {
                 [from, to] if from.0 < to.0 => {
                     Some((SearchRange::Bounds(from.0, to.0), vec![(from.origin, from.0), (to.origin, to.0)]))
                 }
+                [from, to] => {
+                    self.errors.push(said.bounds.origin, Problem::NoBounds { from: from.0, to: to.0 });
+                    None
+                }
                 _ => {
-                    self.errors.push(said.bounds.origin, Problem::NoBounds);
+                    let expected = "the smallest and the largest value, as [0, 120]".to_owned();
+                    let found = "a list of another length";
+                    self.errors.push(said.bounds.origin, Problem::WrongType { expected, found });
                     None
                 }
             },
@@ -197,12 +218,15 @@ impl Reader {
     }
 
     fn conditions(&self, said: &describe::Optimize, found: &[Found]) -> Vec<SearchCondition> {
-        let keys: Vec<(String, Origin)> = found
-            .iter()
-            .flat_map(|one| {
-                one.variable.keys.iter().map(|(path, ..)| path.clone()).zip(one.origins.iter().copied())
+        let keys = found.iter().flat_map(|one| {
+            let keys = one.variable.keys.iter().zip(&one.origins);
+            keys.map(|((path, ..), origin)| VariedKey {
+                path: path.clone(),
+                origin: *origin,
+                values: one.values,
             })
-            .collect();
+        });
+        let keys: Vec<VariedKey> = keys.collect();
         let condition = |name: &str, weight, fixed: &[Change]| SearchCondition {
             name: name.to_owned(),
             weight,
@@ -238,7 +262,10 @@ impl Reader {
                     path,
                 });
                 let tried = varied.with(changes).and_then(|scenario| scenario.resolve());
-                tried.map_err(|errors| errors.asked_for_at(&self.base.sources.place(*origin)))?;
+                tried.map_err(|errors| {
+                    let errors = errors.asked_for_at(&self.base.sources.place(*origin));
+                    errors.noted(|_| one.given(*x))
+                })?;
             }
         }
         Ok(())

@@ -86,7 +86,9 @@ fn the_hash_knows_what_matters() {
 #[test]
 fn mistakes_are_answered_with_their_places() {
     for (from, to, said, line) in [
-        ("[5, 20]", "[20, 5]", "these are no bounds", "bounds = "),
+        ("[5, 20]", "[20, 5]", "the first bound, 20, is above the second, 5", "bounds = "),
+        ("[5, 20]", "[5, 5]", "both bounds are 5", "bounds = "),
+        ("[5, 20]", "[5]", "a list of another length", "bounds = "),
         ("[5, 20]", "[-5, 20]", "-5 is out of range", "bounds = "),
         ("\"Cr\", ", "\"Xy\", ", "there is no material named `Xy`", "choices = "),
         (
@@ -109,7 +111,9 @@ fn mistakes_are_answered_with_their_places() {
             "key = ",
         ),
         ("against = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
-        ("area.green\"\nbounds", "area.grey\"\nbounds", "have no sum", "against = "),
+        ("area.green\"\nbounds", "area.grey\"\nbounds", "no sub-pixel `grey`", "against = "),
+        ("area.green\"\nbounds", "area\"\nbounds", "have no sum", "against = "),
+        ("[0.3, 0.6]", "[0.3, 0.95]", "at this bound `display.pixel.area.green` is -0.15", "bounds = "),
         ("gamut_percent_srgb", "gamut_percent_srg", "did you mean `gamut_percent_srgb`?", "metric = "),
         ("\"white.Y\"", "\"wite.Y\"", "there is no state `wite`", "metric = "),
         ("condition = \"room\"", "condition = \"rom\"", "did you mean `room`?", "condition = "),
