@@ -223,6 +223,12 @@ pub(crate) struct Optimize {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
+    /// Search from part K of N of the places alone, for many machines
+    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "json")]
+    pub(crate) shard: Option<(usize, usize)>,
+    /// Also take what is done from the journals in this folder; may be repeated
+    #[arg(long, value_name = "DIR")]
+    pub(crate) merge: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) workers: Workers,
 }

@@ -137,6 +137,39 @@ fn a_search_that_was_killed_ends_as_if_it_was_not() {
     }
 }
 
+/// In parts, in folders of their own, then merged: the same bytes as one run; descents and a front, of which parts share the
+/// first round.
+#[test]
+fn parts_on_many_machines_end_as_one_search() {
+    for more in ["", SECOND_AIM] {
+        let (folder, file, out) = place(&format!("{SCENARIO}{more}"));
+        search(&file, &out, &[]);
+        let whole = files(Path::new(&out));
+        let parts = [1, 2].map(|k| folder.path().join(format!("part-{k}")).display().to_string());
+        for (k, part) in parts.iter().enumerate() {
+            let said = search(&file, part, &["--shard", &format!("{}/2", k + 1)]);
+            assert!(stderr(&said).contains(&format!("part {} of 2 is done", k + 1)), "{}", stderr(&said));
+            let names: Vec<String> = files(Path::new(part)).into_keys().collect();
+            assert_eq!(names, [format!("optimize.{}-of-2.jsonl", k + 1)]);
+        }
+        let merged = folder.path().join("merged").display().to_string();
+        let [one, two] = parts.each_ref().map(String::as_str);
+        let said = search(&file, &merged, &["--merge", one, "--merge", two]);
+        if more.is_empty() {
+            assert!(stderr(&said).contains(", 0 of them now,"), "{}", stderr(&said));
+        }
+        for (name, bytes) in files(Path::new(&merged)) {
+            // best.toml names the scenario's files from where it lies; here it has none.
+            assert!(bytes == whole[&name], "{name}");
+        }
+    }
+    let (_folder, file, out) = place(&SCENARIO.replace("[optimize]", "[optimize]\nmethod = \"global\""));
+    let refused = papilio(&["optimize", &file, "--out", &out, "--shard", "2/2"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("this search begins with 1 task\n"), "{}", stderr(&refused));
+    assert!(!Path::new(&out).exists());
+}
+
 /// Ctrl-C: what is done is kept, nothing else is written, and the program says how to go on.
 #[cfg(unix)]
 #[test]

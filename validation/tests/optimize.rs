@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::search::{Chosen, Found, Kept, Record, Search};
+use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::scene::{Method, Stop};
 use papilio_scenario::Optimisation;
@@ -14,13 +14,15 @@ use papilio_validation::{run, scenario};
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// The search of scenarios/optimize.toml, with changes.
-fn search(overrides: &[String]) -> (Search, Vec<Found>, Chosen) {
+fn search(overrides: &[String]) -> (Arc<Search>, Vec<Found>, Chosen) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/optimize.toml");
     let said = Optimisation::load(&file, overrides).unwrap();
     let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
-    let search = Search::new(said, &mut evaluator).unwrap();
+    let search = Arc::new(Search::new(said, &mut evaluator).unwrap());
     let mut tell = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
-    let found = search.run(&evaluator, 2, &Kept::default(), &mut tell).unwrap().unwrap();
+    let mut course = Course::new(Arc::clone(&search), Kept::default(), 2);
+    course.run(&evaluator, 2, &mut tell).unwrap();
+    let found = course.found();
     let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
     (search, found, best)
 }

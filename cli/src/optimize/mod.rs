@@ -15,13 +15,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use papilio_design::search::{Chosen, Found, Record, Search, was_stopped};
+use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search, was_stopped};
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_formats::write_file;
+use papilio_formats::{SearchHead, write_file};
 use papilio_scenario::Optimisation;
 
 use self::check::{Checked, check};
-use self::journal::{Head, Journal};
 use crate::arguments::Optimize;
 use crate::{Failure, interrupt, output, say};
 
@@ -31,17 +30,22 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let said = Optimisation::load(&arguments.scenario.file, &overrides)?;
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
     output::check(&folder)?;
-    output::make_folder(&folder)?;
     interrupt::heed();
-    let head = Head { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: said.hash.clone() };
-    let (mut journal, kept) = Journal::open(&folder, &head)?;
+    let head = SearchHead { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: said.hash.clone() };
     let started = Instant::now();
     let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &interrupt::STOP);
-    let search = stopped(Search::new(said, &mut evaluator))?;
+    let search = Arc::new(stopped(Search::new(said, &mut evaluator))?);
+    arguments.shard.map_or(Ok(()), |part| check_part(part, &search))?;
+    output::make_folder(&folder)?;
+    let (mut journal, kept) = journal::open(&folder, arguments.shard, &head, &arguments.merge)?;
     let threads = arguments
         .workers
         .threads
         .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let mut course = match arguments.shard {
+        Some(part) => Course::part(Arc::clone(&search), kept, threads, part),
+        None => Course::new(Arc::clone(&search), kept, threads),
+    };
     let (bar, mut new) = (progress_bar(), 0);
     let mut tell = |record: &Record, (done, of): (usize, usize)| {
         if let Record::Found(found) = record {
@@ -49,28 +53,50 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         }
         bar.set_length(of as u64);
         bar.set_position(done as u64);
-        journal.add(record)
+        journal.add(record).map_err(Failure::from)
     };
-    let found = search.run(&evaluator, threads, &kept, &mut tell);
+    let ran = course.run(&evaluator, threads, &mut tell);
     bar.finish_and_clear();
-    let found = found.map_err(|failure| match failure {
+    ran.map_err(|failure| match failure {
         Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
         other => other,
     })?;
-    let found = found.ok_or(INTERRUPTED)?;
-    let chosen = stopped(search.chosen(&found, &mut evaluator))?;
+    let found = course.found();
     let seconds = started.elapsed().as_secs_f64();
     let all = report::evaluations(&found);
     let of_them = if new < all { format!(", {new} of them now,") } else { String::new() };
-    say(&format!("{all} designs were evaluated{of_them} in {seconds:.2} s"));
+    let evaluated = format!("{all} designs were evaluated{of_them} in {seconds:.2} s");
+    if let Some((k, n)) = arguments.shard {
+        interrupt::whole(|| journal.finish(&head, found.iter()))?;
+        say(&evaluated);
+        say(&format!(
+            "part {k} of {n} is done; when all are: the same command without --shard, here or with --merge DIR"
+        ));
+        return Ok(());
+    }
+    let chosen = stopped(search.chosen(&found, &mut evaluator))?;
+    say(&evaluated);
     let checked = match chosen.first() {
         Some(best) if !arguments.no_check => {
             check(&search, best, arguments.workers.threads)?.ok_or(INTERRUPTED)?
         }
         _ => Vec::new(),
     };
-    interrupt::whole(|| journal::finish(&folder, &head, &found))?;
+    interrupt::whole(|| journal.finish(&head, found.iter()))?;
     finish(arguments, &folder, &search, &found, &chosen, &checked)
+}
+
+/// Whether a part has something to do.
+fn check_part((k, n): (usize, usize), search: &Arc<Search>) -> Result<(), Failure> {
+    let (_, tasks) = Course::new(Arc::clone(search), Kept::default(), 1).progress();
+    if k <= tasks {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "part {k} of {n} has nothing to do: this search begins with {tasks} {}\n  = help: parts share the starts of every \
+         combination of choices, or the populations of every objective",
+        if tasks == 1 { "task" } else { "tasks" }
+    )))
 }
 
 /// Searches of a round that are done; on standard error, and only where that is a terminal.

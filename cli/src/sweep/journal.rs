@@ -1,19 +1,17 @@
 //! The journal of a sweep: points by the hash of their scenario.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use papilio_formats::{SweepHead, SweepJournal, SweepPoint, write_journal_line};
+use papilio_formats::{HeldJournal, SweepHead, SweepJournal, SweepPoint, open_journal, tidy_journals};
 
 use crate::Failure;
-use crate::journal::{self, locked, tidy, unwritable, write_lines};
+use crate::journal::{self, failed};
 
 /// Points by the hash of their scenario, and where new ones go.
 #[derive(Debug)]
 pub(super) struct Journal {
-    path: PathBuf,
-    file: File,
+    journal: HeldJournal,
     head: SweepHead,
     known: HashMap<String, SweepPoint>,
 }
@@ -27,31 +25,29 @@ pub(super) fn read_all(folder: &Path) -> Result<Vec<(PathBuf, SweepJournal)>, Fa
 }
 
 fn read(path: &Path) -> Result<SweepJournal, Failure> {
-    journal::read(path, |_: &SweepHead| true)
+    open_journal(path, |_: &SweepHead| true).map_err(failed)
 }
 
 impl Journal {
     /// Opens a sweep's journal in a folder, or begins one. Points of other journals there, and of other forms of
     /// the sweep, are known, too.
     pub(super) fn open(folder: &Path, name: &str, head: SweepHead) -> Result<Self, Failure> {
-        let path = folder.join(name);
-        let mut file = locked(&path)?;
-        tidy(folder, &[name, "sweep.csv.", "sweep_"]);
+        let mut journal = HeldJournal::hold(folder.join(name)).map_err(failed)?;
+        tidy_journals(folder, &[name, "sweep.csv.", "sweep_"]);
         let mut known = HashMap::new();
-        for (_, journal) in read_all(folder)? {
-            let own = journal.lines.into_iter().filter(|point| point.papilio == head.papilio);
+        for (_, other) in read_all(folder)? {
+            let own = other.lines.into_iter().filter(|point| point.papilio == head.papilio);
             known.extend(own.map(|point| (point.hash.clone(), point)));
         }
-        let mine = read(&path)?;
+        let mine = read(journal.path())?;
         if mine.head.as_ref() == Some(&head) {
-            file.set_len(mine.whole as u64).map_err(|error| unwritable(&path, &error))?;
+            journal.cut(mine.whole)?;
         } else {
             // An earlier form of the sweep, or nothing yet. Points stay, but their numbers mean nothing now.
             let kept = mine.lines.into_iter().map(|point| SweepPoint { point: None, ..point });
-            write_lines(&path, &head, kept)?;
-            file = locked(&path)?;
+            journal.begin(&head, kept)?;
         }
-        Ok(Self { path, file, head, known })
+        Ok(Self { journal, head, known })
     }
 
     /// What is known of a scenario.
@@ -66,7 +62,7 @@ impl Journal {
 
     /// Keeps a point: on the disk before this returns.
     pub(super) fn add(&mut self, point: SweepPoint) -> Result<(), Failure> {
-        write_journal_line(&mut self.file, &point).map_err(|error| unwritable(&self.path, &error))?;
+        self.journal.add(&point)?;
         self.known.insert(point.hash.clone(), point);
         Ok(())
     }
@@ -76,11 +72,11 @@ impl Journal {
         let in_order = points.iter().filter_map(|(number, hash)| {
             self.known.get(hash).map(|point| SweepPoint { point: Some(*number), ..point.clone() })
         });
-        let mut others = read(&self.path)?.lines;
+        let mut others = read(self.journal.path())?.lines;
         others.retain(|other| points.iter().all(|(_, hash)| *hash != other.hash));
         others.sort_by(|a, b| a.hash.cmp(&b.hash));
         others.dedup_by(|a, b| a.hash == b.hash);
         let others = others.into_iter().map(|point| SweepPoint { point: None, ..point });
-        write_lines(&self.path, &self.head, in_order.chain(others))
+        self.journal.finish(&self.head, in_order.chain(others)).map_err(failed)
     }
 }

@@ -9,7 +9,7 @@ use papilio_design::{DesignError, Evaluator, LightStudy};
 use papilio_display::DisplayError;
 use papilio_figures::of_sweep;
 use papilio_formats::{
-    JournalRow, LightHead, SweepHead, light_parquet, light_points, write_file, write_light_csv,
+    JournalRow, LightHead, RowsHead, SweepHead, light_parquet, light_points, write_file, write_light_csv,
     write_light_json,
 };
 use papilio_scenario::{LightSweep, Sweep};
@@ -17,18 +17,12 @@ use papilio_scenario::{LightSweep, Sweep};
 use super::compute::failed_at;
 use super::{listed, merge};
 use crate::arguments::{SweepMerge, SweepRun, SweepWanted};
-use crate::journal::{self, Rows, RowsHead};
+use crate::journal;
 use crate::side_by_side::side_by_side;
 use crate::{Failure, interrupt, output, report, say};
 
 /// Names of journals begin so.
 pub(super) const STEM: &str = "sweep-light";
-
-impl RowsHead for SweepHead {
-    fn is_of(&self, other: &Self) -> bool {
-        self.papilio == other.papilio && self.light == other.light
-    }
-}
 
 /// Computes the points that are not known yet, and writes what is kept of all.
 pub(super) fn run(
@@ -42,7 +36,7 @@ pub(super) fn run(
     let mut head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
     head.light = Some(LightHead { metrics, hash: light.hash.clone() });
     let study = LightStudy::new(light);
-    let mut rows = Rows::open(folder, STEM, arguments.shard, head.clone(), &[])?;
+    let mut rows = journal::open_rows(folder, STEM, arguments.shard, head.clone(), &[])?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..sweep.len()).filter(|point| point % n == k - 1).collect();
     let missing: Vec<usize> = mine.iter().copied().filter(|point| rows.get(*point).is_none()).collect();
@@ -57,7 +51,8 @@ pub(super) fn run(
         }
     };
     side_by_side(&missing, "points", arguments.threads, worker, |(point, values)| {
-        rows.add(point, values).map(|()| true)
+        rows.add(point, values)?;
+        Ok(true)
     })?;
     let left = mine.iter().filter(|point| rows.get(**point).is_none()).count();
     if left > 0 {
@@ -83,7 +78,7 @@ pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     for folder in &arguments.folders {
         for (path, journal) in journal::read_all::<SweepHead, JournalRow>(folder, STEM, |_| true)? {
             merge::one_sweep(&mut head, &path, journal.head, |a, b| a.is_of(b))?;
-            rows.extend(journal.lines.into_iter().map(journal::plain));
+            rows.extend(journal.lines.into_iter().map(JournalRow::into_numbers));
         }
     }
     let Some((_, head)) = head else { return Ok(false) };

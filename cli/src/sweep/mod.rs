@@ -16,13 +16,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use papilio_figures::of_sweep;
-use papilio_formats::{SweepHead, SweepPoint, sweep_parquet, write_file, write_sweep_csv, write_sweep_json};
+use papilio_formats::{
+    SweepHead, SweepPoint, journal_name, sweep_parquet, write_file, write_sweep_csv, write_sweep_json,
+};
 use papilio_scenario::Sweep;
 
 use self::compute::compute;
 use self::journal::Journal;
 use crate::arguments::{Sweep as Command, SweepCommand, SweepRun, SweepWanted as Wanted, default_out};
-use crate::journal::name;
 use crate::{Failure, interrupt, output, report, say};
 
 /// Points whose scenario is looked at before any is computed.
@@ -50,7 +51,7 @@ fn run(arguments: &SweepRun, wanted: Wanted) -> Result<(), Failure> {
         return light::run(arguments, wanted, &sweep, light, &folder);
     }
     let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
-    let mut journal = Journal::open(&folder, &name(journal::STEM, arguments.shard), head.clone())?;
+    let mut journal = Journal::open(&folder, &journal_name(journal::STEM, arguments.shard), head.clone())?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..sweep.len()).filter(|point| point % n == k - 1).collect();
     let started = Instant::now();

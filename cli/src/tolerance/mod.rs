@@ -13,11 +13,11 @@ use std::time::Instant;
 use papilio_design::tolerance::{Production, Report};
 use papilio_design::{DesignError, Evaluator};
 use papilio_display::DisplayError;
-use papilio_formats::{ToleranceHead, write_json};
+use papilio_formats::{JournalRows, ToleranceHead, write_json};
 use papilio_scenario::Tolerance;
 
 use crate::arguments::{Tolerance as Arguments, default_out};
-use crate::journal::Rows;
+use crate::journal::open_rows;
 use crate::side_by_side::side_by_side;
 use crate::{Failure, interrupt, output, report, say};
 
@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         hash: tolerance.hash.clone(),
         metrics: tolerance.metrics.iter().map(|metric| metric.name.clone()).collect(),
     };
-    let mut rows = Rows::open(&folder, STEM, arguments.shard, head, &arguments.merge)?;
+    let mut rows = open_rows(&folder, STEM, arguments.shard, head, &arguments.merge)?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..production.rows()).filter(|row| row % n == k - 1).collect();
     let started = Instant::now();
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Whether all numbers of a row are there.
-fn is_known(production: &Production, rows: &Rows<ToleranceHead>, row: usize) -> bool {
+fn is_known(production: &Production, rows: &JournalRows<ToleranceHead>, row: usize) -> bool {
     rows.get(row).is_some_and(|values| values.len() >= production.width(row))
 }
 
@@ -82,7 +82,7 @@ fn is_known(production: &Production, rows: &Rows<ToleranceHead>, row: usize) -> 
 fn compute(
     production: &Production,
     mine: &[usize],
-    rows: &mut Rows<ToleranceHead>,
+    rows: &mut JournalRows<ToleranceHead>,
     threads: Option<u16>,
 ) -> Result<usize, Failure> {
     let missing: Vec<usize> = mine.iter().copied().filter(|row| !is_known(production, rows, *row)).collect();
@@ -100,7 +100,8 @@ fn compute(
     };
     side_by_side(&missing, "samples", threads, worker, |(row, values)| {
         computed += 1;
-        rows.add(row, values).map(|()| true)
+        rows.add(row, values)?;
+        Ok(true)
     })?;
     Ok(computed)
 }

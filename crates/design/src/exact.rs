@@ -55,3 +55,17 @@ pub(crate) mod rows {
         rows.iter().map(|one| row(one).map_err(D::Error::custom)).collect()
     }
 }
+
+/// Rows of numbers.
+pub(crate) mod rows_of_numbers {
+    use super::*;
+
+    pub(crate) fn serialize<S: Serializer>(rows: &[Vec<f64>], to: S) -> Result<S::Ok, S::Error> {
+        rows.serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Vec<f64>>, D::Error> {
+        let rows = rows::deserialize(from)?.into_iter().map(|row| row.into_iter().collect());
+        rows.collect::<Option<_>>().ok_or_else(|| D::Error::custom("a number is missing"))
+    }
+}

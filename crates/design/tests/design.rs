@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::search::{Found, Kept, Record, Search, front};
+use papilio_design::search::{Answer, Course, Found, Kept, Piece, Record, Search, front};
 use papilio_design::{Condition, DesignError, Evaluator, Key, Named, Quantity, Study, Values, Variable};
 use papilio_display::DisplayError;
 use papilio_display::scene::Metric;
@@ -58,6 +58,8 @@ metric = "gamut_percent_srgb"
 aim = "maximise"
 "#;
 
+const SECOND: &str = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
+
 static STOP: AtomicBool = AtomicBool::new(false);
 
 fn metric(name: &str) -> Quantity {
@@ -83,20 +85,26 @@ fn study(keys: &[&str], metrics: &[&str]) -> Study {
     }
 }
 
-fn search(text: &str) -> (Search, Evaluator<'static>) {
+fn search(text: &str) -> (Arc<Search>, Evaluator<'static>) {
     let said = Optimisation::from_text(&format!("{DISPLAY}{text}"), "test.toml", Path::new(""), &[]).unwrap();
     let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
-    (Search::new(said, &mut evaluator).unwrap(), evaluator)
+    (Arc::new(Search::new(said, &mut evaluator).unwrap()), evaluator)
 }
 
-fn run(search: &Search, evaluator: &Evaluator<'_>, threads: usize, kept: &Kept) -> (Vec<Found>, Vec<Record>) {
+fn run(
+    search: &Arc<Search>,
+    evaluator: &Evaluator<'_>,
+    threads: usize,
+    kept: &Kept,
+) -> (Vec<Found>, Vec<Record>) {
+    let mut course = Course::new(Arc::clone(search), kept.clone(), threads);
     let mut records = Vec::new();
     let mut tell = |record: &Record, _: (usize, usize)| {
         records.push(record.clone());
         Ok::<(), DesignError>(())
     };
-    let found = search.run(evaluator, threads, kept, &mut tell).unwrap().unwrap();
-    (found, records)
+    course.run(evaluator, threads, &mut tell).unwrap();
+    (course.found(), records)
 }
 
 /// Thicknesses, gaps, areas: the kept kernels give what a run of the scenario gives, to what two levels differ by.
@@ -171,6 +179,63 @@ fn a_search_depends_on_its_seed_alone() {
     }
 }
 
+/// Pieces and answers are plain data: through a wire, in another order, twice over, some of them lost and done again; of
+/// generations cut into pieces, too.
+#[test]
+fn the_pieces_of_a_search_may_go_anywhere() {
+    let both = SEARCH.replace("[optimize]", "[optimize]\nmethod = \"both\"");
+    for text in [both, format!("{SEARCH}{SECOND}").replace("starts = 4", "starts = 2")] {
+        let (search, mut evaluator) = search(&text);
+        let (found, records) = run(&search, &evaluator, 1, &Kept::default());
+        let mut course = Course::new(Arc::clone(&search), Kept::default(), 5);
+        let (mut told, mut out, mut lost) = (Vec::new(), Vec::new(), false);
+        while !course.is_over() {
+            out.extend(
+                std::iter::from_fn(|| course.piece()).map(|piece| serde_json::to_string(&piece).unwrap()),
+            );
+            let piece: Piece = serde_json::from_str(&out.pop().unwrap()).unwrap();
+            lost = !lost;
+            if lost {
+                out.insert(0, serde_json::to_string(&piece).unwrap());
+                continue;
+            }
+            let answer = serde_json::to_string(&search.work(&piece, &mut evaluator).unwrap()).unwrap();
+            for _ in 0..2 {
+                course.take(serde_json::from_str::<Answer>(&answer).unwrap());
+            }
+            told.extend(course.news());
+        }
+        assert_eq!(found, course.found());
+        let lines = |records: &[Record]| {
+            let mut lines: Vec<_> =
+                records.iter().map(|record| serde_json::to_string(record).unwrap()).collect();
+            lines.sort();
+            lines
+        };
+        assert_eq!(lines(&records), lines(&told));
+    }
+}
+
+/// The first round in parts that do not know of each other; what they tell, joined, is as good as one search's.
+#[test]
+fn parts_are_joined() {
+    let (search, evaluator) = search(SEARCH);
+    let mut tell = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut kept = Kept::default();
+    for k in 1..=3 {
+        let mut part = Course::part(Arc::clone(&search), Kept::default(), 1, (k, 3));
+        part.run(&evaluator, 1, &mut tell).unwrap();
+        let numbers: Vec<usize> = part.found().iter().map(|one| one.task).collect();
+        assert_eq!(numbers, [vec![0, 3], vec![1], vec![2]][k - 1]);
+        let mut own = Kept::default();
+        part.found().into_iter().for_each(|one| own.add(Record::Found(one)));
+        kept.join(own);
+    }
+    let mut whole = Course::new(Arc::clone(&search), kept, 1);
+    assert!(whole.is_over() && whole.news().is_empty());
+    assert_eq!(whole.found(), run(&search, &evaluator, 1, &Kept::default()).0);
+}
+
 /// The best of a search is better than where it began, meets its limits, and lies within its bounds.
 #[test]
 fn a_search_finds_something_better() {
@@ -212,8 +277,7 @@ fn a_wanted_spectrum_is_found_again() {
 
 #[test]
 fn a_front_holds_what_nothing_beats() {
-    let second = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
-    let (search, evaluator) = search(&format!("{SEARCH}{second}"));
+    let (search, evaluator) = search(&format!("{SEARCH}{SECOND}"));
     let (found, _) = run(&search, &evaluator, 1, &Kept::default());
     let aims = search.aims();
     let front = front(aims, &found);

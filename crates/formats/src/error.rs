@@ -34,6 +34,9 @@ pub enum Problem {
         /// The system's words.
         reason: String,
     },
+    /// The file is a journal, and another program adds to it.
+    #[error("another program is writing this journal")]
+    Busy,
     /// Larger than any sensible table.
     #[error("this file has {bytes} bytes, more than {limit}")]
     TooLarge {
@@ -250,6 +253,7 @@ impl Problem {
         Some(match self {
             Self::Bsdf(problem) => return problem.hint(),
             Self::Map(problem) => return problem.hint(),
+            Self::Busy => "wait for it, or choose another folder",
             Self::NotUtf8 => "save it as plain text in UTF-8",
             Self::Columns { count, found, .. } if found < count => {
                 "separate the columns with commas, semicolons, tabs or blanks"

@@ -80,7 +80,11 @@ pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
-pub use journal::{Journal, JournalNumber, JournalRow, LARGEST_JOURNAL, read_journal, write_journal_line};
+pub use journal::{
+    HeldJournal, Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, RowsHead,
+    journal_name, journal_paths, open_journal, read_journal, read_journals, tidy_journals, trusted_lines,
+    write_journal_line,
+};
 pub use json::write_json;
 pub use light::{
     LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
@@ -98,4 +102,4 @@ pub use sweep::{
 pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
-pub use tolerance::{ToleranceHead, write_table};
+pub use tolerance::{SearchHead, ToleranceHead, write_table};

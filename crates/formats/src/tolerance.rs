@@ -1,4 +1,4 @@
-//! What a tolerance analysis keeps and writes: the head of its journal, `tolerance.jsonl`, and its tables.
+//! What tolerances and searches keep and write: the heads of their journals, and tables.
 
 use std::io::{self, Write};
 
@@ -13,6 +13,15 @@ pub struct ToleranceHead {
     pub hash: String,
     /// The metrics of a display, in order.
     pub metrics: Vec<String>,
+}
+
+/// What the records of a search's journal, `optimize.jsonl`, are of: its first line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SearchHead {
+    /// Version of the program.
+    pub papilio: String,
+    /// SHA-256 of the search, its scenarios and their files.
+    pub search: String,
 }
 
 /// Writes a table: names of columns, then rows of cells; a cell without a value is empty.

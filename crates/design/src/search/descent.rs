@@ -20,8 +20,12 @@ pub(super) fn descend(
     evaluations: usize,
 ) -> Result<(), DesignError> {
     let variables = start.len();
-    let problem =
-        Descent { scalar, lower: vec![0.0; variables], upper: vec![1.0; variables], limits: scalar.limits() };
+    let problem = Descent {
+        scalar,
+        lower: vec![0.0; variables],
+        upper: vec![1.0; variables],
+        limits: scalar.problem.limits(),
+    };
     let solver = Slsqp::new().with_absolute_accuracy_tolerance(ACCURACY);
     let ended = Executor::new(problem, solver, SelectedFirstOrderState::new(start))
         .max_iter(ITERATIONS)

@@ -2,29 +2,34 @@
 //!
 //! A search is made of [`Task`]s, each a descent by derivatives from a place of its own, or a population. They do
 //! not know of each other, so that they run side by side, and what they find does not depend on how many do; tasks
-//! that build on others come in a later round. The optimisers are those of the crate `basin`: SLSQP (Kraft 1988) for
+//! that build on others come in a later round. A [`Course`] hands them out, and the generations of populations in pieces. The optimisers are those of the crate `basin`: SLSQP (Kraft 1988) for
 //! descents, differential evolution (Storn and Price 1997) for populations.
 
 mod aims;
+mod course;
 mod descent;
 mod front;
 mod outcome;
 mod population;
+mod record;
 mod rounds;
 mod run;
 mod scalar;
 mod starts;
 
 pub use aims::{Aims, FEASIBLE};
+pub use course::{Answer, Course, Piece};
 pub use front::front;
 pub use outcome::Chosen;
-pub use run::{Batch, Found, Kept, Record, Tell, was_stopped};
+pub use record::{Batch, Found, Kept, Record};
+pub use run::{Tell, was_stopped};
 
 use std::sync::Arc;
 
 use papilio_scenario::{Optimisation, SearchMethod, SearchRange};
+use serde::{Deserialize, Serialize};
 
-use crate::{DesignError, Evaluator, Study};
+use crate::{DesignError, Evaluator, Study, exact};
 
 /// More combinations of choices than this are not searched one by one.
 const MOST_COMBINATIONS: usize = 1000;
@@ -44,13 +49,14 @@ pub struct Search {
 }
 
 /// A part of a search that needs no other of its round.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// Its number in the search.
     pub number: usize,
     /// Which objective is sought.
     pub objective: usize,
     /// For each objective how far it may go, as [`Aims::merit`]s; none: as far as it likes.
+    #[serde(with = "exact::values")]
     pub limits: Vec<Option<f64>>,
     /// How.
     pub way: Way,
@@ -59,7 +65,7 @@ pub struct Task {
 }
 
 /// How a task searches.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Way {
     /// Downhill from the best of some drawn designs with these choices.
     Start {
@@ -69,7 +75,7 @@ pub enum Way {
         choices: Vec<usize>,
     },
     /// Downhill from a design.
-    From(Vec<f64>),
+    From(#[serde(with = "exact::numbers")] Vec<f64>),
     /// By a population, choices included.
     Population,
 }

@@ -24,7 +24,7 @@ pub(super) fn best_of_drawn(
 ) -> Result<Vec<f64>, DesignError> {
     let mut best: Option<(f64, Vec<f64>)> = None;
     for number in start * DRAWN..(start + 1) * DRAWN {
-        let point = drawn(seed, stream, number, scalar.free.len());
+        let point = drawn(seed, stream, number, scalar.problem.free.len());
         let cost = scalar.cost(&point)?;
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
             best = Some((cost, point));

@@ -2,6 +2,9 @@
 //!
 //! A line without its end was cut off when the program was killed, and counts for nothing.
 
+mod folder;
+mod rows;
+
 use std::io::{self, Write};
 
 use serde::de::DeserializeOwned;
@@ -11,6 +14,12 @@ use serde_json::value::RawValue;
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::place::Place;
+
+pub use folder::{
+    HeldJournal, Journals, journal_name, journal_paths, open_journal, read_journals, tidy_journals,
+    trusted_lines,
+};
+pub use rows::{JournalRows, RowsHead};
 
 /// No journal may be larger, in bytes.
 pub const LARGEST_JOURNAL: u64 = 4 << 30;
@@ -70,6 +79,13 @@ pub struct JournalRow {
     pub row: usize,
     /// Its numbers.
     pub values: Vec<JournalNumber>,
+}
+
+impl JournalRow {
+    /// As it was kept.
+    pub fn into_numbers(self) -> (usize, Vec<f64>) {
+        (self.row, self.values.into_iter().map(|one| one.0).collect())
+    }
 }
 
 /// A number of a journal: what is read is what was written, to the last bit; null is NaN.

@@ -1,0 +1,99 @@
+//! Light journals: rows of numbers by their number, all of one head.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::folder::{HeldJournal, journal_name, open_journal, read_journals, tidy_journals};
+use super::{Journal, JournalNumber, JournalRow};
+use crate::error::FormatError;
+use crate::sweep::SweepHead;
+use crate::tolerance::ToleranceHead;
+
+/// A light journal: rows of numbers by their number, all of one head; a journal of another head begins anew.
+#[derive(Debug)]
+pub struct JournalRows<H> {
+    journal: HeldJournal,
+    head: H,
+    known: BTreeMap<usize, Vec<f64>>,
+}
+
+/// What the rows of a light journal are of.
+pub trait RowsHead: PartialEq + Serialize + DeserializeOwned {
+    /// Whether rows of one are rows of the other.
+    fn is_of(&self, other: &Self) -> bool;
+}
+
+impl RowsHead for ToleranceHead {
+    fn is_of(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl RowsHead for SweepHead {
+    fn is_of(&self, other: &Self) -> bool {
+        self.papilio == other.papilio && self.light == other.light
+    }
+}
+
+impl<H: RowsHead> JournalRows<H> {
+    /// Opens or begins it: that of the whole, or of part K of N. Rows of other journals of the same head are known, too: of those in
+    /// its folder, and in these.
+    ///
+    /// # Errors
+    /// If a journal cannot be read or written, or another program has it.
+    pub fn open(
+        folder: &Path,
+        stem: &str,
+        part: Option<(usize, usize)>,
+        head: H,
+        others: &[PathBuf],
+    ) -> Result<Self, FormatError> {
+        let name = journal_name(stem, part);
+        let mut journal = HeldJournal::hold(folder.join(&name))?;
+        tidy_journals(folder, &[&name, &format!("{stem}.csv."), &format!("{stem}_")]);
+        let mut known = BTreeMap::new();
+        for folder in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)) {
+            for (_, journal) in read_journals::<H, JournalRow>(folder, stem, |other| head.is_of(other))? {
+                known.extend(journal.lines.into_iter().map(JournalRow::into_numbers));
+            }
+        }
+        let mine: Journal<H, JournalRow> = open_journal(journal.path(), |other| head.is_of(other))?;
+        if mine.head.as_ref().is_some_and(|own| head.is_of(own)) {
+            journal.cut(mine.whole)?;
+        } else {
+            journal.begin(&head, std::iter::empty::<JournalRow>())?;
+        }
+        Ok(Self { journal, head, known })
+    }
+
+    /// The numbers of a row, if they are known.
+    pub fn get(&self, row: usize) -> Option<&[f64]> {
+        self.known.get(&row).map(Vec::as_slice)
+    }
+
+    /// Keeps a row: with the system before this returns.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn add(&mut self, row: usize, values: Vec<f64>) -> Result<(), FormatError> {
+        self.journal.add(&line(row, &values))?;
+        self.known.insert(row, values);
+        Ok(())
+    }
+
+    /// Puts the journal in order: these rows, and nothing else.
+    ///
+    /// # Errors
+    /// Those of the system; the old one stays then.
+    pub fn finish(&self, rows: impl Iterator<Item = usize>) -> Result<(), FormatError> {
+        let lines = rows.filter_map(|row| self.get(row).map(|values| line(row, values)));
+        self.journal.finish(&self.head, lines)
+    }
+}
+
+fn line(row: usize, values: &[f64]) -> JournalRow {
+    JournalRow { row, values: values.iter().copied().map(JournalNumber).collect() }
+}
