@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -98,6 +100,18 @@ def whole(name: str, value: object, least: int, most: int) -> int:
     if not least <= int(number) <= most:
         raise ArgumentError(f"{name}: expected {least} to {most}, not {described(value)}")
     return int(number)
+
+
+def checked_folder(out: str | PathLike[str] | None) -> str | None:
+    """Where results go, made if it is not there."""
+    if out is None:
+        return None
+    try:
+        where = os.path.abspath(os.fspath(out))
+        os.makedirs(where, exist_ok=True)
+    except (OSError, TypeError, ValueError) as error:
+        raise ArgumentError(f"out: {error}") from None
+    return os.fsdecode(where)
 
 
 def described(value: object) -> str:

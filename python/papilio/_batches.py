@@ -134,6 +134,19 @@ class Batch:
         """How many designs it holds."""
         return len(next(iter(self.columns.values())))
 
+    def __str__(self) -> str:
+        return f"{self.size} designs from number {self.start} on"
+
+    def computed(self, question: Question, folder: str | None, threads: int = 1) -> NDArray[np.float64] | None:
+        """Its answers: written into ``folder``, or given back."""
+        values = question.answered(self.columns, threads)
+        if folder is None:
+            return values
+        if not Path(folder).is_dir():
+            raise ClusterError(f"out: a worker does not see the folder {folder}; it has to be on a disk that all share")
+        _parts.write(Path(folder), self.address, self.columns, question.metrics, values, question.described)
+        return None
+
 
 def cut(question: Question, grid: Grid, size: int) -> Iterator[Batch]:
     """All designs, in order."""
@@ -160,17 +173,6 @@ def batch_size(seconds_per_design: float, batch_seconds: float, designs: int, wo
     wanted = batch_seconds / max(seconds_per_design, 1e-9)
     fair = ceil(designs / (8 * max(workers, 1)))
     return int(min(_LARGEST, 2 ** max(0, round(log2(max(wanted, 1.0)))), 2 ** max(0, round(log2(max(fair, 1))))))
-
-
-def computed(question: Question, columns: Columns, folder: str | None, address: str, threads: int = 1) -> Any:
-    """A batch's answers: written into ``folder``, or given back."""
-    values = question.answered(columns, threads)
-    if folder is None:
-        return values
-    if not Path(folder).is_dir():
-        raise ClusterError(f"out: a worker does not see the folder {folder}; it has to be on a disk that all share")
-    _parts.write(Path(folder), address, columns, question.metrics, values, question.described)
-    return None
 
 
 def placed(error: DesignError, batch: Batch, grid: Grid) -> DesignError:

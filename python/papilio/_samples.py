@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,8 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio
-from ._batches import Columns, Question
+from . import _batches, _papilio
+from ._batches import Columns, Grid, Question
+from ._roads import Failed, OnCluster, seconds_each
+from .errors import DesignError
+from .running import Progress
 from .scenario import Scenario
 
 #: The one variable: which sample.
@@ -46,16 +50,43 @@ class Samples(Question):
         return found
 
 
-def question(scenario: Scenario) -> tuple[Samples, _papilio.Production]:
+def question(scenario: Scenario, production: _papilio.Production) -> Samples:
     """What is asked by a scenario's ``[tolerance]``."""
-    production = _papilio.Production(*scenario._state())
     metrics = production.names()[1]
     draws = production.width(0) // len(metrics)
     names = [*metrics, *(f"{metric} [{draw}]" for draw in range(1, draws) for metric in metrics)]
-    asked = Samples(scenario, (SAMPLE,), tuple(names), 0, production.hash, production.sensitivity_rows)
-    return asked, production
+    return Samples(scenario, (SAMPLE,), tuple(names), 0, production.hash, production.sensitivity_rows)
 
 
-def flat(production: _papilio.Production, found: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers as a report takes them, one sample after the other."""
-    return np.concatenate([row[: production.width(at)] for at, row in enumerate(found)])
+def compute(
+    question: Samples,
+    production: _papilio.Production,
+    rows: list[int],
+    road: OnCluster,
+    batch_seconds: float,
+    tell: Progress | None,
+) -> None:
+    """Has rows computed on a cluster, and hands them to the production as they come.
+
+    Raises:
+        DesignError: if one of the displays cannot be.
+        ClusterError: the cluster was closed, or lost a batch too often.
+    """
+    if not rows:
+        return
+    grid = Grid({SAMPLE: np.array(rows, dtype=np.float64)}, (len(rows),))
+    each = seconds_each(question, grid, road)
+    size = _batches.batch_size(each, batch_seconds, len(rows), road.workers() or 1)
+    done = 0
+    try:
+        with closing(road.each(question, _batches.cut(question, grid, size), None)) as answers:
+            for batch, values in answers:
+                for row, numbers in zip(batch.columns[SAMPLE], values, strict=True):
+                    production.take(int(row), np.array(numbers))  # what came by wire need not be aligned
+                done += batch.size
+                if tell is not None:
+                    tell({"done": done, "of": len(rows), "workers": road.workers()})
+    except Failed as failed:
+        at = failed.error.design
+        first = at if isinstance(at, int) else at[0]
+        raise DesignError(str(failed.error.args[0]), rows[failed.batch.start + first]) from None

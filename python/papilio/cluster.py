@@ -1,7 +1,8 @@
 """Designs by the million: in batches, on this machine or on a Dask cluster, stopped and gone on with at will.
 
-`evaluate_many` is `Prepared.evaluate` for more designs than one call should hold, `sweep` the same on a grid, and
-`tolerance` is `papilio.tolerance`. All give the same numbers, to the last bit, wherever and in whatever order batches are computed.
+`evaluate_many` is `Prepared.evaluate` for more designs than one call should hold, `sweep` the same on a grid. Both give the same
+numbers, to the last bit, wherever and in whatever order batches are computed. (`papilio.optimize` and `papilio.tolerance` take a
+``client=`` themselves.)
 """
 
 from __future__ import annotations
@@ -18,21 +19,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _batches, _parts, _samples
+from . import _batches, _parts
 from ._arguments import common_shape, described, reals, whole
 from ._batches import Batch, Grid, Question
-from ._roads import Failed, OnCluster, Serial
-from .errors import ArgumentError, DesignError
+from ._roads import Failed, OnCluster, Serial, check_client, seconds_each
+from .errors import ArgumentError
 from .evaluated import Evaluated
 from .prepared import Keys, checked_metrics, columns, named
-from .production import Yield
 from .running import checked_threads
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep", "tolerance"]
+__all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
 
 #: What a ``progress`` function is given: ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
 Progress = Callable[[dict[str, Any]], object]
@@ -83,28 +83,6 @@ def evaluate_many(
     return _evaluated(question, grid, out, client, batch_seconds, threads, retries, progress)
 
 
-def tolerance(
-    scenario: Scenario | str | PathLike[str],
-    *,
-    set: Mapping[str, Any] | None = None,
-    out: str | PathLike[str] | None = None,
-    client: Client | None = None,
-    batch_seconds: float = 4.0,
-    threads: int | None = None,
-    retries: int = 3,
-    progress: Progress | bool | None = None,
-) -> Yield:
-    """What production makes of a design: `papilio.tolerance` for very many displays, with the same report to the last bit.
-
-    Samples are computed in batches; the arguments are those of `evaluate_many`. With ``out``, a production of more
-    samples goes on from a smaller one's, as long as both seek sensitivities with as many (``sensitivity_samples``).
-    """
-    question, production = _samples.question(read(scenario, set))
-    grid = Grid({_samples.SAMPLE: np.arange(production.rows, dtype=np.float64)}, (production.rows,))
-    found = _evaluated(question, grid, out, client, batch_seconds, threads, retries, progress)
-    return Yield(production, _samples.flat(production, found.values))
-
-
 def sweep(
     scenario: Scenario | str | PathLike[str],
     axes: Mapping[Keys, ArrayLike],
@@ -150,7 +128,7 @@ def _evaluated(
     seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
     whole("retries", retries, 0, 1000)
     if client is not None:
-        _check_client(client)
+        check_client(client)
     road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
     folder, size = _opened(out, question, grid, road, seconds)
     tell = _Telling(progress, grid.size, road)
@@ -204,28 +182,11 @@ def _opened(
             raise ArgumentError('out: results are written by pyarrow, which is not installed: pip install "papilio[cluster]"') from None
     size = None if where is None else _parts.known_size(where, question.address)
     if size is None and grid.size:
-        each = _seconds_each(question, grid, road)
+        each = seconds_each(question, grid, road)
         size = _batches.batch_size(each, batch_seconds, grid.size, road.workers() or 1)
     if where is None:
         return None, size or 1
     return _parts.open_folder(where, question.address, question.described, size or 1)
-
-
-#: What a design of the last questions costs, so that an optimiser's generations need one trial.
-_COSTS: dict[tuple[str, type], float] = {}
-
-
-def _seconds_each(question: Question, grid: Grid, road: Serial | OnCluster) -> float:
-    known = (question.address, type(road))
-    if known not in _COSTS:
-        try:
-            cost = road.seconds_each(question, grid.sample(1024))
-        except DesignError:
-            return 1e-3  # the batch that holds that design will say which it is
-        while len(_COSTS) > 100:
-            _COSTS.pop(next(iter(_COSTS)))
-        _COSTS[known] = cost
-    return _COSTS[known]
 
 
 class _Telling:
@@ -250,16 +211,3 @@ class _Telling:
         """Leaves the terminal's line, if it was not the last."""
         if self._tell is print_progress and self._done < self._of:
             sys.stderr.write("\n")
-
-
-def _check_client(client: Client) -> None:
-    try:
-        from distributed import Client as Known
-    except ImportError:
-        raise ArgumentError('client: dask.distributed is not installed: pip install "papilio[cluster]"') from None
-    if not isinstance(client, Known):
-        raise ArgumentError(f"client: expected a distributed.Client, not {described(client)}")
-    if client.asynchronous:
-        raise ArgumentError("client: expected a synchronous distributed.Client")
-    if client.status != "running":
-        raise ArgumentError(f"client: the cluster is closed (its status: {client.status})")

@@ -7,15 +7,20 @@ import json
 import os
 from collections.abc import Mapping
 from os import PathLike
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio
+from . import _papilio, _pieces
+from ._arguments import checked_folder, whole
+from ._roads import OnCluster, check_client
 from .errors import ArgumentError
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 __all__ = ["Design", "Optimum", "optimize"]
 
@@ -89,26 +94,54 @@ def optimize(
     scenario: Scenario | str | PathLike[str],
     *,
     set: Mapping[str, Any] | None = None,
+    out: str | PathLike[str] | None = None,
+    client: Client | None = None,
     threads: int | None = None,
+    retries: int = 3,
     progress: Progress | None = None,
 ) -> Optimum:
     """Searches for the designs that a scenario's ``[optimize]`` asks for: what ``papilio optimize`` does.
 
+    The search is made of pieces that need no other of their round: descents from a place each, and designs of a population's
+    generation. They are done by threads, or by the workers of a cluster; what is found is the same, to the last bit.
+
     Args:
         scenario: a `Scenario`, or the path of one, with ``[optimize]``.
         set: values put in before, ``{path: value}``, those of ``[optimize]`` included (``"optimize.seed": 1``).
-        threads: how many; None: one for each processor. They change no number.
-        progress: called a few times a second.
+        out: a folder for the journal, ``optimize.jsonl``, that ``papilio optimize`` keeps there, too: a search that was
+            stopped or killed goes on from it, here or there. None: a stopped search begins anew.
+        client: a `distributed.Client`: its workers compute, one piece for each of their threads. None: this machine.
+        threads: without ``client``: how many; None: one for each processor. They change no number.
+        retries: how often a piece is given out anew after the worker that had it was lost.
+        progress: called with ``done`` and ``of``, the searches of a round, as they go on.
 
     Raises:
         ScenarioError: with the place of what is wrong.
-        KeyboardInterrupt: on Ctrl-C. (``papilio optimize`` goes on from where it was ended; this begins anew.)
+        ArgumentError: names the argument that is wrong (a client that is closed, a folder that cannot be, ...).
+        ClusterError: the cluster was closed, or lost a piece too often. What is in ``out`` stays.
+        FileError: the journal cannot be used: another program has it, ...
+        KeyboardInterrupt: on Ctrl-C.
     """
     changed = read(scenario, with_solver(set))
-    text, name, folder, files = changed._state()
     workers = checked_threads(threads) or os.cpu_count() or 1
-    found = _papilio.optimise(text, name, folder, files, workers, checked_progress(progress))
-    return Optimum(changed, json.loads(found))
+    whole("retries", retries, 0, 1000)
+    tell = checked_progress(progress)
+    if client is not None:
+        check_client(client)
+    search = _papilio.Search(*changed._state())
+    folder = checked_folder(out)
+    try:
+        if client is None:
+            search.begin(folder, workers)
+            search.run(workers, tell)
+        else:
+            question = _pieces.question(changed, search)
+            road = OnCluster(client, question, retries)
+            search.begin(folder, max(1, road.workers() or 1))
+            _pieces.compute(question, search, road, tell)
+        return Optimum(changed, json.loads(search.result()))
+    finally:
+        search.close()
 
 
 def _shown(cell: object) -> str:

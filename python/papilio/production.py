@@ -12,12 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio
+from . import _papilio, _samples
+from ._arguments import checked_folder, reals, whole
+from ._roads import OnCluster, check_client
+from .errors import DesignError
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
     import pandas
+    from distributed import Client
 
 __all__ = ["Yield", "tolerance"]
 
@@ -82,7 +86,11 @@ def tolerance(
     scenario: Scenario | str | PathLike[str],
     *,
     set: Mapping[str, Any] | None = None,
+    out: str | PathLike[str] | None = None,
+    client: Client | None = None,
+    batch_seconds: float = 4.0,
     threads: int | None = None,
+    retries: int = 3,
     progress: Progress | None = None,
 ) -> Yield:
     """What production makes of a design, as a scenario's ``[tolerance]`` describes it: what ``papilio tolerance`` finds.
@@ -90,15 +98,45 @@ def tolerance(
     Args:
         scenario: a `Scenario`, or the path of one, with ``[tolerance]``.
         set: values put in before, ``{path: value}``, those of ``[tolerance]`` included (``"tolerance.samples": 1024``).
-        threads: how many; None: one for each processor. They change no number.
-        progress: called a few times a second.
+        out: a folder for the journal, ``tolerance.jsonl``, that ``papilio tolerance`` keeps there, too: what is in it (and in those
+            of ``--shard`` beside it) is not computed again, and a production of more samples goes on from a smaller one's.
+        client: a `distributed.Client`: its workers compute, in batches. None: this machine. The report is the same to the
+            last bit.
+        batch_seconds: with ``client``: how long a batch takes, about; what is lost with a worker is its batch.
+        threads: without ``client``: how many; None: one for each processor. They change no number.
+        retries: how often a batch is given out anew after the worker that had it was lost.
+        progress: called with ``done`` and ``of``, samples, as they go on.
 
     Raises:
         ScenarioError: with the place of what is wrong.
-        DesignError: if one of the displays cannot be.
+        DesignError: if one of the displays cannot be; ``design`` is its sample.
+        ArgumentError: names the argument that is wrong (a client that is closed, a folder that cannot be, ...).
+        ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
+        FileError: the journal cannot be used: another program has it, ...
         KeyboardInterrupt: on Ctrl-C.
     """
     changed = read(scenario, with_solver(set))
-    core = _papilio.Production(*changed._state())
     workers = checked_threads(threads) or os.cpu_count() or 1
-    return Yield(core, core.evaluate(0, core.rows, workers, checked_progress(progress)))
+    whole("retries", retries, 0, 1000)
+    seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
+    tell = checked_progress(progress)
+    if client is not None:
+        check_client(client)
+    core = _papilio.Production(*changed._state())
+    folder = checked_folder(out)
+    try:
+        if folder is not None:
+            core.open(folder)
+        missing = core.missing()
+        if client is None:
+            try:
+                core.compute(missing, workers, tell)
+            except DesignError as error:
+                at = error.design if isinstance(error.design, int) else error.design[0]
+                raise DesignError(str(error.args[0]), missing[at]) from None
+        else:
+            question = _samples.question(changed, core)
+            _samples.compute(question, core, missing, OnCluster(client, question, retries), seconds, tell)
+        return Yield(core, core.finish())
+    finally:
+        core.close()

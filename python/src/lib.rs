@@ -13,13 +13,13 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
-mod optimise;
 mod plot;
 mod pool;
 mod production;
 mod result;
 mod run;
 mod scenario;
+mod search;
 mod watch;
 
 use pyo3::prelude::*;
@@ -44,8 +44,6 @@ mod _papilio {
     #[pymodule_export]
     use crate::films::{film, material_index, material_names};
     #[pymodule_export]
-    use crate::optimise::optimise;
-    #[pymodule_export]
     use crate::plot::{curves, map};
     #[pymodule_export]
     use crate::production::Production;
@@ -55,6 +53,8 @@ mod _papilio {
     use crate::run::Prepared;
     #[pymodule_export]
     use crate::scenario::{Described, Resolved, edit, new_scenario, preset_names, schema};
+    #[pymodule_export]
+    use crate::search::Search;
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name")]

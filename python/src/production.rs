@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use papilio_design::tolerance::Report;
+use papilio_formats::{FormatError, JournalRows, ToleranceHead};
 use papilio_scenario::Tolerance;
 use pyo3::prelude::*;
 
@@ -12,12 +14,36 @@ use crate::errors;
 use crate::pool::Pool;
 use crate::scenario::library;
 
-/// The displays of a production.
+/// The displays of a production, and what is known of them.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Production {
     tolerance: Tolerance,
     of: papilio_design::tolerance::Production,
     pool: Pool,
+    known: Mutex<Known>,
+}
+
+/// Rows that are done: in memory, or in a journal.
+enum Known {
+    Here(BTreeMap<usize, Vec<f64>>),
+    Kept(JournalRows<ToleranceHead>),
+}
+
+impl Known {
+    fn get(&self, row: usize) -> Option<&[f64]> {
+        match self {
+            Self::Here(rows) => rows.get(&row).map(Vec::as_slice),
+            Self::Kept(rows) => rows.get(row),
+        }
+    }
+
+    fn add(&mut self, row: usize, values: Vec<f64>) -> Result<(), FormatError> {
+        match self {
+            Self::Here(rows) => drop(rows.insert(row, values)),
+            Self::Kept(rows) => rows.add(row, values)?,
+        }
+        Ok(())
+    }
 }
 
 #[pymethods]
@@ -39,7 +65,7 @@ impl Production {
         });
         let (tolerance, of) = made.map_err(|errors| errors::scenario(py, &errors))?;
         let pool = Pool::new(of.study().clone());
-        Ok(Self { tolerance, of, pool })
+        Ok(Self { tolerance, of, pool, known: Mutex::new(Known::Here(BTreeMap::new())) })
     }
 
     /// How many rows there are: displays, and while sensitivities are sought all that go with them.
@@ -99,6 +125,79 @@ impl Production {
         Ok(PyArray1::from_iter(py, rows.into_iter().flatten()))
     }
 
+    /// Goes on with the journal in a folder, or begins it.
+    fn open(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let head = ToleranceHead {
+            papilio: env!("CARGO_PKG_VERSION").to_owned(),
+            hash: self.tolerance.hash.clone(),
+            metrics: self.tolerance.metrics.iter().map(|metric| metric.name.clone()).collect(),
+        };
+        let opened = py.detach(|| JournalRows::open(&folder, "tolerance", None, head, &[]));
+        *self.known() = Known::Kept(opened.map_err(|error| errors::format(py, &error))?);
+        Ok(())
+    }
+
+    /// The rows that are not known yet.
+    fn missing(&self) -> Vec<usize> {
+        let known = self.known();
+        let is_known =
+            |row: &usize| known.get(*row).is_some_and(|values| values.len() >= self.of.width(*row));
+        (0..self.of.rows()).filter(|row| !is_known(row)).collect()
+    }
+
+    /// Computes rows; an error has its number among these.
+    #[pyo3(signature = (rows, threads, progress=None))]
+    fn compute(
+        &self,
+        py: Python<'_>,
+        rows: Vec<usize>,
+        threads: usize,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        if rows.iter().any(|row| *row >= self.of.rows()) {
+            return Err(errors::internal("there are no such rows"));
+        }
+        let unkept: Mutex<Option<FormatError>> = Mutex::new(None);
+        self.pool.each(py, rows.len(), threads, progress.as_ref(), |evaluator, at| {
+            let values = self.of.evaluate(evaluator, rows[at])?;
+            if let Err(error) = self.known().add(rows[at], values) {
+                unkept.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+            }
+            Ok(())
+        })?;
+        let unkept = unkept.into_inner().unwrap_or_else(PoisonError::into_inner);
+        unkept.map_or(Ok(()), |error| Err(errors::format(py, &error)))
+    }
+
+    /// Takes the numbers of a row, which may stand before others that are none of it.
+    fn take(&self, py: Python<'_>, row: usize, numbers: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
+        let all = numbers.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
+        let own =
+            all.get(..self.of.width(row)).ok_or_else(|| errors::internal("numbers of a row are missing"))?;
+        self.known().add(row, own.to_vec()).map_err(|error| errors::format(py, &error))
+    }
+
+    /// The numbers of all rows, one after the other, once they are known. Puts the journal in order, and lets it go.
+    fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let rows = 0..self.of.rows();
+        if let Known::Kept(journal) = &*self.known() {
+            journal.finish(rows.clone()).map_err(|error| errors::format(py, &error))?;
+        }
+        let mut numbers = Vec::new();
+        for row in rows {
+            let known = self.known();
+            let own = known.get(row).and_then(|values| values.get(..self.of.width(row)));
+            numbers.extend(own.ok_or_else(|| errors::internal("a row is missing"))?);
+        }
+        self.close();
+        Ok(PyArray1::from_vec(py, numbers))
+    }
+
+    /// Lets the journal go.
+    fn close(&self) {
+        *self.known() = Known::Here(BTreeMap::new());
+    }
+
     /// What is made of all rows, as JSON.
     fn report<'py>(&self, py: Python<'py>, numbers: PyReadonlyArray1<'py, f64>) -> PyResult<String> {
         let mut left = numbers.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
@@ -112,5 +211,11 @@ impl Production {
         }
         let report = py.detach(|| Report::new(&self.tolerance, &self.of, &rows));
         serde_json::to_string(&report).map_err(|error| errors::internal(&error.to_string()))
+    }
+}
+
+impl Production {
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -48,7 +48,7 @@ def plane(count):
 
 def in_batches_of(monkeypatch, size):
     """Leaves nothing to the clock."""
-    monkeypatch.setattr(cluster, "_COSTS", {})
+    monkeypatch.setattr("papilio._roads._COSTS", {})
     monkeypatch.setattr("papilio._batches.batch_size", lambda *_: size)
     monkeypatch.setattr("papilio._batches.seconds_each", lambda *_: 1.0)
 
@@ -122,10 +122,109 @@ def test_a_sweep_is_a_grid(indoor, client):
 def test_a_production_on_a_cluster_is_the_same(scenarios, client, tmp_path):
     of = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 4}
     here = papilio.tolerance(scenarios / "tolerance.toml", set=of)
-    there = cluster.tolerance(scenarios / "tolerance.toml", set=of, client=client, out=tmp_path, batch_seconds=0.05)
+    told = []
+    options = {"client": client, "out": tmp_path, "batch_seconds": 0.05, "progress": told.append}
+    there = papilio.tolerance(scenarios / "tolerance.toml", set=of, **options)
     assert there.report == here.report and np.array_equal(there.values, here.values, equal_nan=True)
-    more = cluster.tolerance(scenarios / "tolerance.toml", set=of | {"tolerance.samples": 80}, out=tmp_path)
-    assert np.array_equal(more.values[:64], here.values, equal_nan=True)
+    assert told[-1]["done"] == told[-1]["of"] == 64 and len(told) > 1
+    told.clear()
+    more = papilio.tolerance(scenarios / "tolerance.toml", set=of | {"tolerance.samples": 80}, **options)
+    assert told[-1]["of"] == 16 and np.array_equal(more.values[:64], here.values, equal_nan=True)
+
+
+#: A search of two rounds: populations, in pieces, and descents from what they find.
+BOTH = """
+[optimize]
+method = "both"
+starts = 2
+evaluations = 64
+points = 3
+[[optimize.variables]]
+key = "display.pixel.film.0.thickness_nm"
+bounds = [20, 90]
+[[optimize.variables]]
+key = "display.pixel.film.2.material"
+choices = ["SiO2", "Al2O3"]
+[[optimize.objectives]]
+metric = "gamut_percent_srgb"
+aim = "maximise"
+[[optimize.objectives]]
+metric = "white.Y"
+aim = "maximise"
+"""
+
+
+@pytest.fixture
+def sought(scenarios):
+    text = (scenarios / "indoor.toml").read_text() + BOTH
+    return papilio.Scenario(text, name="both.toml", folder=scenarios)
+
+
+def found_by(optimum):
+    return optimum.designs, optimum.own, optimum.evaluations
+
+
+def test_a_search_on_a_cluster_is_the_same(sought, client, tmp_path):
+    """One thread, workers of whom one is killed in the middle: the same designs to the last bit, the same journal."""
+    here = papilio.optimize(sought, threads=1, out=tmp_path / "here")
+    killed = []
+
+    def kill_one(state):
+        assert state["workers"] and state["done"] <= state["of"]
+        if not killed:
+            killed.append(next(iter(client.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    there = papilio.optimize(sought, client=client, out=tmp_path / "there", progress=kill_one)
+    assert killed and found_by(there) == found_by(here)
+    journals = [(tmp_path / name / "optimize.jsonl").read_bytes() for name in ("here", "there")]
+    assert journals[0] == journals[1]
+
+
+def test_a_search_goes_on_from_its_journal(sought, client, scenarios, program, tmp_path):
+    """Stopped on the cluster, gone on with here; and by the program, from the same file."""
+    whole = papilio.optimize(sought)
+    journal = tmp_path / "optimize.jsonl"
+
+    def stop(_):
+        if b'"task"' in journal.read_bytes():
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        papilio.optimize(sought, client=client, out=tmp_path, progress=stop)
+    part = journal.read_bytes()
+    assert found_by(papilio.optimize(sought, out=tmp_path)) == found_by(whole)
+    kept = journal.read_bytes()
+    told = []
+    assert found_by(papilio.optimize(sought, client=client, out=tmp_path, progress=told.append)) == found_by(whole)
+    assert not told and journal.read_bytes() == kept
+    # The program's own scenario is the file: beside its data.
+    path = tmp_path / "both.toml"
+    path.write_text(sought.to_toml())
+    (tmp_path / "data").symlink_to(scenarios / "data")
+    journal.write_bytes(part)
+    command = [program, "optimize", path, "--out", tmp_path, "--no-check"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0 and " of them now," in done.stderr, done.stderr
+    assert journal.read_bytes() == kept
+
+
+def test_a_search_on_a_closed_cluster_is_said(sought, tmp_path):
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as workers:
+        client = distributed.Client(workers)
+
+        def close(_):
+            threading.Thread(target=client.close).start()
+            time.sleep(0.2)
+
+        with pytest.raises(ClusterError, match="closed"):
+            papilio.optimize(sought, client=client, out=tmp_path, progress=close)
+        for search in (papilio.optimize, papilio.tolerance):
+            with pytest.raises(ArgumentError, match="client: the cluster is closed"):
+                search(sought, client=client)
+    # What was found stays, and nobody holds it.
+    assert (tmp_path / "optimize.jsonl").read_bytes().count(b"\n") >= 2
+    papilio.optimize(sought, out=tmp_path)
 
 
 def test_a_killed_worker_loses_nothing(indoor, client, tmp_path, capsys):

@@ -1,0 +1,224 @@
+//! The search that a scenario's `[optimize]` describes: as a whole on threads, or piece by piece wherever.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use papilio_design::search::{self, Answer, Chosen, Course, Found, Kept, Piece, Record, was_stopped};
+use papilio_design::{DesignError, Evaluator, Study};
+use papilio_formats::{FormatError, HeldJournal, SearchHead, journal_name};
+use papilio_scenario::Optimisation;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+
+use crate::errors;
+use crate::scenario::library;
+use crate::watch::{Told, watched};
+
+/// A search, how far it has come, and its journal. Pieces and answers are texts: JSON.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Search {
+    of: Arc<search::Search>,
+    hash: String,
+    stop: &'static AtomicBool,
+    evaluator: Mutex<Evaluator<'static>>,
+    way: Mutex<Option<Way>>,
+}
+
+/// A search that was begun.
+struct Way {
+    course: Course,
+    journal: Option<HeldJournal>,
+}
+
+/// Why a search ends early.
+enum Failure {
+    Design(DesignError),
+    Journal(FormatError),
+}
+
+impl From<DesignError> for Failure {
+    fn from(error: DesignError) -> Self {
+        Self::Design(error)
+    }
+}
+
+impl Failure {
+    fn raised(&self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Design(error) if was_stopped(error) => PyKeyboardInterrupt::new_err(()),
+            Self::Design(error) => errors::search(py, error),
+            Self::Journal(error) => errors::format(py, error),
+        }
+    }
+}
+
+impl Way {
+    /// Keeps what is new.
+    fn keep(&mut self) -> Result<(), FormatError> {
+        let news = self.course.news();
+        self.journal.as_mut().map_or(Ok(()), |journal| news.iter().try_for_each(|record| journal.add(record)))
+    }
+}
+
+#[pymethods]
+impl Search {
+    /// Reads the scenario, and evaluates its own design.
+    #[new]
+    #[pyo3(signature = (text, name, folder, files=None))]
+    fn new(
+        py: Python<'_>,
+        text: &str,
+        name: &str,
+        folder: PathBuf,
+        files: Option<BTreeMap<String, Vec<u8>>>,
+    ) -> PyResult<Self> {
+        let said = py.detach(|| Optimisation::from_text(text, name, library(folder, files), &[]));
+        let said = said.map_err(|errors| errors::scenario(py, &errors))?;
+        let hash = said.hash.clone();
+        // One byte for each search that a script makes.
+        let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
+        let made = watched(py, stop, None, |_| {
+            let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), stop);
+            search::Search::new(said, &mut evaluator).map(|of| (of, evaluator))
+        })?;
+        let (of, evaluator) = made.map_err(|error| Failure::Design(error).raised(py))?;
+        Ok(Self { of: Arc::new(of), hash, stop, evaluator: Mutex::new(evaluator), way: Mutex::new(None) })
+    }
+
+    /// SHA-256 of all that the search depends on.
+    #[getter]
+    fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// Begins, or goes on with the journal in a folder; generations of populations are cut into so many pieces.
+    fn begin(&self, py: Python<'_>, folder: Option<PathBuf>, cut: usize) -> PyResult<()> {
+        let mut kept = Kept::default();
+        let opened = folder.map(|folder| {
+            HeldJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
+                Record::parse(line).map(|record| kept.add(record)).is_ok()
+            })
+        });
+        let journal = opened.transpose().map_err(|error| errors::format(py, &error))?;
+        let mut way = Way { course: Course::new(Arc::clone(&self.of), kept, cut), journal };
+        way.keep().map_err(|error| errors::format(py, &error))?;
+        *self.way() = Some(way);
+        Ok(())
+    }
+
+    /// A piece that nobody has yet; None: none until others are done, or the search is over.
+    fn piece(&self) -> PyResult<Option<String>> {
+        let mut way = self.way();
+        let piece = begun(&mut way)?.course.piece();
+        piece
+            .map(|piece| serde_json::to_string(&piece).map_err(|error| errors::internal(&error.to_string())))
+            .transpose()
+    }
+
+    /// Does a piece.
+    fn work(&self, py: Python<'_>, piece: &str) -> PyResult<String> {
+        let piece: Piece =
+            serde_json::from_str(piece).map_err(|error| errors::internal(&error.to_string()))?;
+        let answer = watched(py, self.stop, None, |_| {
+            self.stop.store(false, Ordering::Relaxed);
+            let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
+            self.of.work(&piece, &mut evaluator)
+        })?;
+        let answer = answer.map_err(|error| Failure::Design(error).raised(py))?;
+        serde_json::to_string(&answer).map_err(|error| errors::internal(&error.to_string()))
+    }
+
+    /// Takes what became of a piece, and keeps what is new.
+    fn take(&self, py: Python<'_>, answer: &str) -> PyResult<()> {
+        let answer: Answer =
+            serde_json::from_str(answer).map_err(|error| errors::internal(&error.to_string()))?;
+        let mut way = self.way();
+        let way = begun(&mut way)?;
+        way.course.take(answer);
+        way.keep().map_err(|error| errors::format(py, &error))
+    }
+
+    /// Does all that is left, on threads.
+    #[pyo3(signature = (threads, progress=None))]
+    fn run(&self, py: Python<'_>, threads: usize, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
+        let outcome = watched(py, self.stop, progress.as_ref(), |watch| {
+            self.stop.store(false, Ordering::Relaxed);
+            let evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut way = self.way();
+            let Some(Way { course, journal }) = way.as_mut() else { return Ok(()) };
+            let mut tell = |record: &Record, (done, of): (usize, usize)| {
+                watch.tell(Told::Done(done, of));
+                journal.as_mut().map_or(Ok(()), |journal| journal.add(record)).map_err(Failure::Journal)
+            };
+            course.run(&evaluator, threads, &mut tell)
+        })?;
+        outcome.map_err(|failure| failure.raised(py))
+    }
+
+    /// Tasks of this round that are done, and all of them.
+    fn progress(&self) -> PyResult<(usize, usize)> {
+        Ok(begun(&mut self.way())?.course.progress())
+    }
+
+    /// What was found, as JSON: the names of variables and quantities, the scenario's own design, and those that are handed on,
+    /// each with its values. Puts the journal in order.
+    fn result(&self, py: Python<'_>) -> PyResult<String> {
+        let outcome = watched(py, self.stop, None, |_| {
+            let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut way = self.way();
+            let Some(Way { course, journal }) = way.as_mut() else { return Ok(Value::Null) };
+            let found = course.found();
+            let chosen = self.of.chosen(&found, &mut evaluator)?;
+            if let Some(journal) = journal {
+                journal.finish(&self.head(), found.iter()).map_err(Failure::Journal)?;
+            }
+            Ok(said_of(&self.of, &found, &chosen))
+        })?;
+        outcome.map(|found| found.to_string()).map_err(|failure: Failure| failure.raised(py))
+    }
+
+    /// Lets the journal go.
+    fn close(&self) {
+        *self.way() = None;
+    }
+}
+
+impl Search {
+    fn way(&self) -> MutexGuard<'_, Option<Way>> {
+        self.way.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn head(&self) -> SearchHead {
+        SearchHead { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: self.hash.clone() }
+    }
+}
+
+fn begun(way: &mut Option<Way>) -> PyResult<&mut Way> {
+    way.as_mut().ok_or_else(|| errors::internal("a search that was not begun"))
+}
+
+fn said_of(search: &search::Search, found: &[Found], chosen: &[Chosen]) -> Value {
+    let study = search.study();
+    // What stands at every key: choices by their values, keys that give way to others included.
+    let set = |design: &[f64]| -> Value {
+        let settings = study.settings(design).unwrap_or_default().into_iter();
+        Value::Object(settings.map(|(path, value)| (path.to_owned(), value)).collect())
+    };
+    let one = |chosen: &Chosen| {
+        json!({
+            "design": chosen.design, "set": set(&chosen.design), "values": chosen.values,
+            "meets_limits": chosen.meets_limits(),
+        })
+    };
+    let (own, own_values) = search.own();
+    json!({
+        "variables": study.variables.iter().map(|one| &one.name).collect::<Vec<_>>(),
+        "quantities": study.quantities.iter().map(|one| &one.name).collect::<Vec<_>>(),
+        "own": { "design": own, "set": set(own), "values": own_values },
+        "chosen": chosen.iter().map(one).collect::<Vec<_>>(),
+        "evaluations": found.iter().map(|one| one.evaluations).sum::<usize>(),
+    })
+}
