@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from . import _parts
 from ._papilio import __version__
 from .errors import ClusterError, DesignError
-from .prepared import Keys, Prepared
+from .prepared import Keys, Prepared, Skipped
 from .scenario import Scenario
 
 #: The numbers (or words) of each variable, one for each design.
@@ -72,6 +72,11 @@ class Question:
         """The metrics of designs, shape [design, metric]."""
         prepared: Prepared = self.kept()
         return prepared.evaluate(columns, list(self.metrics), view=self.view, threads=threads)
+
+    def skipping(self, columns: Columns, threads: int = 1) -> tuple[NDArray[np.float64], Skipped]:
+        """As `answered`; but designs that cannot be are NaN, and stand beside: their number in the batch and why."""
+        prepared: Prepared = self.kept()
+        return prepared._skipping(columns, list(self.metrics), self.view, threads)
 
     def made(self) -> tuple[Any, str]:
         """What answers it, and the hash of what that was made of."""
@@ -126,6 +131,8 @@ class Batch:
     start: int
     columns: Columns = field(repr=False)
     address: str
+    #: Whether designs that cannot be are left out, and end nothing.
+    skips: bool = False
     #: How often it was given to a worker.
     tries: int = 0
 
@@ -137,22 +144,28 @@ class Batch:
     def __str__(self) -> str:
         return f"{self.size} designs from number {self.start} on"
 
-    def computed(self, question: Question, folder: str | None, threads: int = 1) -> NDArray[np.float64] | None:
-        """Its answers: written into ``folder``, or given back."""
-        values = question.answered(self.columns, threads)
+    def computed(
+        self, question: Question, folder: str | None, threads: int = 1
+    ) -> tuple[NDArray[np.float64], Skipped] | None:
+        """Its answers, and what was skipped: written into ``folder``, or given back."""
+        skipped: Skipped = []
+        if self.skips:
+            values, skipped = question.skipping(self.columns, threads)
+        else:
+            values = question.answered(self.columns, threads)
         if folder is None:
-            return values
+            return values, skipped
         if not Path(folder).is_dir():
             raise ClusterError(f"out: a worker does not see the folder {folder}; it has to be on a disk that all share")
-        _parts.write(Path(folder), self.address, self.columns, question.metrics, values, question.described)
+        _parts.write(Path(folder), self.address, self.columns, question.metrics, values, question.described, skipped)
         return None
 
 
-def cut(question: Question, grid: Grid, size: int) -> Iterator[Batch]:
+def cut(question: Question, grid: Grid, size: int, skips: bool = False) -> Iterator[Batch]:
     """All designs, in order."""
     for start in range(0, grid.size, size):
         columns = grid.take(np.arange(start, min(start + size, grid.size)))
-        yield Batch(start, columns, question.address_of(columns))
+        yield Batch(start, columns, question.address_of(columns), skips)
 
 
 def seconds_each(question: Question, columns: Columns) -> float:

@@ -147,7 +147,8 @@ class Batch:
         count: int,
         threads: int,
         progress: Callable[[dict[str, Any]], object] | None = None,
-    ) -> NDArray[np.float64]: ...
+        skip: bool = False,
+    ) -> tuple[NDArray[np.float64], list[tuple[int, str]]]: ...
     def derivatives(
         self,
         designs: NDArray[np.float64],

@@ -13,10 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ArgumentError, FileError
+from .prepared import Skipped
 
 if TYPE_CHECKING:
     import pyarrow
 
+#: Where a part says which of its designs cannot be.
+_SKIPPED = "papilio.skipped"
 _QUESTION = "_question.json"  # readers of a folder of Parquet pass over such names
 
 
@@ -66,6 +69,7 @@ def write(
     metrics: Sequence[str],
     values: NDArray[np.float64],
     described: Mapping[str, Any],
+    skipped: Skipped,
 ) -> None:
     """Writes a part: whole, or not at all."""
     import pyarrow
@@ -74,7 +78,9 @@ def write(
     from ._batches import as_names
 
     named = {**as_names(columns), **{name: values[:, at] for at, name in enumerate(metrics)}}
-    table = pyarrow.table(named).replace_schema_metadata({"papilio": json.dumps(described)})
+    table = pyarrow.table(named).replace_schema_metadata(
+        {"papilio": json.dumps(described), **({_SKIPPED: json.dumps(skipped)} if skipped else {})}
+    )
     sink = pyarrow.BufferOutputStream()
     parquet.write_table(table, sink, compression="zstd")
     os.replace(_written(folder, sink.getvalue()), path(folder, address))
@@ -103,6 +109,19 @@ def whole(folder: Path, address: str, rows: int) -> bool:
         return int(parquet.read_metadata(path(folder, address)).num_rows) == rows
     except (OSError, ArrowException):
         return False
+
+
+def skipped(folder: Path, address: str) -> Skipped:
+    """The designs of a part that cannot be: their number in it, and why."""
+    import pyarrow
+    from pyarrow import parquet
+
+    where = path(folder, address)
+    try:
+        said = (parquet.read_schema(where).metadata or {}).get(_SKIPPED.encode(), b"[]")
+        return [(int(at), str(why)) for at, why in json.loads(said)]
+    except (OSError, pyarrow.ArrowException, ValueError, TypeError) as error:
+        raise FileError(f"{where}: {error}") from None
 
 
 def read(folder: Path, address: str, metrics: Sequence[str]) -> NDArray[np.float64]:

@@ -80,7 +80,7 @@ def compute(
     done = 0
     try:
         with closing(road.each(question, _batches.cut(question, grid, size), None)) as answers:
-            for batch, values in answers:
+            for batch, (values, _) in answers:
                 for row, numbers in zip(batch.columns[SAMPLE], values, strict=True):
                     production.take(int(row), np.array(numbers))  # what came by wire need not be aligned
                 done += batch.size

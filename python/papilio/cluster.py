@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _batches, _parts
-from ._arguments import common_shape, described, reals, whole
+from ._arguments import common_shape, described, one_of, reals, whole
 from ._batches import Batch, Grid, Question
 from ._roads import Failed, OnCluster, Serial, check_client, seconds_each
-from .errors import ArgumentError
+from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
-from .prepared import Keys, checked_metrics, columns, named
+from .prepared import Keys, Skipped, checked_metrics, columns, named
 from .running import checked_threads
 from .scenario import Scenario, read
 
@@ -50,6 +50,7 @@ def evaluate_many(
     batch_seconds: float = 4.0,
     threads: int | None = None,
     retries: int = 3,
+    on_error: str = "raise",
     progress: Progress | bool | None = None,
 ) -> Evaluated:
     """Metrics of very many designs, shape [designs..., metric]; see `Prepared.evaluate`, whose numbers these are.
@@ -71,16 +72,20 @@ def evaluate_many(
             its batch.
         threads: without ``client``: None is one for each processor.
         retries: how often a batch is given out anew after the worker that had it was lost.
+        on_error: "raise": a design that cannot be ends the call; "nan": its metrics are NaN, and ``errors`` of what is found has
+            its index and why.
         progress: a function, called at every batch, or True for a line on the terminal.
 
     Raises:
         ArgumentError: names the argument that is wrong (a client that is closed, shapes, NaN, ...).
-        DesignError: names the first design found that cannot be.
+        DesignError: names the first design found that cannot be (unless ``on_error="nan"``).
+        ScenarioError: a key that no scenario has.
         ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
     """
     grid = _grid(variables)
     question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
-    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, progress)
+    skips = one_of("on_error", on_error, ("raise", "nan")) == "nan"
+    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, skips, progress)
 
 
 def sweep(
@@ -122,6 +127,7 @@ def _evaluated(
     batch_seconds: float,
     threads: int | None,
     retries: int,
+    skips: bool,
     progress: Progress | bool | None,
 ) -> Evaluated:
     """The answers for all designs of a grid."""
@@ -132,22 +138,25 @@ def _evaluated(
     road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
     folder, size = _opened(out, question, grid, road, seconds)
     tell = _Telling(progress, grid.size, road)
-    found: dict[str, NDArray[np.float64]] = {}
+    found: dict[str, tuple[NDArray[np.float64], Skipped]] = {}
     order: list[str] = []
 
     def missing() -> Iterator[Batch]:
-        for batch in _batches.cut(question, grid, size):
+        for batch in _batches.cut(question, grid, size, skips):
             order.append(batch.address)
-            if folder is not None and _parts.whole(folder, batch.address, batch.size):
-                tell(batch, reused=True)
-            else:
+            if folder is None or not _parts.whole(folder, batch.address, batch.size):
                 yield batch
+                continue
+            known = [] if skips else _parts.skipped(folder, batch.address)
+            if known:
+                raise Failed(DesignError(known[0][1], known[0][0]), batch)
+            tell(batch, reused=True)
 
     try:
         with closing(road.each(question, missing(), None if folder is None else str(folder))) as answers:
-            for batch, values in answers:
-                if values is not None:
-                    found[batch.address] = values
+            for batch, answer in answers:
+                if answer is not None:
+                    found[batch.address] = answer
                 tell(batch)
     except Failed as failed:
         raise _batches.placed(failed.error, failed.batch, grid) from None

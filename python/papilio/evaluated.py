@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _parts, _words
 from ._batches import Grid, Question, as_names
+from .prepared import Skipped
 
 if TYPE_CHECKING:
     import pandas
@@ -27,7 +28,7 @@ class Evaluated:
         grid: Grid,
         question: Question,
         order: list[str],
-        found: dict[str, NDArray[np.float64]],
+        found: dict[str, tuple[NDArray[np.float64], Skipped]],
         folder: Path | None,
         batch: int,
         reused: int,
@@ -61,13 +62,25 @@ class Evaluated:
         flat = np.empty((self._grid.size, len(self.metrics)))
         start = 0
         for address in self._order:
-            known = self._found.get(address)
+            known, _ = self._found.get(address, (None, []))
             if known is None and self.folder is not None:
                 known = _parts.read(self.folder, address, self.metrics)
             if known is not None:
                 flat[start : start + len(known)] = known
                 start += len(known)
         return flat.reshape(self.shape)
+
+    @cached_property
+    def errors(self) -> list[tuple[tuple[int, ...], str]]:
+        """Designs that cannot be, where ``on_error="nan"`` left them out: the index of each, as of ``DesignError.design``, and why."""
+        all_of_them = []
+        for part, address in enumerate(self._order):
+            _, skipped = self._found.get(address, (None, []))
+            if address not in self._found and self.folder is not None:
+                skipped = _parts.skipped(self.folder, address)
+            start = part * self.designs_per_part
+            all_of_them += [(self._grid.place(start + at), why) for at, why in skipped]
+        return all_of_them
 
     def __getitem__(self, metric: str) -> NDArray[np.float64]:
         """One metric, shape [designs...].

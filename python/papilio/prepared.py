@@ -26,6 +26,9 @@ _Answer = TypeVar("_Answer")
 #: One key of a scenario, or several that move alike.
 Keys = str | tuple[str, ...]
 
+#: Designs that cannot be: the number of each, and why.
+Skipped = list[tuple[int, str]]
+
 
 def metric_names() -> list[str]:
     """The metrics that can be asked of designs; those of states are listed for a state ``white``."""
@@ -95,7 +98,15 @@ class Prepared:
             KeyboardInterrupt: on Ctrl-C, within about a second.
         """
         call = self._call(variables, metrics, view, threads, progress)
-        return call.array(call.answer(call.batch.evaluate))
+        return call.array(call.answer(call.batch.evaluate)[0])
+
+    def _skipping(
+        self, variables: Mapping[Keys, ArrayLike], metrics: Sequence[str], view: int, threads: int | None
+    ) -> tuple[NDArray[np.float64], Skipped]:
+        """As `evaluate`; but designs that cannot be are NaN, and stand beside: their number and why."""
+        call = self._call(variables, metrics, view, threads, None)
+        values, skipped = call.batch.evaluate(call.designs, call.many, call.threads, None, skip=True)
+        return call.array(values), skipped
 
     def derivatives(
         self,
@@ -172,10 +183,15 @@ class _Call(NamedTuple):
     threads: int
     progress: Progress | None
 
+    @property
+    def many(self) -> int:
+        """How many designs there are."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
     def answer(self, of: Callable[[NDArray[np.float64], int, int, Progress | None], _Answer]) -> _Answer:
         """What the batch says; a design that cannot be is named by its place in the arrays."""
         try:
-            return of(self.designs, int(np.prod(self.shape, dtype=np.int64)), self.threads, self.progress)
+            return of(self.designs, self.many, self.threads, self.progress)
         except DesignError as error:
             flat = error.design if isinstance(error.design, int) else 0
             at = tuple(int(i) for i in np.unravel_index(flat, self.shape)) if self.shape else ()

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{PyArray1, PyReadonlyArray1};
+use papilio_design::search::was_stopped;
 use papilio_design::{Condition, Key, Named, Quantity, Study, Values, Variable};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
@@ -12,13 +13,14 @@ use papilio_scenario::Varied;
 use pyo3::prelude::*;
 
 use crate::errors;
-use crate::pool::Pool;
+use crate::pool::{Pool, is_of_a_path};
 use crate::scenario::{Resolved, library};
 
 /// A display, its keys that vary, and what is asked of each design.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Batch {
     variables: usize,
+    metrics: usize,
     pool: Pool,
 }
 
@@ -61,11 +63,14 @@ impl Batch {
             variables: variables.collect::<PyResult<_>>()?,
             quantities: quantities.collect::<PyResult<_>>()?,
         };
-        Ok(Self { variables: study.variables.len(), pool: Pool::new(Arc::new(study)) })
+        let (variables, metrics) = (study.variables.len(), study.quantities.len());
+        Ok(Self { variables, metrics, pool: Pool::new(Arc::new(study)) })
     }
 
-    /// The metrics of designs, which are rows of one number for each variable; rows, flat. NaN where undefined.
-    #[pyo3(signature = (designs, count, threads, progress=None))]
+    /// The metrics of designs, which are rows of one number for each variable; rows, flat. NaN where undefined. With `skip`, a
+    /// design that cannot be is NaN, too: then their numbers and the reasons stand beside.
+    #[pyo3(signature = (designs, count, threads, progress=None, skip=false))]
+    #[allow(clippy::type_complexity, reason = "an array, and what is wrong with some of it")]
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -73,12 +78,24 @@ impl Batch {
         count: usize,
         threads: usize,
         progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        skip: bool,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Vec<(usize, String)>)> {
         let rows = Rows::new(&designs, count, self.variables)?;
-        let found = self
-            .pool
-            .each(py, count, threads, progress.as_ref(), |evaluator, at| evaluator.evaluate(rows.row(at)))?;
-        Ok(PyArray1::from_iter(py, numbers(found)))
+        let found = self.pool.each(py, count, threads, progress.as_ref(), |evaluator, at| match evaluator
+            .evaluate(rows.row(at))
+        {
+            Err(error) if skip && !was_stopped(&error) && !is_of_a_path(&error) => Ok(Err(error.to_string())),
+            other => other.map(Ok),
+        })?;
+        let mut skipped = Vec::new();
+        let found = found.into_iter().enumerate().map(|(at, row)| {
+            row.unwrap_or_else(|why| {
+                skipped.push((at, why));
+                vec![None; self.metrics]
+            })
+        });
+        let found = numbers(found.collect());
+        Ok((PyArray1::from_iter(py, found), skipped))
     }
 
     /// The same, and behind them the slopes: of every design for each metric one for each variable. NaN where undefined.

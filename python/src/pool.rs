@@ -109,10 +109,17 @@ fn keep_first(failed: &mut Option<(usize, DesignError)>, at: usize, error: Desig
     }
 }
 
+/// Whether an error is that of a key, whatever its value.
+pub(crate) fn is_of_a_path(error: &DesignError) -> bool {
+    matches!(error, DesignError::Scenario(errors) if errors.iter().any(|one| one.problem.is_of_a_path()))
+}
+
 /// The number of the design goes first.
 fn failed(py: Python<'_>, design: usize, error: &DesignError) -> PyErr {
     match error {
         DesignError::Display(DisplayError::Interrupted) => PyKeyboardInterrupt::new_err(()),
+        // Of a key that no scenario has, no design is to blame.
+        DesignError::Scenario(errors) if is_of_a_path(error) => errors::scenario(py, errors),
         error => errors::design(py, design, &error.to_string()),
     }
 }

@@ -331,6 +331,35 @@ def test_a_design_that_cannot_be_is_named(indoor, client, on_cluster):
     assert error.value.design[0] == 3
 
 
+@pytest.mark.parametrize("on_cluster", [False, True])
+@pytest.mark.parametrize("kept", [False, True])
+def test_designs_that_cannot_be_may_be_left_out(indoor, client, monkeypatch, tmp_path, on_cluster, kept):
+    in_batches_of(monkeypatch, 5)
+    designs = plane(36)
+    whole = papilio.Prepared(indoor).evaluate(designs, METRICS)
+    designs[MATCHING] = designs[MATCHING].copy()
+    designs[MATCHING][3, 0] = -1.0
+    options = {"client": client if on_cluster else None, "out": tmp_path if kept else None}
+    found = cluster.evaluate_many(indoor, designs, METRICS, on_error="nan", **options)
+    whole[3] = np.nan
+    assert np.array_equal(found.values, whole, equal_nan=True)
+    assert [at for at, _ in found.errors] == [(3, i) for i in range(6)]
+    assert all("-1 is out of range" in why for _, why in found.errors)
+    if kept:  # what was left out is known, and still an error where errors count
+        again = cluster.evaluate_many(indoor, designs, METRICS, on_error="nan", **options)
+        assert again.reused == 36 and again.errors == found.errors
+        with pytest.raises(DesignError, match="-1 is out of range") as error:
+            cluster.evaluate_many(indoor, designs, METRICS, **options)
+        assert error.value.design[0] == 3
+
+
+@pytest.mark.parametrize("on_error", ["raise", "nan"])
+def test_no_design_is_to_blame_for_a_wrong_key(indoor, on_error):
+    with pytest.raises(papilio.ScenarioError, match="did you mean `red`") as error:
+        cluster.evaluate_many(indoor, {"display.pixel.gap_nm.rde": [270.0]}, METRICS, on_error=on_error)
+    assert "design" not in str(error.value)
+
+
 @pytest.mark.parametrize(
     ("changed", "says"),
     [
@@ -350,6 +379,7 @@ def test_a_design_that_cannot_be_is_named(indoor, client, on_cluster):
         ({"batch_seconds": 0}, "batch_seconds"),
         ({"batch_seconds": float("nan")}, "batch_seconds"),
         ({"retries": -1}, "retries"),
+        ({"on_error": "ignore"}, "on_error"),
         ({"threads": 0}, "threads"),
         ({"progress": 3}, "progress"),
         ({"client": "tcp://127.0.0.1:8786"}, "client"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import papilio
-from papilio import ArgumentError, DesignError, Prepared
+from papilio import ArgumentError, DesignError, Prepared, ScenarioError
 
 LAYER = "display.pixel.film.0.thickness_nm"
 RED = "display.pixel.gap_nm.red"
@@ -111,15 +111,25 @@ def test_wrong_variables_are_named(prepared, variables, names):
     ("variables", "said"),
     [
         ({LAYER: [[50.0, -1.0], [-2.0, 50.0]]}, r"design \(0, 1\): .*-1"),
-        ({"display.pixel.film.9.thickness_nm": [5.0]}, r"design \(0,\): "),
-        ({"display.pixle.fill_factor": [0.5]}, r"pixle"),
-        ({"display..fill_factor": [0.5]}, r"empty"),
         ({"display.pixel.film.2.material": ["Si02"]}, r"Si02"),
     ],
 )
 def test_a_design_that_cannot_be_is_named(prepared, variables, said):
     with pytest.raises(DesignError, match=f"(?s){said}"):
         prepared.evaluate(variables, METRICS)
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("display.pixel.film.9.thickness_nm", "the indices 0 to 4"),
+        ("display.pixle.fill_factor", "pixle"),
+        ("display..fill_factor", "empty"),
+    ],
+)
+def test_of_a_wrong_key_no_design_is_to_blame(prepared, key, said):
+    with pytest.raises(ScenarioError, match=said):
+        prepared.evaluate({key: [5.0]}, METRICS)
 
 
 @pytest.mark.parametrize(

@@ -603,7 +603,7 @@ pub enum Problem {
 
 impl Problem {
     /// Whether the path of a key is wrong, not what stands there.
-    pub(crate) fn is_of_a_path(&self) -> bool {
+    pub fn is_of_a_path(&self) -> bool {
         matches!(
             self,
             Self::UnknownKey { .. }
