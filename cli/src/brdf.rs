@@ -12,9 +12,6 @@ use crate::arguments::Brdf;
 use crate::run::with_progress;
 use crate::{Failure, interrupt, output, report, say};
 
-/// A larger table is a mistake, and takes 400 MB.
-const MOST_NUMBERS: usize = 100_000_000;
-
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
 
@@ -93,10 +90,11 @@ fn grid(step: f64, scene: &Scene) -> Result<BrdfGrid, Failure> {
     let steps = (90.0 / step).round() as usize;
     let others = state_names(&scene.display.pixel).len() * scene.grid.len();
     let numbers = (steps * steps * (2 * steps + 1)).saturating_mul(others);
-    if numbers > MOST_NUMBERS {
+    if numbers > BrdfGrid::MOST_NUMBERS {
         return Err(Failure::Input(format!(
             "the table would have {numbers} numbers (states x theta_i x theta_o x dphi x wavelengths)\n  = help: take a \
-             larger --step, a larger spectrum.step_nm or fewer states, at most {MOST_NUMBERS} numbers"
+             larger --step, a larger spectrum.step_nm or fewer states, at most {} numbers",
+            BrdfGrid::MOST_NUMBERS
         )));
     }
     Ok(BrdfGrid::even(step))

@@ -7,7 +7,8 @@ A scenario goes in; spectra, colours and metrics with their errors come out::
     result = papilio.run("scenarios/indoor.toml")
     result["gamut_percent_srgb"]
 
-- `run` computes a scenario, `cone` what is seen from every direction, `Prepared` thousands of designs;
+- `run` computes a scenario, `cone` what is seen from every direction, `brdf` what the display makes of light from any,
+  `Prepared` thousands of designs;
 - `optimize` searches for better designs, `tolerance` tells what production makes of one;
 - `Scenario` reads, builds and edits scenarios;
 - `cluster` computes designs by the million, on many machines;
@@ -19,6 +20,7 @@ own, to the last bit.
 
 from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
+from .brdfs import Brdf, Reflection, brdf, reflection
 from .cones import Cone, cone
 from .errors import (
     ArgumentError,
@@ -40,6 +42,7 @@ from .scenario import Scenario, preset_names, schema
 
 __all__ = [
     "ArgumentError",
+    "Brdf",
     "ClusterError",
     "Cone",
     "DesignError",
@@ -50,11 +53,13 @@ __all__ = [
     "Optimum",
     "PapilioError",
     "Prepared",
+    "Reflection",
     "Result",
     "Scenario",
     "ScenarioError",
     "Yield",
     "__version__",
+    "brdf",
     "cluster",
     "colour",
     "cone",
@@ -64,6 +69,7 @@ __all__ = [
     "optimize",
     "plot",
     "preset_names",
+    "reflection",
     "run",
     "schema",
     "tolerance",

@@ -31,6 +31,16 @@ def reals(name: str, values: ArrayLike, *, least: float = -np.inf, most: float =
     return numbers
 
 
+def ascending(name: str, values: ArrayLike | None, most: float) -> list[float] | None:
+    """Angles from 0 to ``most`` degrees, ascending, at least one; None if there are none."""
+    if values is None:
+        return None
+    numbers = reals(name, values, least=0.0, most=most)
+    if numbers.ndim != 1 or numbers.size == 0 or not (np.diff(numbers) > 0).all():
+        raise ArgumentError(f"{name}: expected a list of angles, ascending")
+    return [float(number) for number in numbers]
+
+
 def complexes(name: str, values: ArrayLike) -> NDArray[np.complex128]:
     """An array of finite complex numbers."""
     array = _array(name, values)

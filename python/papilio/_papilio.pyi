@@ -17,6 +17,8 @@ __all__ = [
     "RunResult",
     "Search",
     "__version__",
+    "beams",
+    "bsdf",
     "curves",
     "delta_e_2000",
     "edit",
@@ -211,6 +213,21 @@ def uv_prime(colours: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def xyz(grid: tuple[float, float, float], observer: str, spectra: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def edit(text: str, edits: str) -> str: ...
 def new_scenario(preset: str) -> str: ...
+def bsdf(
+    scenario: Resolved,
+    title: str,
+    theta_i_deg: Sequence[float],
+    theta_o_deg: Sequence[float],
+    dphi_deg: Sequence[float],
+    threads: int | None = None,
+    progress: Callable[[dict[str, Any]], object] | None = None,
+) -> tuple[bytes, float]: ...
+def beams(
+    scenario: Resolved,
+    theta_deg: Sequence[float],
+    threads: int | None = None,
+    progress: Callable[[dict[str, Any]], object] | None = None,
+) -> bytes: ...
 def preset_names() -> list[str]: ...
 def schema(of_result: bool) -> str: ...
 def png(svg: str, scale: float) -> bytes: ...

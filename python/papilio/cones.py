@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arguments, _papilio, _words
-from .errors import ArgumentError
+from . import _papilio, _words
+from ._arguments import ascending
 from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
@@ -115,16 +115,7 @@ def cone(
         progress: called a few times a second.
     """
     changed = read(scenario, with_solver(set))
-    thetas = _ascending("theta_deg", theta_deg, 90.0)
-    phis = _ascending("phi_deg", phi_deg, 360.0)
+    thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
+    phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
     core = _papilio.Cone(changed._scene(), thetas, phis, checked_threads(threads), checked_progress(progress))
     return Cone(core, changed.title)
-
-
-def _ascending(name: str, values: ArrayLike | None, below: float) -> list[float] | None:
-    if values is None:
-        return None
-    numbers = _arguments.reals(name, values, least=0.0, most=float(np.nextafter(below, 0.0)))
-    if numbers.ndim != 1 or numbers.size == 0 or not (np.diff(numbers) > 0).all():
-        raise ArgumentError(f"{name}: expected a list of angles, ascending")
-    return [float(number) for number in numbers]

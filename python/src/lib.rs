@@ -6,6 +6,7 @@
 //! given is checked on this side, too: nothing a script says ends the interpreter.
 
 mod batch;
+mod brdf;
 mod colour;
 mod columns;
 mod cone;
@@ -33,6 +34,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 mod _papilio {
     #[pymodule_export]
     use crate::batch::{Batch, metric_names};
+    #[pymodule_export]
+    use crate::brdf::{beams, bsdf};
     #[pymodule_export]
     use crate::colour::{delta_e_2000, gamut, illuminant_names, illuminant_spectrum, lab, uv_prime, xyz};
     #[pymodule_export]

@@ -16,6 +16,9 @@ pub struct BrdfGrid {
 }
 
 impl BrdfGrid {
+    /// A table of more numbers is a mistake: these take 400 MB.
+    pub const MOST_NUMBERS: usize = 100_000_000;
+
     /// Every `step_deg` degrees, a divisor of 180: inclinations from 0 to below 90, azimuths from 0 to 180.
     pub fn even(step_deg: f64) -> Self {
         let every = |end: f64| -> Vec<f64> {

@@ -1,0 +1,212 @@
+"""What a display makes of light from any direction."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _papilio
+from ._arguments import ascending, reals
+from .errors import ArgumentError
+from .running import Progress, checked_progress, checked_threads, with_solver
+from .scenario import Scenario, read
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Brdf", "Reflection", "brdf", "reflection"]
+
+#: Names of arrays, with units and long names.
+_ARRAYS = {
+    "brdf": ("1/sr", "scattered light: dL_o/dE_i, without a cosine"),
+    "specular": ("1", "share of a beam that leaves in the mirror direction"),
+    "directional_hemispherical": ("1", "share of a beam that leaves at all, scattered and mirrored"),
+}
+_AXES = {
+    "theta_i_deg": ("degree", "inclination of the light"),
+    "theta_o_deg": ("degree", "inclination of the viewer"),
+    "dphi_deg": ("degree", "azimuth of the viewer less that of the light; alike on the other side"),
+    "wavelength_nm": ("nm", "wavelength in air"),
+}
+_SHARES = ("returned", "mirror", "haze", "lambertian", "beyond_2_5_deg")
+
+
+class Brdf:
+    """A display's spectral BSDF in each of its states; what ``papilio brdf`` writes as ``display-bsdf.npz``.
+
+    ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array.
+    """
+
+    def __init__(self, content: bytes, missed: float) -> None:
+        self._content = content
+        with np.load(io.BytesIO(content)) as arrays:
+            read_in = {name: arrays[name] for name in arrays.files}
+        #: The names of the drive states.
+        self.states = [str(name) for name in read_in["state"]]
+        #: Inclinations of the light, degrees.
+        self.theta_i_deg: NDArray[np.float64] = read_in["theta_i_deg"]
+        #: Inclinations of the viewer, degrees.
+        self.theta_o_deg: NDArray[np.float64] = read_in["theta_o_deg"]
+        #: Azimuths of the viewer less those of the light, degrees: 0 is back to the light, 180 the mirror's side.
+        self.dphi_deg: NDArray[np.float64] = read_in["dphi_deg"]
+        #: Wavelengths in air, nm.
+        self.wavelength_nm: NDArray[np.float64] = read_in["wavelength_nm"]
+        #: Scattered light, dL_o/dE_i in 1/sr, shape [state, theta_i, theta_o, dphi, wavelength], single precision.
+        self.brdf: NDArray[np.float32] = read_in["brdf"]
+        #: Share of a beam that leaves in the mirror direction, shape [state, theta_i, wavelength].
+        self.specular: NDArray[np.float64] = read_in["specular"]
+        #: Share of a beam that leaves at all, shape [state, theta_i, wavelength].
+        self.directional_hemispherical: NDArray[np.float64] = read_in["directional_hemispherical"]
+        #: Format, program, scenario, conventions and solver.
+        self.about: dict[str, Any] = json.loads(str(read_in["about"]))
+        #: How far a sum over the directions is from the light that leaves, of 1: above .02 they are too few.
+        self.missed = missed
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All arrays as a Dataset over ``state``, ``theta_i_deg``, ``theta_o_deg``, ``dphi_deg`` and ``wavelength_nm``.
+
+        Raises:
+            ImportError: without xarray.
+        """
+        import xarray
+
+        inner = {"brdf": tuple(_AXES), "specular": ("theta_i_deg", "wavelength_nm")}
+        inner["directional_hemispherical"] = inner["specular"]
+        data = {
+            name: (("state", *inner[name]), getattr(self, name), {"units": unit, "long_name": words})
+            for name, (unit, words) in _ARRAYS.items()
+        }
+        coordinates: dict[str, Any] = {
+            name: (name, getattr(self, name), {"units": unit, "long_name": words}) for name, (unit, words) in _AXES.items()
+        }
+        coordinates["state"] = ("state", self.states, {"long_name": "drive state"})
+        about = {key: self.about[key] for key in ("papilio", "title", "hash")}
+        return xarray.Dataset(data, coordinates, about | {"missed": self.missed})
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes ``display-bsdf.npz``, byte for byte the program's."""
+        Path(path).write_bytes(self._content)
+
+    def __repr__(self) -> str:
+        directions = f"{self.theta_i_deg.size} x {self.theta_o_deg.size} x {self.dphi_deg.size} directions"
+        return f"<papilio.Brdf {self.about['title']!r}: {len(self.states)} states, {directions}, {self.wavelength_nm.size} wavelengths>"
+
+
+class Reflection:
+    """Mirror, haze and Lambertian parts of what a display reflects, in luminous shares; see `reflection`."""
+
+    def __init__(self, text: str) -> None:
+        rows = [line.split(",") for line in text.splitlines()[1:]]
+        #: Inclinations of the beam, degrees.
+        self.theta_deg: NDArray[np.float64] = np.array(list(dict.fromkeys(float(row[0]) for row in rows)))
+        #: The names of the drive states.
+        self.states = list(dict.fromkeys(row[1] for row in rows))
+        numbers = np.array([[float(cell) if cell else np.nan for cell in row[2:]] for row in rows], dtype=np.float64)
+        self._shares = numbers.reshape(self.theta_deg.size, len(self.states), len(_SHARES))
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """``returned`` (of the beam: all that leaves), its parts ``mirror``, ``haze`` and ``lambertian``, or ``beyond_2_5_deg`` (of what
+        leaves), shape [theta, state].
+
+        Raises:
+            KeyError: if there is no such share.
+        """
+        if name not in _SHARES:
+            raise KeyError(f"{name!r}: there is no such share; there are {', '.join(_SHARES)}")
+        return self._shares[..., _SHARES.index(name)]
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All shares as a Dataset over ``theta_deg`` and ``state``.
+
+        Raises:
+            ImportError: without xarray.
+        """
+        import xarray
+
+        data = {name: (("theta_deg", "state"), self[name], {"units": "1"}) for name in _SHARES}
+        theta = ("theta_deg", self.theta_deg, {"units": "degree", "long_name": "inclination of the beam"})
+        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)})
+
+    def __repr__(self) -> str:
+        return f"<papilio.Reflection: {self.theta_deg.size} inclinations, states {', '.join(self.states)}>"
+
+
+def brdf(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    step_deg: float = 5.0,
+    theta_i_deg: ArrayLike | None = None,
+    theta_o_deg: ArrayLike | None = None,
+    dphi_deg: ArrayLike | None = None,
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Brdf:
+    """The finished display as a spectral BSDF, without its room: what ``papilio brdf`` computes, by adding.
+
+    Args:
+        scenario: a `Scenario`, or the path of one; its light and viewer play no part.
+        step_deg: step of all directions that are not given, a divisor of 90 degrees.
+        theta_i_deg: inclinations of the light, ascending, 0 to less than 90 degrees.
+        theta_o_deg: inclinations of the viewer, likewise.
+        dphi_deg: azimuths between both, ascending, 0 to 180 degrees.
+        set: values put in before, ``{path: value}``.
+        threads: how many; None: one for each processor.
+        progress: called a few times a second.
+
+    Raises:
+        ArgumentError: names the argument that is wrong; more than 1e8 numbers.
+        ScenarioError, DisplayError, KeyboardInterrupt: as of `papilio.run`.
+    """
+    changed = read(scenario, with_solver(set))
+    step = float(reals("step_deg", step_deg, least=0.01, most=90.0))
+    steps = round(90.0 / step)
+    if abs(90.0 / step - steps) >= 1e-9:
+        raise ArgumentError(f"step_deg: expected a divisor of 90 degrees, not {step_deg!r}")
+    below = float(np.nextafter(90.0, 0.0))
+    inclinations = [step * i for i in range(steps)]
+    azimuths = [step * i for i in range(2 * steps + 1)]
+    content, missed = _papilio.bsdf(
+        changed._scene(),
+        changed.title,
+        ascending("theta_i_deg", theta_i_deg, below) or inclinations,
+        ascending("theta_o_deg", theta_o_deg, below) or inclinations,
+        ascending("dphi_deg", dphi_deg, 180.0) or azimuths,
+        checked_threads(threads),
+        checked_progress(progress),
+    )
+    return Brdf(content, missed)
+
+
+def reflection(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    theta_deg: ArrayLike = (0.0, 8.0, 30.0, 45.0),
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Reflection:
+    """What becomes of beams of the scene's light: mirror, haze and Lambertian parts (Kelley 1998), as ``papilio brdf`` prints.
+
+    Args:
+        scenario: a `Scenario`, or the path of one.
+        theta_deg: inclinations of the beams, ascending, 0 to less than 87 degrees.
+        set: values put in before, ``{path: value}``.
+        threads: how many; None: one for each processor.
+        progress: called a few times a second.
+
+    Raises:
+        ArgumentError: names the argument that is wrong.
+        ScenarioError, DisplayError, KeyboardInterrupt: as of `papilio.run`.
+    """
+    changed = read(scenario, with_solver(set))
+    thetas = ascending("theta_deg", theta_deg, float(np.nextafter(87.0, 0.0))) or []
+    text = _papilio.beams(changed._scene(), thetas, checked_threads(threads), checked_progress(progress))
+    return Reflection(text.decode())

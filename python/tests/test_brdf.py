@@ -1,0 +1,60 @@
+"""The display's BSDF from Python: what the program writes."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import papilio
+from papilio import ArgumentError
+
+COARSE = {"spectrum.step_nm": 50}
+
+
+def test_it_is_what_the_program_writes(program, scenarios, tmp_path):
+    command = [program, "brdf", scenarios / "indoor.toml", "--step", "30", "--set", "spectrum.step_nm=50", "--out", tmp_path]
+    subprocess.run(command, check=True, capture_output=True)
+    found = papilio.brdf(scenarios / "indoor.toml", step_deg=30, set=COARSE)
+    found.save(tmp_path / "ours.npz")
+    assert (tmp_path / "ours.npz").read_bytes() == (tmp_path / "display-bsdf.npz").read_bytes()
+    assert found.brdf.shape == (8, 3, 3, 7, 9) and found.specular.shape == (8, 3, 9)
+    assert found.about["format"] == "papilio-bsdf" and found.missed > 0
+    parts = papilio.reflection(scenarios / "indoor.toml", set=COARSE)
+    rows = (tmp_path / "reflection.csv").read_text().splitlines()[1:]
+    assert [float(row.split(",")[2]) for row in rows] == parts["returned"].reshape(-1).tolist()
+    assert parts["mirror"].shape == (4, 8)
+    np.testing.assert_allclose(parts["mirror"] + parts["haze"] + parts["lambertian"], parts["returned"], rtol=1e-9)
+
+
+def test_arrays_have_their_names(scenarios):
+    pytest.importorskip("xarray")
+    angles = {"theta_i_deg": [0, 20], "theta_o_deg": [0, 20, 40], "dphi_deg": [0, 180]}
+    found = papilio.brdf(scenarios / "indoor.toml", set=COARSE, **angles)
+    arrays = found.to_xarray()
+    assert dict(arrays.sizes) == {"state": 8, "theta_i_deg": 2, "theta_o_deg": 3, "dphi_deg": 2, "wavelength_nm": 9}
+    assert arrays.brdf.attrs["units"] == "1/sr"
+    # Reciprocal: light and viewer may change places.
+    there = arrays.brdf.sel(theta_i_deg=20, theta_o_deg=0, state="white")
+    back = arrays.brdf.sel(theta_i_deg=0, theta_o_deg=20, state="white")
+    np.testing.assert_allclose(there, back, rtol=1e-4)
+    parts = papilio.reflection(scenarios / "indoor.toml", theta_deg=[8], set=COARSE).to_xarray()
+    assert float(parts.returned.sel(state="white", theta_deg=8)) > float(parts.returned.sel(state="black", theta_deg=8))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"step_deg": 7}, "step_deg"),
+        ({"step_deg": 0}, "step_deg"),
+        ({"step_deg": 0.5}, "step_deg.*numbers"),
+        ({"theta_i_deg": [90]}, "theta_i_deg"),
+        ({"dphi_deg": [10, 5]}, "dphi_deg"),
+        ({"theta_o_deg": []}, "theta_o_deg"),
+        ({"threads": 0}, "threads"),
+    ],
+)
+def test_wrong_directions_are_named(scenarios, arguments, says):
+    with pytest.raises(ArgumentError, match=f"^{says}"):
+        papilio.brdf(scenarios / "indoor.toml", **arguments)
+    with pytest.raises(ArgumentError, match="^theta_deg"):
+        papilio.reflection(scenarios / "indoor.toml", theta_deg=[87])
