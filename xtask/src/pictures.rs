@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file among the scenarios, the figures to keep, and what goes before their names.
 type Drawing = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const DRAWINGS: [Drawing; 8] = [
+const DRAWINGS: [Drawing; 9] = [
     (
         &["run"],
         "indoor.toml",
@@ -46,6 +46,12 @@ const DRAWINGS: [Drawing; 8] = [
     (&["run"], "measured-h65.toml", &["reflectance_against_angle.svg"], "measured-"),
     (&["optimize", "--no-check"], "optimize.toml", &["trace.svg"], "optimize-"),
     (&["optimize", "--no-check"], "optimize-front.toml", &["front.svg"], "optimize-"),
+    (
+        &["tolerance", "--set=tolerance.metrics=[]"],
+        "tolerance.toml",
+        &["tolerance_gamut_percent_srgb.svg", "tolerance_sensitivities.svg"],
+        "",
+    ),
 ];
 
 /// The chore.

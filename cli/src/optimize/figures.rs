@@ -1,7 +1,7 @@
 //! Figures of a search: how its tasks went on, and the front.
 
 use papilio_design::search::{Chosen, Found, Search};
-use papilio_figures::{Chart, ChartCurve, Hue, chart};
+use papilio_figures::{Chart, ChartCurve, Hue, chart, named_with_unit};
 
 /// More curves than these hide each other.
 const MOST_CURVES: usize = 60;
@@ -13,7 +13,7 @@ pub(super) fn figures(
     found: &[Found],
     chosen: &[Chosen],
 ) -> Vec<(String, String)> {
-    let mut drawn = vec![("trace".to_owned(), trace(title, search, found))];
+    let mut drawn = vec![("trace".to_owned(), trace(title, search, found, chosen))];
     if search.aims().objectives() > 1 {
         drawn.push(("front".to_owned(), front(title, search, found, chosen)));
     }
@@ -21,24 +21,36 @@ pub(super) fn figures(
 }
 
 /// The first objective of the best design so far, of every task that sought it, against the designs that the task had evaluated.
-fn trace(title: &str, search: &Search, found: &[Found]) -> String {
-    let tasks = || found.iter().filter(|one| one.objective == 0 && !one.trace.is_empty());
-    let count = tasks().count().min(MOST_CURVES);
-    let curve = |(at, one): (usize, &Found)| ChartCurve {
-        name: String::new(),
-        hue: Hue::Scale(at as f64 / count.max(2) as f64),
-        dashed: false,
-        marks: false,
-        points: steps(one),
+fn trace(title: &str, search: &Search, found: &[Found], chosen: &[Chosen]) -> String {
+    let mut tasks: Vec<&Found> =
+        found.iter().filter(|one| one.objective == 0 && !one.trace.is_empty()).collect();
+    let count = tasks.len();
+    let best = chosen.first().map(|one| one.task);
+    // The best one lies over the others.
+    tasks.sort_by_key(|one| Some(one.task) == best);
+    let curve = |one: &&Found| {
+        let is_best = Some(one.task) == best;
+        ChartCurve {
+            name: if is_best { format!("best: task {}", one.task) } else { String::new() },
+            hue: if is_best { Hue::Group(0) } else { Hue::Grey },
+            dashed: false,
+            marks: false,
+            points: steps(one),
+        }
     };
     let all = Chart {
-        x: "Designs evaluated".to_owned(),
-        y: search.said().objectives[0].name.clone(),
+        x: "Designs evaluated by a task".to_owned(),
+        y: format!("Best {}", axis(search, 0)),
         logarithmic: false,
         at_least: search.aims().value(0, search.own().1).into_iter().collect(),
-        curves: tasks().take(MOST_CURVES).enumerate().map(curve).collect(),
+        curves: tasks[count.saturating_sub(MOST_CURVES)..].iter().map(curve).collect(),
     };
-    chart(&all, title)
+    let lines = if count > MOST_CURVES {
+        format!("{MOST_CURVES} of the {count} tasks that met the limits")
+    } else {
+        format!("a line for each of the {count} tasks that met the limits")
+    };
+    chart(&all, &format!("{title}   \u{b7}   {lines}"))
 }
 
 /// A line that stays until something better is found.
@@ -69,8 +81,8 @@ fn front(title: &str, search: &Search, found: &[Found], chosen: &[Chosen]) -> St
     let sound = found.iter().filter(|one| !one.design.is_empty());
     let line: Vec<(f64, f64)> = chosen.iter().map(|one| at(&one.values)).collect();
     let all = Chart {
-        x: search.said().objectives[1].name.clone(),
-        y: search.said().objectives[0].name.clone(),
+        x: axis(search, 1),
+        y: axis(search, 0),
         logarithmic: false,
         at_least: Vec::new(),
         curves: vec![
@@ -81,4 +93,10 @@ fn front(title: &str, search: &Search, found: &[Found], chosen: &[Chosen]) -> St
         ],
     };
     chart(&all, title)
+}
+
+/// What stands at an axis.
+fn axis(search: &Search, objective: usize) -> String {
+    let name = &search.said().objectives[objective].name;
+    named_with_unit(name, name.trim_start_matches("mean "))
 }

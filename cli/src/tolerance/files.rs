@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
-use papilio_figures::{Blame, Ends, good_and_bad, histogram, sensitivities};
+use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sensitivities};
 use papilio_formats::{sweep_value, write_file, write_json, write_table};
-use papilio_scenario::Tolerance;
+use papilio_scenario::{ScatteredKey, Tolerance};
 
 use crate::{Failure, output};
 
@@ -136,10 +136,20 @@ fn figures(
         let points: Vec<([f64; 2], bool)> = points
             .map(|(row, values)| ([number(row, x), number(row, y)], is_good(tolerance, values)))
             .collect();
-        let names = [x, y].map(|key| tolerance.keys[key].name.as_str());
-        drawn.push(("tolerance_keys".to_owned(), good_and_bad(names, &points, title)));
+        let [x, y] = [x, y].map(|key| axis(&tolerance.keys[key]));
+        drawn.push(("tolerance_keys".to_owned(), good_and_bad([&x, &y], &points, title)));
     }
     drawn
+}
+
+/// What stands at the axis of a key: of several, the first one's values are drawn.
+fn axis(key: &ScatteredKey) -> String {
+    let path = key.paths.first().map_or("", |(path, ..)| path.as_str());
+    let name = match key.paths.len() {
+        2.. => format!("{}: {}", key.name, path.strip_prefix("display.pixel.").unwrap_or(path)),
+        _ => key.name.clone(),
+    };
+    named_with_unit(&name, path)
 }
 
 /// A metric's name as that of a file.

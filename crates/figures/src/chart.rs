@@ -43,6 +43,8 @@ pub enum Hue {
     Scale(f64),
     /// One of a handful that are told apart easily.
     Group(usize),
+    /// What stands back behind the others.
+    Grey,
 }
 
 /// The panel, px.
@@ -53,6 +55,7 @@ impl Hue {
         const GROUPS: [&str; 6] = ["#c8321f", "#2c9a57", "#2b5fc7", "#333333", "#8a6d1c", "#7a5bc0"];
         match self {
             Self::Scale(share) => ramp(share),
+            Self::Grey => "#b8b8b8".to_owned(),
             Self::Group(group) => GROUPS[group % GROUPS.len()].to_owned(),
         }
     }

@@ -22,6 +22,7 @@
 //! | [`accuracy`] | errors of solvers against their cost |
 //! | [`of_sweep`] | all that `papilio sweep` draws |
 //! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
+//! | [`histogram`], [`sensitivities`], [`good_and_bad`] | what production makes of a design |
 //! | [`point_sets`] | where points lie in the unit square |
 //!
 //! Each takes the scenario's title (empty: none), which stands above the figure, and
@@ -88,4 +89,5 @@ pub use production::{Blame, Ends, good_and_bad, histogram, sensitivities};
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;
+pub use style::named_with_unit;
 pub use sweep::{SweepAxis, SweepFigure, of_sweep, short_key, sweep_curves, sweep_map};

@@ -1,0 +1,62 @@
+//! What production makes of a design: how metrics scatter, which keys are to blame, where the bad displays lie.
+
+mod histogram;
+mod keys;
+mod sensitivities;
+
+pub use histogram::histogram;
+pub use keys::good_and_bad;
+pub use sensitivities::{Blame, sensitivities};
+
+use crate::svg::Point;
+
+/// Displays that meet the limits, and those that do not.
+const GOOD: &str = "#4c78a8";
+const BAD: &str = "#c8321f";
+/// The panel, px.
+const PANEL: (Point, Point) = ((96.0, 24.0), (540.0, 330.0));
+
+/// What a metric has to meet.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Ends {
+    /// No less.
+    pub at_least: Option<f64>,
+    /// No more.
+    pub at_most: Option<f64>,
+}
+
+impl Ends {
+    /// Whether a value does; what is undefined does not.
+    pub fn meets(&self, value: f64) -> bool {
+        self.at_least.is_none_or(|least| value >= least) && self.at_most.is_none_or(|most| value <= most)
+    }
+
+    fn all(&self) -> impl Iterator<Item = f64> {
+        self.at_least.into_iter().chain(self.at_most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sound(svg: &str) {
+        assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+
+    #[test]
+    fn anything_can_be_drawn() {
+        let ends = Ends { at_least: Some(1.0), at_most: None };
+        for values in
+            [vec![1.0], vec![1.0; 50], vec![f64::NAN, 2.0, 1e300], (0..500).map(f64::from).collect()]
+        {
+            sound(&histogram("<Y>", &values, ends, "<t>").unwrap());
+        }
+        assert!(histogram("Y", &[f64::NAN], ends, "t").is_none());
+        let blame = Blame { first: [-0.1, 0.3], total: [1.4, f64::NAN] };
+        let groups = ["a".to_owned(), "b".to_owned()];
+        sound(&sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap());
+        assert!(sensitivities(&["Y".to_owned()], &groups, &[vec![None, None]], "t").is_none());
+        sound(&good_and_bad(["a", "b"], &[([1.0, f64::NAN], true), ([1.0, 2.0], false)], "t"));
+    }
+}
