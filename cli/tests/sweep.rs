@@ -2,11 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
+
+use common::{files, papilio, place, same, stderr, stdout};
 
 /// A bare film pixel: quick, and not so quick that a sweep of it cannot be killed.
 const SCENARIO: &str = r#"
@@ -35,38 +39,6 @@ figures = ["contrast_ratio", "white.L_star"]
 viewer.theta_deg = [0, 10, 20]
 lighting.directed = [[], [], []]
 "#;
-
-fn papilio(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-/// Every file of a folder.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
-    entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
-}
-
-/// The same names, and the same bytes under each.
-fn same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
-    assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
-    let other: Vec<_> = found.keys().filter(|name| found[*name] != expected[*name]).collect();
-    assert!(other.is_empty(), "{other:?} are not what they should be");
-}
-
-/// The scenario in a folder of its own, and where results go.
-fn place(text: &str) -> (tempfile::TempDir, String, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("s.toml");
-    fs::write(&file, text).unwrap();
-    let out = folder.path().join("out");
-    let names = [file, out].map(|path| path.to_str().unwrap().to_owned());
-    let [file, out] = names;
-    (folder, file, out)
-}
 
 /// What a sweep that nothing disturbs leaves.
 fn undisturbed() -> BTreeMap<String, Vec<u8>> {
@@ -145,14 +117,18 @@ fn json_is_the_table() {
 fn views_are_an_axis() {
     let swept = "viewer.theta_deg = [0, 10, 20]\nlighting.directed = [[], [], []]\n";
     let text = SCENARIO.replace(&format!("[[sweep.axes]]\n{swept}"), "[viewer]\ntheta_deg = [8, 20]\n");
-    let (_folder, file, out) = place(&text);
-    let output = papilio(&["sweep", &file, "--out", &out]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let printed = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(printed.lines().count(), 1 + 5 * 2, "{printed}");
-    let map = String::from_utf8(files(Path::new(&out))["sweep_contrast_ratio.svg"].clone()).unwrap();
-    for words in ["theta_deg", ">8<", ">20<"] {
-        assert!(map.contains(words), "{words}");
+    for light in
+        ["sweep.figures=[\"contrast_ratio\"]", "sweep.metrics=[\"contrast_ratio\", \"white.L_star\"]"]
+    {
+        let (_folder, file, out) = place(&text);
+        let output = papilio(&["sweep", &file, "--out", &out, "--set", light]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let printed = stdout(&output);
+        assert_eq!(printed.lines().count(), 1 + 5 * 2, "{printed}");
+        let map = String::from_utf8(files(Path::new(&out))["sweep_contrast_ratio.svg"].clone()).unwrap();
+        for words in ["theta_deg", ">8<", ">20<"] {
+            assert!(map.contains(words) && printed.contains(words.trim_matches(['>', '<'])), "{words}");
+        }
     }
 }
 

@@ -2,13 +2,17 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
+
+use common::{files, papilio, place, same, stderr, stdout};
 
 /// A bare film pixel: quick, and not so quick that its analysis cannot be killed.
 const SCENARIO: &str = r#"
@@ -55,42 +59,6 @@ metric = "white.Y"
 at_least = 0.1
 at_most = 0.185
 "#;
-
-fn papilio(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-/// Every file of a folder.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
-    entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
-}
-
-/// The same names, and the same bytes under each.
-fn same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
-    assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
-    let other: Vec<_> = found.keys().filter(|name| found[*name] != expected[*name]).collect();
-    assert!(other.is_empty(), "{other:?} are not what they should be");
-}
-
-/// The scenario in a folder of its own, and where results go.
-fn place(text: &str) -> (tempfile::TempDir, String, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("s.toml");
-    fs::write(&file, text).unwrap();
-    let out = folder.path().join("out");
-    let names = [file, out].map(|path| path.to_str().unwrap().to_owned());
-    let [file, out] = names;
-    (folder, file, out)
-}
 
 fn undisturbed() -> BTreeMap<String, Vec<u8>> {
     let (_folder, file, out) = place(SCENARIO);

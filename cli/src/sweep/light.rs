@@ -34,7 +34,7 @@ pub(super) fn run(
 ) -> Result<(), Failure> {
     let metrics = light.metrics.iter().map(|metric| metric.name.clone()).collect();
     let mut head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
-    head.light = Some(LightHead { metrics, hash: light.hash.clone() });
+    head.light = Some(LightHead { metrics, views: light.views.clone(), hash: light.hash.clone() });
     let study = LightStudy::new(light);
     let mut rows = journal::open_rows(folder, STEM, arguments.shard, head.clone(), &[])?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));

@@ -25,7 +25,8 @@ pub(super) fn listed(head: &SweepHead, points: &[&SweepPoint], in_all: usize) ->
         let metrics = head.figures.iter().map(|name| point.metric(view, name).map_or("-".to_owned(), digits));
         rows.push(swept.chain(angles).chain(metrics).collect());
     }
-    let lines = views.iter().map(Vec::len).sum::<usize>() + in_all - points.len();
+    let of_rest = (in_all - points.len()) * views.first().map_or(1, Vec::len);
+    let lines = views.iter().map(Vec::len).sum::<usize>() + of_rest;
     let more = lines.saturating_sub(MOST_LISTED);
     let rest = if more > 0 { format!("  ... and {more} more lines in sweep.csv\n") } else { String::new() };
     report::table(&rows) + &rest

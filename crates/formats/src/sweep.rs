@@ -32,8 +32,11 @@ pub struct SweepHead {
 /// What a light sweep keeps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LightHead {
-    /// Metrics: the numbers of a row.
+    /// Metrics: the numbers of a row, those of the first view before those of the others.
     pub metrics: Vec<String>,
+    /// Angles theta and phi of the views, degrees; empty if they differ from point to point.
+    #[serde(default)]
+    pub views: Vec<[f64; 2]>,
     /// SHA-256 of the scenario, of all files and of what is swept.
     pub hash: String,
 }

@@ -30,16 +30,26 @@ fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// The first points of a light sweep as points of an ordinary one, for figures and the terminal.
+/// The first points of a light sweep as points of an ordinary one, for figures and the terminal: a row for each view, or
+/// for the first alone if views differ from point to point.
 pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     let Some(light) = &head.light else { return Vec::new() };
+    let several = light.views.len() > 1;
+    let views = if several { light.views.clone() } else { vec![[0.0; 2]] };
+    let own = if several { light.metrics.len() / views.len() } else { light.metrics.len() };
+    let angles = |view: &[f64; 2]| view.iter().filter(|_| several).map(f64::to_string).collect::<Vec<_>>();
+    let names = ["theta_deg", "phi_deg"].into_iter().filter(|_| several).map(str::to_owned);
+    let columns: Vec<String> = names.chain(light.metrics[..own].iter().cloned()).collect();
+    let of_view = |(view, values): (&[f64; 2], &[f64])| {
+        angles(view).into_iter().chain(values.iter().map(|value| cell(*value))).collect()
+    };
     let point = |(number, row): (usize, &&[f64])| SweepPoint {
         point: Some(number),
         hash: String::new(),
         papilio: head.papilio.clone(),
         warnings: Vec::new(),
-        columns: light.metrics.clone(),
-        rows: vec![row.iter().map(|value| cell(*value)).collect()],
+        columns: columns.clone(),
+        rows: views.iter().zip(row.chunks(own.max(1))).map(of_view).collect(),
     };
     rows.iter().enumerate().map(point).collect()
 }

@@ -12,7 +12,7 @@ use crate::library::{Library, sha256};
 use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::scenario::Scenario;
-use crate::set::Change;
+use crate::set::{Change, PRESET_PATH};
 use crate::source::Origin;
 use crate::tolerance::{AskedMetric, of_all_views};
 use crate::tree::{Node, Value};
@@ -111,7 +111,12 @@ impl Sweep {
         let first = self.scenario(0)?.resolve()?;
         let mut errors = Errors::default();
         let metrics = of_all_views(&named, &first.scene, &mut errors);
-        let known: Vec<String> = metrics.iter().map(|metric| metric.name.clone()).collect();
+        let known: Vec<String> = named.iter().map(|name| name.text()).collect();
+        let viewer = &first.scene.viewer;
+        let of_phi = |phi: &f64| viewer.theta_deg.iter().map(|theta| [*theta, *phi]).collect::<Vec<_>>();
+        let views = viewer.phi_deg.iter().flat_map(of_phi);
+        let moved = self.axes.iter().flat_map(|axis| &axis.0).any(|swept| is_of_viewer(&swept.path));
+        let views = if moved { Vec::new() } else { views.collect() };
         self.figures.retain(|name| name.origin != Origin::FILE || known.contains(&name.value));
         let is_metric = |name: &str| MetricName::named(name).is_some();
         for name in self.figures.iter().filter(|name| !known.contains(name) && is_metric(name)) {
@@ -136,6 +141,7 @@ impl Sweep {
             keys: keys.map(|swept| swept.values.iter().map(Node::to_json).collect()).collect(),
             axes: self.axes.iter().map(|axis| (axis.len(), axis.0.len())).collect(),
             metrics,
+            views,
             hash: sha256(means.to_string().as_bytes()),
         }))
     }
@@ -193,8 +199,10 @@ pub struct LightSweep {
     pub varied: Varied,
     /// The values of each key.
     pub keys: Vec<Vec<serde_json::Value>>,
-    /// What is kept of every point.
+    /// What is kept of every point: of the first view, then of the others.
     pub metrics: Vec<AskedMetric>,
+    /// Angles theta and phi of the views, degrees; empty if what is swept changes them.
+    pub views: Vec<[f64; 2]>,
     /// SHA-256 of all that a point's numbers depend on besides its number.
     pub hash: String,
     /// For each axis its length and how many keys it has.
@@ -208,6 +216,14 @@ impl LightSweep {
         let place = sweep_place(&lengths, point);
         place.iter().zip(&self.axes).flat_map(|(at, (_, keys))| std::iter::repeat_n(*at, *keys)).collect()
     }
+}
+
+/// Whether a key may move the views.
+fn is_of_viewer(path: &str) -> bool {
+    let of_views = ["viewer.theta_deg", "viewer.phi_deg"];
+    let path = path.trim();
+    // A preset tells where the viewer is, too.
+    matches!(path, "viewer" | "lighting" | PRESET_PATH) || of_views.iter().any(|key| path.starts_with(key))
 }
 
 /// What an axis cannot know: that there is one, that no key is swept twice, and how many points there are.
