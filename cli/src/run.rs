@@ -12,6 +12,7 @@ use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
+use crate::progress::in_log;
 use crate::{Failure, interrupt, output, report, say};
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
@@ -129,6 +130,7 @@ pub(crate) fn with_progress<T>(
 ) -> Result<Option<T>, Failure> {
     interrupt::heed();
     let bar = progress_bar();
+    let _log = in_log(&bar, |bar| format!("{} %  {}", bar.position() / 10, bar.message()));
     let show = |progress: Progress<'_>| show(&bar, progress);
     let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
     let result = compute(&control);

@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
 
-use std::collections::BTreeMap;
+mod common;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
+
+use common::{files, papilio, place, stderr};
 
 const SCENARIO: &str = r#"
 title = "Bare"
@@ -52,31 +55,6 @@ at_least = 4
 "#;
 
 const SECOND_AIM: &str = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
-
-fn papilio(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-/// Every file of a folder.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
-    entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
-}
-
-/// The scenario in a folder of its own, and where results go.
-fn place(text: &str) -> (tempfile::TempDir, String, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("s.toml");
-    fs::write(&file, text).unwrap();
-    let out = folder.path().join("out");
-    let names = [file, out].map(|path| path.to_str().unwrap().to_owned());
-    let [file, out] = names;
-    (folder, file, out)
-}
 
 fn search(file: &str, out: &str, more: &[&str]) -> Output {
     let output = papilio(&[&["optimize", file, "--out", out, "--no-check"], more].concat());
@@ -226,6 +204,20 @@ fn wrong_input_is_answered_and_writes_nothing() {
         assert!(stderr(&output).contains(said), "{to}: {}", stderr(&output));
         assert!(stderr(&output).contains("s.toml:"), "{to}: {}", stderr(&output));
         assert!(!Path::new(&out).exists());
+    }
+}
+
+/// Descents evaluate no more than their share; a search that they end by says so.
+#[test]
+fn a_search_that_used_up_its_evaluations_says_so() {
+    for (evaluations, said) in [("60", "6 of 6 descents used up their share"), ("60000", "")] {
+        let (_folder, file, out) = place(SCENARIO);
+        let output =
+            search(&file, &out, &["--json", "--set", &format!("optimize.evaluations={evaluations}")]);
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+        assert_eq!(stderr(&output).contains("used up"), !said.is_empty(), "{}", stderr(&output));
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(found["evaluations"].as_u64().unwrap() <= evaluations.parse().unwrap(), "{found:#}");
     }
 }
 

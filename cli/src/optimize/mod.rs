@@ -12,9 +12,9 @@ mod report;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search, was_stopped};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_formats::{SearchHead, write_file};
@@ -22,6 +22,7 @@ use papilio_scenario::Optimisation;
 
 use self::check::{Checked, check};
 use crate::arguments::Optimize;
+use crate::progress::{self, in_log};
 use crate::{Failure, interrupt, output, say};
 
 pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
@@ -46,7 +47,12 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         Some(part) => Course::part(Arc::clone(&search), kept, threads, part),
         None => Course::new(Arc::clone(&search), kept, threads),
     };
-    let (bar, mut new) = (progress_bar(), 0);
+    let (bar, mut new) = (progress::bar(course.progress().1, "searches"), 0);
+    let counter = evaluator.evaluated();
+    let log = in_log(&bar, move |bar| {
+        let (done, of) = (bar.position(), bar.length().unwrap_or_default());
+        format!("{done} of {of} searches, {} designs", counter.load(Ordering::Relaxed))
+    });
     let mut tell = |record: &Record, (done, of): (usize, usize)| {
         if let Record::Found(found) = record {
             new += found.evaluations;
@@ -57,6 +63,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     };
     let ran = course.run(&evaluator, threads, &mut tell);
     bar.finish_and_clear();
+    drop(log);
     ran.map_err(|failure| match failure {
         Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
         other => other,
@@ -76,6 +83,13 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     }
     let chosen = stopped(search.chosen(&found, &mut evaluator))?;
     say(&evaluated);
+    let (cut, descents) = search.cut_short(&found);
+    if cut > 0 {
+        say(&format!(
+            "{cut} of {descents} descents used up their share of `evaluations` ({}); a larger one lets them go on",
+            search.said().evaluations
+        ));
+    }
     let checked = match chosen.first() {
         Some(best) if !arguments.no_check => {
             check(&search, best, arguments.workers.threads)?.ok_or(INTERRUPTED)?
@@ -97,15 +111,6 @@ fn check_part((k, n): (usize, usize), search: &Arc<Search>) -> Result<(), Failur
          combination of choices, or the populations of every objective",
         if tasks == 1 { "task" } else { "tasks" }
     )))
-}
-
-/// Searches of a round that are done; on standard error, and only where that is a terminal.
-fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("  {bar:30} {pos} of {len} searches  {elapsed}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 const INTERRUPTED: Failure = Failure::Interrupted("what is done is kept, the same command goes on from here");

@@ -5,7 +5,7 @@
 //! depends on the design alone, not on those before it.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_display::result::RunResult;
 use papilio_display::{Control, DisplayError, Prepared};
@@ -22,6 +22,8 @@ pub struct Evaluator<'a> {
     study: Arc<Study>,
     stop: &'a AtomicBool,
     conditions: Vec<Kept>,
+    /// Designs so far, those of all its workers together.
+    evaluated: Arc<AtomicUsize>,
 }
 
 /// What a condition keeps for the next design.
@@ -53,7 +55,7 @@ impl<'a> Evaluator<'a> {
             Kept { asked, road: Road::new(quantities), prepared: None }
         };
         let conditions = (0..study.conditions.len()).map(condition).collect();
-        Self { study, stop, conditions }
+        Self { study, stop, conditions, evaluated: Arc::default() }
     }
 
     /// Another one of the same study, for another thread; it shares what has been prepared so far.
@@ -63,12 +65,18 @@ impl<'a> Evaluator<'a> {
             study: self.study.clone(),
             stop: self.stop,
             conditions: self.conditions.iter().map(kept).collect(),
+            evaluated: self.evaluated.clone(),
         }
     }
 
     /// What is varied and asked.
     pub fn study(&self) -> &Study {
         &self.study
+    }
+
+    /// How many designs were evaluated, by this one and all [`worker`](Self::worker)s, as the work goes on.
+    pub fn evaluated(&self) -> Arc<AtomicUsize> {
+        self.evaluated.clone()
     }
 
     /// What [`evaluate`](Self::evaluate) gives, in order.
@@ -82,6 +90,7 @@ impl<'a> Evaluator<'a> {
     /// If the design cannot be, or was stopped.
     pub fn evaluate(&mut self, design: &[f64]) -> Result<Vec<Option<f64>>, DesignError> {
         self.study.check(design)?;
+        self.evaluated.fetch_add(1, Ordering::Relaxed);
         let mut values = vec![None; self.study.quantities.len()];
         for at in 0..self.conditions.len() {
             if self.conditions[at].asked.is_empty() {
@@ -117,6 +126,7 @@ impl<'a> Evaluator<'a> {
     /// As [`evaluate`](Self::evaluate).
     pub fn derivatives(&mut self, design: &[f64]) -> Result<Slopes, DesignError> {
         self.study.check(design)?;
+        self.evaluated.fetch_add(1, Ordering::Relaxed);
         let (quantities, variables) = (self.study.quantities.len(), design.len());
         let mut all = Slopes { values: vec![None; quantities], slopes: vec![0.0; quantities * variables] };
         for at in 0..self.conditions.len() {

@@ -3,7 +3,7 @@
 use papilio_display::result::RunResult;
 use papilio_scenario::SearchRange;
 
-use super::{FEASIBLE, Found, Search, front};
+use super::{FEASIBLE, Found, Search, Way, front};
 use crate::{DesignError, Evaluator};
 
 /// Digits that designs are handed on with: far finer than anything is made.
@@ -45,6 +45,24 @@ impl Search {
             front
         };
         numbers.into_iter().map(|at| self.in_full(&found[at], evaluator)).collect()
+    }
+
+    /// How many descents ended because their share of the evaluations was used up, and how many descents there were.
+    pub fn cut_short(&self, found: &[Found]) -> (usize, usize) {
+        let (mut cut, mut descents, mut done) = (0, 0, 0);
+        for round in 0.. {
+            let tasks = self.round(round, &found[..done.min(found.len())]);
+            if tasks.is_empty() || done >= found.len() {
+                break;
+            }
+            let own = tasks.iter().zip(&found[done..]).filter(|(task, _)| task.way != Way::Population);
+            for (task, one) in own {
+                descents += 1;
+                cut += usize::from(one.evaluations >= task.evaluations);
+            }
+            done += tasks.len();
+        }
+        (cut, descents)
     }
 
     /// A front without designs that hardly differ from the one before; its ends stay.

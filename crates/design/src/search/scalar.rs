@@ -156,6 +156,11 @@ impl<'a, 'stop> Scalar<'a, 'stop> {
         self.work.into_inner().best.found
     }
 
+    /// How many designs were evaluated so far.
+    pub(super) fn evaluations(&self) -> usize {
+        self.work.borrow().best.found.evaluations
+    }
+
     /// Values and, if wanted, slopes at a point; what was asked last is known.
     fn look(&self, point: &[f64], slopes: bool) -> Result<Slopes, DesignError> {
         let design = self.problem.design(point);

@@ -15,7 +15,7 @@ pub(super) fn drawn(seed: u64, stream: u64, number: u64, variables: usize) -> Ve
     blocks.flat_map(|block| numbers.block(number, block)).take(variables).collect()
 }
 
-/// The best of the points that are drawn for a start.
+/// The best of the points that are drawn for a start, as many as the task may evaluate.
 pub(super) fn best_of_drawn(
     scalar: &Scalar<'_, '_>,
     seed: u64,
@@ -23,7 +23,8 @@ pub(super) fn best_of_drawn(
     start: u64,
 ) -> Result<Vec<f64>, DesignError> {
     let mut best: Option<(f64, Vec<f64>)> = None;
-    for number in start * DRAWN..(start + 1) * DRAWN {
+    let most = DRAWN.min(scalar.problem.task.evaluations as u64).max(1);
+    for number in (start * DRAWN..).take(most as usize) {
         let point = drawn(seed, stream, number, scalar.problem.free.len());
         let cost = scalar.cost(&point)?;
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
