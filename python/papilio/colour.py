@@ -60,7 +60,10 @@ def xyz(
 
 
 def lab(colours: ArrayLike, white: ArrayLike = (0.95047, 1.0, 1.08883)) -> NDArray[np.float64]:
-    """L*, a*, b* of X, Y, Z against a white's (default: D65), shape [..., 3]."""
+    """L*, a*, b* of X, Y, Z against a white's, shape [..., 3].
+
+    Both are on one scale: the default white is D65 with Y = 1, as of colours that `xyz` gives under a light.
+    """
     pairs, shape = _together(3, colours=colours, white=white)
     return _rows(_papilio.lab(pairs), shape, 3)
 
