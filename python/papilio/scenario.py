@@ -60,6 +60,8 @@ class Scenario:
         ``name`` is what errors call it. Files that it names are read relative to ``folder``; with ``files`` (names and
         bytes) from there, and nothing is read from the disk.
         """
+        if isinstance(text, PathLike) or (isinstance(text, str) and text.endswith(".toml") and "\n" not in text):
+            raise ArgumentError("text: expected a TOML text, not the path of a file; papilio.Scenario.load reads one")
         _arguments.text("text", text, "a TOML text")
         self._name = _arguments.text("name", name, "a name")
         self._folder = _checked_path("folder", folder)
@@ -115,10 +117,11 @@ class Scenario:
         for key in _checked_key(path).split("."):
             key = key.strip()
             try:
-                here = here[int(key)] if isinstance(here, list) else here[key]
+                # Indices count from 0, as where they are written: -1 is none.
+                here = here[int(key)] if isinstance(here, list) and key.isdecimal() else here[key]
             except (KeyError, IndexError, ValueError, TypeError):
                 there = f"{'.'.join(done) or 'the scenario'} has "
-                there += f"{len(here)} items" if isinstance(here, list) else ", ".join(here) if isinstance(here, dict) else "no keys"
+                there += f"{len(here)} items, from 0" if isinstance(here, list) else ", ".join(here) if isinstance(here, dict) else "no keys"
                 raise KeyError(f"{path}: {there}") from None
             done.append(key)
         return here

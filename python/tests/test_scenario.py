@@ -23,11 +23,17 @@ def test_values_are_read_with_their_defaults(indoor):
     assert indoor["lighting.directed.0.theta_deg"] == -20
 
 
-@pytest.mark.parametrize("path", ["display.pixels", "display.pixel.film.9", "display.pixel.film.x", "title.x", "", "..", "a" * 10000])
+@pytest.mark.parametrize("path", ["display.pixels", "display.pixel.film.9", "display.pixel.film.x", "display.pixel.film.-1", "title.x", "", "..", "a" * 10000])
 def test_a_path_to_nothing_is_a_key_error_that_names_it(indoor, path):
     with pytest.raises(KeyError) as error:
         indoor[path]
     assert path in str(error.value)
+
+
+def test_a_path_in_the_place_of_a_text_is_told(scenarios):
+    for path in (scenarios / "indoor.toml", str(scenarios / "indoor.toml")):
+        with pytest.raises(papilio.errors.ArgumentError, match="Scenario.load"):
+            Scenario(path)
 
 
 def test_a_change_keeps_the_rest_of_the_text(indoor):
