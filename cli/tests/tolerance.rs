@@ -196,6 +196,11 @@ fn mistakes_are_answered_with_their_place() {
     let cases: &[(&str, &str, &[&str])] = &[
         ("normal = { sigma = 0.3 }", "normal = { sigma = -1 }", &["s.toml:25:20", "-1 is out of range"]),
         (
+            "uniform = { plus_minus = 4 }",
+            "uniform = { plus_minus = 400 }",
+            &["is out of range", "s.toml:29:26", "a display of this production has it\n"],
+        ),
+        (
             "normal = { sigma = 0.3 }",
             "",
             &["none of normal, lognormal, uniform, triangular, choices is given"],

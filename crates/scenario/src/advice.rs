@@ -7,18 +7,7 @@ impl Problem {
     /// What should stand there.
     pub fn expected(&self) -> Option<String> {
         Some(match self {
-            Self::NoAxes => "expected `[[sweep.axes]]`, a table of keys with a list of values each".to_owned(),
-            Self::NothingToSearch => "expected `[optimize]` with its variables and objectives".to_owned(),
-            Self::NoBounds { .. } => "expected the smaller value first, and a larger one".to_owned(),
-            Self::NoSuchView { views, .. } => format!("expected a number from 0 to {}", views.saturating_sub(1)),
-            Self::NoTolerance => {
-                "expected [tolerance] with [[tolerance.keys]], each with a key and its distribution".to_owned()
-            }
-            Self::NoInside { .. } => "expected a range that ends beyond its beginning".to_owned(),
-            Self::NoLogarithm { .. } => "expected a number above 0".to_owned(),
-            Self::WeightsOf { values, .. } => format!("expected {values} weights, not all 0"),
-            Self::NoSuchCorrelation => "expected a positive definite matrix of coefficients".to_owned(),
-            Self::NoLimit => "expected one of them, or both".to_owned(),
+            Self::Plan(problem) => problem.expected()?,
             Self::MissingKey { expected, .. }
             | Self::WrongType { expected, .. }
             | Self::NoSuchCount { expected, .. } => {
@@ -33,7 +22,6 @@ impl Problem {
             Self::NumberWithUnit(_) | Self::DecimalComma => "expected a number alone".to_owned(),
             Self::ControlCharacters => "expected one line of plain text".to_owned(),
             Self::NoSubPixels => "expected a share for each, such as { red = 0.5, green = 0.5 }".to_owned(),
-            Self::SweepLengths { needed, .. } => format!("expected {needed} values"),
             Self::EmptyList => "expected at least one item".to_owned(),
             Self::Range { .. } => "expected from <= to and a step above 0".to_owned(),
             Self::LobeAboveOne { .. } => "expected at most 1".to_owned(),
@@ -78,6 +66,7 @@ impl Problem {
     /// What to do about it.
     pub fn hint(&self) -> Option<String> {
         Some(match self {
+            Self::Plan(problem) => problem.hint()?,
             Self::NotAScenario => "a scenario has lines such as `title = \"Indoor\"` and `[display.pixel]`; \
                                    scenarios/ holds examples"
                 .to_owned(),
@@ -100,19 +89,6 @@ impl Problem {
             Self::GapOfAState => {
                 "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }".to_owned()
             }
-            Self::NoAxes => "[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]".to_owned(),
-            Self::NothingToSearch => "scenarios/optimize.toml is an example; docs/optimize.md says what there is".to_owned(),
-            Self::NoSum { .. } => "give both keys a number, whose sum then stays".to_owned(),
-            Self::NoBounds { from, to } if from == to => {
-                "what does not vary is no variable: leave it out here, and set the key itself".to_owned()
-            }
-            Self::WalkSearch => "set solver.method = \"adding\"; the walk checks the best design afterwards".to_owned(),
-            Self::NoSuchCondition { known, .. } if known.is_empty() => {
-                "[[optimize.conditions]] gives conditions their names".to_owned()
-            }
-            Self::NoSuchCondition { name, known } => {
-                suggestion(name, known.iter().map(String::as_str), "conditions")
-            }
             Self::Twice { .. } => "leave one of them out".to_owned(),
             Self::UnknownKey { key, known } => suggestion(key, known.iter().copied(), "keys"),
             Self::UnknownChoice { found, .. } if found == "slab" => {
@@ -126,22 +102,9 @@ impl Problem {
                 suggestion(name, known.iter().map(String::as_str), "sub-pixels")
             }
             Self::StepLeadsAway { .. } => "give `count` instead, or turn the sign of the step".to_owned(),
-            Self::SweepLengths { .. } => {
-                "keys of one [[sweep.axes]] move together; for all combinations give each its own".to_owned()
-            }
             Self::NoSuchMetric { name, known } => metric_advice(name, known),
-            Self::NotKept { name, .. } => format!("add \"{name}\" to sweep.metrics, or take it out of sweep.figures"),
             Self::NoSuchFile { name, known } => suggestion(name, known.iter().map(String::as_str), "files"),
             Self::NoSuchState { name, known } => suggestion(name, known.iter().map(String::as_str), "states"),
-            Self::NothingScatters { name, known } => suggestion(name, known.iter().map(String::as_str), "names"),
-            Self::NoNumberThere { .. } => {
-                "say where its middle is (`mean`, `median`, `mode`, or `from` and `to`); of several keys each has to have a number"
-                    .to_owned()
-            }
-            Self::NoSuchCorrelation => {
-                "of three numbers, two that follow the third closely follow each other; what moves alike is one item with `keys`"
-                    .to_owned()
-            }
             Self::NotInThisVersion { choices, .. } if !choices.is_empty() => {
                 format!("there is {}", listed(choices))
             }
@@ -248,7 +211,7 @@ impl Problem {
 /// Ranges in words that end at 1.
 const SHARES: [&str; 3] = ["a number from 0 to 1", "a number between 0 and 1", "a number above 0, at most 1"];
 
-fn suggestion<'a>(wrong: &str, known: impl Iterator<Item = &'a str>, what: &str) -> String {
+pub(crate) fn suggestion<'a>(wrong: &str, known: impl Iterator<Item = &'a str>, what: &str) -> String {
     let known: Vec<&str> = known.collect();
     match nearest(wrong, known.iter().copied()) {
         Some(name) => format!("did you mean `{name}`?"),

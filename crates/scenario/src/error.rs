@@ -48,8 +48,8 @@ impl ScenarioErrors {
     }
 
     /// The same, with something else to know about each.
-    pub(crate) fn noted(mut self, note: impl Fn(&Problem) -> Option<String>) -> Self {
-        self.errors.iter_mut().for_each(|error| error.note = note(&error.problem));
+    pub(crate) fn noted(mut self, note: impl Fn(&ScenarioError) -> Option<String>) -> Self {
+        self.errors.iter_mut().for_each(|error| error.note = note(error));
         self
     }
 
@@ -79,6 +79,8 @@ impl ScenarioError {
             None if unreadable => {
                 Some("give the path of a scenario, for example scenarios/indoor.toml".to_owned())
             }
+            // Nobody wrote this number: it was drawn, or is what a sum leaves.
+            _ if self.note.is_some() && matches!(self.problem, Problem::OutOfRange { .. }) => None,
             _ => self.problem.hint(),
         }
     }
@@ -143,8 +145,8 @@ pub(crate) struct Errors {
 
 impl Errors {
     /// An error at a place of the scenario.
-    pub(crate) fn push(&mut self, origin: Origin, problem: Problem) {
-        self.add(origin, problem, None);
+    pub(crate) fn push(&mut self, origin: Origin, problem: impl Into<Problem>) {
+        self.add(origin, problem.into(), None);
     }
 
     /// An error inside a file that the scenario asks for at `origin`.

@@ -80,7 +80,7 @@ pub use optimise::{
     SearchQuantity, SearchRange, SearchVariable,
 };
 pub use preset::{new_scenario, preset_names};
-pub use problem::Problem;
+pub use problem::{PlanProblem, Problem};
 pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

@@ -1,6 +1,10 @@
 //! What can be wrong with a scenario; `advice` says what to do about it.
 
+mod plan;
+
 use papilio_spectra::SpectraError;
+
+pub use plan::PlanProblem;
 
 /// What can be wrong with a scenario.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,9 +51,6 @@ pub enum Problem {
         /// Its value in words.
         expected: String,
     },
-    /// A sweep of nothing.
-    #[error("there is nothing to sweep: the scenario has no `[[sweep.axes]]`")]
-    NoAxes,
     /// A value of the wrong kind.
     #[error("this is {found}")]
     WrongType {
@@ -277,131 +278,6 @@ pub enum Problem {
         /// Step.
         step: f64,
     },
-    /// Keys of one axis of a sweep that cannot move together.
-    #[error("`{path}` has {count} values, `{first}` has {needed}")]
-    SweepLengths {
-        /// The key.
-        path: String,
-        /// How many values it has.
-        count: usize,
-        /// The axis's first key.
-        first: String,
-        /// How many values that has.
-        needed: usize,
-    },
-    /// A key in more than one place of a sweep.
-    #[error("`{path}` is swept twice")]
-    SweptTwice {
-        /// The key.
-        path: String,
-    },
-    /// A sweep's own key under its axes.
-    #[error("a sweep does not sweep itself")]
-    SweepOfItself,
-    /// A search without anything to search.
-    #[error("there is nothing to search: the scenario has no `[optimize]`")]
-    NothingToSearch,
-    /// Two values between which nothing varies.
-    #[error("{}", if from == to { format!("both bounds are {from}") } else { format!("the first bound, {from}, is above the second, {to}") })]
-    NoBounds {
-        /// The first.
-        from: f64,
-        /// The second.
-        to: f64,
-    },
-    /// A key that two variables move.
-    #[error("`{path}` varies twice")]
-    VariesTwice {
-        /// The key.
-        path: String,
-    },
-    /// A search's own key among its variables.
-    #[error("a search does not change what is said of it")]
-    SearchOfItself,
-    /// A key that has no number to give.
-    #[error("`{path}` and `{with}` have no sum: they are not both numbers in this scenario")]
-    NoSum {
-        /// The key that gives.
-        path: String,
-        /// The key that takes.
-        with: String,
-    },
-    /// A search through noise.
-    #[error("a search by the walk would follow its noise")]
-    WalkSearch,
-    /// Two conditions of one name.
-    #[error("there are two conditions `{name}`")]
-    ConditionTwice {
-        /// The name.
-        name: String,
-    },
-    /// A condition that there is not.
-    #[error("there is no condition `{name}`")]
-    NoSuchCondition {
-        /// What was asked for.
-        name: String,
-        /// The conditions that there are.
-        known: Vec<String>,
-    },
-    /// A view that there is not.
-    #[error("there is no view {view}")]
-    NoSuchView {
-        /// What was asked for.
-        view: usize,
-        /// How many there are.
-        views: usize,
-    },
-    /// Nothing is said of production.
-    #[error("there is nothing that scatters: the scenario has no `[tolerance]`")]
-    NoTolerance,
-    /// A distribution about a number that the scenario does not have.
-    #[error("the scenario has no number at `{path}`")]
-    NoNumberThere {
-        /// The path.
-        path: String,
-    },
-    /// A range without inside.
-    #[error("nothing lies between {from} and {to}")]
-    NoInside {
-        /// Where it begins.
-        from: f64,
-        /// Where it ends.
-        to: f64,
-    },
-    /// A logarithmic distribution about a number that has no logarithm.
-    #[error("{value} has no logarithm")]
-    NoLogarithm {
-        /// The number.
-        value: f64,
-    },
-    /// Weights of another number of things.
-    #[error("there are {weights} weights of {values} values")]
-    WeightsOf {
-        /// How many weights.
-        weights: usize,
-        /// How many values.
-        values: usize,
-    },
-    /// A key that scatters in two ways.
-    #[error("`{path}` scatters twice")]
-    ScattersTwice {
-        /// The key, or the name of two.
-        path: String,
-    },
-    /// A correlation of something that does not scatter.
-    #[error("nothing named `{name}` scatters")]
-    NothingScatters {
-        /// What was asked for.
-        name: String,
-        /// What scatters.
-        known: Vec<String>,
-    },
-    /// Coefficients that no numbers have together.
-    #[error("no numbers have this correlation beside those above it")]
-    NoSuchCorrelation,
-    /// A limit that nothing has to meet.
-    #[error("this limit has neither `at_least` nor `at_most`")]
-    NoLimit,
     /// A file that is not among those that there are.
     #[error("there is no file `{name}` here")]
     NoSuchFile {
@@ -409,14 +285,6 @@ pub enum Problem {
         name: String,
         /// The files that there are.
         known: Vec<String>,
-    },
-    /// A figure of a metric that a light sweep does not keep.
-    #[error("this sweep does not keep `{name}`: it keeps {kept}")]
-    NotKept {
-        /// What is to be drawn.
-        name: String,
-        /// What is kept.
-        kept: String,
     },
     /// A metric that no result has.
     #[error("there is no metric `{name}`")]
@@ -593,6 +461,9 @@ pub enum Problem {
     /// A measurement that cannot be used.
     #[error("{0}")]
     Measurement(#[from] papilio_goniometry::GoniometryError),
+    /// What is asked of a scenario besides: a sweep, a search, a tolerance analysis.
+    #[error(transparent)]
+    Plan(#[from] PlanProblem),
     /// Something about spectral data.
     #[error(transparent)]
     Spectra(#[from] SpectraError),

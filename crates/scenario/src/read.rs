@@ -248,7 +248,7 @@ impl<T: Read> Read for Named<T> {
         };
         let item = |entry: &Entry| {
             if !is_name(&entry.key) {
-                errors.push(entry.key_origin, papilio_formats::Problem::BadName.into());
+                errors.push(entry.key_origin, papilio_formats::Problem::BadName);
                 return None;
             }
             let value = At::read(&entry.node, errors)?;

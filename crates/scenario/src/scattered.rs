@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::describe::sweep::Any;
 use crate::describe::tolerance::{Bins, LogNormal, Normal, Scattered, Triangular, Uniform};
 use crate::error::Errors;
-use crate::problem::Problem;
+use crate::problem::{PlanProblem, Problem};
 use crate::read::At;
 use crate::source::Origin;
 use crate::tolerance::ScatteredKey;
@@ -55,7 +55,7 @@ pub(crate) fn scattered(
             (Some(value), None) if told_from => Some(((*path).to_owned(), 1.0, *value)),
             (_, None) if !told_from => Some(((*path).to_owned(), 1.0, 0.0)),
             (..) => {
-                errors.push(*origin, Problem::NoNumberThere { path: (*path).to_owned() });
+                errors.push(*origin, PlanProblem::NoNumberThere { path: (*path).to_owned() });
                 None
             }
         }
@@ -92,7 +92,7 @@ impl Middle {
         let middle = given.value.map(|one| one.0).or(self.0);
         if middle.is_none() {
             let path = key.key.value.clone().unwrap_or_default();
-            errors.push(key.key.origin, Problem::NoNumberThere { path });
+            errors.push(key.key.origin, PlanProblem::NoNumberThere { path });
         }
         middle
     }
@@ -130,7 +130,7 @@ fn ends(
     if low < high {
         return Some([low, high]);
     }
-    errors.push(to.origin.max(from.origin), Problem::NoInside { from: low, to: high });
+    errors.push(to.origin.max(from.origin), PlanProblem::NoInside { from: low, to: high });
     None
 }
 
@@ -142,7 +142,7 @@ fn normal(one: &Normal, mean: f64, errors: &mut Errors) -> Option<Distribution> 
 fn lognormal(one: &LogNormal, median: f64, errors: &mut Errors) -> Option<Distribution> {
     let within = ends(&one.from, &one.to, [0.0, f64::INFINITY], errors)?;
     if median <= 0.0 {
-        errors.push(one.median.origin, Problem::NoLogarithm { value: median });
+        errors.push(one.median.origin, PlanProblem::NoLogarithm { value: median });
         return None;
     }
     Some(Distribution::LogNormal { median, sigma: one.sigma.0, within })
@@ -176,7 +176,7 @@ fn triangular(one: &Triangular, place: Origin, mode: f64, errors: &mut Errors) -
         return Some(Distribution::Triangular { from, mode, to });
     }
     let (from, to) = if mode < from { (from, mode) } else { (mode, to) };
-    errors.push(if one.mode.is_some() { one.mode.origin } else { place }, Problem::NoInside { from, to });
+    errors.push(if one.mode.is_some() { one.mode.origin } else { place }, PlanProblem::NoInside { from, to });
     None
 }
 
@@ -199,6 +199,6 @@ fn bins(one: &Bins, errors: &mut Errors) -> Option<Distribution> {
     if weights.len() == count && weights.iter().sum::<f64>() > 0.0 {
         return Some(Distribution::Choices { weights });
     }
-    errors.push(one.weights.origin, Problem::WeightsOf { weights: weights.len(), values: count });
+    errors.push(one.weights.origin, PlanProblem::WeightsOf { weights: weights.len(), values: count });
     None
 }

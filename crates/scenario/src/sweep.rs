@@ -1,22 +1,20 @@
 //! A scenario at every point of its `[sweep]`.
 
-use std::path::Path;
-
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
 use crate::describe::limits::MetricName;
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
 use crate::error::{Errors, ScenarioErrors};
-use crate::library::{Library, sha256};
-use crate::problem::Problem;
+use crate::library::sha256;
+use crate::problem::{PlanProblem, Problem};
 use crate::read::{At, Read};
 use crate::scenario::Scenario;
 use crate::set::{Change, PRESET_PATH};
 use crate::source::Origin;
 use crate::tolerance::{AskedMetric, of_all_views};
 use crate::tree::{Node, Value};
-use crate::varied::{Base, Varied, VariedKey};
+use crate::varied::{Base, Varied, VariedKey, read_of_scenarios};
 
 /// A scenario whose keys vary: the product of its axes, the last one fastest.
 #[derive(Debug, Clone)]
@@ -28,29 +26,10 @@ pub struct Sweep {
     title: Option<String>,
 }
 
+// What is wrong with the scenario itself shows at the sweep's points.
+read_of_scenarios!(Sweep: "a `[sweep]`", Self::new);
+
 impl Sweep {
-    /// Reads a scenario file with a `[sweep]`; `overrides` are texts `PATH=VALUE`, as of `--set`.
-    ///
-    /// # Errors
-    /// What is wrong with its bytes, its TOML, and with `[sweep]`, each with its place. What is wrong with the
-    /// scenario itself shows at its points: see [`Sweep::scenario`].
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
-        Base::load(path, overrides).and_then(Self::new)
-    }
-
-    /// A sweep from a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn from_text(
-        text: &str,
-        name: &str,
-        library: impl Into<Library>,
-        overrides: &[String],
-    ) -> Result<Self, ScenarioErrors> {
-        Base::from_text(text, name, library, overrides).and_then(Self::new)
-    }
-
     fn new(base: Base) -> Result<Self, ScenarioErrors> {
         let assembled = base.assembled()?;
         let mut errors = Errors::default();
@@ -62,7 +41,7 @@ impl Sweep {
         let read = match node.filter(|node| !figures_alone(node)) {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                errors.push(node.map_or(assembled.origin, |node| node.origin), Problem::NoAxes);
+                errors.push(node.map_or(assembled.origin, |node| node.origin), PlanProblem::NoAxes);
                 None
             }
         };
@@ -120,7 +99,7 @@ impl Sweep {
         self.figures.retain(|name| name.origin != Origin::FILE || known.contains(&name.value));
         let is_metric = |name: &str| MetricName::named(name).is_some();
         for name in self.figures.iter().filter(|name| !known.contains(name) && is_metric(name)) {
-            let problem = Problem::NotKept { name: name.value.clone(), kept: known.join(", ") };
+            let problem = PlanProblem::NotKept { name: name.value.clone(), kept: known.join(", ") };
             errors.push(name.origin, problem);
         }
         errors.check(&self.base.sources)?;
@@ -241,7 +220,7 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
     let all: Vec<&Swept> = sweep.axes.iter().flat_map(|axis| &axis.0).collect();
     for (i, swept) in all.iter().enumerate() {
         if all[..i].iter().any(|other| other.path == swept.path) {
-            errors.push(swept.origin, Problem::SweptTwice { path: swept.path.clone() });
+            errors.push(swept.origin, PlanProblem::SweptTwice { path: swept.path.clone() });
             return false;
         }
     }

@@ -1,7 +1,5 @@
 //! A scenario as production makes it: `[tolerance]`.
 
-use std::path::Path;
-
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
 use papilio_sampling::{Coefficient, Correlation, Distribution};
@@ -9,14 +7,14 @@ use serde_json::{Value, json};
 
 use crate::describe::limits::{Limit, MetricName};
 use crate::describe::tolerance::{Correlated, Deviation, Scattered, Tolerance as Described};
-use crate::error::{Errors, ScenarioErrors};
-use crate::library::{Library, sha256};
-use crate::problem::Problem;
+use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::library::sha256;
+use crate::problem::{PlanProblem, Problem};
 use crate::read::{At, Read};
 use crate::scattered::scattered;
 use crate::scenario::Scenario;
 use crate::source::Origin;
-use crate::varied::{Base, Varied, VariedKey};
+use crate::varied::{Base, Varied, VariedKey, read_of_scenarios};
 
 /// What is reported where the scenario does not say.
 const REPORTED: [&str; 7] = [
@@ -91,35 +89,16 @@ pub struct ToleranceLimit {
     pub at_most: Option<f64>,
 }
 
+read_of_scenarios!(Tolerance: "a `[tolerance]`", Self::new);
+
 impl Tolerance {
-    /// Reads a scenario file with a `[tolerance]`; `overrides` are texts `PATH=VALUE`, as of `--set`.
-    ///
-    /// # Errors
-    /// What is wrong with the scenario as it stands, and with `[tolerance]`, each with its place.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
-        Base::load(path, overrides).and_then(Self::new)
-    }
-
-    /// The same of a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn from_text(
-        text: &str,
-        name: &str,
-        library: impl Into<Library>,
-        overrides: &[String],
-    ) -> Result<Self, ScenarioErrors> {
-        Base::from_text(text, name, library, overrides).and_then(Self::new)
-    }
-
     fn new(base: Base) -> Result<Self, ScenarioErrors> {
         let assembled = base.assembled()?;
         let mut errors = Errors::default();
         let read = match assembled.get("tolerance") {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                errors.push(assembled.origin, Problem::NoTolerance);
+                errors.push(assembled.origin, PlanProblem::NoTolerance);
                 None
             }
         };
@@ -179,14 +158,21 @@ impl Tolerance {
     /// What is wrong with them, where `[tolerance]` has the key.
     pub fn check(&self, values: &[Value]) -> Result<(), ScenarioErrors> {
         let made = self.varied.scenario(values).and_then(|scenario| scenario.resolve());
-        made.map(|_| ()).map_err(|errors| {
-            errors.noted(|problem| match problem {
-                Problem::OutOfRange { .. } => Some(
-                    "a display of this production has it: `from` and `to` sort such displays out".to_owned(),
-                ),
-                _ => None,
-            })
-        })
+        made.map(|_| ()).map_err(|errors| errors.noted(|error| self.drawn(error)))
+    }
+
+    /// What to say of a value that a distribution gave, not the text.
+    fn drawn(&self, error: &ScenarioError) -> Option<String> {
+        let keys = self.keys.iter().flat_map(|key| key.paths.iter().map(move |_| key));
+        let (key, _) = keys.zip(self.varied.places()).find(|(_, place)| *place == error.place)?;
+        let said = "a display of this production has it";
+        match key.distribution {
+            Distribution::Normal { .. } | Distribution::LogNormal { .. } => {
+                Some(format!("{said}: `from` and `to` sort such displays out"))
+            }
+            Distribution::Choices { .. } => None,
+            _ => Some(said.to_owned()),
+        }
     }
 }
 
@@ -226,12 +212,12 @@ fn told_apart(read: &[At<Scattered>], keys: &[ScatteredKey], errors: &mut Errors
     for (one, key) in read.iter().zip(keys) {
         for (path, origin) in one.paths() {
             if paths.contains(&path) {
-                errors.push(origin, Problem::ScattersTwice { path: path.clone() });
+                errors.push(origin, PlanProblem::ScattersTwice { path: path.clone() });
             }
             paths.push(path);
         }
         if names.contains(&key.name.as_str()) && errors.is_empty() {
-            errors.push(one.name.origin, Problem::ScattersTwice { path: key.name.clone() });
+            errors.push(one.name.origin, PlanProblem::ScattersTwice { path: key.name.clone() });
         }
         names.push(&key.name);
     }
@@ -244,7 +230,7 @@ fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Erro
             let place = keys.iter().position(|key| key.name == name.value);
             if place.is_none() {
                 let known = keys.iter().map(|key| key.name.clone()).collect();
-                errors.push(name.origin, Problem::NothingScatters { name: name.value.clone(), known });
+                errors.push(name.origin, PlanProblem::NothingScatters { name: name.value.clone(), known });
             }
             place
         };
@@ -265,7 +251,7 @@ fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Erro
     match Correlation::new(keys.len(), &coefficients) {
         Ok(correlation) => Some(correlation),
         Err(at) => {
-            errors.push(places.get(at).copied().unwrap_or(Origin::FILE), Problem::NoSuchCorrelation);
+            errors.push(places.get(at).copied().unwrap_or(Origin::FILE), PlanProblem::NoSuchCorrelation);
             None
         }
     }
@@ -311,9 +297,9 @@ fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Err
         errors.push(limit.view.origin, Problem::NoSuchCount { value: limit.view.0 as f64, expected });
     }
     match (limit.at_least.value, limit.at_most.value) {
-        (None, None) => errors.push(limit.origin, Problem::NoLimit),
+        (None, None) => errors.push(limit.origin, PlanProblem::NoLimit),
         (Some(from), Some(to)) if from.0 >= to.0 => {
-            errors.push(limit.at_most.origin, Problem::NoInside { from: from.0, to: to.0 });
+            errors.push(limit.at_most.origin, PlanProblem::NoInside { from: from.0, to: to.0 });
         }
         _ => {}
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use papilio_formats::DataFile;
+use papilio_formats::{DataFile, Place};
 use serde_json::Value as Json;
 
 use crate::error::{ScenarioError, ScenarioErrors};
@@ -75,6 +75,39 @@ impl Base {
     }
 }
 
+/// Declares how a type is read that a scenario says besides itself: of a file and of a text.
+macro_rules! read_of_scenarios {
+    ($name:ident: $what:literal, $read:expr) => {
+        impl $name {
+            #[doc = concat!("Reads a scenario file with ", $what, "; `overrides` are texts `PATH=VALUE`, as of `--set`.")]
+            ///
+            /// # Errors
+            /// What is wrong with its bytes, its TOML and what is read, each with its place.
+            pub fn load(
+                path: &std::path::Path,
+                overrides: &[String],
+            ) -> Result<Self, $crate::error::ScenarioErrors> {
+                $crate::varied::Base::load(path, overrides).and_then($read)
+            }
+
+            /// The same of a text; errors call it `name`, and its files are in `library` (of a path: relative to this
+            /// folder).
+            ///
+            /// # Errors
+            /// As [`load`](Self::load).
+            pub fn from_text(
+                text: &str,
+                name: &str,
+                library: impl Into<$crate::library::Library>,
+                overrides: &[String],
+            ) -> Result<Self, $crate::error::ScenarioErrors> {
+                $crate::varied::Base::from_text(text, name, library, overrides).and_then($read)
+            }
+        }
+    };
+}
+pub(crate) use read_of_scenarios;
+
 /// A scenario some of whose keys vary: what a search, a tolerance analysis and a batch of designs hold.
 ///
 /// ```
@@ -142,6 +175,11 @@ impl Varied {
     /// The paths of the keys.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
         self.keys.iter().map(|key| key.path.as_str())
+    }
+
+    /// Where it is said what values each key has.
+    pub(crate) fn places(&self) -> impl Iterator<Item = Place> {
+        self.keys.iter().map(|key| self.base.sources.place(key.values))
     }
 
     /// The scenario with these values, one for each key; a null leaves the key as it stands.

@@ -9,7 +9,7 @@ use super::limits::MetricName;
 use super::numbers::Count;
 use crate::error::Errors;
 use crate::grammar::{number, table};
-use crate::problem::Problem;
+use crate::problem::{PlanProblem, Problem};
 use crate::read::{At, Read};
 use crate::source::Origin;
 use crate::tree::{Entry, Node, Value};
@@ -92,7 +92,7 @@ impl Read for Axis {
         let count = first.values.len();
         for other in &swept[1..] {
             if other.values.len() != count {
-                let problem = Problem::SweepLengths {
+                let problem = PlanProblem::SweepLengths {
                     path: other.path.clone(),
                     count: other.values.len(),
                     first: first.path.clone(),
@@ -121,7 +121,7 @@ fn take(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors)
         _ => return entry.node.wrong_type("a list of values, or { from, to, step }", errors),
     };
     if path.split('.').next().is_some_and(|root| root.trim() == "sweep") {
-        errors.push(origin, Problem::SweepOfItself);
+        errors.push(origin, PlanProblem::SweepOfItself);
         return None;
     }
     if values.is_empty() {

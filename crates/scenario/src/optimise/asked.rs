@@ -12,7 +12,7 @@ use crate::describe::numbers::Count;
 use crate::describe::optimize::{self as describe, WantedSpectrum};
 use crate::describe::sweep::Any;
 use crate::library::Missing;
-use crate::problem::Problem;
+use crate::problem::{PlanProblem, Problem};
 use crate::read::{At, Read};
 use crate::source::Origin;
 
@@ -100,7 +100,7 @@ impl Reader {
             return None;
         }
         if let Some((from, to)) = at_least.zip(at_most).filter(|(least, most)| least > most) {
-            self.errors.push(said.at_most.origin, Problem::NoInside { from, to });
+            self.errors.push(said.at_most.origin, PlanProblem::NoInside { from, to });
             return None;
         }
         let parts = self.asked(&asked, names, scenes)?;
@@ -115,7 +115,7 @@ impl Reader {
                 Some(at) => vec![at],
                 None => {
                     let known = names.iter().filter(|name| !name.is_empty()).map(|name| (*name).to_owned());
-                    let problem = Problem::NoSuchCondition { name: name.clone(), known: known.collect() };
+                    let problem = PlanProblem::NoSuchCondition { name: name.clone(), known: known.collect() };
                     self.errors.push(asked.condition.origin, problem);
                     return None;
                 }
@@ -129,7 +129,7 @@ impl Reader {
                 None => (0..views).collect(),
                 Some(view) if (view.0 as usize) < views => vec![view.0 as usize],
                 Some(view) => {
-                    let problem = Problem::NoSuchView { view: view.0 as usize, views };
+                    let problem = PlanProblem::NoSuchView { view: view.0 as usize, views };
                     self.errors.push(asked.view.origin, problem);
                     return None;
                 }
@@ -251,7 +251,7 @@ impl Reader {
                 match Tabulated::new(nm, values) {
                     Ok(table) => ("a list".to_owned(), table),
                     Err(error) => {
-                        self.errors.push(origin, error.into());
+                        self.errors.push(origin, error);
                         return None;
                     }
                 }
@@ -265,7 +265,7 @@ impl Reader {
                 None
             }
             Err(error) => {
-                self.errors.push(origin, error.into());
+                self.errors.push(origin, error);
                 None
             }
         }

@@ -3,14 +3,10 @@
 mod asked;
 mod read;
 
-use std::path::Path;
-
 use papilio_display::Quantity;
 use serde_json::Value as Json;
 
-use crate::error::ScenarioErrors;
-use crate::library::Library;
-use crate::varied::{Base, Varied};
+use crate::varied::{Varied, read_of_scenarios};
 
 /// A search, read and checked: every bound and every choice is a scenario that can be.
 #[derive(Debug, Clone)]
@@ -127,29 +123,10 @@ pub struct SearchConstraint {
     pub at_most: Option<f64>,
 }
 
+// Bounds and choices, each with all else as it stands, are scenarios that can be.
+read_of_scenarios!(Optimisation: "an `[optimize]`", read::search);
+
 impl Optimisation {
-    /// Reads a scenario file with an `[optimize]`; `overrides` are texts `PATH=VALUE`, as of `--set`.
-    ///
-    /// # Errors
-    /// Everything that is wrong with the scenario, with `[optimize]`, and with the scenario at any bound and any choice of
-    /// a variable, the others as they stand; each with its place.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
-        Base::load(path, overrides).and_then(read::search)
-    }
-
-    /// The same of a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn from_text(
-        text: &str,
-        name: &str,
-        library: impl Into<Library>,
-        overrides: &[String],
-    ) -> Result<Self, ScenarioErrors> {
-        Base::from_text(text, name, library, overrides).and_then(read::search)
-    }
-
     /// Everything that is asked, each thing once.
     pub fn quantities(&self) -> Vec<&SearchQuantity> {
         let of_objectives = self.objectives.iter().flat_map(|one| one.parts.iter().map(|(_, part)| part));

@@ -9,7 +9,7 @@ use super::{Optimisation, SearchCondition, SearchMethod, SearchRange, SearchVari
 use crate::describe::optimize as describe;
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::hex;
-use crate::problem::{Problem, tidy};
+use crate::problem::{PlanProblem, Problem, tidy};
 use crate::read::{At, Read};
 use crate::set::Change;
 use crate::source::Origin;
@@ -23,7 +23,7 @@ pub(super) fn search(base: Base) -> Result<Optimisation, ScenarioErrors> {
     let described = match root.get("optimize") {
         Some(node) => describe::Optimize::read(node, &mut errors),
         None => {
-            errors.push(root.origin, Problem::NothingToSearch);
+            errors.push(root.origin, PlanProblem::NothingToSearch);
             None
         }
     };
@@ -127,7 +127,7 @@ impl Reader {
             .chain(said.against.iter().map(|path| (path, said.against.origin)))
         {
             if path.split('.').next().is_some_and(|table| ABOUT.contains(&table.trim())) {
-                self.errors.push(origin, Problem::SearchOfItself);
+                self.errors.push(origin, PlanProblem::SearchOfItself);
                 return None;
             }
         }
@@ -139,7 +139,7 @@ impl Reader {
                 let wrong = both
                     .into_iter()
                     .find_map(|(path, origin)| Some((origin, self.base.wrong_path(path, origin)?)));
-                let no_sum = || Problem::NoSum { path: against.clone(), with: paths[0].0.clone() };
+                let no_sum = || PlanProblem::NoSum { path: against.clone(), with: paths[0].0.clone() }.into();
                 let (origin, problem) = wrong.unwrap_or_else(|| (said.against.origin, no_sum()));
                 self.errors.push(origin, problem);
                 return None;
@@ -167,7 +167,7 @@ impl Reader {
                     Some((SearchRange::Bounds(from.0, to.0), vec![(from.origin, from.0), (to.origin, to.0)]))
                 }
                 [from, to] => {
-                    self.errors.push(said.bounds.origin, Problem::NoBounds { from: from.0, to: to.0 });
+                    self.errors.push(said.bounds.origin, PlanProblem::NoBounds { from: from.0, to: to.0 });
                     None
                 }
                 _ => {
@@ -203,7 +203,7 @@ impl Reader {
             .collect();
         for (i, (path, origin)) in all.iter().enumerate() {
             if all[..i].iter().any(|(other, _)| other == path) {
-                self.errors.push(*origin, Problem::VariesTwice { path: (*path).to_owned() });
+                self.errors.push(*origin, PlanProblem::VariesTwice { path: (*path).to_owned() });
             }
         }
     }
@@ -212,7 +212,7 @@ impl Reader {
         for (i, condition) in said.conditions.iter().enumerate() {
             if said.conditions[..i].iter().any(|other| other.name.value == condition.name.value) {
                 let name = condition.name.value.clone();
-                self.errors.push(condition.name.origin, Problem::ConditionTwice { name });
+                self.errors.push(condition.name.origin, PlanProblem::ConditionTwice { name });
             }
         }
     }
@@ -245,7 +245,7 @@ impl Reader {
             let mut errors = Errors::default();
             errors.push(
                 self.root.at("solver.method").map_or(self.root.origin, |node| node.origin),
-                Problem::WalkSearch,
+                PlanProblem::WalkSearch,
             );
             return errors.check(&self.base.sources);
         }

@@ -116,7 +116,7 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
         Err(error) => {
             let step = file.spectrum.step_nm.origin;
             let at = if first.0 < last.0 { step.or_set([range.origin]) } else { range.origin };
-            errors.push(at, error.into());
+            errors.push(at, error);
             None
         }
     }
