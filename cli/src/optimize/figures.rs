@@ -45,12 +45,13 @@ fn trace(title: &str, search: &Search, found: &[Found], chosen: &[Chosen]) -> St
         at_least: search.aims().value(0, search.own().1).into_iter().collect(),
         curves: tasks[count.saturating_sub(MOST_CURVES)..].iter().map(curve).collect(),
     };
-    let lines = if count > MOST_CURVES {
-        format!("{MOST_CURVES} of the {count} tasks that met the limits")
-    } else {
-        format!("a line for each of the {count} tasks that met the limits")
+    let lines = match count {
+        0 => "nothing that was found meets the limits".to_owned(),
+        1 => "the task that met the limits".to_owned(),
+        2..=MOST_CURVES => format!("a line for each of the {count} tasks that met the limits"),
+        _ => format!("{MOST_CURVES} of the {count} tasks that met the limits"),
     };
-    chart(&all, &format!("{title}   \u{b7}   {lines}"))
+    chart(&all, &beside(title, &lines))
 }
 
 /// A line that stays until something better is found.
@@ -92,7 +93,12 @@ fn front(title: &str, search: &Search, found: &[Found], chosen: &[Chosen]) -> St
             curve("scenario", 2, true, vec![at(search.own().1)]),
         ],
     };
-    chart(&all, title)
+    chart(&all, &beside(title, "black: all that was found"))
+}
+
+/// A title and what the lines are.
+fn beside(title: &str, lines: &str) -> String {
+    format!("{title}   \u{b7}   {lines}")
 }
 
 /// What stands at an axis.
