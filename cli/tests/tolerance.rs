@@ -264,3 +264,20 @@ fn mistakes_are_answered_with_their_place() {
     let output = papilio(&["tolerance", &file, "--out", &out]);
     assert!(stderr(&output).contains("the scenario has no `[tolerance]`"), "{}", stderr(&output));
 }
+
+/// docs/tolerance.md says what the shipped example comes to.
+#[test]
+fn the_docs_say_what_is_found() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let (_folder, _, out) = place("");
+    let file = root.join("scenarios/tolerance.toml");
+    let without = ["--set", "tolerance.sensitivity_samples=0", "--json"];
+    let output = papilio(&[&["tolerance", file.to_str().unwrap(), "--out", &out], &without[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let share = &found["verdict"]["yield_share"];
+    let percent = |key: &str| format!("{:.1}", 100.0 * share[key].as_f64().unwrap());
+    let said = format!("{} ± {} %", percent("value"), percent("standard_error").trim_start_matches('0'));
+    let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();
+    assert!(docs.contains(&said), "{said}");
+}
