@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search};
+use papilio_design::search::{Chosen, Course, FEASIBLE, Found, Kept, Record, Search};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::scene::{Method, Stop};
 use papilio_scenario::Optimisation;
@@ -81,16 +81,16 @@ fn seeds() -> (u64, bool) {
 }
 
 /// For nine of ten seeds the search by derivatives is within .1 of the best that is known, and that a global method finds with a hundred
-/// times the evaluations.
+/// times the evaluations. The first start is the scenario's own design, whatever the seed, and does not count.
 #[test]
 fn descents_find_what_populations_find() {
     let (seeds, by_population) = seeds();
     let (mut best, mut near) = (BEST_GAMUT, Vec::new());
     for seed in 1..=seeds {
-        let few = FEW.iter().filter(|_| !by_population).map(|text| (*text).to_owned());
-        let (_, found, chosen) = search(&few.chain([format!("optimize.seed={seed}")]).collect::<Vec<_>>());
+        let (search, found, _) = self::search(&[format!("optimize.seed={seed}")]);
         let evaluations: usize = found.iter().map(|one| one.evaluations).sum();
-        near.push(worth(&chosen)[0]);
+        let sound = |one: &&Found| one.task > 0 && search.aims().missed(&one.values) <= FEASIBLE;
+        near.push(found.iter().filter(sound).filter_map(|one| one.values[0]).fold(0.0, f64::max));
         // A population takes as long as a hundred searches: two of them say what there is to find.
         if by_population && seed <= 2 {
             let overrides = [
@@ -98,7 +98,7 @@ fn descents_find_what_populations_find() {
                 format!("optimize.seed={seed}"),
                 format!("optimize.evaluations={}", 100 * evaluations),
             ];
-            let (_, _, chosen) = search(&overrides);
+            let (_, _, chosen) = self::search(&overrides);
             println!("seed {seed}: {near:?} by {evaluations} designs, {} by a population", worth(&chosen)[0]);
             best = worth(&chosen)[0].max(best);
         }

@@ -139,9 +139,12 @@ fn angles_cone_figures_and_files_come_back() {
     assert_eq!(angles["states"]["red"]["u_prime"].as_array().unwrap().len(), 7);
     let cone = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 15 })).json();
     assert_eq!(cone["data"].as_array().unwrap().len(), 6 * 12);
-    // Fifteen azimuths, 24 deg apart: of steps of 25 the last would be farther from the first than from the one before.
+    // Azimuths close the circle: in steps of 25 deg the last would be nearer to the first than to the one before.
     let cone_of_fives = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 5 })).json();
-    assert_eq!(cone_of_fives["data"].as_array().unwrap().len() % 15, 0);
+    let azimuths: Vec<f64> =
+        cone_of_fives["phi_deg"].as_array().unwrap().iter().map(|phi| phi.as_f64().unwrap()).collect();
+    assert_eq!((azimuths.len(), azimuths[0]), (15, 0.0));
+    assert!(azimuths.windows(2).all(|two| two[1] - two[0] == 24.0), "{azimuths:?}");
     assert!(cone["figures"][0]["svg"].as_str().unwrap().starts_with("<svg"));
     let figures = server.post("/figures", &json!({ "scenario": scenario, "names": ["patches"] })).json();
     assert_eq!(figures.as_array().unwrap().len(), 1);
