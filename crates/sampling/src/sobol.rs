@@ -103,7 +103,7 @@ pub(crate) fn point(index: u32, block: usize, scramble: u32) -> [u32; 4] {
 }
 
 /// Points that differ in the lowest bits of their indices alone.
-const IN_A_ROW: usize = 16;
+pub(crate) const IN_A_ROW: usize = 16;
 
 /// What those bits choose, for each dimension of each block.
 static OF_LOWEST_BITS: [[[u32; IN_A_ROW]; 4]; BLOCKS] = {
@@ -117,33 +117,21 @@ static OF_LOWEST_BITS: [[[u32; IN_A_ROW]; 4]; BLOCKS] = {
     table
 };
 
-/// The first `D` dimensions of a block of `N` points in a row, which compilers put side by side in registers.
+/// One dimension of a block of `N` points in a row, `first` a multiple of [`IN_A_ROW`]: compilers put them side by
+/// side in registers.
 #[inline(always)]
-pub(crate) fn points<const N: usize, const D: usize>(
+pub(crate) fn in_a_row<const N: usize>(
     first: u32,
     block: usize,
     scramble: u32,
-) -> [[u32; N]; D] {
-    let mut points = [[0; N]; D];
-    if N <= IN_A_ROW && (first as usize).is_multiple_of(IN_A_ROW) {
-        let common = reversed(first, block);
-        for (dimension, points) in points.iter_mut().enumerate() {
-            let lowest = &OF_LOWEST_BITS[block][dimension];
-            points.iter_mut().zip(lowest).for_each(|(point, lowest)| *point = common[dimension] ^ lowest);
-        }
-    } else {
-        for k in 0..N {
-            let reversed = reversed(first.wrapping_add(k as u32), block);
-            for (dimension, points) in points.iter_mut().enumerate() {
-                points[k] = reversed[dimension];
-            }
-        }
-    }
-    for (dimension, points) in points.iter_mut().enumerate() {
-        let seed = of_dimension(scramble, dimension);
-        for point in points {
-            *point = permute(*point, seed).reverse_bits();
-        }
+    dimension: usize,
+) -> [u32; N] {
+    const { assert!(N <= IN_A_ROW) };
+    let common = reversed(first, block)[dimension];
+    let seed = of_dimension(scramble, dimension);
+    let mut points = [0; N];
+    for (point, lowest) in points.iter_mut().zip(&OF_LOWEST_BITS[block][dimension]) {
+        *point = permute(common ^ lowest, seed).reverse_bits();
     }
     points
 }

@@ -256,33 +256,39 @@ impl AngularTable {
 
     #[inline(always)]
     fn add_nodes(&self, stencil: &Stencil, basis: &mut [f64]) {
-        let width = basis.len();
-        let nodes = (stencil.first..self.nodes.count()).zip(stencil.weights);
-        for (node, weight) in nodes.filter(|(_, weight)| *weight != 0.0) {
-            add_scaled(basis, &self.basis[node * width..][..width], weight);
-        }
+        let used = stencil.weights.iter().rposition(|weight| *weight != 0.0).map_or(0, |last| last + 1);
+        add_rows(basis, &self.basis[stencil.first * basis.len()..], &stencil.weights[..used]);
     }
 
     #[inline(always)]
     fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
         let (bins, count) = (self.common.len(), self.basis_count());
-        for (state, row) in out.chunks_exact_mut(bins).enumerate() {
-            for (value, common) in row.iter_mut().zip(&self.common) {
-                *value = common * common_weight;
-            }
-            for (b, &share) in self.mixture[state * count..][..count].iter().enumerate() {
-                if share != 0.0 {
-                    add_scaled(row, &basis[b * bins..][..bins], share);
-                }
-            }
+        for (row, shares) in out.chunks_exact_mut(bins).zip(self.mixture.chunks_exact(count)) {
+            row.iter_mut().zip(&self.common).for_each(|(value, common)| *value = common * common_weight);
+            add_rows(row, basis, shares);
         }
     }
 }
 
+/// Numbers that are summed over all rows before the next ones are.
+const IN_REGISTERS: usize = 32;
+
+/// Adds weighted rows that stand one after the other.
 #[inline(always)]
-fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    for (s, v) in sum.iter_mut().zip(values) {
-        *s += v * scale;
+fn add_rows(sum: &mut [f64], rows: &[f64], weights: &[f64]) {
+    let len = sum.len().max(1);
+    let (chunks, rest) = sum.as_chunks_mut::<IN_REGISTERS>();
+    let last = chunks.len() * IN_REGISTERS;
+    for (number, chunk) in chunks.iter_mut().enumerate() {
+        let mut sums = *chunk;
+        for (row, weight) in rows.chunks_exact(len).zip(weights) {
+            let row = &row[number * IN_REGISTERS..][..IN_REGISTERS];
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+        }
+        *chunk = sums;
+    }
+    for (row, weight) in rows.chunks_exact(len).zip(weights) {
+        rest.iter_mut().zip(&row[last..]).for_each(|(sum, value)| *sum += weight * value);
     }
 }
 
@@ -329,7 +335,7 @@ mod tests {
         let (mut sum, mut one) = (vec![0.0; 6], vec![0.0; 6]);
         for (beta_squared, weight) in [(0.0, 1.0), (0.3, 0.5), (2.2, 2.0)] {
             table.reflectance(beta_squared, &medium, &mut one);
-            add_scaled(&mut sum, &one, weight);
+            add_rows(&mut sum, &one, &[weight]);
             let stencil = table.nodes.stencil(beta_squared, 1.5);
             for (k, w) in stencil.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
                 weights[stencil.first + k] += w * weight;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use papilio_optics::wide;
+use papilio_sampling::warp::rounded;
 
 use crate::angular::Stencil;
 
@@ -16,8 +17,8 @@ use crate::angular::Stencil;
 pub struct CosinePanels {
     /// In ascending order.
     panels: Vec<Panel>,
-    /// For each of so many equal parts of 0 to 1 the panel that it lies in.
-    panel_at: Vec<u16>,
+    /// For each of so many equal parts of 0 to 1 the panel that it lies in, and its number.
+    parts: Vec<(Panel, usize)>,
     /// Of a panel from -1 to 1, and 1 over the product of differences from all others.
     nodes: [f64; Self::NODES],
     scale: [f64; Self::NODES],
@@ -36,6 +37,13 @@ static POLYNOMIALS: LazyLock<[[f64; CosinePanels::NODES]; CosinePanels::NODES]> 
 struct Panel {
     start: f64,
     width: f64,
+    per_half_width: f64,
+}
+
+impl Panel {
+    fn new(start: f64, width: f64) -> Self {
+        Self { start, width, per_half_width: 2.0 / width }
+    }
 }
 
 impl CosinePanels {
@@ -48,15 +56,16 @@ impl CosinePanels {
         let mut start = 0.0;
         for &k in halvings {
             let width = 0.5_f64.powi(k as i32);
-            panels.push(Panel { start, width });
+            panels.push(Panel::new(start, width));
             start += width;
         }
         debug_assert_eq!(start, 1.0);
         let parts = 1 << halvings.iter().max().copied().unwrap_or(0);
-        let panel_at = (0..parts).map(|part| {
-            let cosine = part as f64 / f64::from(parts);
-            (panels.partition_point(|panel| panel.start <= cosine).max(1) - 1) as u16
-        });
+        let panel_at = |part: i32| {
+            let cosine = f64::from(part) / f64::from(parts);
+            let number = panels.partition_point(|panel: &Panel| panel.start <= cosine).max(1) - 1;
+            (panels[number], number)
+        };
         let count = Self::NODES as f64;
         // The product of differences is T'(x)/2^(n-1), T the Chebyshev polynomial of degree n.
         let scale = |k: usize| {
@@ -64,7 +73,7 @@ impl CosinePanels {
             sign * angle(k).sin() * 2.0_f64.powi(Self::NODES as i32 - 1) / count
         };
         Self {
-            panel_at: panel_at.collect(),
+            parts: (0..parts).map(panel_at).collect(),
             panels,
             nodes: std::array::from_fn(|k| -angle(k).cos()),
             scale: std::array::from_fn(scale),
@@ -73,7 +82,7 @@ impl CosinePanels {
 
     /// Whether one of the panels is that of this start and width.
     pub fn holds(&self, start: f64, width: f64) -> bool {
-        self.panels.contains(&Panel { start, width })
+        self.panels.contains(&Panel::new(start, width))
     }
 
     /// The number of nodes.
@@ -97,18 +106,21 @@ impl CosinePanels {
         self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])
     }
 
-    /// Which panel a cosine from 0 to 1 lies in.
+    /// Which panel a cosine from 0 to 1 lies in, and where in it, from -1 to 1.
     #[inline(always)]
-    pub(crate) fn panel(&self, cosine: f64) -> usize {
-        let part = (cosine * self.panel_at.len() as f64) as usize;
-        usize::from(self.panel_at[part.min(self.panel_at.len() - 1)])
+    pub(crate) fn place(&self, cosine: f64) -> (usize, f64) {
+        let part = rounded(cosine * self.parts.len() as f64 - 0.5).1 as usize;
+        let (panel, number) = &self.parts[part.min(self.parts.len() - 1)];
+        // Widths are powers of two.
+        (*number, (cosine - panel.start) * panel.per_half_width - 1.0)
     }
 
-    /// From -1 to 1 where a cosine lies in a panel; beyond if it lies in another.
+    /// The same of several.
     #[inline(always)]
-    pub(crate) fn within(&self, number: usize, cosine: f64) -> f64 {
-        let panel = &self.panels[number];
-        2.0 * (cosine - panel.start) / panel.width - 1.0
+    pub(crate) fn places<const N: usize>(&self, cosines: &[f64; N]) -> [(usize, f64); N] {
+        let mut places = [(0, 0.0); N];
+        places.iter_mut().zip(cosines).for_each(|(place, cosine)| *place = self.place(*cosine));
+        places
     }
 
     /// The number of panels.
@@ -134,8 +146,7 @@ impl CosinePanels {
     /// Lagrange's interpolation within the panel of this cosine.
     #[inline(always)]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {
-        let number = self.panel(cosine);
-        let x = self.within(number, cosine);
+        let (number, x) = self.place(cosine);
         let away = self.nodes.map(|node| x - node);
         // Four products side by side.
         let (mut products, mut product) = ([1.0; 4], 1.0);
@@ -172,8 +183,8 @@ mod tests {
             for (sum, w) in one_by_one[stencil.first..].iter_mut().zip(stencil.weights) {
                 *sum += weight * w;
             }
-            let number = panels.panel(cosine);
-            let angle = panels.within(number, cosine).clamp(-1.0, 1.0).acos();
+            let (number, place) = panels.place(cosine);
+            let angle = place.clamp(-1.0, 1.0).acos();
             for (k, moment) in moments[number].iter_mut().enumerate() {
                 *moment += weight * (k as f64 * angle).cos();
             }

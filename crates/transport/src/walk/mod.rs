@@ -61,7 +61,12 @@ struct PathNumbers<'a> {
     start: [f64; 4],
 }
 
-impl PathNumbers<'_> {
+impl<'a> PathNumbers<'a> {
+    #[inline]
+    fn new(numbers: &'a Numbers, path: u64) -> Self {
+        Self { numbers, path, start: numbers.block(path, 0) }
+    }
+
     /// For the point in the viewer's field.
     #[inline]
     fn field(&self) -> [f64; 2] {
@@ -166,7 +171,7 @@ impl<'a> Walk<'a> {
     /// numbers and the total of paths alone, not on how they are split over calls.
     pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
         let paths = replicate.paths..replicate.paths + count;
-        let of = |path| PathNumbers { numbers, path, start: numbers.block(path, 0) };
+        let of = |path| PathNumbers::new(numbers, path);
         match (&self.kind, &mut replicate.tally) {
             (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
                 images.paths(paths.clone().map(of), sums);

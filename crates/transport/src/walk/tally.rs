@@ -1,5 +1,7 @@
 //! The sums that the tracers keep.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::add_scaled;
 use crate::angular::Stencil;
 use crate::{Base, CosinePanels, Reflector};
@@ -13,19 +15,32 @@ pub(super) enum Reflected<'a> {
     Spectra(&'a [f64]),
 }
 
-/// Paths whose moments are added side by side.
-pub(super) const SIDE_BY_SIDE: usize = 8;
+/// Look-ups that are added side by side, and how many registers' worth of them.
+const SIDE_BY_SIDE: usize = 8;
+const IN_TURN: usize = 4;
 
 /// Sums of look-ups in a panel of a table, as [`CosinePanels::add_moments`] takes them: for each polynomial that of
-/// each path's place among those side by side.
-pub(super) type Moments = [[f64; SIDE_BY_SIDE]; CosinePanels::NODES];
+/// each look-up's place among those side by side.
+type Moments = [[f64; SIDE_BY_SIDE]; CosinePanels::NODES];
+
+/// Look-ups in a panel of a table: they wait until there are enough of them to fill registers.
+#[derive(Debug, Clone)]
+struct InPanel {
+    waiting: usize,
+    /// Where in the panel, from -1 to 1, and the weight.
+    places: [f64; SIDE_BY_SIDE * IN_TURN],
+    weights: [f64; SIDE_BY_SIDE * IN_TURN],
+    weighted: Moments,
+    /// The same without weights.
+    counted: Moments,
+}
 
 /// A sum of weighted [`Reflected`] light: weights on table nodes, and spectra.
 #[derive(Debug, Clone)]
 pub(super) struct Channel {
     nodes: Vec<f64>,
-    /// Of look-ups that were added by their moments, for each panel of the table.
-    moments: Vec<Moments>,
+    /// Look-ups that are added by their moments, for each panel of the table.
+    panels: Vec<InPanel>,
     spectra: Vec<f64>,
 }
 
@@ -36,10 +51,9 @@ impl Channel {
             Reflector::Lambertian(_) | Reflector::Scattering(_) => 1,
         };
         // A look-up always touches `Stencil::LEN` consecutive slots.
-        let moments = Vec::new();
         Self {
             nodes: vec![0.0; nodes + Stencil::LEN],
-            moments,
+            panels: Vec::new(),
             spectra: vec![0.0; base.states() * base.bins()],
         }
     }
@@ -59,25 +73,42 @@ impl Channel {
         slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
-    /// The sums of look-ups by their moments in a panel of so many.
+    /// Light on its first pass, at these places of panels of so many.
     #[inline(always)]
-    pub(super) fn moments(&mut self, panel: usize, panels: usize) -> &mut Moments {
-        if self.moments.is_empty() {
-            self.moments.resize(panels, [[0.0; SIDE_BY_SIDE]; CosinePanels::NODES]);
+    pub(super) fn look_up_in_panels(
+        &mut self,
+        places: impl Iterator<Item = ((usize, f64), f64)>,
+        panels: usize,
+    ) {
+        if self.panels.is_empty() {
+            self.panels.resize(panels, InPanel::EMPTY);
         }
-        &mut self.moments[panel]
+        for ((panel, place), weight) in places {
+            self.panels[panel].add(place, weight);
+        }
+    }
+
+    /// This sum and all that was looked up in another's panels, without its weights.
+    pub(super) fn and_counted(&self, other: &Self) -> Self {
+        let mut sum = self.clone();
+        other.add_to_nodes(&mut sum.nodes, |panel| &panel.counted);
+        sum
     }
 
     /// The weights on so many nodes of a table.
     fn node_weights(&self, count: usize) -> Vec<f64> {
         let mut weights = self.nodes[..count].to_vec();
-        for (moments, weights) in self.moments.iter().zip(weights.as_chunks_mut().0) {
-            // Light that reaches a panel at all has a moment of degree 0.
-            if moments[0] != [0.0; SIDE_BY_SIDE] {
-                CosinePanels::add_moments(&moments.map(|side_by_side| side_by_side.iter().sum()), weights);
+        self.add_to_nodes(&mut weights, |panel| &panel.weighted);
+        weights
+    }
+
+    fn add_to_nodes(&self, nodes: &mut [f64], of: impl Fn(&InPanel) -> &Moments) {
+        for (panel, nodes) in self.panels.iter().zip(nodes.as_chunks_mut().0) {
+            if let Some(panel) = panel.whole() {
+                let moments = of(&panel).map(|side_by_side| side_by_side.iter().sum());
+                CosinePanels::add_moments(&moments, nodes);
             }
         }
-        weights
     }
 
     /// The whole sums of several, each times its scale; shape `[state][wavelength]`.
@@ -102,6 +133,92 @@ impl Channel {
             sum.iter_mut().zip(&channel.spectra).for_each(|(value, s)| *value = (*value + s) * scale);
         }
         sums
+    }
+}
+
+impl InPanel {
+    const EMPTY: Self = Self {
+        waiting: 0,
+        places: [0.0; SIDE_BY_SIDE * IN_TURN],
+        weights: [0.0; SIDE_BY_SIDE * IN_TURN],
+        weighted: [[0.0; SIDE_BY_SIDE]; CosinePanels::NODES],
+        counted: [[0.0; SIDE_BY_SIDE]; CosinePanels::NODES],
+    };
+
+    #[inline(always)]
+    fn add(&mut self, place: f64, weight: f64) {
+        // So there is no doubt about the borders.
+        let at = self.waiting % self.places.len();
+        self.places[at] = place;
+        self.weights[at] = weight;
+        self.waiting = at + 1;
+        if self.waiting == self.places.len() {
+            self.add_waiting();
+        }
+    }
+
+    #[inline(never)]
+    fn add_waiting(&mut self) {
+        Arch::new().dispatch(AddPolynomials(self));
+        self.waiting = 0;
+    }
+
+    /// With those that wait; `None` if there is nothing.
+    fn whole(&self) -> Option<Self> {
+        // A polynomial of degree 0 is one.
+        if self.waiting == 0 && self.counted[0] == [0.0; SIDE_BY_SIDE] {
+            return None;
+        }
+        let mut whole = self.clone();
+        let waiting = self.places.iter().zip(&self.weights).take(self.waiting);
+        whole.waiting = 0;
+        for (place, weight) in waiting {
+            whole.add_one(*place, *weight);
+        }
+        Some(whole)
+    }
+
+    /// One look-up at once.
+    fn add_one(&mut self, place: f64, weight: f64) {
+        let (mut before, mut now) = (place, 1.0);
+        for (weighted, counted) in self.weighted.iter_mut().zip(&mut self.counted) {
+            weighted[0] += weight * now;
+            counted[0] += now;
+            (before, now) = (now, 2.0 * place * now - before);
+        }
+    }
+}
+
+/// Adds Chebyshev's polynomials of degrees 0, 1, ... at the places, and weights times them.
+struct AddPolynomials<'a>(&'a mut InPanel);
+
+impl WithSimd for AddPolynomials<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let InPanel { places, weights, weighted, counted, .. } = self.0;
+        let lanes = S::F64_LANES.min(SIDE_BY_SIDE);
+        for first in (0..SIDE_BY_SIDE).step_by(lanes) {
+            let at = |row: usize| first + row * SIDE_BY_SIDE..first + row * SIDE_BY_SIDE + lanes;
+            let load = |of: &[f64], row: usize| S::as_simd_f64s(&of[at(row)]).0[0];
+            let [mut twice, mut before, mut now, mut weight] = [[simd.splat_f64s(1.0); IN_TURN]; 4];
+            for row in 0..IN_TURN {
+                before[row] = load(places, row);
+                twice[row] = simd.add_f64s(before[row], before[row]);
+                weight[row] = load(weights, row);
+            }
+            for (weighted, counted) in weighted.iter_mut().zip(counted.iter_mut()) {
+                let weighted = &mut S::as_mut_simd_f64s(&mut weighted[first..first + lanes]).0[0];
+                let counted = &mut S::as_mut_simd_f64s(&mut counted[first..first + lanes]).0[0];
+                for row in 0..IN_TURN {
+                    *weighted = simd.mul_add_e_f64s(weight[row], now[row], *weighted);
+                    *counted = simd.add_f64s(*counted, now[row]);
+                    let next = simd.mul_add_e_f64s(twice[row], now[row], simd.neg_f64s(before[row]));
+                    (before[row], now[row]) = (now[row], next);
+                }
+            }
+        }
     }
 }
 
@@ -132,5 +249,43 @@ impl Incident {
     /// The whole sum times `scale`; shape `[state][wavelength]`.
     pub(super) fn sum(&self, scale: f64) -> Vec<f64> {
         self.spectra.iter().map(|s| (s + self.weight) * scale).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{AngularTable, Nodes};
+
+    /// Look-ups that wait for company are the look-ups that each is by itself, however many wait at the end; and a sum is the
+    /// same whether or not someone looked at it on the way.
+    #[test]
+    fn look_ups_in_panels_are_look_ups() {
+        let panels = CosinePanels::new(&[2, 3, 3, 1]);
+        let nodes = panels.count();
+        let table = AngularTable {
+            nodes: Nodes::CosinePanels(panels.clone()),
+            basis: vec![0.5; nodes].into(),
+            mixture: vec![1.0],
+            common: vec![0.0],
+        };
+        let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0].into() };
+        let [mut one_by_one, mut counted, mut in_panels] = [0; 3].map(|_| Channel::new(&base));
+        for step in 0..1000 {
+            let (cosine, weight) = (f64::from(step * 617 % 1000) / 999.0, f64::from(step % 7) - 2.5);
+            let stencil = panels.stencil(cosine);
+            one_by_one.look_up(&stencil, weight);
+            counted.look_up(&stencil, 1.0);
+            let look_up = (panels.place(cosine), weight);
+            in_panels.look_up_in_panels(std::iter::once(look_up), panels.panel_count());
+            if step % 100 < 3 {
+                let found = [in_panels.clone(), Channel::new(&base).and_counted(&in_panels)];
+                for (found, expected) in found.iter().zip([&one_by_one, &counted]) {
+                    let pairs = found.node_weights(nodes).into_iter().zip(expected.node_weights(nodes));
+                    let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    assert!(error < 1e-9, "after {step}: {error}");
+                }
+            }
+        }
     }
 }

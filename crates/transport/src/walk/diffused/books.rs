@@ -23,7 +23,7 @@ pub(super) struct Sums {
     pub(super) entering: Incident,
     /// Reaches the base.
     pub(super) arriving: Incident,
-    /// Reflected by the base.
+    /// Reflected by the base, but for what is looked up in panels: that is what `leaving` has without weights.
     pub(super) reflected: Channel,
     /// Leaves the diffuser upwards: what diffuse light sees.
     pub(super) leaving: Channel,
@@ -65,8 +65,12 @@ impl Diffused<'_> {
     /// The means of several replicates, each from its sums and what makes them means.
     pub(in crate::walk) fn estimates(&self, replicates: &[(&Tally, f64)]) -> Vec<Estimate> {
         let base = &self.stack.base;
-        let channels = replicates.iter().flat_map(|(tally, scale)| {
-            let Sums { reflected, leaving, from_source, .. } = &tally.sums;
+        let reflected: Vec<Channel> = replicates
+            .iter()
+            .map(|(tally, _)| tally.sums.reflected.and_counted(&tally.sums.leaving))
+            .collect();
+        let channels = replicates.iter().zip(&reflected).flat_map(|((tally, scale), reflected)| {
+            let Sums { leaving, from_source, .. } = &tally.sums;
             let directed = self.directed_only(from_source);
             [reflected, leaving].into_iter().chain(directed).map(|channel| (channel, *scale))
         });

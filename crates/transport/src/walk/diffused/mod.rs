@@ -43,9 +43,11 @@ pub(super) struct Diffused<'a> {
     diffuser: &'a Diffuser,
     view: Cone,
     sources: &'a [Source],
-    /// Probability of a further pass: a bound of the light that is left, but for the limits above.
+    /// Of so many paths one goes on after the first pass; 0: none does.
+    every: u64,
+    /// Probability of a further pass after later ones.
     survival: f64,
-    /// `T^2 r / survival`, per wavelength.
+    /// `T^2 r`, per wavelength.
     between_passes: Vec<f64>,
     /// `t^2 T^2`, per wavelength.
     through: Vec<f64>,
@@ -98,8 +100,7 @@ impl<'a> Diffused<'a> {
         let wanted =
             if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
-        let between_passes =
-            sent_back.iter().map(|r| if survival > 0.0 { r / survival } else { 0.0 }).collect();
+        let every = if survival > 0.0 { (1.0 / survival) as u64 } else { 0 };
         let through =
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
@@ -112,8 +113,9 @@ impl<'a> Diffused<'a> {
             diffuser,
             view,
             sources,
+            every,
             survival,
-            between_passes,
+            between_passes: sent_back.to_vec(),
             through: through.to_vec(),
             specular,
             directed,
@@ -128,41 +130,78 @@ impl<'a> Diffused<'a> {
     /// Traces these paths.
     pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
         if self.goes_together() {
-            return self.paths_together(numbers, paths, tally);
+            self.first_passes_together(numbers, paths.clone(), tally);
+        } else {
+            for path in paths.clone() {
+                self.first_pass(&PathNumbers::new(numbers, path), tally);
+            }
         }
-        for path in paths {
-            self.path(&PathNumbers { numbers, path, start: numbers.block(path, 0) }, tally);
-        }
+        self.later_passes(numbers, paths, tally);
     }
 
-    fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
+    fn first_pass(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
         let beta = self.view.sample_towards(numbers.field());
         // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
         let carries = self.stack.medium.constant_index().is_none();
         if carries {
             tally.room.carried.fill(1.0);
         }
-        self.passes(0, Downward { beta, weight: 1.0, carries, scattered: false }, numbers, tally);
+        let light = Downward { beta, weight: 1.0, carries, scattered: false };
+        self.pass(light, &PassNumbers::new(numbers, 0, self), &mut tally.sums, &mut tally.room);
     }
 
-    /// All passes from this one on.
-    fn passes(&self, from: u32, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Tally) {
-        let Tally { sums, room, .. } = tally;
-        for pass in from.. {
-            let numbers = PassNumbers::new(numbers, pass, self);
-            let Some(out) = self.pass(light, &numbers, sums, room) else { return };
-            light = out.as_light();
+    /// What comes after the first pass, for one of so many paths, with numbers of its own: evenly spread over a replicate's paths
+    /// from a random one on, so that each is as likely as any other.
+    fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
+        if self.every == 0 {
+            return;
+        }
+        let numbers = &numbers.apart();
+        let before = numbers.whole(self.every);
+        let among = |path: u64| (path + before).div_ceil(self.every);
+        for path in among(paths.start)..among(paths.end) {
+            let numbers = PathNumbers::new(numbers, path);
+            let beta = self.view.sample_towards(numbers.field());
+            let light = Downward { beta, weight: 1.0, carries: false, scattered: false };
+            if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.room) {
+                self.passes(light, &numbers, tally);
+            }
         }
     }
 
-    /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends.
+    /// Where a first pass leaves light that nothing is seen of.
+    fn through_first_pass(
+        &self,
+        light: Downward,
+        numbers: &PathNumbers<'_>,
+        room: &mut Room,
+    ) -> Option<Downward> {
+        let n = self.stack.medium.largest_index();
+        let numbers = PassNumbers::new(numbers, 0, self);
+        let (beta, drawn, straight) = self.through(&self.drawing, light.beta, n, numbers.down)?;
+        let down = Below { beta, weight: drawn * self.every as f64, rival: f64::INFINITY, straight };
+        room.carried.fill(1.0);
+        self.go_on(light, down, &numbers, room)
+    }
+
+    /// All passes from the second on.
+    fn passes(&self, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Tally) {
+        let Tally { sums, room, .. } = tally;
+        for pass in 1.. {
+            let numbers = PassNumbers::new(numbers, pass, self);
+            let Some(further) = self.pass(light, &numbers, sums, room) else { return };
+            light = further;
+        }
+    }
+
+    /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends, as a first pass always does.
     fn pass(
         &self,
         light: Downward,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         room: &mut Room,
-    ) -> Option<Out> {
+    ) -> Option<Downward> {
         let Downward { beta, weight, carries, scattered } = light;
         sums.entering.add(carries.then_some(&room.carried), weight);
         if self.specular {
@@ -186,12 +225,11 @@ impl<'a> Diffused<'a> {
                 }
             }
         }
-        if numbers.survival >= self.survival {
+        if first || numbers.survival >= self.survival {
             return None;
         }
-        // On a first pass the direction that tells what is seen is drawn for that; the light goes on
-        // in another.
-        let down = if first { self.through_anew(light, numbers)? } else { down? };
+        let mut down = down?;
+        down.weight /= self.survival;
         self.go_on(light, down, numbers, room)
     }
 
@@ -214,32 +252,26 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// A further direction below the diffuser.
-    fn through_anew(&self, light: Downward, numbers: &PassNumbers<'_>) -> Option<Below> {
-        let [u, v, ..] = numbers.going_on();
-        let n = self.stack.medium.largest_index();
-        let (beta, drawn, straight) = self.through(&self.drawing, light.beta, n, [u, v])?;
-        Some(Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight })
-    }
-
-    /// Off the base and out of the diffuser, into a further pass. A Lambertian base sends the light on
+    /// Off the base and out of the diffuser, into a further pass, which carries spectra. A Lambertian base sends the light on
     /// in a direction of its own: that of what is seen may be guided.
-    fn go_on(&self, light: Downward, down: Below, numbers: &PassNumbers<'_>, room: &mut Room) -> Option<Out> {
+    fn go_on(
+        &self,
+        light: Downward,
+        down: Below,
+        numbers: &PassNumbers<'_>,
+        room: &mut Room,
+    ) -> Option<Downward> {
         let n = self.stack.medium.largest_index();
-        let [.., u, v] = numbers.going_on();
+        let [u, v, base @ ..] = numbers.going_on();
         let up = if self.specular {
             down.beta
         } else {
-            let base = numbers.base_going_on();
             let (x, y) = warp::uniform_disc(n, base);
             Beta { x, y }
         };
         let (beta, drawn, straight) = self.through(&self.drawing, up, 1.0, [u, v])?;
         if beta.squared() > 1.0 || down.beta.length() >= n {
             return None;
-        }
-        if numbers.pass == 0 {
-            room.carried.fill(1.0);
         }
         self.keep_within_disc(down.beta, Spread::No, &mut room.carried);
         multiply(&mut room.reflected, &room.carried, |out| self.reflectance(down.beta, out));
@@ -249,7 +281,7 @@ impl<'a> Diffused<'a> {
         room.carried.copy_from_slice(&room.reflected);
         scale_rows(&mut room.carried, &self.between_passes);
         let scattered = light.scattered || !(self.specular && down.straight && straight);
-        Some(Out { beta, weight: down.weight * drawn, scattered })
+        Some(Downward { beta, weight: down.weight * drawn, carries: true, scattered })
     }
 
     /// Light below the diffuser meets the base, and what it then sees of the sources; counted as so much
@@ -424,21 +456,6 @@ struct Downward {
     carries: bool,
     /// It has been scattered since it entered.
     scattered: bool,
-}
-
-/// Light above the diffuser again.
-#[derive(Debug, Clone, Copy)]
-struct Out {
-    beta: Beta,
-    weight: f64,
-    scattered: bool,
-}
-
-impl Out {
-    /// On its way down again, by now with spectra.
-    fn as_light(self) -> Downward {
-        Downward { beta: self.beta, weight: self.weight, carries: true, scattered: self.scattered }
-    }
 }
 
 /// How a base spreads light, for wavelengths whose medium has a smaller disc than the largest.

@@ -25,8 +25,10 @@ pub(super) struct PassNumbers<'a> {
 impl<'a> PassNumbers<'a> {
     #[inline]
     pub(super) fn new(numbers: &'a PathNumbers<'a>, pass: u32, walk: &Diffused<'_>) -> Self {
-        if pass == 0 {
-            return Self::planned(numbers, walk);
+        match pass {
+            0 => return Self::first(numbers, walk),
+            1 => return Self::second(numbers, walk),
+            _ => {}
         }
         let [down @ .., a, b] = numbers.block(Self::of_pass(pass));
         let [base @ .., survival, _] = numbers.block(Self::of_pass(pass) + 1);
@@ -35,33 +37,38 @@ impl<'a> PassNumbers<'a> {
         Self { path: numbers, pass, down, up: [a, b], base, survival, on_source, backwards: [d, e] }
     }
 
-    /// Those of the first pass. A direction drawn from either end is two techniques, whose errors do not
+    /// Planned ones. A direction drawn from either end is two techniques, whose errors do not
     /// depend on each other's numbers: the same, best ones serve.
     #[inline]
-    fn planned(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
+    fn first(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
         let down = numbers.beside_field();
         let [of_base @ .., on_source, beside] =
             if walk.discs || !walk.specular { numbers.block(1) } else { [0.5; 4] };
-        let [survival, _, last @ ..] = numbers.block(PLANNED_BLOCKS - 1);
+        let [_, _, last @ ..] = if walk.specular { [0.5; 4] } else { numbers.block(PLANNED_BLOCKS - 1) };
         let (up, backwards) = if walk.specular { (of_base, down) } else { (last, of_base) };
         let on_source = [on_source, beside];
-        Self { path: numbers, pass: 0, down, up, base: of_base, survival, on_source, backwards }
+        Self { path: numbers, pass: 0, down, up, base: of_base, survival: 1.0, on_source, backwards }
     }
 
-    /// The first of the blocks of a pass after the first, five for each.
+    /// Planned ones as well: paths begin anew to come here.
+    #[inline]
+    fn second(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
+        let [down @ .., a, b] = numbers.block(PLANNED_BLOCKS - 2);
+        let [up @ .., c, d] = numbers.block(PLANNED_BLOCKS - 1);
+        let [survival, ..] = numbers.block(Self::of_pass(1));
+        let (base, on_source) = ([a, b], [c, d]);
+        let backwards = if walk.specular { down } else { base };
+        Self { path: numbers, pass: 1, down, up, base, survival, on_source, backwards }
+    }
+
+    /// The first of the blocks of a pass after the first, four for each.
     #[inline]
     fn of_pass(pass: u32) -> u32 {
-        PLANNED_BLOCKS + 5 * pass
+        PLANNED_BLOCKS + 4 * pass
     }
 
-    /// For the way on: down and up through the diffuser.
+    /// For the way on: up through the diffuser, and before that off a Lambertian base.
     pub(super) fn going_on(&self) -> [f64; 4] {
-        self.path.block(if self.pass == 0 { 2 } else { Self::of_pass(self.pass) + 3 })
-    }
-
-    /// For the way on: off a Lambertian base.
-    pub(super) fn base_going_on(&self) -> [f64; 2] {
-        let [base @ .., _, _] = self.path.block(Self::of_pass(self.pass) + 4);
-        base
+        self.path.block(if self.pass == 0 { 1 } else { Self::of_pass(self.pass) + 3 })
     }
 }
