@@ -88,48 +88,38 @@ impl Channel {
         }
     }
 
-    /// This sum and all that was looked up in another's panels, without its weights.
-    pub(super) fn and_counted(&self, other: &Self) -> Self {
-        let mut sum = self.clone();
-        other.add_to_nodes(&mut sum.nodes, |panel| &panel.counted);
-        sum
-    }
-
-    /// The weights on so many nodes of a table.
-    fn node_weights(&self, count: usize) -> Vec<f64> {
-        let mut weights = self.nodes[..count].to_vec();
-        self.add_to_nodes(&mut weights, |panel| &panel.weighted);
+    /// The weights on the nodes of a table, and besides, what they were if all that was looked up in panels had
+    /// weighed one.
+    pub(super) fn node_weights(&self) -> [Vec<f64>; 2] {
+        let mut weights = [self.nodes.clone(), vec![0.0; self.nodes.len()]];
+        for (number, panel) in self.panels.iter().enumerate() {
+            let Some(moments) = panel.moments() else { continue };
+            for (weights, moments) in weights.iter_mut().zip(&moments) {
+                let of_panel = &mut weights.as_chunks_mut().0[number];
+                CosinePanels::add_moments(moments, of_panel);
+            }
+        }
         weights
     }
 
-    fn add_to_nodes(&self, nodes: &mut [f64], of: impl Fn(&InPanel) -> &Moments) {
-        for (panel, nodes) in self.panels.iter().zip(nodes.as_chunks_mut().0) {
-            if let Some(panel) = panel.whole() {
-                let moments = of(&panel).map(|side_by_side| side_by_side.iter().sum());
-                CosinePanels::add_moments(&moments, nodes);
-            }
-        }
-    }
-
-    /// The whole sums of several, each times its scale; shape `[state][wavelength]`.
-    pub(super) fn sums(channels: &[(&Self, f64)], base: &Base) -> Vec<Vec<f64>> {
+    /// The whole sums of several, each with its weights on nodes and times its scale; shape `[state][wavelength]`.
+    pub(super) fn sums(channels: &[(&Self, Vec<f64>, f64)], base: &Base) -> Vec<Vec<f64>> {
         let mut sums: Vec<Vec<f64>> = match &base.reflector {
             Reflector::Specular(table) => {
-                let nodes: Vec<Vec<f64>> =
-                    channels.iter().map(|(channel, _)| channel.node_weights(table.nodes.count())).collect();
-                let nodes: Vec<&[f64]> = nodes.iter().map(Vec::as_slice).collect();
+                let count = table.nodes.count();
+                let nodes: Vec<&[f64]> = channels.iter().map(|(_, nodes, _)| &nodes[..count]).collect();
                 let len = (base.states() * base.bins()).max(1);
                 table.weighted_sums(&nodes).chunks_exact(len).map(<[f64]>::to_vec).collect()
             }
             Reflector::Lambertian(reflectance) => {
-                channels.iter().map(|(channel, _)| scaled(reflectance, channel.nodes[0])).collect()
+                channels.iter().map(|(_, nodes, _)| scaled(reflectance, nodes[0])).collect()
             }
             // Any layers are over such a base, no panel.
             Reflector::Scattering(_) => {
-                channels.iter().map(|(channel, _)| scaled(&channel.spectra, 0.0)).collect()
+                channels.iter().map(|(channel, ..)| scaled(&channel.spectra, 0.0)).collect()
             }
         };
-        for (sum, (channel, scale)) in sums.iter_mut().zip(channels) {
+        for (sum, (channel, _, scale)) in sums.iter_mut().zip(channels) {
             sum.iter_mut().zip(&channel.spectra).for_each(|(value, s)| *value = (*value + s) * scale);
         }
         sums
@@ -159,61 +149,57 @@ impl InPanel {
 
     #[inline(never)]
     fn add_waiting(&mut self) {
-        Arch::new().dispatch(AddPolynomials(self));
+        Arch::new().dispatch(AddPolynomials(self, &ONES));
         self.waiting = 0;
     }
 
-    /// With those that wait; `None` if there is nothing.
-    fn whole(&self) -> Option<Self> {
+    /// With weights and without, those that wait among them; `None` if there is nothing.
+    fn moments(&self) -> Option<[[f64; CosinePanels::NODES]; 2]> {
         // A polynomial of degree 0 is one.
         if self.waiting == 0 && self.counted[0] == [0.0; SIDE_BY_SIDE] {
             return None;
         }
-        let mut whole = self.clone();
-        let waiting = self.places.iter().zip(&self.weights).take(self.waiting);
-        whole.waiting = 0;
-        for (place, weight) in waiting {
-            whole.add_one(*place, *weight);
-        }
-        Some(whole)
-    }
-
-    /// One look-up at once.
-    fn add_one(&mut self, place: f64, weight: f64) {
-        let (mut before, mut now) = (place, 1.0);
-        for (weighted, counted) in self.weighted.iter_mut().zip(&mut self.counted) {
-            weighted[0] += weight * now;
-            counted[0] += now;
-            (before, now) = (now, 2.0 * place * now - before);
-        }
+        let (mut whole, mut counts) = (self.clone(), ONES);
+        whole.weights[self.waiting..].fill(0.0);
+        counts[self.waiting..].fill(0.0);
+        Arch::new().dispatch(AddPolynomials(&mut whole, &counts));
+        Some(
+            [whole.weighted, whole.counted]
+                .map(|moments| moments.map(|side_by_side| side_by_side.iter().sum())),
+        )
     }
 }
 
-/// Adds Chebyshev's polynomials of degrees 0, 1, ... at the places, and weights times them.
-struct AddPolynomials<'a>(&'a mut InPanel);
+/// What each of those that wait counts.
+const ONES: [f64; SIDE_BY_SIDE * IN_TURN] = [1.0; SIDE_BY_SIDE * IN_TURN];
+
+/// Adds Chebyshev's polynomials of degrees 0, 1, ... at the places, times weights and times counts.
+struct AddPolynomials<'a>(&'a mut InPanel, &'a [f64; SIDE_BY_SIDE * IN_TURN]);
 
 impl WithSimd for AddPolynomials<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let InPanel { places, weights, weighted, counted, .. } = self.0;
+        let Self(InPanel { places, weights, weighted, counted, .. }, counts) = self;
         let lanes = S::F64_LANES.min(SIDE_BY_SIDE);
         for first in (0..SIDE_BY_SIDE).step_by(lanes) {
             let at = |row: usize| first + row * SIDE_BY_SIDE..first + row * SIDE_BY_SIDE + lanes;
             let load = |of: &[f64], row: usize| S::as_simd_f64s(&of[at(row)]).0[0];
-            let [mut twice, mut before, mut now, mut weight] = [[simd.splat_f64s(1.0); IN_TURN]; 4];
+            let [mut twice, mut before, mut now, mut weight, mut count] =
+                [[simd.splat_f64s(1.0); IN_TURN]; 5];
             for row in 0..IN_TURN {
                 before[row] = load(places, row);
                 twice[row] = simd.add_f64s(before[row], before[row]);
                 weight[row] = load(weights, row);
+                count[row] = load(counts, row);
             }
             for (weighted, counted) in weighted.iter_mut().zip(counted.iter_mut()) {
                 let weighted = &mut S::as_mut_simd_f64s(&mut weighted[first..first + lanes]).0[0];
                 let counted = &mut S::as_mut_simd_f64s(&mut counted[first..first + lanes]).0[0];
                 for row in 0..IN_TURN {
                     *weighted = simd.mul_add_e_f64s(weight[row], now[row], *weighted);
-                    *counted = simd.add_f64s(*counted, now[row]);
+                    *counted = simd.mul_add_e_f64s(count[row], now[row], *counted);
                     let next = simd.mul_add_e_f64s(twice[row], now[row], simd.neg_f64s(before[row]));
                     (before[row], now[row]) = (now[row], next);
                 }
@@ -279,9 +265,9 @@ mod tests {
             let look_up = (panels.place(cosine), weight);
             in_panels.look_up_in_panels(std::iter::once(look_up), panels.panel_count());
             if step % 100 < 3 {
-                let found = [in_panels.clone(), Channel::new(&base).and_counted(&in_panels)];
-                for (found, expected) in found.iter().zip([&one_by_one, &counted]) {
-                    let pairs = found.node_weights(nodes).into_iter().zip(expected.node_weights(nodes));
+                let expected = [&one_by_one, &counted].map(|channel| channel.node_weights()[0].clone());
+                for (found, expected) in in_panels.node_weights().iter().zip(&expected) {
+                    let pairs = found.iter().zip(expected);
                     let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                     assert!(error < 1e-9, "after {step}: {error}");
                 }

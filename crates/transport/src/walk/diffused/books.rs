@@ -65,16 +65,19 @@ impl Diffused<'_> {
     /// The means of several replicates, each from its sums and what makes them means.
     pub(in crate::walk) fn estimates(&self, replicates: &[(&Tally, f64)]) -> Vec<Estimate> {
         let base = &self.stack.base;
-        let reflected: Vec<Channel> = replicates
-            .iter()
-            .map(|(tally, _)| tally.sums.reflected.and_counted(&tally.sums.leaving))
-            .collect();
-        let channels = replicates.iter().zip(&reflected).flat_map(|((tally, scale), reflected)| {
-            let Sums { leaving, from_source, .. } = &tally.sums;
-            let directed = self.directed_only(from_source);
-            [reflected, leaving].into_iter().chain(directed).map(|channel| (channel, *scale))
-        });
-        let spectra = Channel::sums(&channels.collect::<Vec<_>>(), base);
+        let mut channels = Vec::with_capacity(replicates.len() * (2 + self.sources.len()));
+        for (tally, scale) in replicates {
+            let Sums { reflected, leaving, from_source, .. } = &tally.sums;
+            let [of_leaving, looked_up] = leaving.node_weights();
+            let [mut of_reflected, _] = reflected.node_weights();
+            of_reflected.iter_mut().zip(&looked_up).for_each(|(weight, more)| *weight += more);
+            channels.extend([(reflected, of_reflected, *scale), (leaving, of_leaving, *scale)]);
+            for channel in self.directed_only(from_source) {
+                let [weights, _] = channel.node_weights();
+                channels.push((channel, weights, *scale));
+            }
+        }
+        let spectra = Channel::sums(&channels, base);
         let of_one = spectra.chunks_exact(2 + self.directed_only(self.sources).count());
         replicates
             .iter()
