@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,10 +17,12 @@ from . import _papilio, _pieces
 from ._arguments import checked_folder, whole
 from ._roads import OnCluster, check_client
 from .errors import ArgumentError
+from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
+    import pandas
     from distributed import Client
 
 __all__ = ["Design", "Optimum", "optimize"]
@@ -48,6 +51,8 @@ class Optimum:
         self.designs = [self._design(one) for one in said["chosen"]]
         #: How many designs were evaluated.
         self.evaluations = int(said["evaluations"])
+        self._table: str = said["table"]
+        self._figures: list[tuple[str, str]] = said["figures"]
 
     def _design(self, said: Mapping[str, Any]) -> Design:
         values = [float("nan") if value is None else float(value) for value in said["values"]]
@@ -74,6 +79,39 @@ class Optimum:
         """What was asked, of all `designs`, shape [design, quantity]; the names are those of ``best.metrics``."""
         rows = [list(design.metrics.values()) for design in self.designs]
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self._quantities))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The scenario's own design and the `designs`, a row each: keys, what was asked, ``meets_limits``.
+
+        Raises:
+            ImportError: without pandas.
+        """
+        import pandas
+
+        rows = [{**one.values, **one.metrics, "meets_limits": one.meets_limits} for one in (self.own, *self.designs)]
+        return pandas.DataFrame(rows, index=pandas.Index(["scenario", *range(len(self.designs))], name="design"))
+
+    def figures(self) -> dict[str, Figure]:
+        """What ``papilio optimize`` draws, by name: ``trace``, and of several objectives ``front``."""
+        return {name: Figure(name, svg) for name, svg in self._figures}
+
+    def save(self, folder: str | PathLike[str]) -> list[Path]:
+        """Writes into a folder, which is made, what ``papilio optimize`` writes but for the journal (see ``out`` of `optimize`).
+
+        ``best.toml``, or ``front-01.toml`` and so on: the scenario with each design; ``optimize.csv``: what each task found; figures.
+        Scenarios find files on the disk from there; those that a `Scenario` has in memory are not written.
+        """
+        where = Path(folder)
+        where.mkdir(parents=True, exist_ok=True)
+        texts = {"optimize.csv": self._table}
+        for at in range(len(self.designs)):
+            name = "best.toml" if len(self.designs) == 1 else f"front-{at + 1:02}.toml"
+            design = self.scenario(at)
+            texts[name] = _papilio.moved_text(design.to_toml(), design._folder, str(where))
+        texts |= {f"{figure.name}.svg": figure.svg for figure in self.figures().values()}
+        for name, content in texts.items():
+            (where / name).write_bytes(content.encode())
+        return [where / name for name in texts]
 
     def __repr__(self) -> str:
         return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated>"
@@ -139,7 +177,7 @@ def optimize(
             road = OnCluster(client, question, retries)
             search.begin(folder, max(1, road.workers() or 1))
             _pieces.compute(question, search, road, tell)
-        return Optimum(changed, json.loads(search.result()))
+        return Optimum(changed, json.loads(search.result(changed.title)))
     finally:
         search.close()
 

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from . import _papilio, _samples
 from ._arguments import checked_folder, reals, whole
 from ._roads import OnCluster, check_client
 from .errors import DesignError
+from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
 
@@ -35,8 +37,10 @@ class Yield:
     `report` is what ``papilio tolerance`` writes as ``tolerance.json``; a notebook shows a table.
     """
 
-    def __init__(self, core: _papilio.Production, numbers: NDArray[np.float64]) -> None:
-        self._core = core
+    def __init__(self, core: _papilio.Production, numbers: NDArray[np.float64], title: str = "") -> None:
+        self._core, self._numbers = core, numbers
+        #: The scenario's title.
+        self.title = title
         keys, metrics = core.names()
         #: The names of what scatters.
         self.keys: list[str] = keys
@@ -64,6 +68,21 @@ class Yield:
         rows = [json.loads(self._core.keys(row)) for row in range(self._core.rows)]
         keys = pandas.DataFrame(rows, columns=self.keys)
         return pandas.concat([keys, pandas.DataFrame(self.values, columns=self.metrics)], axis=1)
+
+    def figures(self) -> dict[str, Figure]:
+        """What ``papilio tolerance`` draws, by name: a histogram of every metric, sensitivities, good and bad displays."""
+        return {name: Figure(name, svg) for name, svg in self._core.figures(self.title, self._numbers)}
+
+    def save(self, folder: str | PathLike[str]) -> list[Path]:
+        """Writes into a folder, which is made, what ``papilio tolerance`` writes but for the journal (see ``out`` of `tolerance`):
+        ``tolerance.csv``, ``tolerance-metrics.csv``, ``tolerance.json`` and the figures."""
+        where = Path(folder)
+        where.mkdir(parents=True, exist_ok=True)
+        contents = dict(self._core.tables(self._numbers))
+        contents |= {f"{figure.name}.svg": figure.svg.encode() for figure in self.figures().values()}
+        for name, content in contents.items():
+            (where / name).write_bytes(content)
+        return [where / name for name in contents]
 
     def __repr__(self) -> str:
         return f"<papilio.Yield: {100 * self.share:.4g} % of {self.values.shape[0]} displays>"
@@ -137,6 +156,6 @@ def tolerance(
         else:
             question = _samples.question(changed, core)
             _samples.compute(question, core, missing, OnCluster(client, question, retries), seconds, tell)
-        return Yield(core, core.finish())
+        return Yield(core, core.finish(), changed.title)
     finally:
         core.close()

@@ -57,7 +57,7 @@ mod _papilio {
     #[pymodule_export]
     use crate::scenario::{Described, Resolved, edit, new_scenario, preset_names, schema};
     #[pymodule_export]
-    use crate::search::Search;
+    use crate::search::{Search, moved_text};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name")]

@@ -6,9 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use papilio_design::tolerance::Report;
+use papilio_findings::{tolerance_figures, tolerance_tables};
 use papilio_formats::{FormatError, JournalRows, ToleranceHead};
 use papilio_scenario::Tolerance;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::errors;
 use crate::pool::Pool;
@@ -200,6 +202,44 @@ impl Production {
 
     /// What is made of all rows, as JSON.
     fn report<'py>(&self, py: Python<'py>, numbers: PyReadonlyArray1<'py, f64>) -> PyResult<String> {
+        let rows = self.cut(&numbers)?;
+        let report = py.detach(|| Report::new(&self.tolerance, &self.of, &rows));
+        serde_json::to_string(&report).map_err(|error| errors::internal(&error.to_string()))
+    }
+
+    /// Names and SVG texts of what `papilio tolerance` draws.
+    fn figures<'py>(
+        &self,
+        py: Python<'py>,
+        title: &str,
+        numbers: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Vec<(String, String)>> {
+        let rows = self.cut(&numbers)?;
+        Ok(py.detach(|| {
+            let report = Report::new(&self.tolerance, &self.of, &rows);
+            tolerance_figures(title, &self.tolerance, &self.of, &rows, &report)
+        }))
+    }
+
+    /// Names and bytes of the tables that `papilio tolerance` writes.
+    fn tables<'py>(
+        &self,
+        py: Python<'py>,
+        numbers: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Vec<(&'static str, Bound<'py, PyBytes>)>> {
+        let rows = self.cut(&numbers)?;
+        let tables = py.detach(|| {
+            let report = Report::new(&self.tolerance, &self.of, &rows);
+            tolerance_tables(&self.tolerance, &self.of, &rows, &report)
+        });
+        let tables = tables.map_err(|error| errors::internal(&error.to_string()))?;
+        Ok(tables.into_iter().map(|(name, bytes)| (name, PyBytes::new(py, &bytes))).collect())
+    }
+}
+
+impl Production {
+    /// The numbers of all rows, row by row.
+    fn cut<'a>(&self, numbers: &'a PyReadonlyArray1<'_, f64>) -> PyResult<Vec<&'a [f64]>> {
         let mut left = numbers.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
         let mut rows = Vec::with_capacity(self.of.rows());
         for row in 0..self.of.rows() {
@@ -209,12 +249,9 @@ impl Production {
             rows.push(own);
             left = others;
         }
-        let report = py.detach(|| Report::new(&self.tolerance, &self.of, &rows));
-        serde_json::to_string(&report).map_err(|error| errors::internal(&error.to_string()))
+        Ok(rows)
     }
-}
 
-impl Production {
     fn known(&self) -> MutexGuard<'_, Known> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use papilio_design::search::{self, Answer, Chosen, Course, Found, Kept, Piece, Record, was_stopped};
 use papilio_design::{DesignError, Evaluator, Study};
+use papilio_findings::{moved, search_figures, search_table};
 use papilio_formats::{FormatError, HeldJournal, SearchHead, journal_name};
 use papilio_scenario::Optimisation;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -164,8 +165,8 @@ impl Search {
     }
 
     /// What was found, as JSON: the names of variables and quantities, the scenario's own design, and those that are handed on,
-    /// each with its values. Puts the journal in order.
-    fn result(&self, py: Python<'_>) -> PyResult<String> {
+    /// each with its values; figures, and the table of what all tasks found. Puts the journal in order.
+    fn result(&self, py: Python<'_>, title: &str) -> PyResult<String> {
         let outcome = watched(py, self.stop, None, |_| {
             let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
             let mut way = self.way();
@@ -175,7 +176,10 @@ impl Search {
             if let Some(journal) = journal {
                 journal.finish(&self.head(), found.iter()).map_err(Failure::Journal)?;
             }
-            Ok(said_of(&self.of, &found, &chosen))
+            let mut said = said_of(&self.of, &found, &chosen);
+            said["table"] = search_table(&self.of, &found).into();
+            said["figures"] = json!(search_figures(title, &self.of, &found, &chosen));
+            Ok(said)
         })?;
         outcome.map(|found| found.to_string()).map_err(|failure: Failure| failure.raised(py))
     }
@@ -194,6 +198,12 @@ impl Search {
     fn head(&self) -> SearchHead {
         SearchHead { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: self.hash.clone() }
     }
+}
+
+/// A scenario's text from one folder as it is to stand in another: files beside it are found from there.
+#[pyfunction]
+pub(crate) fn moved_text(text: &str, here: PathBuf, there: PathBuf) -> String {
+    moved(text, &here, &there)
 }
 
 fn begun(way: &mut Option<Way>) -> PyResult<&mut Way> {

@@ -1,5 +1,6 @@
 """Searches from Python: what the program finds."""
 
+import pickle
 import subprocess
 
 import numpy as np
@@ -62,6 +63,21 @@ def test_it_is_what_the_program_finds(scenario, found, program, tmp_path):
     best = papilio.Scenario.load(tmp_path / "out" / "best.toml")
     for key, value in found.best.values.items():
         assert best[key] == value
+    # Written by either, to the byte.
+    again = papilio.optimize(papilio.Scenario.load(path), out=tmp_path / "ours")
+    names = [file.name for file in again.save(tmp_path / "ours")]
+    assert names == ["optimize.csv", "best.toml", "trace.svg"] and list(again.figures()) == ["trace"]
+    for file in (tmp_path / "out").iterdir():
+        assert (tmp_path / "ours" / file.name).read_bytes() == file.read_bytes(), file.name
+
+
+def test_tables_and_pickles(found):
+    assert pickle.loads(pickle.dumps(found)).designs == found.designs
+    pytest.importorskip("pandas")
+    table = found.to_pandas()
+    assert list(table.index) == ["scenario", 0]
+    assert list(table.columns) == [*found.best.values, "gamut_percent_srgb", "white.Y", "meets_limits"]
+    assert table.loc[0, "white.Y"] == found.best.metrics["white.Y"]
 
 
 def test_threads_change_nothing(scenario, found):

@@ -28,6 +28,14 @@ def test_it_is_what_the_program_finds(path, found, program, tmp_path):
     few = [word for key, value in FEW.items() for word in ["--set", f"{key}={value}"]]
     done = subprocess.run([program, "tolerance", path, "--out", tmp_path, *few], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+    # Written by either, to the byte; the journal, too.
+    ours = papilio.tolerance(path, set=FEW, out=tmp_path / "ours")
+    names = [file.name for file in ours.save(tmp_path / "ours")]
+    assert names[:3] == ["tolerance.csv", "tolerance-metrics.csv", "tolerance.json"]
+    assert [f"{name}.svg" for name in ours.figures()] == names[3:]
+    for file in tmp_path.iterdir():
+        if file.is_file() and file.name != "tolerance.jsonl":  # whose head has the hash, and `set` is no `--set`
+            assert (tmp_path / "ours" / file.name).read_bytes() == file.read_bytes(), file.name
     assert found.report == json.loads((tmp_path / "tolerance.json").read_text())
     assert 0 <= found.share <= 1 and "%" in repr(found) and "<table>" in found._repr_html_()
 

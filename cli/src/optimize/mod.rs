@@ -4,8 +4,6 @@
 //! a search that was killed and gone on with ends in the same files as one that was not, whatever the number of threads.
 
 mod check;
-mod designs;
-mod figures;
 mod journal;
 mod report;
 
@@ -17,8 +15,9 @@ use std::time::Instant;
 
 use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search, was_stopped};
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_formats::{SearchHead, write_file};
-use papilio_scenario::Optimisation;
+use papilio_findings::{design_texts, search_figures, search_table};
+use papilio_formats::{DataFile, SearchHead, write_file};
+use papilio_scenario::{Edit, Optimisation, edit};
 
 use self::check::{Checked, check};
 use crate::arguments::Optimize;
@@ -165,17 +164,28 @@ fn write(
     chosen: &[Chosen],
 ) -> Result<Vec<String>, Failure> {
     let mut names = vec!["optimize.csv".to_owned()];
-    write_file(&folder.join("optimize.csv"), |out| out.write_all(report::csv(search, found).as_bytes()))?;
+    write_file(&folder.join("optimize.csv"), |out| out.write_all(search_table(search, found).as_bytes()))?;
     output::remove(folder, |name| name == "best.toml" || name.starts_with("front"))?;
-    names.extend(designs::write(arguments, folder, search, chosen)?);
-    for (name, svg) in figures::figures(title, search, found, chosen) {
-        if arguments.png {
-            names.extend(output::write_figure(folder, &name, &svg)?);
-        } else {
-            let name = format!("{name}.svg");
-            write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
-            names.push(name);
-        }
+    for (name, text) in designs(arguments, folder, search, chosen)? {
+        write_file(&folder.join(&name), |out| out.write_all(text.as_bytes()))?;
+        names.push(name);
     }
+    let drawn = search_figures(title, search, found, chosen);
+    names.extend(output::write_figures(folder, drawn, arguments.png)?);
     Ok(names)
+}
+
+/// The scenario file with each design.
+fn designs(
+    arguments: &Optimize,
+    folder: &Path,
+    search: &Search,
+    chosen: &[Chosen],
+) -> Result<Vec<(String, String)>, Failure> {
+    let path = &arguments.scenario.file;
+    let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
+    let set: Vec<Edit> = arguments.scenario.set.iter().filter_map(|text| Edit::of_set(text)).collect();
+    let text = edit(file.text().map_err(Failure::Data)?, &set)?;
+    let folders = [path.parent().unwrap_or(Path::new("")), folder];
+    Ok(design_texts(&text, folders, search, chosen)?)
 }

@@ -136,26 +136,3 @@ pub(super) fn json(
 pub(super) fn evaluations(found: &[Found]) -> usize {
     found.iter().map(|one| one.evaluations).sum()
 }
-
-/// `optimize.csv`: what each task found, in order.
-pub(super) fn csv(search: &Search, found: &[Found]) -> String {
-    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-    let study = search.study();
-    let paths = study.variables.iter().flat_map(|one| one.keys.iter().map(|key| quoted(&key.path)));
-    let quantities = study.quantities.iter().map(|one| quoted(&one.name));
-    let titles =
-        ["task", "evaluations", "missed"].map(str::to_owned).into_iter().chain(paths).chain(quantities);
-    let mut text = titles.collect::<Vec<_>>().join(",") + "\n";
-    for one in found.iter().filter(|one| !one.design.is_empty()) {
-        let settings = study.settings(&one.design).unwrap_or_default();
-        let settings = settings.iter().map(|(_, value)| match value {
-            Value::Number(number) => number.to_string(),
-            other => quoted(&sweep_value(other)),
-        });
-        let values = one.values.iter().map(|value| value.map_or(String::new(), |value| value.to_string()));
-        let missed = search.aims().missed(&one.values);
-        let start = [one.task.to_string(), one.evaluations.to_string(), missed.to_string()];
-        text += &(start.into_iter().chain(settings).chain(values).collect::<Vec<_>>().join(",") + "\n");
-    }
-    text
-}

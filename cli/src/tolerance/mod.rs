@@ -4,7 +4,6 @@
 //! A row of displays is known by its number, and depends on nothing else: so parts may be computed anywhere, and a
 //! production of more displays begins with those of a smaller one.
 
-mod files;
 mod listed;
 
 use std::io::Write;
@@ -13,7 +12,8 @@ use std::time::Instant;
 use papilio_design::tolerance::{Production, Report};
 use papilio_design::{DesignError, Evaluator};
 use papilio_display::DisplayError;
-use papilio_formats::{JournalRows, ToleranceHead, write_json};
+use papilio_findings::{tolerance_figures, tolerance_tables};
+use papilio_formats::{JournalRows, ToleranceHead, write_file, write_json};
 use papilio_scenario::Tolerance;
 
 use crate::arguments::{Tolerance as Arguments, default_out};
@@ -60,7 +60,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows: Vec<&[f64]> = mine.iter().filter_map(|row| rows.get(*row)).collect();
     let found = Report::new(&tolerance, &production, &rows);
     let names = interrupt::whole(|| {
-        files::write(&folder, &title, &tolerance, &production, &rows, &found, arguments.png)
+        output::remove(&folder, |name| {
+            name.starts_with("tolerance_") && (name.ends_with(".svg") || name.ends_with(".png"))
+        })?;
+        let mut names = Vec::new();
+        for (name, bytes) in tolerance_tables(&tolerance, &production, &rows, &found)? {
+            write_file(&folder.join(name), |out| out.write_all(&bytes))?;
+            names.push(name.to_owned());
+        }
+        let drawn = tolerance_figures(&title, &tolerance, &production, &rows, &found);
+        names.extend(output::write_figures(&folder, drawn, arguments.png)?);
+        Ok::<_, Failure>(names)
     })?;
     let mut stdout = anstream::stdout().lock();
     if arguments.json {

@@ -1,37 +1,29 @@
-//! What a finished tolerance analysis writes.
+//! What a finished tolerance analysis hands on.
 
-use std::path::Path;
+use std::io;
 
 use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
 use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sensitivities};
-use papilio_formats::{sweep_value, write_file, write_json, write_table};
+use papilio_formats::{sweep_value, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance};
 
-use crate::{Failure, output};
-
-/// Writes tables and figures, and returns their names.
-pub(super) fn write(
-    folder: &Path,
-    title: &str,
+/// Names of files, and their bytes: every display, every metric, and the whole report.
+///
+/// # Errors
+/// Of numbers that cannot be written; none are known.
+pub fn tolerance_tables(
     tolerance: &Tolerance,
     production: &Production,
     rows: &[&[f64]],
     report: &Report,
-    png: bool,
-) -> Result<Vec<String>, Failure> {
-    output::remove(folder, |name| {
-        name.starts_with("tolerance_") && (name.ends_with(".svg") || name.ends_with(".png"))
-    })?;
-    let (columns, samples) = samples(tolerance, production, rows);
-    write_file(&folder.join("tolerance.csv"), |out| write_table(out, &columns, samples))?;
-    let (columns, metrics) = summary(report);
-    write_file(&folder.join("tolerance-metrics.csv"), |out| write_table(out, &columns, metrics))?;
-    write_file(&folder.join("tolerance.json"), |out| write_json(out, report))?;
-    let tables = ["tolerance.csv", "tolerance-metrics.csv", "tolerance.json"];
-    let mut names: Vec<String> = tables.map(str::to_owned).to_vec();
-    let drawn = figures(title, tolerance, production, rows, report);
-    names.extend(output::write_figures(folder, drawn, png)?);
-    Ok(names)
+) -> io::Result<[(&'static str, Vec<u8>); 3]> {
+    let [mut displays, mut metrics, mut whole] = [Vec::new(), Vec::new(), Vec::new()];
+    let (columns, lines) = samples(tolerance, production, rows);
+    write_table(&mut displays, &columns, lines)?;
+    let (columns, lines) = summary(report);
+    write_table(&mut metrics, &columns, lines)?;
+    write_json(&mut whole, report)?;
+    Ok([("tolerance.csv", displays), ("tolerance-metrics.csv", metrics), ("tolerance.json", whole)])
 }
 
 /// A number as it stands in a cell.
@@ -101,8 +93,8 @@ fn summary_of(metric: &MetricReport) -> Vec<String> {
     cells
 }
 
-/// Names of figures without their ends, and SVG texts.
-fn figures(
+/// Names of files, without their ends, and SVG texts: histograms, sensitivities, good and bad displays.
+pub fn tolerance_figures(
     title: &str,
     tolerance: &Tolerance,
     production: &Production,

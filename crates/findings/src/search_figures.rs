@@ -6,8 +6,8 @@ use papilio_figures::{Chart, ChartCurve, Hue, chart, named_with_unit};
 /// More curves than these hide each other.
 const MOST_CURVES: usize = 60;
 
-/// Names of files, without their ends, and SVG texts.
-pub(super) fn figures(
+/// Names of files, without their ends, and SVG texts: how the tasks went on, and of several objectives the front.
+pub fn search_figures(
     title: &str,
     search: &Search,
     found: &[Found],

@@ -2,40 +2,33 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use papilio_design::DesignError;
 use papilio_design::search::{Chosen, Search};
-use papilio_formats::{DataFile, write_file};
 use papilio_scenario::{Edit, edit};
 
-use crate::Failure;
-use crate::arguments::Optimize;
-
-/// Writes best.toml, or front-01.toml and so on; the names.
-pub(super) fn write(
-    arguments: &Optimize,
-    folder: &Path,
+/// Names of files, and the scenario that was searched with each of these designs: `best.toml`, or `front-01.toml` and so on. The
+/// text is from one folder, and is to stand in another.
+///
+/// # Errors
+/// If it is not the text that was searched.
+pub fn design_texts(
+    text: &str,
+    [from, to]: [&Path; 2],
     search: &Search,
     chosen: &[Chosen],
-) -> Result<Vec<String>, Failure> {
-    let path = &arguments.scenario.file;
-    let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
-    let text = file.text().map_err(Failure::Data)?;
-    let set: Vec<Edit> = arguments.scenario.set.iter().filter_map(|text| Edit::of_set(text)).collect();
-    let text = moved(&edit(text, &set)?, path.parent().unwrap_or(Path::new("")), folder);
-    let mut names = Vec::new();
-    for (at, one) in chosen.iter().enumerate() {
+) -> Result<Vec<(String, String)>, DesignError> {
+    let one = |(at, one): (usize, &Chosen)| {
         let name =
             if chosen.len() == 1 { "best.toml".to_owned() } else { format!("front-{:02}.toml", at + 1) };
         let set = |(path, value): (&str, serde_json::Value)| Edit::Set { path: path.to_owned(), value };
         let edits: Vec<Edit> = search.study().settings(&one.design)?.into_iter().map(set).collect();
-        let text = edit(&text, &edits)?;
-        write_file(&folder.join(&name), |out| out.write_all(text.as_bytes()))?;
-        names.push(name);
-    }
-    Ok(names)
+        Ok((name, moved(&edit(text, &edits)?, from, to)))
+    };
+    chosen.iter().enumerate().map(one).collect()
 }
 
 /// A text from one folder as it is to stand in another: strings that name files beside it find them from there.
-fn moved(text: &str, from: &Path, to: &Path) -> String {
+pub fn moved(text: &str, from: &Path, to: &Path) -> String {
     let Some(way) = way(to, from) else { return text.to_owned() };
     let line = |line: &str| {
         // Strings are the odd pieces between quotes; those of scenarios hold none.
@@ -62,8 +55,6 @@ fn way(from: &Path, to: &Path) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
-
     use super::*;
 
     #[test]
