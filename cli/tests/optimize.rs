@@ -221,6 +221,23 @@ fn a_search_that_used_up_its_evaluations_says_so() {
     }
 }
 
+/// Where there are choices alone each is tried, and no descent is cut short.
+#[test]
+fn choices_alone_are_tried() {
+    let without = |text: &str, from: &str, to: &str| {
+        let at = text.find(from).unwrap();
+        let end = at + text[at..].find(to).unwrap();
+        [&text[..at], &text[end..]].concat()
+    };
+    let one = "[[optimize.variables]]\nkey = \"display.pixel.film.0.thickness_nm\"";
+    let other = "[[optimize.variables]]\nkey = \"display.pixel.film.1.thickness_nm\"";
+    let text = without(SCENARIO, one, "[[optimize.variables]]\nkey = \"display.pixel.film.0.material\"");
+    let text = without(&text, other, "[[optimize.objectives]]").replace("starts = 3", "starts = 100");
+    let (_folder, file, out) = place(&text.replace("thickness_nm = 0 }", "thickness_nm = 50 }"));
+    let output = search(&file, &out, &[]);
+    assert!(!stderr(&output).contains("used up"), "{}", stderr(&output));
+}
+
 /// Limits that nothing meets are told.
 #[test]
 fn limits_that_nothing_meets_are_told() {

@@ -50,6 +50,10 @@ impl Search {
     /// How many descents ended because their share of the evaluations was used up, and how many descents there were.
     pub fn cut_short(&self, found: &[Found]) -> (usize, usize) {
         let (mut cut, mut descents, mut done) = (0, 0, 0);
+        // Choices alone are tried, not descended.
+        if !self.said.variables.iter().any(|one| matches!(one.range, SearchRange::Bounds(..))) {
+            return (0, 0);
+        }
         for round in 0.. {
             let tasks = self.round(round, &found[..done.min(found.len())]);
             if tasks.is_empty() || done >= found.len() {
