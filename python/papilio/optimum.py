@@ -18,7 +18,7 @@ from ._arguments import checked_folder, whole
 from ._roads import OnCluster, check_client
 from .errors import ArgumentError
 from .figure import Figure
-from .running import Progress, checked_progress, checked_threads, with_solver
+from .running import Line, Progress, checked_threads, told, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ def optimize(
     client: Client | None = None,
     threads: int | None = None,
     retries: int = 3,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Optimum:
     """Searches for the designs that a scenario's ``[optimize]`` asks for: what ``papilio optimize`` does.
 
@@ -151,7 +151,8 @@ def optimize(
         client: a `distributed.Client`: its workers compute, one piece for each of their threads. None: this machine.
         threads: without ``client``: how many; None: one for each processor. They change no number.
         retries: how often a piece is given out anew after the worker that had it was lost.
-        progress: called with ``done`` and ``of``, the searches of a round, as they go on.
+        progress: a function, called with ``done`` and ``of``, the searches of a round, as they go on; or True for a line on the
+            terminal.
 
     Raises:
         ScenarioError: with the place of what is wrong.
@@ -163,7 +164,7 @@ def optimize(
     changed = read(scenario, with_solver(set))
     workers = checked_threads(threads) or os.cpu_count() or 1
     whole("retries", retries, 0, 1000)
-    tell = checked_progress(progress)
+    tell = told(progress, "searches")
     if client is not None:
         check_client(client)
     search = _papilio.Search(*changed._state())
@@ -180,6 +181,8 @@ def optimize(
         return Optimum(changed, json.loads(search.result(changed.title)))
     finally:
         search.close()
+        if isinstance(tell, Line):
+            tell.end()
 
 
 def _shown(cell: object) -> str:

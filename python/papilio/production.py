@@ -18,7 +18,7 @@ from ._arguments import checked_folder, reals, whole
 from ._roads import OnCluster, check_client
 from .errors import DesignError
 from .figure import Figure
-from .running import Progress, checked_progress, checked_threads, with_solver
+from .running import Line, Progress, checked_threads, told, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def tolerance(
     batch_seconds: float = 4.0,
     threads: int | None = None,
     retries: int = 3,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Yield:
     """What production makes of a design, as a scenario's ``[tolerance]`` describes it: what ``papilio tolerance`` finds.
 
@@ -124,7 +124,7 @@ def tolerance(
         batch_seconds: with ``client``: how long a batch takes, about; what is lost with a worker is its batch.
         threads: without ``client``: how many; None: one for each processor. They change no number.
         retries: how often a batch is given out anew after the worker that had it was lost.
-        progress: called with ``done`` and ``of``, samples, as they go on.
+        progress: a function, called with ``done`` and ``of``, samples, as they go on; or True for a line on the terminal.
 
     Raises:
         ScenarioError: with the place of what is wrong.
@@ -138,7 +138,7 @@ def tolerance(
     workers = checked_threads(threads) or os.cpu_count() or 1
     whole("retries", retries, 0, 1000)
     seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
-    tell = checked_progress(progress)
+    tell = told(progress, "samples")
     if client is not None:
         check_client(client)
     core = _papilio.Production(*changed._state())
@@ -159,3 +159,5 @@ def tolerance(
         return Yield(core, core.finish(), changed.title)
     finally:
         core.close()
+        if isinstance(tell, Line):
+            tell.end()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any
@@ -69,6 +70,33 @@ def with_solver(
 def checked_threads(threads: int | None) -> int | None:
     """The number of threads, if it is one."""
     return None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
+
+
+class Line:
+    """Tells on the terminal (stderr), in one line, how many of so many things are done."""
+
+    def __init__(self, noun: str) -> None:
+        self._noun, self._is_open = noun, False
+
+    def __call__(self, state: Mapping[str, Any]) -> None:
+        workers = state.get("workers")
+        of_workers = "" if workers is None else f" on {workers} workers"
+        line = f"{state['done']:,} of {state['of']:,} {self._noun}{of_workers}"
+        sys.stderr.write(f"\r{line:<79}")
+        sys.stderr.flush()
+        self._is_open = True
+
+    def end(self) -> None:
+        """Leaves the line."""
+        if self._is_open:
+            sys.stderr.write("\n")
+
+
+def told(progress: Progress | bool | None, noun: str) -> Progress | None:
+    """The function; of True one that tells on the terminal how many of these there are."""
+    if isinstance(progress, bool):
+        return Line(noun) if progress else None
+    return checked_progress(progress)
 
 
 def checked_progress(progress: Progress | None) -> Progress | None:

@@ -1,13 +1,14 @@
 """Searches from Python: what the program finds."""
 
 import pickle
+import re
 import subprocess
 
 import numpy as np
 import pytest
 
 import papilio
-from papilio import ArgumentError, Scenario, ScenarioError
+from papilio import ArgumentError, FileError, Scenario, ScenarioError, _papilio
 
 SEARCH = """
 [optimize]
@@ -93,5 +94,16 @@ def test_mistakes_have_their_places(scenario, found):
         papilio.optimize(Scenario.new("indoor"))
     with pytest.raises(ArgumentError, match="^design:"):
         found.scenario(1)
-    with pytest.raises(ArgumentError, match="^threads:"):
-        papilio.optimize(scenario, threads=0)
+    for wrong in [{"threads": 0}, {"retries": -1}, {"out": "/dev/null/x"}, {"client": 3}, {"progress": 3}]:
+        with pytest.raises(ArgumentError, match=f"^{next(iter(wrong))}"):
+            papilio.optimize(scenario, **wrong)
+
+
+def test_a_journal_has_one_writer(scenario, found, tmp_path, capfd):
+    other = _papilio.Search(*scenario._state())
+    other.begin(str(tmp_path), 1)
+    with pytest.raises(FileError, match="another program is writing this journal"):
+        papilio.optimize(scenario, out=tmp_path)
+    other.close()
+    assert papilio.optimize(scenario, out=tmp_path, progress=True).designs == found.designs
+    assert re.search(r"\d of 2 searches +\n$", capfd.readouterr().err)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import papilio
-from papilio import ArgumentError, Scenario, ScenarioError
+from papilio import ArgumentError, Scenario, ScenarioError, _papilio
 
 FEW = {"tolerance.samples": 64}
 
@@ -60,5 +60,18 @@ def test_mistakes_have_their_places(path):
     assert error.value.file == str(path) and error.value.line is not None
     with pytest.raises(ScenarioError):
         papilio.tolerance(Scenario.new("indoor"))
-    with pytest.raises(ArgumentError, match="^threads:"):
-        papilio.tolerance(path, threads=0)
+    for wrong in [{"threads": 0}, {"retries": 1.5}, {"out": "/dev/null/x"}, {"client": 3}, {"batch_seconds": 0}, {"progress": 3}]:
+        with pytest.raises(ArgumentError, match=f"^{next(iter(wrong))}"):
+            papilio.tolerance(path, **wrong)
+
+
+def test_a_production_grows(path, found, tmp_path):
+    """What is in the journal is not computed again."""
+    papilio.tolerance(path, set=FEW, out=tmp_path)
+    larger = {"tolerance.samples": 80, "tolerance.sensitivity_samples": 16}
+    core = _papilio.Production(*Scenario.load(path).with_values(larger)._state())
+    core.open(str(tmp_path))
+    assert core.missing() == list(range(64, 80))
+    core.close()
+    more = papilio.tolerance(path, set=larger, out=tmp_path)
+    assert more.values[:64].tobytes() == found.values.tobytes()
