@@ -16,7 +16,7 @@ use std::time::Instant;
 use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search, was_stopped};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_findings::{design_texts, search_figures, search_table};
-use papilio_formats::{DataFile, SearchHead, write_file};
+use papilio_formats::{DataFile, HeldJournal, SearchHead, write_file};
 use papilio_scenario::{Edit, Optimisation, edit};
 
 use self::check::{Checked, check};
@@ -46,27 +46,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         Some(part) => Course::part(Arc::clone(&search), kept, threads, part),
         None => Course::new(Arc::clone(&search), kept, threads),
     };
-    let (bar, mut new) = (progress::bar(course.progress().1, "searches"), 0);
-    let counter = evaluator.evaluated();
-    let log = in_log(&bar, move |bar| {
-        let (done, of) = (bar.position(), bar.length().unwrap_or_default());
-        format!("{done} of {of} searches, {} designs", counter.load(Ordering::Relaxed))
-    });
-    let mut tell = |record: &Record, (done, of): (usize, usize)| {
-        if let Record::Found(found) = record {
-            new += found.evaluations;
-        }
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        journal.add(record).map_err(Failure::from)
-    };
-    let ran = course.run(&evaluator, threads, &mut tell);
-    bar.finish_and_clear();
-    drop(log);
-    ran.map_err(|failure| match failure {
-        Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
-        other => other,
-    })?;
+    let new = go(&mut course, &evaluator, threads, &mut journal)?;
     let found = course.found();
     let seconds = started.elapsed().as_secs_f64();
     let all = report::evaluations(&found);
@@ -97,6 +77,37 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     };
     interrupt::whole(|| journal.finish(&head, found.iter()))?;
     finish(arguments, &folder, &search, &found, &chosen, &checked)
+}
+
+/// Goes to the end of a course, each record into the journal; how many designs were evaluated.
+fn go(
+    course: &mut Course,
+    evaluator: &Evaluator<'_>,
+    threads: usize,
+    journal: &mut HeldJournal,
+) -> Result<usize, Failure> {
+    let (bar, mut new) = (progress::bar(course.progress().1, "searches"), 0);
+    let counter = evaluator.evaluated();
+    let log = in_log(&bar, move |bar| {
+        let (done, of) = (bar.position(), bar.length().unwrap_or_default());
+        format!("{done} of {of} searches, {} designs", counter.load(Ordering::Relaxed))
+    });
+    let mut tell = |record: &Record, (done, of): (usize, usize)| {
+        if let Record::Found(found) = record {
+            new += found.evaluations;
+        }
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        journal.add(record).map_err(Failure::from)
+    };
+    let ran = course.run(evaluator, threads, &mut tell);
+    bar.finish_and_clear();
+    drop(log);
+    ran.map_err(|failure| match failure {
+        Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
+        other => other,
+    })?;
+    Ok(new)
 }
 
 /// Whether a part has something to do.
