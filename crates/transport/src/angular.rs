@@ -270,26 +270,29 @@ impl AngularTable {
     }
 }
 
-/// Numbers that are summed over all rows before the next ones are.
-const IN_REGISTERS: usize = 32;
-
 /// Adds weighted rows that stand one after the other.
 #[inline(always)]
 fn add_rows(sum: &mut [f64], rows: &[f64], weights: &[f64]) {
+    // As many as registers hold over all rows, and then what is left.
+    let done = add_columns::<32>(sum, rows, weights, 0);
+    let done = add_columns::<8>(sum, rows, weights, done);
+    add_columns::<1>(sum, rows, weights, done);
+}
+
+/// The same for columns from the first on, `N` at a time; where the next one is.
+#[inline(always)]
+fn add_columns<const N: usize>(sum: &mut [f64], rows: &[f64], weights: &[f64], first: usize) -> usize {
     let len = sum.len().max(1);
-    let (chunks, rest) = sum.as_chunks_mut::<IN_REGISTERS>();
-    let last = chunks.len() * IN_REGISTERS;
+    let (chunks, _) = sum[first..].as_chunks_mut::<N>();
     for (number, chunk) in chunks.iter_mut().enumerate() {
         let mut sums = *chunk;
         for (row, weight) in rows.chunks_exact(len).zip(weights) {
-            let row = &row[number * IN_REGISTERS..][..IN_REGISTERS];
+            let row = &row[first + number * N..][..N];
             sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
         *chunk = sums;
     }
-    for (row, weight) in rows.chunks_exact(len).zip(weights) {
-        rest.iter_mut().zip(&row[last..]).for_each(|(sum, value)| *sum += weight * value);
-    }
+    first + chunks.len() * N
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ mod layered;
 mod strategy;
 mod tally;
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, wide};
 use papilio_sampling::{Numbers, PLANNED_BLOCKS};
 
 use crate::{Cone, Estimate, Source, Stack, Top};
@@ -342,30 +342,34 @@ impl Target {
 }
 
 /// Multiplies each row of `rows` (shape `[state][wavelength]`) by `factor`.
-#[inline]
 fn scale_rows(rows: &mut [f64], factor: &[f64]) {
-    for row in rows.chunks_exact_mut(factor.len()) {
-        for (value, f) in row.iter_mut().zip(factor) {
-            *value *= f;
-        }
-    }
+    wide(
+        #[inline(always)]
+        || {
+            for row in rows.chunks_exact_mut(factor.len()) {
+                row.iter_mut().zip(factor).for_each(|(value, f)| *value *= f);
+            }
+        },
+    );
 }
 
 /// `sum += scale * values`.
-#[inline]
 fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    for (s, v) in sum.iter_mut().zip(values) {
-        *s += v * scale;
-    }
+    wide(
+        #[inline(always)]
+        || sum.iter_mut().zip(values).for_each(|(s, v)| *s += v * scale),
+    );
 }
 
 /// `sum[state][wavelength] += scale * values[state][wavelength] * factor[wavelength]`.
-#[inline]
 fn add_rows_times(sum: &mut [f64], values: &[f64], factor: &[f64], scale: f64) {
     let bins = factor.len();
-    for (sum_row, row) in sum.chunks_exact_mut(bins).zip(values.chunks_exact(bins)) {
-        for ((s, v), f) in sum_row.iter_mut().zip(row).zip(factor) {
-            *s += scale * v * f;
-        }
-    }
+    wide(
+        #[inline(always)]
+        || {
+            for (sum, row) in sum.chunks_exact_mut(bins).zip(values.chunks_exact(bins)) {
+                sum.iter_mut().zip(row).zip(factor).for_each(|((s, v), f)| *s += scale * v * f);
+            }
+        },
+    );
 }

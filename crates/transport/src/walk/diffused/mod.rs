@@ -484,5 +484,5 @@ fn reflected(look_up: Option<Stencil>, spectra: &[f64]) -> Reflected<'_> {
 /// `out = values * f`, where `fill` writes f.
 fn multiply(out: &mut [f64], values: &[f64], fill: impl FnOnce(&mut [f64])) {
     fill(out);
-    out.iter_mut().zip(values).for_each(|(o, v)| *o *= v);
+    scale_rows(out, values);
 }
