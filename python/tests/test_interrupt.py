@@ -17,7 +17,7 @@ START = "import papilio, sys, numpy as np; path = sys.argv[1]; "
 END = "\nprint('ended')\n"
 
 LONG = {
-    "a walk": 'papilio.run(path, solver="walk", set={"solver.relative_error": 1e-6})',
+    "a walk": 'papilio.run(path, solver="walk", set={"solver.paths": 1_000_000_000})',
     "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 100))",
     "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
     "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 30000000))], 550.0)',
@@ -49,7 +49,7 @@ def test_progress_is_told_and_may_end_the_run(scenarios):
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 1e-6}, progress=stop)
+        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.paths": 1_000_000_000}, progress=stop)
 
 
 def test_the_interpreter_runs_meanwhile(scenarios):
@@ -73,7 +73,7 @@ def test_the_interpreter_runs_meanwhile(scenarios):
     counter = threading.Thread(target=count)
     counter.start()
     with pytest.raises(Counted):
-        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 1e-6}, progress=look)
+        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.paths": 1_000_000_000}, progress=look)
     ended.set()
     counter.join()
 

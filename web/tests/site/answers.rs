@@ -234,7 +234,7 @@ fn a_sweep_tells_each_point() {
 #[test]
 fn who_goes_away_frees_the_work() {
     let server = Server::start();
-    let scenario = indoor(&server).replace("relative_error = 0.001", "relative_error = 1e-6");
+    let scenario = indoor(&server).replace("relative_error = 0.001", "relative_error = 1e-6\nsampler = \"random\"");
     let body = json!({ "scenario": scenario }).to_string();
     let begin = || {
         let mut stream = server.connect();
@@ -249,7 +249,7 @@ fn who_goes_away_frees_the_work() {
     let walks: Vec<_> = (0..places).map(|_| begin()).collect();
     // All places are taken: the next one is asked to come back.
     let busy = server.post("/walk", &json!({ "scenario": scenario }));
-    assert!(busy.status == 503 && busy.head.contains("retry-after: 1"), "{busy:?}");
+    assert!(busy.status == 503 && busy.head.contains("retry-after: 1"), "{}", busy.head);
     // The live answer has places of its own.
     assert_eq!(server.post("/live", &json!({ "scenario": indoor(&server) })).status, 200);
     drop(walks);
