@@ -234,7 +234,8 @@ fn a_sweep_tells_each_point() {
 #[test]
 fn who_goes_away_frees_the_work() {
     let server = Server::start();
-    let scenario = indoor(&server).replace("relative_error = 0.001", "relative_error = 1e-6\nsampler = \"random\"");
+    let scenario =
+        indoor(&server).replace("relative_error = 0.001", "relative_error = 1e-6\nsampler = \"random\"");
     let body = json!({ "scenario": scenario }).to_string();
     let begin = || {
         let mut stream = server.connect();
