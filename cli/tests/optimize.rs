@@ -140,6 +140,12 @@ fn parts_on_many_machines_end_as_one_search() {
             // best.toml names the scenario's files from where it lies; here it has none.
             assert!(bytes == whole[&name], "{name}");
         }
+        // Parts of another search are not passed over, and what is there stays.
+        let other = ["optimize", &file, "--out", &merged, "--merge", one, "--set", "optimize.seed=7"];
+        let refused = papilio(&other);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(stderr(&refused).contains("this is the journal of something else"), "{}", stderr(&refused));
+        assert!(files(Path::new(&merged)).iter().all(|(name, bytes)| *bytes == whole[name]));
     }
     let (_folder, file, out) = place(&SCENARIO.replace("[optimize]", "[optimize]\nmethod = \"global\""));
     let refused = papilio(&["optimize", &file, "--out", &out, "--shard", "2/2"]);

@@ -342,6 +342,13 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     );
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(printed["points"][14]["values"].as_array().unwrap().len(), 2);
+    // Without figures asked for, all that is kept is drawn and listed.
+    let bare = text.replace("figures = [\"contrast_ratio\", \"white.L_star\"]\n", "");
+    let (_folder, file, out) = place(&bare);
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    let listed = String::from_utf8(output.stdout).unwrap();
+    assert!(bare != text && listed.contains("white.L_star") && listed.contains("contrast_ratio"), "{listed}");
+    assert!(files(Path::new(&out)).contains_key("sweep_white.L_star_map.svg"));
 
     let parts: Vec<String> = (1..=2)
         .map(|k| {

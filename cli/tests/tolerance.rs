@@ -169,6 +169,11 @@ fn parts_make_the_whole() {
     let output = papilio(&[&["tolerance", &file, "--out", &out][..], &merge].concat());
     assert!(stderr(&output).contains(" 0 computed"), "{}", stderr(&output));
     same(&files(Path::new(&out)), &expected);
+    // Parts of something else are not passed over.
+    let output =
+        papilio(&[&["tolerance", &file, "--out", &out, "--set", "tolerance.seed=5"][..], &merge].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("this is the journal of something else"), "{}", stderr(&output));
 }
 
 /// More samples begin with those that are known; other limits need none anew; another seed all.

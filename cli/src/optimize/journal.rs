@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use papilio_design::search::{Kept, Record};
-use papilio_formats::{HeldJournal, SearchHead, journal_name, journal_paths, trusted_lines};
+use papilio_formats::{HeldJournal, SearchHead, foreign, journal_name, journal_paths, trusted_lines};
 
 use crate::Failure;
 use crate::journal::{check_folder, failed};
@@ -20,18 +20,23 @@ pub(super) fn open(
     others: &[PathBuf],
 ) -> Result<(HeldJournal, Kept), Failure> {
     let mut kept = Kept::default();
-    let path = folder.join(journal_name(STEM, part));
-    let held = HeldJournal::open(path, head, |line| keep(&mut kept, line)).map_err(failed)?;
-    for folder in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)) {
+    let own = folder.join(journal_name(STEM, part));
+    for (other, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
         check_folder(folder, STEM)?;
-        for path in journal_paths(folder, STEM).map_err(failed)? {
-            if path != held.path() {
-                let mut other = Kept::default();
-                trusted_lines(&path, head, |line| keep(&mut other, line)).map_err(failed)?;
-                kept.join(other);
-            }
+        let paths = journal_paths(folder, STEM).map_err(failed)?;
+        let mut ours = 0;
+        for path in paths.iter().filter(|path| **path != own) {
+            let mut told = Kept::default();
+            ours += trusted_lines(path, head, |line| keep(&mut told, line)).map_err(failed)?;
+            kept.join(told);
+        }
+        match paths.first() {
+            Some(path) if other > 0 && ours == 0 => return Err(failed(foreign(path))),
+            _ => {}
         }
     }
+    // Last: a journal of another search is emptied.
+    let held = HeldJournal::open(own, head, |line| keep(&mut kept, line)).map_err(failed)?;
     Ok((held, kept))
 }
 

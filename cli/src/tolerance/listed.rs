@@ -16,7 +16,7 @@ pub(super) fn listed(title: &str, production: &Production, found: &Report) -> St
     }
     text.push('\n');
     if !found.limits.is_empty() {
-        text.push_str(&format!("\nyield {}{}\n\n", percent(found.verdict.yield_share), none_fails(found)));
+        text.push_str(&format!("\nyield {}{}\n\n", percent(found.verdict.yield_share), rule_of_three(found)));
         text.push_str(&report::table(&limits(found)));
     }
     text.push('\n');
@@ -37,16 +37,17 @@ pub(super) fn listed(title: &str, production: &Production, found: &Report) -> St
     text
 }
 
-/// What a sample in which nothing fails says of the whole: the rule of three.
-fn none_fails(found: &Report) -> String {
-    if found.verdict.yield_share.value < 1.0 {
+/// What a sample in which nothing or everything fails says of the whole: the rule of three.
+fn rule_of_three(found: &Report) -> String {
+    let (share, samples) = (found.verdict.yield_share.value, found.samples);
+    let what = if share >= 1.0 {
+        "is bad"
+    } else if share <= 0.0 {
+        "is good"
+    } else {
         return String::new();
-    }
-    format!(
-        ": none of {} fails, so fewer than {:.2} % do (95 % sure)",
-        found.samples,
-        300.0 / found.samples as f64
-    )
+    };
+    format!(": none of {samples} {what}, so fewer than {:.2} % are (95 % sure)", 300.0 / samples as f64)
 }
 
 /// A share in % with its standard error.

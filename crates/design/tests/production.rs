@@ -4,7 +4,9 @@
 
 use std::f64::consts::PI;
 
-use papilio_design::tolerance::{Draw, Indices, Limit, PERCENTILES, Plan, Spread, Verdict, indices};
+use papilio_design::tolerance::{
+    Draw, Estimate, Indices, Limit, PERCENTILES, Plan, Spread, Verdict, indices,
+};
 use papilio_sampling::{Coefficient, Correlation, Distribution};
 
 fn independent(distributions: Vec<Distribution>, seed: u64) -> Plan {
@@ -78,6 +80,30 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
         // seeds one in 2000 lies outside.
         assert!((0.45..2.5).contains(&squares), "{name}: mean square {squares}");
         assert!(of.iter().all(|t| t.abs() < 6.0), "{name}: {of:?}");
+    }
+}
+
+/// Of any distribution (one that leans, one of several humps with next to nothing between them) percentiles scatter over seeds as their
+/// errors say, near the ends as in the middle.
+#[test]
+fn percentiles_err_as_they_say() {
+    const SEEDS: u64 = 48;
+    let leaning = |x: &[f64]| (0.8 * x[0]).exp() + 0.3 * x[1] * x[2];
+    let humps = |x: &[f64]| x[0] + 0.4 * x[2] + if x[1] < -0.4 { 0.0 } else { 5.0 };
+    for (name, f) in [("leaning", &leaning as &dyn Fn(&[f64]) -> f64), ("humps", &humps)] {
+        let of_seed = |seed| {
+            let plan = independent(vec![normal(0.0, 1.0); 3], seed);
+            Spread::of(&column(&plan, 1024, Draw::Own, f)).unwrap().percentiles
+        };
+        let found: Vec<_> = (0..SEEDS).map(of_seed).collect();
+        for (k, percent) in PERCENTILES.iter().enumerate() {
+            let mean = found.iter().map(|one| one[k].value).sum::<f64>() / SEEDS as f64;
+            let score = |one: &[Estimate; 7]| ((one[k].value - mean) / one[k].standard_error).powi(2);
+            let squares = found.iter().map(score).sum::<f64>() / (SEEDS - 1) as f64;
+            println!("{name}, {percent} %: mean square {squares:.2}");
+            // As above; the share that errors are taken from has few pieces near the ends.
+            assert!((0.4..2.5).contains(&squares), "{name}, {percent} %: mean square {squares}");
+        }
     }
 }
 

@@ -37,6 +37,9 @@ pub enum Problem {
     /// The file is a journal, and another program adds to it.
     #[error("another program is writing this journal")]
     Busy,
+    /// The file is a journal, but not of what it is to be joined with.
+    #[error("this is the journal of something else: another scenario, other files or another version")]
+    ForeignJournal,
     /// Larger than any sensible table.
     #[error("this file has {bytes} bytes, more than {limit}")]
     TooLarge {
@@ -254,6 +257,7 @@ impl Problem {
             Self::Bsdf(problem) => return problem.hint(),
             Self::Map(problem) => return problem.hint(),
             Self::Busy => "wait for it, or choose another folder",
+            Self::ForeignJournal => "parts are computed from the same file with the same --set",
             Self::NotUtf8 => "save it as plain text in UTF-8",
             Self::Columns { count, found, .. } if found < count => {
                 "separate the columns with commas, semicolons, tabs or blanks"

@@ -82,8 +82,8 @@ pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::read_index;
 pub use journal::{
     HeldJournal, Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, RowsHead,
-    journal_name, journal_paths, open_journal, read_journal, read_journals, tidy_journals, trusted_lines,
-    write_journal_line,
+    foreign, journal_name, journal_paths, open_journal, read_journal, read_journals, tidy_journals,
+    trusted_lines, write_journal_line,
 };
 pub use json::write_json;
 pub use light::{

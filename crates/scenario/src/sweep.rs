@@ -81,7 +81,7 @@ impl Sweep {
         }
     }
 
-    /// What a light sweep keeps, if this is one; the figures that are drawn where nobody asked for any are among it.
+    /// What a light sweep keeps, if this is one; where nobody asked for figures, all of it is drawn.
     ///
     /// # Errors
     /// What is wrong with its metrics, or with the scenario at a point of [`samples`](Self::samples).
@@ -96,7 +96,9 @@ impl Sweep {
         let views = viewer.phi_deg.iter().flat_map(of_phi);
         let moved = self.axes.iter().flat_map(|axis| &axis.0).any(|swept| is_of_viewer(&swept.path));
         let views = if moved { Vec::new() } else { views.collect() };
-        self.figures.retain(|name| name.origin != Origin::FILE || known.contains(&name.value));
+        if !self.figures.is_empty() && self.figures.iter().all(|name| name.origin == Origin::FILE) {
+            self.figures = known.iter().cloned().map(At::at_large).collect();
+        }
         let is_metric = |name: &str| MetricName::named(name).is_some();
         for name in self.figures.iter().filter(|name| !known.contains(name) && is_metric(name)) {
             let problem = PlanProblem::NotKept { name: name.value.clone(), kept: known.join(", ") };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::estimate::{Estimate, Sums};
-use super::plan::{REPLICATES, replicate};
+use super::plan::replicate;
 
 /// The percentiles that are given.
 pub const PERCENTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
@@ -54,14 +54,25 @@ impl Spread {
 }
 
 /// Of values in order, each with its replicate.
+///
+/// Standard errors are Woodruff's (J. Am. Stat. Assoc. 47, 635 (1952)): that of the share of pieces below the percentile, from the
+/// replicates, carried over to the metric by the slope between percentiles on both sides, so far off that there are enough pieces
+/// between them. (The jackknife is no estimate of a percentile's error: it sees but the few values next to it.)
 fn percentiles(sorted: &[(f64, usize)]) -> [Estimate; PERCENTILES.len()] {
-    let without = |left_out: Option<usize>| {
-        let kept = sorted.iter().filter(|(_, of)| Some(*of) != left_out).map(|(value, _)| *value);
-        let kept: Vec<f64> = kept.collect();
-        PERCENTILES.map(|percent| interpolated(&kept, percent / 100.0))
-    };
-    let all: Vec<[f64; PERCENTILES.len()]> = (0..REPLICATES).map(Some).chain([None]).map(without).collect();
-    std::array::from_fn(|k| Estimate::jackknife(|left_out| all[left_out.unwrap_or(REPLICATES)][k]))
+    let values: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
+    PERCENTILES.map(|percent| {
+        let share = percent / 100.0;
+        let value = interpolated(&values, share);
+        let below = |other: f64| if other == value { 0.5 } else { f64::from(u8::from(other < value)) };
+        let terms = sorted.iter().map(|(other, of)| (*of, [below(*other), 1.0]));
+        let count = values.len() as f64;
+        // A piece more or less is always in doubt.
+        let error = Sums::of(terms).share().standard_error.max(0.5 / count);
+        let off = count.sqrt().recip().min(0.5 * share).min(0.5 * (1.0 - share)).max(error);
+        let (low, high) = ((share - off).max(0.0), (share + off).min(1.0));
+        let slope = (interpolated(&values, high) - interpolated(&values, low)) / (high - low);
+        Estimate { value, standard_error: slope * error }
+    })
 }
 
 /// The number below which a share of the ordered numbers lies.

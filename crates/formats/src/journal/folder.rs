@@ -104,6 +104,11 @@ fn lock(path: &Path) -> Result<File, FormatError> {
     }
 }
 
+/// A journal that is of something else.
+pub fn foreign(path: &Path) -> FormatError {
+    FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::ForeignJournal }
+}
+
 fn unwritable(path: &Path, error: &io::Error) -> FormatError {
     let problem = Problem::Unwritable { reason: error.to_string() };
     FormatError { place: Place::whole(&path.display().to_string()), problem }

@@ -16,7 +16,7 @@ use crate::file::DataFile;
 use crate::place::Place;
 
 pub use folder::{
-    HeldJournal, Journals, journal_name, journal_paths, open_journal, read_journals, tidy_journals,
+    HeldJournal, Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals,
     trusted_lines,
 };
 pub use rows::{JournalRows, RowsHead};

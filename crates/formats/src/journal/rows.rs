@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::folder::{HeldJournal, journal_name, open_journal, read_journals, tidy_journals};
+use super::folder::{HeldJournal, foreign, journal_name, open_journal, read_journals, tidy_journals};
 use super::{Journal, JournalNumber, JournalRow};
 use crate::error::FormatError;
 use crate::sweep::SweepHead;
@@ -43,7 +43,7 @@ impl<H: RowsHead> JournalRows<H> {
     /// its folder, and in these.
     ///
     /// # Errors
-    /// If a journal cannot be read or written, or another program has it.
+    /// If a journal cannot be read or written, or another program has it; if a folder of others has none of this head.
     pub fn open(
         folder: &Path,
         stem: &str,
@@ -55,8 +55,17 @@ impl<H: RowsHead> JournalRows<H> {
         let mut journal = HeldJournal::hold(folder.join(&name))?;
         tidy_journals(folder, &[&name, &format!("{stem}.csv."), &format!("{stem}_")]);
         let mut known = BTreeMap::new();
-        for folder in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)) {
-            for (_, journal) in read_journals::<H, JournalRow>(folder, stem, |other| head.is_of(other))? {
+        for (other, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
+            let journals = read_journals::<H, JournalRow>(folder, stem, |other| head.is_of(other))?;
+            let is_ours =
+                |journal: &Journal<H, JournalRow>| journal.head.as_ref().is_some_and(|own| head.is_of(own));
+            match journals.first() {
+                Some((path, _)) if other > 0 && !journals.iter().any(|(_, journal)| is_ours(journal)) => {
+                    return Err(foreign(path));
+                }
+                _ => {}
+            }
+            for (_, journal) in journals {
                 known.extend(journal.lines.into_iter().map(JournalRow::into_numbers));
             }
         }
