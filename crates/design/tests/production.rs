@@ -76,6 +76,7 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
     for name in ["yield", "mean", "deviation", "95 %"] {
         let of: Vec<f64> = scores.iter().filter(|one| one.0 == name).map(|one| one.1).collect();
         let squares = of.iter().map(|t| t * t).sum::<f64>() / of.len() as f64;
+        println!("{name}: mean square {squares:.2}");
         // Squares of Student's t of 15 degrees of freedom: mean 15/13, variance 1.96 in the mean of one; over 40
         // seeds one in 2000 lies outside.
         assert!((0.45..2.5).contains(&squares), "{name}: mean square {squares}");
