@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use papilio_design::tolerance::{
@@ -40,6 +41,17 @@ fn share_below(z: f64) -> f64 {
     0.5 + sum * (-0.5 * z * z).exp() / (2.0 * PI).sqrt()
 }
 
+/// The standard normal distribution's number below which so many per cent lie, for each of [`PERCENTILES`].
+const NORMAL: [f64; 7] = [
+    -2.326_347_874_040_841,
+    -1.644_853_626_951_472,
+    -0.674_489_750_196_081_7,
+    0.0,
+    0.674_489_750_196_081_7,
+    1.644_853_626_951_472,
+    2.326_347_874_040_841,
+];
+
 /// A sum of correlated normal numbers is normal: its yield, percentiles and spread are closed forms. Over seeds the
 /// errors are as large as they are said to be, and far smaller than those of random pieces.
 #[test]
@@ -50,7 +62,7 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
     let (least, most) = (mean - 1.1 * sigma, mean + 1.7 * sigma);
     let wanted = share_below(1.7) - share_below(-1.1);
     let limit = Limit { column: 0, at_least: Some(least), at_most: Some(most) };
-    let (mut scores, mut gains) = (Vec::new(), [0.0; 2]);
+    let (mut scores, mut gains) = (BTreeMap::<String, Vec<f64>>::new(), [0.0; 2]);
     for seed in 0..40 {
         let correlation = Correlation::new(3, &[Coefficient { between: [0, 1], value: r }]).unwrap();
         let plan = Plan::new(vec![normal(1.0, 0.3), normal(-2.0, 0.4), normal(3.0, 0.5)], correlation, seed);
@@ -61,20 +73,20 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
         let of_random = (wanted * (1.0 - wanted) / 2048.0).sqrt();
         gains[0] += found.standard_error / of_random / 40.0;
         gains[1] += spread.mean.standard_error / (sigma / f64::sqrt(2048.0)) / 40.0;
-        let at = PERCENTILES.iter().position(|percent| *percent == 95.0).unwrap();
-        for (name, found, wanted) in [
-            ("yield", found, wanted),
-            ("mean", spread.mean, mean),
-            ("deviation", spread.deviation, sigma),
-            ("95 %", spread.percentiles[at], mean + 1.6448536269514722 * sigma),
-        ] {
-            scores.push((name, (found.value - wanted) / found.standard_error));
+        let percentiles = PERCENTILES.iter().zip(spread.percentiles).zip(NORMAL);
+        let percentiles =
+            percentiles.map(|((percent, found), z)| (format!("{percent} %"), found, mean + z * sigma));
+        let others =
+            [("yield", found, wanted), ("mean", spread.mean, mean), ("deviation", spread.deviation, sigma)];
+        let others = others.map(|(name, found, wanted)| (name.to_owned(), found, wanted));
+        for (name, found, wanted) in others.into_iter().chain(percentiles) {
+            scores.entry(name).or_default().push((found.value - wanted) / found.standard_error);
         }
     }
     // A share has a jump in it, which even points see less of than of a smooth sum.
     assert!(gains[0] < 0.7 && gains[1] < 0.2, "{gains:?}");
-    for name in ["yield", "mean", "deviation", "95 %"] {
-        let of: Vec<f64> = scores.iter().filter(|one| one.0 == name).map(|one| one.1).collect();
+    assert_eq!(scores.len(), 10);
+    for (name, of) in scores {
         let squares = of.iter().map(|t| t * t).sum::<f64>() / of.len() as f64;
         println!("{name}: mean square {squares:.2}");
         // Squares of Student's t of 15 degrees of freedom: mean 15/13, variance 1.96 in the mean of one; over 40

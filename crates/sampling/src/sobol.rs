@@ -103,7 +103,7 @@ pub(crate) fn point(index: u32, block: usize, scramble: u32) -> [u32; 4] {
 }
 
 /// Points that differ in the lowest bits of their indices alone.
-pub(crate) const IN_A_ROW: usize = 16;
+pub(crate) const IN_A_ROW: usize = 64;
 
 /// What those bits choose, for each dimension of each block.
 static OF_LOWEST_BITS: [[[u32; IN_A_ROW]; 4]; BLOCKS] = {

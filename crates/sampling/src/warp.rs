@@ -4,20 +4,13 @@ use std::f64::consts::TAU;
 
 /// The point at this radius and at azimuth `2 pi v`, v in [0, 1].
 ///
-/// Error of sine and cosine below 3e-16. Knowing the turn, not the angle, makes the
+/// Error of sine and cosine below 4e-16. Knowing the turn, not the angle, makes the
 /// reduction to an eighth of a turn exact and several times as fast as `sin_cos`.
 #[inline(always)]
 pub fn polar(radius: f64, v: f64) -> (f64, f64) {
     let (nearest, quarter) = rounded(4.0 * v);
-    let x = TAU * (v - 0.25 * nearest);
-    let x2 = x * x;
-    // Taylor series: the next terms are below 1e-17 for |x| <= pi/4.
-    let sin = x * horner(
-        x2,
-        [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, SIN_11, SIN_13, SIN_15],
-    );
-    let cos =
-        horner(x2, [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, COS_10, COS_12, COS_14, COS_16]);
+    let turn = v - 0.25 * nearest;
+    let (sin, cos) = (turn * polynomial(turn * turn, SINE), polynomial(turn * turn, COSINE));
     let (sin, cos) = if quarter & 1 == 0 { (sin, cos) } else { (cos, -sin) };
     let radius = if quarter & 2 == 0 { radius } else { -radius };
     (radius * cos, radius * sin)
@@ -33,17 +26,32 @@ pub fn rounded(x: f64) -> (f64, u32) {
     (shifted - SHIFT, shifted.to_bits() as u32)
 }
 
-const SIN_11: f64 = -1.0 / 39_916_800.0;
-const SIN_13: f64 = 1.0 / 6_227_020_800.0;
-const SIN_15: f64 = -1.0 / 1_307_674_368_000.0;
-const COS_10: f64 = -1.0 / 3_628_800.0;
-const COS_12: f64 = 1.0 / 479_001_600.0;
-const COS_14: f64 = -1.0 / 87_178_291_200.0;
-const COS_16: f64 = 1.0 / 20_922_789_888_000.0;
+/// Of `sin(2 pi t)/t` and `cos(2 pi t)` by powers of `t^2`, for |t| up to an eighth: the polynomials with the least largest
+/// error (Remez' algorithm), 1e-18 and 5e-17.
+const SINE: [f64; 7] = [
+    TAU,
+    -41.341_702_240_399_41,
+    81.605_249_275_830_35,
+    -76.705_859_678_452_78,
+    42.058_682_266_012_006,
+    -15.093_663_204_857_455,
+    3.778_092_362_991_274_3,
+];
+const COSINE: [f64; 7] = [
+    1.0,
+    -19.739_208_802_178_42,
+    64.939_394_022_365_58,
+    -85.456_817_090_398_12,
+    60.244_620_092_960_24,
+    -26.424_257_434_735_12,
+    7.810_299_497_052_723,
+];
 
+/// Even and odd powers side by side: half as long a chain as term after term.
 #[inline(always)]
-fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
-    coefficients.into_iter().rev().fold(0.0, |sum, c| sum * x + c)
+fn polynomial(x: f64, [a, b, c, d, e, f, g]: [f64; 7]) -> f64 {
+    let x2 = x * x;
+    (a + x2 * (c + x2 * (e + x2 * g))) + x * (b + x2 * (d + x2 * f))
 }
 
 /// A point of the disc of this radius, density [`uniform_disc_density`].

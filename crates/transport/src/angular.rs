@@ -260,12 +260,31 @@ impl AngularTable {
         add_rows(basis, &self.basis[stencil.first * basis.len()..], &stencil.weights[..used]);
     }
 
+    /// All states from sums of the basis.
     #[inline(always)]
     fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
+        match self.common.len() {
+            32.. => self.mix_columns::<32>(basis, common_weight, out),
+            8.. => self.mix_columns::<8>(basis, common_weight, out),
+            _ => self.mix_columns::<1>(basis, common_weight, out),
+        }
+    }
+
+    /// The same, so many wavelengths at a time; the last of them once more rather than one by one.
+    #[inline(always)]
+    fn mix_columns<const N: usize>(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
         let (bins, count) = (self.common.len(), self.basis_count());
         for (row, shares) in out.chunks_exact_mut(bins).zip(self.mixture.chunks_exact(count)) {
-            row.iter_mut().zip(&self.common).for_each(|(value, common)| *value = common * common_weight);
-            add_rows(row, basis, shares);
+            for first in (0..bins).step_by(N).map(|first| first.min(bins - N)) {
+                let mut mixed = [0.0; N];
+                let common = &self.common[first..][..N];
+                mixed.iter_mut().zip(common).for_each(|(value, common)| *value = common * common_weight);
+                for (of_basis, share) in basis.chunks_exact(bins).zip(shares) {
+                    let values = &of_basis[first..][..N];
+                    mixed.iter_mut().zip(values).for_each(|(value, of_basis)| *value += share * of_basis);
+                }
+                row[first..][..N].copy_from_slice(&mixed);
+            }
         }
     }
 }
@@ -338,7 +357,7 @@ mod tests {
         let (mut sum, mut one) = (vec![0.0; 6], vec![0.0; 6]);
         for (beta_squared, weight) in [(0.0, 1.0), (0.3, 0.5), (2.2, 2.0)] {
             table.reflectance(beta_squared, &medium, &mut one);
-            add_rows(&mut sum, &one, &[weight]);
+            sum.iter_mut().zip(&one).for_each(|(sum, value)| *sum += weight * value);
             let stencil = table.nodes.stencil(beta_squared, 1.5);
             for (k, w) in stencil.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
                 weights[stencil.first + k] += w * weight;

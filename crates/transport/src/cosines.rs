@@ -17,8 +17,8 @@ use crate::angular::Stencil;
 pub struct CosinePanels {
     /// In ascending order.
     panels: Vec<Panel>,
-    /// For each of so many equal parts of 0 to 1 the panel that it lies in, and its number.
-    parts: Vec<(Panel, usize)>,
+    /// For each of so many equal parts of 0 to 1 the number of the panel that it lies in.
+    parts: Vec<u16>,
     /// Of a panel from -1 to 1, and 1 over the product of differences from all others.
     nodes: [f64; Self::NODES],
     scale: [f64; Self::NODES],
@@ -63,8 +63,7 @@ impl CosinePanels {
         let parts = 1 << halvings.iter().max().copied().unwrap_or(0);
         let panel_at = |part: i32| {
             let cosine = f64::from(part) / f64::from(parts);
-            let number = panels.partition_point(|panel: &Panel| panel.start <= cosine).max(1) - 1;
-            (panels[number], number)
+            (panels.partition_point(|panel: &Panel| panel.start <= cosine).max(1) - 1) as u16
         };
         let count = Self::NODES as f64;
         // The product of differences is T'(x)/2^(n-1), T the Chebyshev polynomial of degree n.
@@ -106,26 +105,35 @@ impl CosinePanels {
         self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])
     }
 
-    /// Which panel a cosine from 0 to 1 lies in, and where in it, from -1 to 1.
+    /// The number of equal parts of 0 to 1 that panels are made of.
     #[inline(always)]
-    pub(crate) fn place(&self, cosine: f64) -> (usize, f64) {
-        let part = rounded(cosine * self.parts.len() as f64 - 0.5).1 as usize;
-        let (panel, number) = &self.parts[part.min(self.parts.len() - 1)];
+    pub(crate) fn part_count(&self) -> f64 {
+        self.parts.len() as f64
+    }
+
+    /// Which of so many parts a cosine from 0 to 1 lies in.
+    #[inline(always)]
+    pub(crate) fn part(cosine: f64, count: f64) -> u32 {
+        rounded(cosine * count - 0.5).1
+    }
+
+    /// Which panel a part lies in.
+    #[inline(always)]
+    pub(crate) fn panel_of(&self, part: u32) -> usize {
+        usize::from(self.parts[(part as usize).min(self.parts.len() - 1)])
+    }
+
+    /// Where in a panel a cosine lies, from -1 to 1.
+    #[inline(always)]
+    fn place(&self, number: usize, cosine: f64) -> f64 {
+        let panel = &self.panels[number];
         // Widths are powers of two.
-        (*number, (cosine - panel.start) * panel.per_half_width - 1.0)
+        (cosine - panel.start) * panel.per_half_width - 1.0
     }
 
-    /// The same of several.
-    #[inline(always)]
-    pub(crate) fn places<const N: usize>(&self, cosines: &[f64; N]) -> [(usize, f64); N] {
-        let mut places = [(0, 0.0); N];
-        places.iter_mut().zip(cosines).for_each(|(place, cosine)| *place = self.place(*cosine));
-        places
-    }
-
-    /// The number of panels.
-    pub(crate) fn panel_count(&self) -> usize {
-        self.panels.len()
+    /// Of each panel where it starts, and one over half its width.
+    pub(crate) fn borders(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.panels.iter().map(|panel| [panel.start, panel.per_half_width])
     }
 
     /// Adds to the weights of a panel's nodes those of look-ups with these moments: sums of weights times
@@ -146,7 +154,8 @@ impl CosinePanels {
     /// Lagrange's interpolation within the panel of this cosine.
     #[inline(always)]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {
-        let (number, x) = self.place(cosine);
+        let number = self.panel_of(Self::part(cosine, self.part_count()));
+        let x = self.place(number, cosine);
         let away = self.nodes.map(|node| x - node);
         // Four products side by side.
         let (mut products, mut product) = ([1.0; 4], 1.0);
@@ -176,14 +185,15 @@ mod tests {
     fn moments_are_look_ups() {
         let panels = CosinePanels::new(&[2, 3, 3, 1]);
         let (mut one_by_one, mut by_moments) = (vec![0.0; panels.count()], vec![0.0; panels.count()]);
-        let mut moments = vec![[0.0; CosinePanels::NODES]; panels.panel_count()];
+        let mut moments = vec![[0.0; CosinePanels::NODES]; panels.borders().count()];
         for step in 0..=1000 {
             let (cosine, weight) = (f64::from(step) / 1000.0, f64::from(step % 7) - 2.5);
             let stencil = panels.stencil(cosine);
             for (sum, w) in one_by_one[stencil.first..].iter_mut().zip(stencil.weights) {
                 *sum += weight * w;
             }
-            let (number, place) = panels.place(cosine);
+            let number = panels.panel_of(CosinePanels::part(cosine, panels.part_count()));
+            let place = panels.place(number, cosine);
             let angle = place.clamp(-1.0, 1.0).acos();
             for (k, moment) in moments[number].iter_mut().enumerate() {
                 *moment += weight * (k as f64 * angle).cos();

@@ -11,7 +11,10 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::{Numbers, Sampler};
 use papilio_transport::specular_image;
 use papilio_transport::walk::Walk;
-use papilio_transport::{Cone, Diffuser, Front, Medium, Panel, Reflector, Source, Stack, Top};
+use papilio_transport::{
+    AngularTable, Base, Cone, CosinePanels, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack,
+    Top,
+};
 
 /// `rho` under the last source, over seeds, against the truth.
 fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, truth: f64) {
@@ -314,21 +317,36 @@ fn a_dispersive_medium_agrees_with_a_constant_one() {
     }
 }
 
-/// Paths that are traced together stand in groups: the sums are the same bits however calls cut them.
+/// Paths that are traced together stand in groups: the sums are the same bits however calls cut them, over a table of one
+/// node and over one in panels.
 #[test]
 fn split_calls_give_the_same_bits() {
-    let mut stack = panel(diffuser(0.06, 0.9, 0.0), mirror(0.8));
-    stack.front = front(&[(0.1, 0.05)], false);
-    let stack = Stack::Panel(stack);
-    let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
-    let walk = Walk::new(&stack, view(8.0), &sources);
-    let numbers = Numbers::new(Sampler::Sobol, 3, 0);
-    let (mut whole, mut parts) = (walk.replicate(), walk.replicate());
-    walk.trace(&mut whole, &numbers, 200);
-    for count in [1, 60, 3, 136] {
-        walk.trace(&mut parts, &numbers, count);
+    for base in [mirror(0.8), in_panels()] {
+        let mut stack = panel(diffuser(0.06, 0.9, 0.0), base);
+        stack.front = front(&[(0.1, 0.05)], false);
+        let stack = Stack::Panel(stack);
+        let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
+        let walk = Walk::new(&stack, view(8.0), &sources);
+        let numbers = Numbers::new(Sampler::Sobol, 3, 0);
+        let (mut whole, mut parts) = (walk.replicate(), walk.replicate());
+        walk.trace(&mut whole, &numbers, 1000);
+        for count in [1, 60, 3, 136, 64, 700, 36] {
+            walk.trace(&mut parts, &numbers, count);
+        }
+        assert_eq!(walk.estimate(&whole), walk.estimate(&parts));
     }
-    assert_eq!(walk.estimate(&whole), walk.estimate(&parts));
+}
+
+/// A mirror whose reflectance is a table in panels of the cosine, brighter towards the normal.
+fn in_panels() -> Base {
+    let panels = CosinePanels::new(&[1, 2, 3, 3]);
+    let table = AngularTable {
+        basis: panels.nodes().map(|cosine| 0.2 + 0.6 * cosine).collect(),
+        nodes: Nodes::CosinePanels(panels),
+        mixture: vec![1.0],
+        common: vec![0.0],
+    };
+    Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) }
 }
 
 /// The statistics above can fail: a truth that is off by half of one percent is refused.

@@ -19,7 +19,7 @@ table! {
     Sweep {
         /// The axes; keys of one axis move together.
         axes: Vec<At<Axis>>,
-        /// Metrics that are drawn: columns of sweep.csv, those of a state as "white.L_star". Default: contrast_ratio, gamut_percent_srgb.
+        /// Metrics that are drawn: columns of sweep.csv, those of a state as "white.L_star". Default: contrast_ratio, gamut_percent_srgb; of a light sweep all that it keeps.
         figures: Vec<At<String>> =
             ["contrast_ratio", "gamut_percent_srgb"].map(|name| At::at_large(name.to_owned())).to_vec(),
         /// The metrics that are kept, of every view: a light sweep, for many points. Default: all that is known of every point.

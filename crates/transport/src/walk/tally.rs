@@ -19,6 +19,10 @@ pub(super) enum Reflected<'a> {
 const SIDE_BY_SIDE: usize = 8;
 const IN_TURN: usize = 4;
 
+/// Numbers of look-ups that wait.
+type Waiting = [f64; WAITING];
+const WAITING: usize = SIDE_BY_SIDE * IN_TURN;
+
 /// Sums of look-ups in a panel of a table, as [`CosinePanels::add_moments`] takes them: for each polynomial that of
 /// each look-up's place among those side by side.
 type Moments = [[f64; SIDE_BY_SIDE]; CosinePanels::NODES];
@@ -26,13 +30,13 @@ type Moments = [[f64; SIDE_BY_SIDE]; CosinePanels::NODES];
 /// Look-ups in a panel of a table: they wait until there are enough of them to fill registers.
 #[derive(Debug, Clone)]
 struct InPanel {
+    /// Of the panel: where its cosines begin, and one over half their width.
+    borders: [f64; 2],
     waiting: usize,
-    /// Where in the panel, from -1 to 1, and the weight.
-    places: [f64; SIDE_BY_SIDE * IN_TURN],
-    weights: [f64; SIDE_BY_SIDE * IN_TURN],
-    weighted: Moments,
-    /// The same without weights.
-    counted: Moments,
+    cosines: Waiting,
+    weights: Waiting,
+    /// Once there were enough: with weights, and (zero if nobody asks) without.
+    moments: Option<Box<[Moments; 2]>>,
 }
 
 /// A sum of weighted [`Reflected`] light: weights on table nodes, and spectra.
@@ -41,6 +45,8 @@ pub(super) struct Channel {
     nodes: Vec<f64>,
     /// Look-ups that are added by their moments, for each panel of the table.
     panels: Vec<InPanel>,
+    /// They are also added without their weights.
+    counted: bool,
     spectra: Vec<f64>,
 }
 
@@ -54,6 +60,7 @@ impl Channel {
         Self {
             nodes: vec![0.0; nodes + Stencil::LEN],
             panels: Vec::new(),
+            counted: false,
             spectra: vec![0.0; base.states() * base.bins()],
         }
     }
@@ -73,27 +80,34 @@ impl Channel {
         slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
-    /// Light on its first pass, at these places of panels of so many.
-    #[inline(always)]
-    pub(super) fn look_up_in_panels(
-        &mut self,
-        places: impl Iterator<Item = ((usize, f64), f64)>,
-        panels: usize,
-    ) {
+    /// Makes room for look-ups in panels, to be added without their weights, too, or not.
+    pub(super) fn prepare(&mut self, panels: &CosinePanels, counted: bool) {
         if self.panels.is_empty() {
-            self.panels.resize(panels, InPanel::EMPTY);
+            self.panels = panels.borders().map(InPanel::new).collect();
+            self.counted = counted;
         }
-        for ((panel, place), weight) in places {
-            self.panels[panel].add(place, weight);
+    }
+
+    /// Light on its first pass, in the panel of this number.
+    #[inline(always)]
+    pub(super) fn look_up_in_panel(&mut self, number: usize, cosine: f64, weight: f64) {
+        let panel = &mut self.panels[number];
+        // So there is no doubt about the borders.
+        let at = panel.waiting % panel.cosines.len();
+        panel.cosines[at] = cosine;
+        panel.weights[at] = weight;
+        panel.waiting = at + 1;
+        if panel.waiting == panel.cosines.len() {
+            panel.add_waiting(self.counted);
         }
     }
 
     /// The weights on the nodes of a table, and besides, what they were if all that was looked up in panels had
-    /// weighed one.
+    /// weighed one (zero where nobody asked for that).
     pub(super) fn node_weights(&self) -> [Vec<f64>; 2] {
         let mut weights = [self.nodes.clone(), vec![0.0; self.nodes.len()]];
         for (number, panel) in self.panels.iter().enumerate() {
-            let Some(moments) = panel.moments() else { continue };
+            let Some(moments) = panel.whole(self.counted) else { continue };
             for (weights, moments) in weights.iter_mut().zip(&moments) {
                 let of_panel = &mut weights.as_chunks_mut().0[number];
                 CosinePanels::add_moments(moments, of_panel);
@@ -102,24 +116,24 @@ impl Channel {
         weights
     }
 
-    /// The whole sums of several, each with its weights on nodes and times its scale; shape `[state][wavelength]`.
-    pub(super) fn sums(channels: &[(&Self, Vec<f64>, f64)], base: &Base) -> Vec<Vec<f64>> {
-        let mut sums: Vec<Vec<f64>> = match &base.reflector {
+    /// The whole sums of several, each with its weights on nodes and times its scale; shape `[sum][state][wavelength]`.
+    pub(super) fn sums(channels: &[(&Self, Vec<f64>, f64)], base: &Base) -> Vec<f64> {
+        let mut sums: Vec<f64> = match &base.reflector {
             Reflector::Specular(table) => {
                 let count = table.nodes.count();
                 let nodes: Vec<&[f64]> = channels.iter().map(|(_, nodes, _)| &nodes[..count]).collect();
-                let len = (base.states() * base.bins()).max(1);
-                table.weighted_sums(&nodes).chunks_exact(len).map(<[f64]>::to_vec).collect()
+                table.weighted_sums(&nodes)
             }
             Reflector::Lambertian(reflectance) => {
-                channels.iter().map(|(_, nodes, _)| scaled(reflectance, nodes[0])).collect()
+                channels.iter().flat_map(|(_, nodes, _)| reflectance.iter().map(|r| r * nodes[0])).collect()
             }
             // Any layers are over such a base, no panel.
             Reflector::Scattering(_) => {
-                channels.iter().map(|(channel, ..)| scaled(&channel.spectra, 0.0)).collect()
+                channels.iter().flat_map(|(channel, ..)| channel.spectra.iter().map(|_| 0.0)).collect()
             }
         };
-        for (sum, (channel, _, scale)) in sums.iter_mut().zip(channels) {
+        let len = (base.states() * base.bins()).max(1);
+        for (sum, (channel, _, scale)) in sums.chunks_exact_mut(len).zip(channels) {
             sum.iter_mut().zip(&channel.spectra).for_each(|(value, s)| *value = (*value + s) * scale);
         }
         sums
@@ -127,89 +141,103 @@ impl Channel {
 }
 
 impl InPanel {
-    const EMPTY: Self = Self {
-        waiting: 0,
-        places: [0.0; SIDE_BY_SIDE * IN_TURN],
-        weights: [0.0; SIDE_BY_SIDE * IN_TURN],
-        weighted: [[0.0; SIDE_BY_SIDE]; CosinePanels::NODES],
-        counted: [[0.0; SIDE_BY_SIDE]; CosinePanels::NODES],
-    };
+    const NO_MOMENTS: [Moments; 2] = [[[0.0; SIDE_BY_SIDE]; CosinePanels::NODES]; 2];
 
-    #[inline(always)]
-    fn add(&mut self, place: f64, weight: f64) {
-        // So there is no doubt about the borders.
-        let at = self.waiting % self.places.len();
-        self.places[at] = place;
-        self.weights[at] = weight;
-        self.waiting = at + 1;
-        if self.waiting == self.places.len() {
-            self.add_waiting();
-        }
+    fn new(borders: [f64; 2]) -> Self {
+        Self { borders, waiting: 0, cosines: [0.0; WAITING], weights: [0.0; WAITING], moments: None }
     }
 
     #[inline(never)]
-    fn add_waiting(&mut self) {
-        Arch::new().dispatch(AddPolynomials(self, &ONES));
+    fn add_waiting(&mut self, counted: bool) {
+        let Self { borders, cosines, weights, moments, .. } = self;
+        let (moments, counts) = (moments.get_or_insert_with(|| Box::new(Self::NO_MOMENTS)), &[1.0; WAITING]);
+        Arch::new().dispatch(AddPolynomials {
+            borders: *borders,
+            cosines,
+            weights,
+            counts: counted.then_some(counts),
+            moments,
+        });
         self.waiting = 0;
     }
 
-    /// With weights and without, those that wait among them; `None` if there is nothing.
-    fn moments(&self) -> Option<[[f64; CosinePanels::NODES]; 2]> {
-        // A polynomial of degree 0 is one.
-        if self.waiting == 0 && self.counted[0] == [0.0; SIDE_BY_SIDE] {
+    /// The moments, those that wait among them; `None` if there is nothing.
+    fn whole(&self, counted: bool) -> Option<[[f64; CosinePanels::NODES]; 2]> {
+        let Self { borders, waiting, cosines, mut weights, ref moments } = *self;
+        if waiting == 0 && moments.is_none() {
             return None;
         }
-        let (mut whole, mut counts) = (self.clone(), ONES);
-        whole.weights[self.waiting..].fill(0.0);
-        counts[self.waiting..].fill(0.0);
-        Arch::new().dispatch(AddPolynomials(&mut whole, &counts));
-        Some(
-            [whole.weighted, whole.counted]
-                .map(|moments| moments.map(|side_by_side| side_by_side.iter().sum())),
-        )
+        let mut whole = moments.as_deref().copied().unwrap_or(Self::NO_MOMENTS);
+        let mut counts = [1.0; WAITING];
+        weights[waiting..].fill(0.0);
+        counts[waiting..].fill(0.0);
+        let (cosines, weights, counts, moments) =
+            (&cosines, &weights, counted.then_some(&counts), &mut whole);
+        Arch::new().dispatch(AddPolynomials { borders, cosines, weights, counts, moments });
+        Some(whole.map(|moments| moments.map(|side_by_side| side_by_side.iter().sum())))
     }
 }
 
-/// What each of those that wait counts.
-const ONES: [f64; SIDE_BY_SIDE * IN_TURN] = [1.0; SIDE_BY_SIDE * IN_TURN];
-
-/// Adds Chebyshev's polynomials of degrees 0, 1, ... at the places, times weights and times counts.
-struct AddPolynomials<'a>(&'a mut InPanel, &'a [f64; SIDE_BY_SIDE * IN_TURN]);
+/// Adds Chebyshev's polynomials of degrees 0, 1, ... times weights and times counts.
+struct AddPolynomials<'a> {
+    borders: [f64; 2],
+    cosines: &'a Waiting,
+    weights: &'a Waiting,
+    counts: Option<&'a Waiting>,
+    moments: &'a mut [Moments; 2],
+}
 
 impl WithSimd for AddPolynomials<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self(InPanel { places, weights, weighted, counted, .. }, counts) = self;
-        let lanes = S::F64_LANES.min(SIDE_BY_SIDE);
-        for first in (0..SIDE_BY_SIDE).step_by(lanes) {
-            let at = |row: usize| first + row * SIDE_BY_SIDE..first + row * SIDE_BY_SIDE + lanes;
-            let load = |of: &[f64], row: usize| S::as_simd_f64s(&of[at(row)]).0[0];
-            let [mut twice, mut before, mut now, mut weight, mut count] =
-                [[simd.splat_f64s(1.0); IN_TURN]; 5];
-            for row in 0..IN_TURN {
-                before[row] = load(places, row);
-                twice[row] = simd.add_f64s(before[row], before[row]);
-                weight[row] = load(weights, row);
-                count[row] = load(counts, row);
-            }
-            for (weighted, counted) in weighted.iter_mut().zip(counted.iter_mut()) {
-                let weighted = &mut S::as_mut_simd_f64s(&mut weighted[first..first + lanes]).0[0];
-                let counted = &mut S::as_mut_simd_f64s(&mut counted[first..first + lanes]).0[0];
-                for row in 0..IN_TURN {
-                    *weighted = simd.mul_add_e_f64s(weight[row], now[row], *weighted);
-                    *counted = simd.mul_add_e_f64s(count[row], now[row], *counted);
-                    let next = simd.mul_add_e_f64s(twice[row], now[row], simd.neg_f64s(before[row]));
-                    (before[row], now[row]) = (now[row], next);
-                }
-            }
+        let Self { borders: [start, per_half_width], cosines, weights, counts, moments: [weighted, counted] } =
+            self;
+        // From -1 to 1.
+        let mut places = *cosines;
+        places.iter_mut().for_each(|place| *place = (*place - start) * per_half_width - 1.0);
+        let places = &places;
+        match counts {
+            Some(counts) => add(simd, places, [weights, counts], [weighted, counted]),
+            None => add(simd, places, [weights], [weighted]),
         }
     }
 }
 
-fn scaled(values: &[f64], scale: f64) -> Vec<f64> {
-    values.iter().map(|value| value * scale).collect()
+/// The polynomials times each of several factors.
+#[allow(clippy::needless_range_loop, reason = "a degree of several sums at a time")]
+#[inline(always)]
+fn add<S: Simd, const N: usize>(simd: S, places: &Waiting, factors: [&Waiting; N], sums: [&mut Moments; N]) {
+    let lanes = S::F64_LANES.min(SIDE_BY_SIDE);
+    for first in (0..SIDE_BY_SIDE).step_by(lanes) {
+        let load = |of: &Waiting, row: usize| {
+            let at = first + row * SIDE_BY_SIDE;
+            S::as_simd_f64s(&of[at..at + lanes]).0[0]
+        };
+        let [mut twice, mut before, mut now] = [[simd.splat_f64s(1.0); IN_TURN]; 3];
+        for row in 0..IN_TURN {
+            before[row] = load(places, row);
+            twice[row] = simd.add_f64s(before[row], before[row]);
+        }
+        let factors = factors.map(|factor| {
+            let mut rows = [simd.splat_f64s(0.0); IN_TURN];
+            rows.iter_mut().enumerate().for_each(|(row, of)| *of = load(factor, row));
+            rows
+        });
+        for degree in 0..CosinePanels::NODES {
+            for n in 0..N {
+                let sum = &mut S::as_mut_simd_f64s(&mut sums[n][degree][first..first + lanes]).0[0];
+                for row in 0..IN_TURN {
+                    *sum = simd.mul_add_e_f64s(factors[n][row], now[row], *sum);
+                }
+            }
+            for row in 0..IN_TURN {
+                let next = simd.mul_add_e_f64s(twice[row], now[row], simd.neg_f64s(before[row]));
+                (before[row], now[row]) = (now[row], next);
+            }
+        }
+    }
 }
 
 /// A sum of light that has yet to meet the base: plain weights on first passes, spectra later.
@@ -257,13 +285,14 @@ mod tests {
         };
         let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0].into() };
         let [mut one_by_one, mut counted, mut in_panels] = [0; 3].map(|_| Channel::new(&base));
+        in_panels.prepare(&panels, true);
         for step in 0..1000 {
             let (cosine, weight) = (f64::from(step * 617 % 1000) / 999.0, f64::from(step % 7) - 2.5);
             let stencil = panels.stencil(cosine);
             one_by_one.look_up(&stencil, weight);
             counted.look_up(&stencil, 1.0);
-            let look_up = (panels.place(cosine), weight);
-            in_panels.look_up_in_panels(std::iter::once(look_up), panels.panel_count());
+            let number = panels.panel_of(CosinePanels::part(cosine, panels.part_count()));
+            in_panels.look_up_in_panel(number, cosine, weight);
             if step % 100 < 3 {
                 let expected = [&one_by_one, &counted].map(|channel| channel.node_weights()[0].clone());
                 for (found, expected) in in_panels.node_weights().iter().zip(&expected) {

@@ -3,7 +3,6 @@
 use papilio_optics::Beta;
 
 use super::Diffused;
-use super::together::Group;
 use crate::Source;
 use crate::walk::scale_rows;
 use crate::walk::tally::{Channel, Incident};
@@ -14,7 +13,6 @@ use crate::{Estimate, Ledger, Rho, specular};
 pub(in crate::walk) struct Tally {
     pub(super) sums: Sums,
     pub(super) room: Room,
-    pub(super) group: Group,
 }
 
 #[derive(Debug, Clone)]
@@ -58,7 +56,6 @@ impl Diffused<'_> {
                 from_straight_beam: self.sources.iter().map(|_| Incident::new(len)).collect(),
             },
             room: Room { carried: vec![0.0; len], reflected: vec![0.0; len], backwards: vec![0.0; len] },
-            group: self.group(),
         }
     }
 
@@ -78,11 +75,11 @@ impl Diffused<'_> {
             }
         }
         let spectra = Channel::sums(&channels, base);
-        let of_one = spectra.chunks_exact(2 + self.directed_only(self.sources).count());
+        let of_one = (2 + self.directed_only(self.sources).count()) * base.states() * base.bins();
         replicates
             .iter()
-            .zip(of_one)
-            .map(|((tally, scale), sums)| self.estimate(&tally.sums, sums, *scale))
+            .zip(spectra.chunks_exact(of_one.max(1)))
+            .map(|((tally, scale), spectra)| self.estimate(&tally.sums, spectra, *scale))
             .collect()
     }
 
@@ -93,15 +90,17 @@ impl Diffused<'_> {
     }
 
     /// `spectra`: reflected, leaving, and by directed source.
-    fn estimate(&self, sums: &Sums, spectra: &[Vec<f64>], scale: f64) -> Estimate {
-        let (reflected, leaving) = (&spectra[0], &spectra[1]);
-        let mut from_source = spectra[2..].iter();
-        let mut next = || from_source.next().cloned().unwrap_or_default();
+    fn estimate(&self, sums: &Sums, spectra: &[f64], scale: f64) -> Estimate {
+        let mut spectra = spectra.chunks_exact(self.through.len() * self.stack.base.states());
+        let mut next = || spectra.next().unwrap_or_default();
+        let (reflected, leaving) = (next(), next());
         let of_source = |(i, source): (usize, &Source)| {
             let mut base = match source {
-                Source::Diffuse => leaving.clone(),
-                Source::Beam(beam) => self.beam_light(*beam, &sums.from_straight_beam[i], next(), scale),
-                Source::Disc(_) | Source::Field(_) => next(),
+                Source::Diffuse => leaving.to_vec(),
+                Source::Beam(beam) => {
+                    self.beam_light(*beam, &sums.from_straight_beam[i], next().to_vec(), scale)
+                }
+                Source::Disc(_) | Source::Field(_) => next().to_vec(),
             };
             scale_rows(&mut base, &self.through);
             let front = match source {

@@ -130,7 +130,7 @@ impl<'a> Diffused<'a> {
     /// Traces these paths.
     pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
         if self.goes_together() {
-            self.first_passes_together(numbers, paths.clone(), tally);
+            self.first_passes_together(numbers, paths.clone(), &mut tally.sums);
         } else {
             for path in paths.clone() {
                 self.first_pass(&PathNumbers::new(numbers, path), tally);
@@ -180,7 +180,6 @@ impl<'a> Diffused<'a> {
         let numbers = PassNumbers::new(numbers, 0, self);
         let (beta, drawn, straight) = self.through(&self.drawing, light.beta, n, numbers.down)?;
         let down = Below { beta, weight: drawn * self.every as f64, rival: f64::INFINITY, straight };
-        room.carried.fill(1.0);
         self.go_on(light, down, &numbers, room)
     }
 
@@ -273,13 +272,17 @@ impl<'a> Diffused<'a> {
         if beta.squared() > 1.0 || down.beta.length() >= n {
             return None;
         }
-        self.keep_within_disc(down.beta, Spread::No, &mut room.carried);
-        multiply(&mut room.reflected, &room.carried, |out| self.reflectance(down.beta, out));
-        if !self.specular {
-            self.keep_within_disc(up, Spread::Lambertian, &mut room.reflected);
+        let Room { carried, reflected, .. } = room;
+        self.reflectance(down.beta, reflected);
+        if light.carries {
+            scale_rows(reflected, carried)
         }
-        room.carried.copy_from_slice(&room.reflected);
-        scale_rows(&mut room.carried, &self.between_passes);
+        self.keep_within_disc(down.beta, Spread::No, reflected);
+        if !self.specular {
+            self.keep_within_disc(up, Spread::Lambertian, reflected);
+        }
+        scale_rows(reflected, &self.between_passes);
+        std::mem::swap(carried, reflected);
         let scattered = light.scattered || !(self.specular && down.straight && straight);
         Some(Downward { beta, weight: down.weight * drawn, carries: true, scattered })
     }

@@ -16,42 +16,75 @@ use papilio_sampling::Numbers;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Diffused;
-use super::books::{Sums, Tally};
+use super::books::Sums;
 use super::first::First;
 use crate::walk::Target;
 use crate::{AngularTable, CosinePanels, Nodes, Reflector, Source};
 
 /// Paths of a group.
-const LANES: usize = 16;
+const LANES: usize = 64;
 
 /// A number for each path of a group.
 type Lanes = [f64; LANES];
 
 /// First passes of a group.
-#[derive(Debug, Clone)]
-pub(super) struct Group {
-    /// Below the diffuser: `|beta|^2`, and the cosine in the medium.
-    below: Lanes,
+#[derive(Debug)]
+struct Group {
+    /// What the paths see below the diffuser.
+    below: Directions,
+    /// The share of light there that leaves.
+    leaving: Lanes,
+    beams: Vec<FromBeam>,
+}
+
+/// Directions in the medium.
+#[derive(Debug)]
+struct Directions {
+    /// `|beta|^2`, and the cosine.
+    squared: Lanes,
     cosine: Lanes,
-    /// For each source; nothing for diffuse light.
-    from_source: Vec<FromSource>,
+    /// The part of a table in panels that the cosine lies in.
+    part: [u32; LANES],
 }
 
 /// What a beam gives, in both techniques.
-#[derive(Debug, Clone, Copy)]
-struct FromSource {
+#[derive(Debug)]
+struct FromBeam {
+    /// The number of the source, and its direction.
+    source: usize,
+    beam: Beta,
     /// To the direction that the path has drawn.
     connected: Lanes,
-    /// To one drawn about the beam: `|beta|^2` and weight.
-    backwards: [Lanes; 2],
-    /// Of the same.
-    cosine: Lanes,
+    /// To one drawn about the beam, and that direction.
+    weight: Lanes,
+    backwards: Directions,
+}
+
+impl Directions {
+    const NONE: Self = Self { squared: [0.0; LANES], cosine: [0.0; LANES], part: [0; LANES] };
+
+    /// `medium`: one over the square of the index; `parts`: of the table.
+    #[inline(always)]
+    fn set(&mut self, k: usize, beta: Beta, medium: f64, parts: f64) {
+        let squared = beta.squared();
+        let cosine = (1.0 - squared * medium).max(0.0).sqrt();
+        (self.squared[k], self.cosine[k]) = (squared, cosine);
+        self.part[k] = CosinePanels::part(cosine, parts);
+    }
+
+    /// Those of some paths: `|beta|^2`, cosine and part.
+    #[inline(always)]
+    fn of(&self, wanted: &Range<usize>) -> impl Iterator<Item = (&f64, &f64, &u32)> + Clone {
+        let at = || wanted.clone();
+        self.squared[at()].iter().zip(&self.cosine[at()]).zip(&self.part[at()]).map(|((s, c), p)| (s, c, p))
+    }
 }
 
 /// Computes a group from its first path on.
 struct Pass<'a, 'b> {
     walk: &'a Diffused<'b>,
     width: f64,
+    parts: f64,
     numbers: &'a Numbers,
     first: u64,
     group: &'a mut Group,
@@ -62,38 +95,45 @@ impl WithSimd for Pass<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { walk, width, numbers, first, group } = self;
+        let Self { walk, width, parts, numbers, first, group } = self;
+        // One step of all paths after the other: so processors have several at hand while one waits for its result.
+        let [mut above_x, mut above_y, mut offset_x, mut offset_y] = [[0.0; LANES]; 4];
+        // A lobe that is known to be of this kind leaves no branch.
+        let lobe = Lobe::KCorrelation { width };
+        let towards_field = walk.view.sampler();
         let u: Lanes = numbers.side_by_side(first, 0, 0);
         let v: Lanes = numbers.side_by_side(first, 0, 1);
         let s: Lanes = numbers.side_by_side(first, 0, 2);
         let t: Lanes = numbers.side_by_side(first, 0, 3);
-        // A lobe that is known to be of this kind leaves no branch.
-        let lobe = Lobe::KCorrelation { width };
-        let towards_field = walk.view.sampler();
-        let [mut above_x, mut above_y, mut x, mut y] = [[0.0; LANES]; 4];
-        let index = walk.stack.medium.largest_index();
-        let per_square = 1.0 / (index * index);
         for k in 0..LANES {
             let above = towards_field([u[k], v[k]]);
             (above_x[k], above_y[k]) = (above.x, above.y);
-            let below = drawn(lobe, above, [s[k], t[k]]);
-            (x[k], y[k]) = (below.x, below.y);
-            group.below[k] = below.squared();
-            group.cosine[k] = cosine(below.squared() * per_square);
         }
-        for (source, from) in walk.sources.iter().zip(&mut group.from_source) {
-            let Source::Beam(beam) = source else { continue };
+        for k in 0..LANES {
+            let offset = drawn(lobe, [s[k], t[k]]);
+            (offset_x[k], offset_y[k]) = (offset.x, offset.y);
+        }
+        let index = walk.stack.medium.largest_index();
+        let medium = 1.0 / (index * index);
+        for k in 0..LANES {
+            let below = at(&above_x, &above_y, k) + at(&offset_x, &offset_y, k);
+            group.below.set(k, below, medium, parts);
+        }
+        for FromBeam { beam, connected, weight, backwards, .. } in &mut group.beams {
             let target = Target::beam(*beam);
+            for (k, connected) in connected.iter_mut().enumerate() {
+                let above = at(&above_x, &above_y, k);
+                let below = above + at(&offset_x, &offset_y, k);
+                *connected = connection(lobe, &target, [above, below, *beam]);
+            }
+            for (k, weight) in weight.iter_mut().enumerate() {
+                let above = at(&above_x, &above_y, k);
+                let below = *beam + at(&offset_x, &offset_y, k);
+                let within = below.squared() < index * index;
+                *weight = if within { connection(lobe, &target, [above, below, *beam]) } else { 0.0 };
+            }
             for k in 0..LANES {
-                let above = Beta { x: above_x[k], y: above_y[k] };
-                let below = Beta { x: x[k], y: y[k] };
-                from.connected[k] = connected(lobe, &target, [above, below, *beam]);
-                let back = drawn(lobe, *beam, [s[k], t[k]]);
-                from.backwards[0][k] = back.squared();
-                from.cosine[k] = cosine(back.squared() * per_square);
-                let within = back.squared() < index * index;
-                from.backwards[1][k] =
-                    if within { connected(lobe, &target, [above, back, *beam]) } else { 0.0 };
+                backwards.set(k, *beam + at(&offset_x, &offset_y, k), medium, parts);
             }
         }
     }
@@ -101,23 +141,23 @@ impl WithSimd for Pass<'_, '_> {
 
 // Closures may become functions of their own, compiled without the instruction set.
 
-/// A direction that the lobe sends light from here to.
+/// The direction with these cosines.
 #[inline(always)]
-fn drawn(lobe: Lobe, from: Beta, numbers: [f64; 2]) -> Beta {
-    lobe.sample(from, numbers).unwrap_or(from)
+fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
+    Beta { x: x[k], y: y[k] }
+}
+
+/// How far the lobe turns light.
+#[inline(always)]
+fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
+    lobe.sample(Beta::default(), numbers).unwrap_or_default()
 }
 
 /// What a beam sends to a direction below the diffuser that is seen from one above, by the technique that drew it from there.
 #[inline(always)]
-fn connected(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
+fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
     let value = lobe.density(below, beam);
     target.balanced(value, || 0.0, value / lobe.density(above, below))
-}
-
-/// Of the sine's square.
-#[inline(always)]
-fn cosine(squared: f64) -> f64 {
-    (1.0 - squared).max(0.0).sqrt()
 }
 
 impl Diffused<'_> {
@@ -135,73 +175,98 @@ impl Diffused<'_> {
         }
     }
 
-    pub(super) fn group(&self) -> Group {
-        let none = FromSource { connected: [0.0; LANES], backwards: [[0.0; LANES]; 2], cosine: [0.0; LANES] };
-        let lanes = [0.0; LANES];
-        Group { below: lanes, cosine: lanes, from_source: vec![none; self.sources.len()] }
-    }
-
     /// The first passes of these paths, if they go together.
-    pub(super) fn first_passes_together(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
+    pub(super) fn first_passes_together(&self, numbers: &Numbers, paths: Range<u64>, sums: &mut Sums) {
         let Some(width) = self.width() else { return };
-        let Tally { group, sums, .. } = tally;
+        let panels = match &self.stack.base.reflector {
+            Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => Some(panels),
+            _ => None,
+        };
+        if let Some(panels) = panels {
+            sums.leaving.prepare(panels, true);
+            sums.from_source.iter_mut().for_each(|sum| sum.prepare(panels, false));
+        }
+        let parts = panels.map_or(1.0, CosinePanels::part_count);
+        let group = &mut self.group();
         let arch = Arch::new();
         let group_of = |path: u64| path / LANES as u64;
         for number in group_of(paths.start)..paths.end.div_ceil(LANES as u64) {
             let first = number * LANES as u64;
-            arch.dispatch(Pass { walk: self, width, numbers, first, group });
+            arch.dispatch(Pass { walk: self, width, parts, numbers, first, group });
+            group.leaving = self.leaving.at(&group.below.squared);
             let wanted = paths.start.max(first) - first..paths.end.min(first + LANES as u64) - first;
             let wanted = wanted.start as usize..wanted.end as usize;
             sums.entering.add(None, wanted.len() as f64);
-            match &self.stack.base.reflector {
-                Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => {
-                    self.add_in_panels(group, wanted, panels, sums);
-                }
-                _ => wanted.for_each(|k| self.add(group, k, sums)),
+            match panels {
+                Some(panels) => self.add_in_panels(group, wanted, panels, sums),
+                None => wanted.for_each(|k| self.add(group, k, sums)),
             }
         }
     }
 
-    /// These paths of a group to the sums.
+    fn group(&self) -> Group {
+        let from_beam = |(source, of): (usize, &Source)| match of {
+            Source::Beam(beam) => Some(FromBeam {
+                source,
+                beam: *beam,
+                connected: [0.0; LANES],
+                weight: [0.0; LANES],
+                backwards: Directions::NONE,
+            }),
+            Source::Diffuse | Source::Disc(_) | Source::Field(_) => None,
+        };
+        let beams = self.sources.iter().enumerate().filter_map(from_beam).collect();
+        Group { below: Directions::NONE, leaving: [0.0; LANES], beams }
+    }
+
+    /// These paths of a group to the sums: one path after the other, so that look-ups stand in the same order however calls
+    /// cut groups.
     fn add_in_panels(&self, group: &Group, wanted: Range<usize>, panels: &CosinePanels, sums: &mut Sums) {
-        let (index, count) = (self.stack.medium.largest_index(), panels.panel_count());
-        let arriving = |k: &usize| group.below[*k] < index * index;
-        sums.arriving.add(None, wanted.clone().filter(arriving).count() as f64);
-        let places = panels.places(&group.cosine);
-        let leaving = |k: usize| (places[k], self.leaving.at(group.below[k]));
-        sums.leaving.look_up_in_panels(wanted.clone().filter(arriving).map(leaving), count);
-        for ((source, from), sum) in self.sources.iter().zip(&group.from_source).zip(&mut sums.from_source) {
-            if let Source::Beam(_) = source {
-                let connected = |k: usize| (places[k], from.connected[k]);
-                sum.look_up_in_panels(wanted.clone().filter(arriving).map(connected), count);
-                let (places, [_, weights]) = (panels.places(&from.cosine), &from.backwards);
-                let within = |k: &usize| weights[*k] != 0.0;
-                sum.look_up_in_panels(wanted.clone().filter(within).map(|k| (places[k], weights[k])), count);
+        let Sums { leaving, from_source, .. } = sums;
+        let square = self.stack.medium.largest_index().powi(2);
+        let below = group.below.of(&wanted);
+        let mut arriving = 0.0;
+        for ((squared, cosine, part), share) in below.clone().zip(&group.leaving[wanted.clone()]) {
+            if *squared < square {
+                leaving.look_up_in_panel(panels.panel_of(*part), *cosine, *share);
+                arriving += 1.0;
+            }
+        }
+        sums.arriving.add(None, arriving);
+        for FromBeam { source, connected, weight, backwards, .. } in &group.beams {
+            let sum = &mut from_source[*source];
+            let connected = below.clone().zip(&connected[wanted.clone()]);
+            let backwards = backwards.of(&wanted).zip(&weight[wanted.clone()]);
+            for (((squared, cosine, part), connected), ((_, to, to_part), weight)) in connected.zip(backwards)
+            {
+                if *squared < square {
+                    sum.look_up_in_panel(panels.panel_of(*part), *cosine, *connected);
+                }
+                if *weight != 0.0 {
+                    sum.look_up_in_panel(panels.panel_of(*to_part), *to, *weight);
+                }
             }
         }
     }
 
     /// Path `k` of a group to the sums, over a table without panels.
     fn add(&self, group: &Group, k: usize, sums: &mut Sums) {
-        let index = self.stack.medium.largest_index();
-        for (from, sum) in group.from_source.iter().zip(&mut sums.from_source) {
-            let [squared, weight] = from.backwards.map(|of| of[k]);
-            if weight != 0.0 {
-                sum.look_up(&self.look_up_at(squared), weight);
+        let square = self.stack.medium.largest_index().powi(2);
+        let squared = group.below.squared[k];
+        let light = (squared < square).then(|| self.look_up_at(squared));
+        for FromBeam { source, connected, weight, backwards, .. } in &group.beams {
+            let sum = &mut sums.from_source[*source];
+            if let Some(light) = &light {
+                sum.look_up(light, connected[k]);
+            }
+            if weight[k] != 0.0 {
+                sum.look_up(&self.look_up_at(backwards.squared[k]), weight[k]);
             }
         }
-        let squared = group.below[k];
-        if squared >= index * index {
-            return;
-        }
-        let light = self.look_up_at(squared);
-        sums.arriving.add(None, 1.0);
-        sums.reflected.look_up(&light, 1.0);
-        sums.leaving.look_up(&light, self.leaving.at(group.below[k]));
-        for ((source, from), sum) in self.sources.iter().zip(&group.from_source).zip(&mut sums.from_source) {
-            if let Source::Beam(_) = source {
-                sum.look_up(&light, from.connected[k]);
-            }
+        if let Some(light) = light {
+            sums.arriving.add(None, 1.0);
+            sums.reflected.look_up(&light, 1.0);
+            sums.leaving.look_up(&light, group.leaving[k]);
         }
     }
 }
