@@ -1,7 +1,7 @@
 //! What transport alone takes the walk, on one core: `cargo bench -p papilio-validation --bench transport`.
 //!
 //! A line for each scenario: CPU time, median of 21 runs, to .1 % in every bin of every state, and to .1 % in Y of
-//! one state alone. Paths and the spectra from them are transport; tables of the pixel's
+//! one state alone; then long runs. Paths and the spectra from them are transport; tables of the pixel's
 //! reflectance and what is made before the first path stand beside it. Then what this machine could do at
 //! most, for what a path takes under diffuse light.
 
@@ -32,9 +32,14 @@ fn main() {
     for name in ["overcast", "indoor", "sunny"] {
         for strategy in ["kernel", "guided"] {
             let scattering = format!("solver.scattering={strategy}");
-            line(name, strategy, "every bin of 8 states", true, &[&scattering]);
-            line(name, strategy, "Y of one state", false, &[&scattering, ONE_STATE, NO_OTHERS]);
+            line(name, strategy, "every bin of 8 states", (0.001, true), &[&scattering]);
+            line(name, strategy, "Y of one state", (0.001, false), &[&scattering, ONE_STATE, NO_OTHERS]);
         }
+    }
+    // Long runs, in which what is made once weighs little.
+    for name in ["overcast", "indoor"] {
+        line(name, "kernel", "Y to .001 %", (1e-5, false), &[]);
+        line(name, "kernel", "first passes alone", (1e-5, false), &["solver.approximation=single-pass"]);
     }
     bounds();
 }
@@ -184,14 +189,14 @@ impl WithSimd for Reads<'_> {
     }
 }
 
-fn line(name: &str, strategy: &str, aim: &str, every_bin: bool, overrides: &[&str]) {
+fn line(name: &str, strategy: &str, aim: &str, target: (f64, bool), overrides: &[&str]) {
     let mut scene = walked(name, overrides).unwrap().scene;
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let costs: Vec<Cost> = (0..RUNS)
         .map(|seed| {
             // Whether a round is enough is partly chance.
             scene.solver.seed = seed;
-            cost(&scene, (0.001, every_bin), &cpu_seconds, &control).unwrap()
+            cost(&scene, target, &cpu_seconds, &control).unwrap()
         })
         .collect();
     let ms = |of: &dyn Fn(&Cost) -> f64| {

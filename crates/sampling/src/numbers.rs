@@ -221,10 +221,10 @@ mod tests {
     fn side_by_side_is_one_by_one() {
         for sampler in Sampler::ALL {
             let numbers = Numbers::new(sampler, 9, 2);
-            for first in [0, 48, (1 << 32) - 5] {
+            for first in [0, 48, 64, 8128, (1 << 32) - 64, (1 << 32) - 5, (1 << 32) + 128] {
                 for block in [0, 3, 4] {
-                    let found = [0, 1, 2, 3].map(|of| numbers.side_by_side::<16>(first, block, of));
-                    for k in 0..16 {
+                    let found = [0, 1, 2, 3].map(|of| numbers.side_by_side::<64>(first, block, of));
+                    for k in 0..64 {
                         let one = numbers.block(first + k as u64, block);
                         assert_eq!(found.map(|of| of[k]), one);
                     }

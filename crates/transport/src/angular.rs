@@ -346,6 +346,29 @@ mod tests {
         assert_eq!((beyond.first, beyond.weights[0], beyond.weights[1]), (1, 0.0, 1.0));
     }
 
+    /// However many wavelengths there are, more or fewer than are mixed at a time, and none left over or some.
+    #[test]
+    fn states_are_mixtures_of_the_basis() {
+        for bins in [1, 3, 8, 9, 31, 32, 33, 64, 81] {
+            let value = |at: usize| (at * at % 23) as f64 / 23.0;
+            let table = AngularTable {
+                nodes: Nodes::Constant,
+                basis: (0..2 * bins).map(value).collect(),
+                mixture: vec![1.0, 0.0, 0.25, 0.5, -0.5, 2.0],
+                common: (0..bins).map(|bin| value(bin + 7)).collect(),
+            };
+            let mut found = vec![f64::NAN; 3 * bins];
+            table.mix(&table.basis, 0.5, &mut found);
+            for (state, shares) in table.mixture.chunks_exact(2).enumerate() {
+                for bin in 0..bins {
+                    let of_basis = shares[0] * value(bin) + shares[1] * value(bins + bin);
+                    let expected = 0.5 * value(bin + 7) + of_basis;
+                    assert!((found[state * bins + bin] - expected).abs() < 1e-14, "{bins}: {state} {bin}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn summed_weights_give_the_sum_of_look_ups() {
         let nodes = Nodes::Cosines(8);

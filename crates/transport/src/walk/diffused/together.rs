@@ -182,12 +182,12 @@ impl Diffused<'_> {
             Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => Some(panels),
             _ => None,
         };
-        if let Some(panels) = panels {
-            sums.leaving.prepare(panels, true);
-            sums.from_source.iter_mut().for_each(|sum| sum.prepare(panels, false));
-        }
         let parts = panels.map_or(1.0, CosinePanels::part_count);
         let group = &mut self.group();
+        if let Some(panels) = panels {
+            sums.leaving.prepare(panels, true);
+            group.beams.iter().for_each(|beam| sums.from_source[beam.source].prepare(panels, false));
+        }
         let arch = Arch::new();
         let group_of = |path: u64| path / LANES as u64;
         for number in group_of(paths.start)..paths.end.div_ceil(LANES as u64) {
