@@ -2,7 +2,7 @@
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    // `cargo xtask serve` sets it to another value for another page; without a page there is nothing to watch.
+    // The chores of the project set it to another value for another page; without a page there is nothing to watch.
     println!("cargo:rerun-if-env-changed=PAPILIO_PAGE");
     if std::path::Path::new("page/dist").is_dir() {
         println!("cargo:rerun-if-changed=page/dist");

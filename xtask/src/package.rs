@@ -1,5 +1,6 @@
 //! The Python package (`python`): built as a wheel by maturin, installed into an environment of its own, tested there.
 
+use std::path::PathBuf;
 use std::process::Command;
 
 use crate::python::Environment;
@@ -42,11 +43,11 @@ impl Profile {
         }
     }
 
-    /// Its folder in the target folder.
-    fn folder(self) -> &'static str {
+    /// The program of this profile.
+    fn papilio(self) -> PathBuf {
         match self {
-            Self::Dev => "debug",
-            Self::Release => "release",
+            Self::Dev => shell::papilio_for_tests(),
+            Self::Release => shell::papilio(),
         }
     }
 }
@@ -55,6 +56,7 @@ impl Profile {
 pub(crate) fn package() -> Outcome {
     let environment = Environment::clean("python", &PACKAGES)?;
     build(&environment, Profile::Release)?;
+    shell::run(cargo(["build", "--release", "--package", "papilio"]))?;
     shell::run(tests(&environment, Profile::Release))
 }
 
@@ -63,7 +65,7 @@ pub(crate) fn environment() -> Result<Environment, String> {
     Environment::new("python", &PACKAGES)
 }
 
-/// Builds the wheel, installs it, and builds the program that the tests compare it with.
+/// Builds the wheel and installs it.
 pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
     let wheels = shell::target().join("wheels");
     let out = wheels.to_string_lossy();
@@ -73,17 +75,15 @@ pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
     // Whatever stands there already: its version may be the same.
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", "--no-index"];
     let install = install.into_iter().chain(["--find-links", &*out, "papilio"]);
-    shell::run(command(environment.python(), install))?;
-    shell::run(cargo(["build", "--package", "papilio", "--profile", profile.name()]))
+    shell::run(command(environment.python(), install))
 }
 
-/// The package's tests.
+/// The package's tests; they compare it with the program of the same profile.
 pub(crate) fn tests(environment: &Environment, profile: Profile) -> Command {
     // Not in `python`: the sources there, without the extension module, would be taken for the package.
     let arguments = ["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"];
     let mut tests = command(environment.python(), arguments);
-    let program = shell::target().join(profile.folder()).join("papilio");
-    tests.env("PAPILIO", program.with_extension(std::env::consts::EXE_EXTENSION));
+    tests.env("PAPILIO", profile.papilio());
     if matches!(profile, Profile::Release) {
         tests.envs([DESIGNS, NOTEBOOKS]);
     }

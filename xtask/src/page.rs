@@ -22,7 +22,8 @@ pub(crate) fn page() -> Outcome {
     let browser = browser()?;
     build()?;
     shell::run(unit_tests())?;
-    shell::run(end_to_end(ALL, &browser)?)
+    shell::run(cargo(["build", "--package", "papilio"]))?;
+    shell::run(end_to_end(ALL, &browser))
 }
 
 /// Where the page is.
@@ -37,12 +38,6 @@ pub(crate) fn build() -> Outcome {
         shell::run(npm(["ci"]))?;
     }
     shell::run(npm(["run", "build"]))
-}
-
-/// Builds the program by a command of cargo's; it notices a page that was built anew.
-pub(crate) fn into_program(mut build: Command) -> Outcome {
-    build.env("PAPILIO_PAGE", print_of(&folder().join("dist").join("index.html"))?);
-    shell::run(build)
 }
 
 /// Why the page cannot be tested here, or the browser that does it.
@@ -61,13 +56,11 @@ pub(crate) fn unit_tests() -> Command {
     npm(["test"])
 }
 
-/// The end-to-end tests against the program of the development profile, with the page that was built last.
-pub(crate) fn end_to_end(which: &str, browser: &Path) -> Result<Command, String> {
-    into_program(cargo(["build", "--package", "papilio"]))?;
+/// The end-to-end tests against the program of the development profile, as it was built last.
+pub(crate) fn end_to_end(which: &str, browser: &Path) -> Command {
     let mut tests = npm(["run", which]);
-    let program = shell::target().join("debug").join(if cfg!(windows) { "papilio.exe" } else { "papilio" });
-    tests.env("PAPILIO", program).env("CHROMIUM", browser);
-    Ok(tests)
+    tests.env("PAPILIO", shell::papilio_for_tests()).env("CHROMIUM", browser);
+    tests
 }
 
 fn npm<const N: usize>(arguments: [&str; N]) -> Command {
@@ -83,10 +76,11 @@ fn is_installed(page: &Path) -> bool {
     installed.is_some_and(|installed| Some(installed) >= changed(&page.join("package-lock.json")))
 }
 
-/// Another number for another page: its start names all its parts by their contents.
-fn print_of(index: &Path) -> Result<String, String> {
-    let text = fs::read(index).map_err(|error| format!("{} cannot be read: {error}", index.display()))?;
+/// A number for the page that was built last, another one for another page; none if there is no page.
+pub(crate) fn print() -> Option<String> {
+    // The page's start names all its parts by their contents.
+    let start = fs::read(folder().join("dist").join("index.html")).ok()?;
     let mut hasher = DefaultHasher::new();
-    text.hash(&mut hasher);
-    Ok(format!("{:016x}", hasher.finish()))
+    start.hash(&mut hasher);
+    Some(format!("{:016x}", hasher.finish()))
 }

@@ -14,6 +14,6 @@ pub(crate) fn serve(arguments: &[String]) -> Outcome {
 /// Builds the page into the program, and returns where that is.
 fn build() -> Result<std::path::PathBuf, String> {
     page::build()?;
-    page::into_program(cargo(["build", "--release", "--package", "papilio"]))?;
-    Ok(shell::target().join("release").join(if cfg!(windows) { "papilio.exe" } else { "papilio" }))
+    shell::run(cargo(["build", "--release", "--package", "papilio"]))?;
+    Ok(shell::papilio())
 }

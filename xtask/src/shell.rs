@@ -4,6 +4,8 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::page;
+
 /// A chore's end: well, or why not, in a line.
 pub(crate) type Outcome = Result<(), String>;
 
@@ -25,6 +27,20 @@ pub(crate) fn target() -> PathBuf {
     root().join(set.map_or_else(|| "target".into(), PathBuf::from))
 }
 
+/// Papilio as users get it.
+pub(crate) fn papilio() -> PathBuf {
+    program_in("release")
+}
+
+/// Papilio as cargo builds it for tests, and with them.
+pub(crate) fn papilio_for_tests() -> PathBuf {
+    program_in("debug")
+}
+
+fn program_in(folder: &str) -> PathBuf {
+    target().join(folder).join("papilio").with_extension(std::env::consts::EXE_EXTENSION)
+}
+
 /// A program with arguments, at the top of the repository.
 pub(crate) fn command(
     program: impl AsRef<Path>,
@@ -38,9 +54,15 @@ pub(crate) fn command(
     command
 }
 
-/// Cargo with arguments: the one that runs this chore.
+/// Cargo with arguments: the one that runs this chore. It compiles the web app's page that was built last into the program,
+/// and notices if that is another one.
 pub(crate) fn cargo(arguments: impl IntoIterator<Item = impl AsRef<str>>) -> Command {
-    command(std::env::var_os("CARGO").map_or_else(|| "cargo".into(), PathBuf::from), arguments)
+    let cargo = std::env::var_os("CARGO").map_or_else(|| "cargo".into(), PathBuf::from);
+    let mut cargo = command(cargo, arguments);
+    if let Some(print) = page::print() {
+        cargo.env("PAPILIO_PAGE", print);
+    }
+    cargo
 }
 
 /// Fails with the way to install a tool if it cannot say its version.

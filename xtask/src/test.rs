@@ -3,12 +3,12 @@
 //! All checks run, whatever fails before them. The last line counts the tests, and each
 //! check beside them as one more: `N passed, N failed`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::package::{self, Profile};
 use crate::page;
-use crate::shell::{self, Needs, Outcome, cargo};
+use crate::shell::{self, Needs, Outcome, cargo, command};
 
 /// Seeds over which the statistical tests run by default.
 pub(crate) const SEEDS: u64 = 48;
@@ -42,38 +42,45 @@ const LOAD_SECONDS: &str = "60";
 
 /// The chore.
 pub(crate) fn test() -> Outcome {
-    all_checks(cargo(TESTS), page::EVERYDAY)
+    all_checks(|| cargo(TESTS), page::EVERYDAY)
 }
 
 /// The chore, with the statistics over that many seeds and random displays.
 pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
-    let mut tests = cargo(TESTS);
-    tests
-        .env(SEEDS_VARIABLE, seeds.to_string())
-        .env(STACKS_VARIABLE, stacks.to_string())
-        .env(FUZZ_VARIABLE, FUZZ_SECONDS)
-        .env(SEARCH_VARIABLE, "10")
-        .env(LOAD_VARIABLE, LOAD_SECONDS)
-        .env(POINTS_VARIABLE, POINTS);
+    let tests = || {
+        let mut tests = cargo(TESTS);
+        tests
+            .env(SEEDS_VARIABLE, seeds.to_string())
+            .env(STACKS_VARIABLE, stacks.to_string())
+            .env(FUZZ_VARIABLE, FUZZ_SECONDS)
+            .env(SEARCH_VARIABLE, "10")
+            .env(LOAD_VARIABLE, LOAD_SECONDS)
+            .env(POINTS_VARIABLE, POINTS);
+        tests
+    };
     all_checks(tests, page::ALL)
 }
 
 const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
 
-fn all_checks(tests: Command, of_page: &str) -> Outcome {
+fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     shell::need(Needs { tool: &["cargo", "fmt"], install: "rustup component add rustfmt" })?;
     shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
     let mut count = Count::default();
     count.check(shell::run(cargo(["fmt", "--all", "--check"])));
     count.check(shell::run(cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])));
-    count.tests(tests);
+    // Before all that is compiled: else the program would be compiled again when there is a page.
+    let browser = count.page();
+    count.tests(tests());
     let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
     docs.env("RUSTDOCFLAGS", "-D warnings");
     count.check(shell::run(docs));
     for scenario in scenarios()? {
         count.check(run_scenario(&scenario));
     }
-    count.page(of_page);
+    if let Some(browser) = browser {
+        count.page_tests(of_page, &browser);
+    }
     count.package();
     count.conclude()
 }
@@ -88,9 +95,10 @@ fn scenarios() -> Result<Vec<PathBuf>, String> {
     Ok(found)
 }
 
-fn run_scenario(scenario: &std::path::Path) -> Outcome {
+fn run_scenario(scenario: &Path) -> Outcome {
     let out = shell::target().join("examples").join(scenario.file_stem().unwrap_or_default());
-    let mut papilio = cargo(["run", "--quiet", "--package", "papilio", "--", "run"]);
+    // Not by cargo: for this program alone it would compile nearly all once more, with other features of what it depends on.
+    let mut papilio = command(shell::papilio_for_tests(), ["run"]);
     papilio.arg(scenario).arg("--out").arg(out);
     shell::run(papilio)
 }
@@ -136,23 +144,25 @@ impl Count {
         }
     }
 
-    /// The page's tests. They need what nothing else here needs; without it they are left out, and a line says so.
-    fn page(&mut self, which: &str) {
+    /// Builds the page. It and its tests need what nothing else here needs; without it they are left out, and a line says so.
+    /// With it: the browser to test it in.
+    fn page(&mut self) -> Option<PathBuf> {
         let browser = match page::browser() {
             Ok(browser) => browser,
-            Err(missing) => return self.left_out.push(format!("the web app's page: {missing}")),
+            Err(missing) => {
+                self.left_out.push(format!("the web app's page: {missing}"));
+                return None;
+            }
         };
         let built = page::build();
         let is_built = built.is_ok();
         self.check(built);
-        if !is_built {
-            return;
-        }
+        is_built.then_some(browser)
+    }
+
+    fn page_tests(&mut self, which: &str, browser: &Path) {
         self.tests(page::unit_tests());
-        match page::end_to_end(which, &browser) {
-            Ok(tests) => self.tests(tests),
-            Err(why) => self.fail(1, why),
-        }
+        self.tests(page::end_to_end(which, browser));
     }
 
     /// The Python package's tests, with the wheel of the development profile; left out where there is no Python.
