@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use papilio_formats::{FormatError, JournalRows, Journals, Problem, RowsHead, read_journals};
 use serde::de::DeserializeOwned;
 
-use crate::Failure;
+use crate::{Failure, say};
 
 /// All journals of this stem in a folder; without lines where the head is not `wanted`.
 pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
@@ -45,7 +45,19 @@ pub(crate) fn open_rows<H: RowsHead>(
     others: &[PathBuf],
 ) -> Result<JournalRows<H>, Failure> {
     others.iter().try_for_each(|other| check_folder(other, stem))?;
-    JournalRows::open(folder, stem, part, head, others).map_err(failed)
+    let rows = JournalRows::open(folder, stem, part, head, others).map_err(failed)?;
+    tell_of(rows.set_aside());
+    Ok(rows)
+}
+
+/// Says where the journal of something else is that was in the way.
+pub(crate) fn tell_of(set_aside: Option<&Path>) {
+    if let Some(path) = set_aside {
+        say(&format!(
+            "what was done here before this scenario was changed is kept as {}: the scenario as it was goes on from there",
+            path.display()
+        ));
+    }
 }
 
 /// A journal that cannot be written is the system's fault, any other the user's.

@@ -156,6 +156,30 @@ fn parts_on_many_machines_end_as_one_search() {
 
 /// Ctrl-C: what is done is kept, nothing else is written, and the program says how to go on.
 #[cfg(unix)]
+/// A scenario that was changed does not cost what was done before; and changed back, it computes nothing.
+#[test]
+fn a_changed_search_sets_the_journal_aside() {
+    let (_folder, file, out) = place(SCENARIO);
+    let journal = |name: &str| fs::read(Path::new(&out).join(name)).ok();
+    let said = |text: &str| {
+        fs::write(&file, text).unwrap();
+        stderr(&search(&file, &out, &[]))
+    };
+    assert!(!said(SCENARIO).contains("is kept as"));
+    let first = journal("optimize.jsonl");
+    let changed = SCENARIO.replace("at_least = 4", "at_least = 5");
+    assert!(said(&changed).contains("optimize.jsonl.before"));
+    let second = journal("optimize.jsonl");
+    assert_ne!(first, second);
+    assert_eq!(journal("optimize.jsonl.before"), first);
+    let text = said(SCENARIO);
+    assert!(text.contains(" 0 of them now"), "{text}");
+    assert_eq!([journal("optimize.jsonl"), journal("optimize.jsonl.before")], [first.clone(), second]);
+    // A third one: the last that was done here is kept.
+    said(&SCENARIO.replace("at_least = 4", "at_least = 3"));
+    assert_eq!(journal("optimize.jsonl.before"), first);
+}
+
 #[test]
 fn an_interrupted_search_is_kept() {
     let text = SCENARIO.replace("starts = 3\nevaluations = 200", "starts = 5000\nevaluations = 1000000");

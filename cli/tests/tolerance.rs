@@ -196,6 +196,28 @@ fn what_is_known_is_not_computed_again() {
 }
 
 /// A change of the text, and what the answer must say.
+/// Another distribution does not cost what was done before; and taken back, it computes nothing.
+#[test]
+fn another_distribution_sets_the_journal_aside() {
+    let (_folder, file, out) = place(SCENARIO);
+    let said = |text: &str| {
+        fs::write(&file, text).unwrap();
+        let output = papilio(&["tolerance", &file, "--out", &out]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let first = said(SCENARIO);
+    assert!(!first.contains("is kept as"), "{first}");
+    let done = files(Path::new(&out));
+    assert!(said(&SCENARIO.replace("sigma = 0.3", "sigma = 0.4")).contains("tolerance.jsonl.before"));
+    assert_eq!(files(Path::new(&out))["tolerance.jsonl.before"], done["tolerance.jsonl"]);
+    let again = said(SCENARIO);
+    assert!(again.contains(", 0 computed"), "{again}");
+    let mut now = files(Path::new(&out));
+    assert!(now.remove("tolerance.jsonl.before").is_some());
+    same(&now, &done);
+}
+
 #[test]
 fn mistakes_are_answered_with_their_place() {
     let cases: &[(&str, &str, &[&str])] = &[

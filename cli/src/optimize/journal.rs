@@ -6,7 +6,7 @@ use papilio_design::search::{Kept, Record};
 use papilio_formats::{HeldJournal, SearchHead, foreign, journal_name, journal_paths, trusted_lines};
 
 use crate::Failure;
-use crate::journal::{check_folder, failed};
+use crate::journal::{check_folder, failed, tell_of};
 
 /// Journals are called so.
 const STEM: &str = "optimize";
@@ -35,8 +35,9 @@ pub(super) fn open(
             _ => {}
         }
     }
-    // Last: a journal of another search is emptied.
+    // Last: a journal of another search is set aside.
     let held = HeldJournal::open(own, head, |line| keep(&mut kept, line)).map_err(failed)?;
+    tell_of(held.set_aside());
     Ok((held, kept))
 }
 

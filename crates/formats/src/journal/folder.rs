@@ -1,7 +1,7 @@
 //! Journals in a folder: what is done already, each held by one program at a time.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io;
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -119,6 +119,7 @@ fn unwritable(path: &Path, error: &io::Error) -> FormatError {
 pub struct HeldJournal {
     path: PathBuf,
     file: File,
+    set_aside: Option<PathBuf>,
 }
 
 impl HeldJournal {
@@ -127,10 +128,10 @@ impl HeldJournal {
     /// # Errors
     /// [`Problem::Busy`] if another program has it; those of the system.
     pub fn hold(path: PathBuf) -> Result<Self, FormatError> {
-        Ok(Self { file: lock(&path)?, path })
+        Ok(Self { file: lock(&path)?, path, set_aside: None })
     }
 
-    /// Holds a journal that goes on, or begins anew if it has another head. `take` gets every whole line after the head; the
+    /// Holds a journal that goes on, or begins anew if it has another head ([`make_way`](Self::make_way)). `take` gets every whole line after the head; the
     /// first one that it refuses ends what can be trusted, and is cut off.
     ///
     /// # Errors
@@ -141,12 +142,52 @@ impl HeldJournal {
         take: impl FnMut(&str) -> bool,
     ) -> Result<Self, FormatError> {
         let mut held = Self::hold(path)?;
+        held.make_way(|path| Ok(trusted_lines(path, head, |_| false)? > 0))?;
         let whole = trusted_lines(&held.path, head, take)?;
         held.cut(whole)?;
         if whole == 0 {
             held.add(head)?;
         }
         Ok(held)
+    }
+
+    /// Makes way for a journal that `is_ours`. One of something else is set aside if anything is done in it: it changes its name, from
+    /// `NAME` to `NAME.before`, where one is kept. That one comes back if it is ours: a change that is taken back costs nothing.
+    pub(super) fn make_way(
+        &mut self,
+        is_ours: impl Fn(&Path) -> Result<bool, FormatError>,
+    ) -> Result<(), FormatError> {
+        let failed = |error: io::Error| unwritable(&self.path, &error);
+        let lines = BufReader::new(File::open(&self.path).map_err(failed)?).split(b'\n').take(2).count();
+        if lines == 0 || is_ours(&self.path)? {
+            return Ok(());
+        }
+        let [before, back] = [".before", ".back"].map(|end| {
+            let mut name = self.path.clone().into_os_string();
+            name.push(end);
+            PathBuf::from(name)
+        });
+        // What cannot be read there is not ours.
+        let comes_back = before.is_file() && is_ours(&before).unwrap_or(false);
+        if comes_back {
+            fs::rename(&before, &back).map_err(failed)?;
+        }
+        if lines > 1 {
+            fs::rename(&self.path, &before).map_err(failed)?;
+        }
+        if comes_back {
+            fs::rename(&back, &self.path).map_err(failed)?;
+        }
+        if comes_back || lines > 1 {
+            self.file = lock(&self.path)?;
+        }
+        self.set_aside = (lines > 1).then_some(before);
+        Ok(())
+    }
+
+    /// Where the journal of something else is now that was here.
+    pub fn set_aside(&self) -> Option<&Path> {
+        self.set_aside.as_deref()
     }
 
     /// Where it is.

@@ -12,7 +12,7 @@ use crate::error::FormatError;
 use crate::sweep::SweepHead;
 use crate::tolerance::ToleranceHead;
 
-/// A light journal: rows of numbers by their number, all of one head; a journal of another head begins anew.
+/// A light journal: rows of numbers by their number, all of one head; a journal of another head is set aside.
 #[derive(Debug)]
 pub struct JournalRows<H> {
     journal: HeldJournal,
@@ -54,6 +54,10 @@ impl<H: RowsHead> JournalRows<H> {
         let name = journal_name(stem, part);
         let mut journal = HeldJournal::hold(folder.join(&name))?;
         tidy_journals(folder, &[&name, &format!("{stem}.csv."), &format!("{stem}_")]);
+        journal.make_way(|path| {
+            let found: Journal<H, JournalRow> = open_journal(path, |_| false)?;
+            Ok(found.head.is_some_and(|own| head.is_of(&own)))
+        })?;
         let mut known = BTreeMap::new();
         for (other, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
             let journals = read_journals::<H, JournalRow>(folder, stem, |other| head.is_of(other))?;
@@ -76,6 +80,11 @@ impl<H: RowsHead> JournalRows<H> {
             journal.begin(&head, std::iter::empty::<JournalRow>())?;
         }
         Ok(Self { journal, head, known })
+    }
+
+    /// Where the journal of something else is now that was in its place.
+    pub fn set_aside(&self) -> Option<&Path> {
+        self.journal.set_aside()
     }
 
     /// The numbers of a row, if they are known.
