@@ -131,7 +131,7 @@ impl HeldJournal {
         Ok(Self { file: lock(&path)?, path, set_aside: None })
     }
 
-    /// Holds a journal that goes on, or begins anew if it has another head ([`make_way`](Self::make_way)). `take` gets every whole line after the head; the
+    /// Holds a journal that goes on, or begins anew if it has another head; one that has is set aside ([`set_aside`](Self::set_aside)). `take` gets every whole line after the head; the
     /// first one that it refuses ends what can be trusted, and is cut off.
     ///
     /// # Errors
