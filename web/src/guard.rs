@@ -2,14 +2,16 @@
 //!
 //! - **Host** must name this machine or be an address, with our port: a foreign name that was made to resolve to this
 //!   machine (DNS rebinding) is turned away.
+//!   An absolute address in the request line must name the same host.
 //! - **Origin**, where a browser sends it, must be that same host; `Sec-Fetch-Site` must not say that another site asks.
+//!   Each of several such headers must.
 //! - **Token**: demanded of every request to the API where the server listens to more than this machine. Its page gets
 //!   it in the fragment of the address, which never leaves the browser.
 
 use std::net::{IpAddr, SocketAddr};
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
@@ -59,7 +61,8 @@ impl Guard {
     }
 
     /// Why a request is turned away, if it is.
-    fn check(&self, headers: &HeaderMap, is_api: bool) -> Result<(), Fault> {
+    fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Fault> {
+        let is_api = is_api(uri);
         let foreign = |what: &str, found: &str| {
             let message = format!("requests with {what} \"{}\" are not answered", shortened(found));
             Fault::new(
@@ -68,25 +71,25 @@ impl Guard {
                 "open the page at the address that papilio serve printed",
             )
         };
-        let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
-        let host = text(header::HOST).unwrap_or_default();
-        if headers.get_all(header::HOST).iter().count() != 1 || !self.is_ours(host) {
+        let all = |name: HeaderName| headers.get_all(name).iter().map(|value| value.to_str().unwrap_or("?"));
+        let host = all(header::HOST).next().unwrap_or_default();
+        if all(header::HOST).count() != 1 || !self.is_ours(host) {
             return Err(foreign("Host", host));
         }
-        if let Some(origin) = text(header::ORIGIN)
-            && origin.strip_prefix("http://") != Some(host)
+        if let Some(authority) = uri.authority().filter(|authority| authority.as_str() != host) {
+            return Err(foreign("the address", authority.as_str()));
+        }
+        if let Some(origin) = all(header::ORIGIN).find(|origin| origin.strip_prefix("http://") != Some(host))
         {
             return Err(foreign("Origin", origin));
         }
-        if let Some(site) = text(HeaderName::from_static("sec-fetch-site"))
-            && is_api
-            && !matches!(site, "same-origin" | "none")
-        {
+        let is_foreign = |site: &&str| is_api && !matches!(*site, "same-origin" | "none");
+        if let Some(site) = all(HeaderName::from_static("sec-fetch-site")).find(is_foreign) {
             return Err(foreign("Sec-Fetch-Site", site));
         }
         match &self.token {
             Some(token) if is_api => {
-                let sent = text(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
+                let sent = all(header::AUTHORIZATION).next().and_then(|value| value.strip_prefix("Bearer "));
                 if sent.is_some_and(|sent| same(sent, token)) { Ok(()) } else { Err(no_token()) }
             }
             _ => Ok(()),
@@ -96,7 +99,8 @@ impl Guard {
     /// True for a host that no foreign name server can answer for.
     fn is_ours(&self, host: &str) -> bool {
         let Some((name, port)) = host.rsplit_once(':') else { return false };
-        if port.parse() != Ok(self.port) {
+        // As a browser writes it: `+7417` and `07417` are numbers to a parser.
+        if port != self.port.to_string() {
             return false;
         }
         let bare = name.strip_prefix('[').and_then(|name| name.strip_suffix(']')).unwrap_or(name);
@@ -126,10 +130,14 @@ fn same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |seen, (a, b)| seen | (a ^ b)) == 0
 }
 
+fn is_api(uri: &Uri) -> bool {
+    uri.path().starts_with("/api/")
+}
+
 /// Turns away whom the guard does, and gives every answer its headers.
 pub(crate) async fn watch(State(site): State<Site>, request: Request, next: Next) -> Response {
-    let is_api = request.uri().path().starts_with("/api/");
-    let mut response = match site.guard().check(request.headers(), is_api) {
+    let is_api = is_api(request.uri());
+    let mut response = match site.guard().check(request.uri(), request.headers()) {
         Ok(()) => next.run(request).await,
         Err(fault) => fault.into_response(),
     };
@@ -151,11 +159,15 @@ mod tests {
     }
 
     fn status(guard: &Guard, headers: &[(&'static str, &str)]) -> u16 {
+        status_of(guard, "/api/v1/health", headers)
+    }
+
+    fn status_of(guard: &Guard, uri: &'static str, headers: &[(&'static str, &str)]) -> u16 {
         let mut map = HeaderMap::new();
         for (name, value) in headers {
             map.append(*name, value.parse().unwrap());
         }
-        guard.check(&map, true).map_or_else(|fault| fault.status.as_u16(), |()| 200)
+        guard.check(&Uri::from_static(uri), &map).map_or_else(|fault| fault.status.as_u16(), |()| 200)
     }
 
     #[test]
@@ -172,6 +184,8 @@ mod tests {
             "192.168.1.2:7417",
             "localhost.evil:7417",
             "[::1:7417",
+            "localhost:+7417",
+            "localhost:07417",
         ] {
             assert_eq!(status(&own, &[("host", host)]), 403, "{host}");
         }
@@ -182,7 +196,13 @@ mod tests {
         for origin in ["null", "http://evil.example", "https://localhost:7417", "http://localhost:7418"] {
             assert_eq!(status(&own, &[host, ("origin", origin)]), 403, "{origin}");
         }
+        let origin = ("origin", "http://localhost:7417");
+        assert_eq!(status(&own, &[host, origin, ("origin", "http://evil.example")]), 403);
         assert_eq!(status(&own, &[host, ("sec-fetch-site", "cross-site")]), 403);
+        let same_site = ("sec-fetch-site", "same-origin");
+        assert_eq!(status(&own, &[host, same_site, ("sec-fetch-site", "cross-site")]), 403);
+        assert_eq!(status_of(&own, "http://localhost:7417/api/v1/health", &[host]), 200);
+        assert_eq!(status_of(&own, "http://evil.example/api/v1/health", &[host]), 403);
         assert_eq!(status(&own, &[host, ("sec-fetch-site", "same-origin")]), 200);
     }
 

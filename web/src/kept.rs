@@ -1,4 +1,4 @@
-//! Prepared displays: the last few that were computed, each ready for the next small change.
+//! Prepared displays: the last few that were computed, each ready for the next small change, as long as there is memory.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,6 +11,10 @@ const MOST: usize = 6;
 
 /// Those through any layers hold matrices, up to 256 MB for each of two levels.
 const MOST_LARGE: usize = 2;
+
+/// With more memory than this in use by the whole process, in bytes, only the display that was used last is kept. A
+/// fresh server has about 50 MB; a display through any layers may hold 256 MB at each of two levels.
+const MOST_MEMORY: usize = 384 << 20;
 
 /// Scenes with more views than this leave nothing behind: each view has kernels of its own.
 const MOST_VIEWS: usize = 200;
@@ -38,7 +42,7 @@ impl Kept {
         if is_sound && views(scene) <= MOST_VIEWS {
             let mut shelf = self.shelf();
             shelf.push(Ready { scene: scene.clone(), prepared });
-            make_room(&mut shelf);
+            make_room(&mut shelf, memory_in_use());
         }
         result
     }
@@ -55,8 +59,16 @@ impl Kept {
     }
 }
 
+/// Resident memory of this process in bytes; 0 where the system does not tell.
+fn memory_in_use() -> usize {
+    memory_stats::memory_stats().map_or(0, |stats| stats.physical_mem)
+}
+
 /// Forgets what was used longest ago.
-fn make_room(shelf: &mut Vec<Ready>) {
+fn make_room(shelf: &mut Vec<Ready>, memory_in_use: usize) {
+    if memory_in_use > MOST_MEMORY {
+        shelf.drain(..shelf.len().saturating_sub(1));
+    }
     let is_large = |ready: &Ready| matches!(ready.scene.display.layers, Layers::General(_));
     while shelf.iter().filter(|ready| is_large(ready)).count() > MOST_LARGE {
         if let Some(first) = shelf.iter().position(is_large) {

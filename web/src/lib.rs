@@ -10,6 +10,7 @@
 //!   ([`openapi`]).
 //! - `work` runs what computes: on threads of its own, bounded in number and time, ended when nobody listens.
 //! - `guard` turns away whoever is not this page: foreign hosts and origins, missing tokens.
+//! - `listen` and `places` accept connections, so many at once, and end those whose clients do not read.
 //! - `page` hands out the bundle of `web/page`, if one was built in.
 //!
 //! **Limits.** Requests of at most 1 MiB, scenarios of 256 KiB, files of 64 MiB, answers of about half a million
@@ -21,6 +22,7 @@ mod guard;
 mod kept;
 mod listen;
 mod page;
+mod places;
 mod reading;
 mod shipped;
 mod site;

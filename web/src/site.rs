@@ -56,6 +56,7 @@ struct Inner {
     kept: Kept,
     memo: Arc<Memo>,
     quick: Gate,
+    files: Gate,
     long: Gate,
     walks: Gate,
 }
@@ -79,6 +80,8 @@ impl Site {
             kept: Kept::default(),
             memo: Arc::default(),
             quick: Gate::new(processors.max(2), seconds(20)),
+            // Uploads come in crowds, and most of them take milliseconds: they wait rather than being refused.
+            files: Gate::new(processors.max(2), seconds(120)).with_patience(seconds(30)),
             long: Gate::new(processors.div_ceil(2), seconds(120)),
             walks: Gate::new(1.max(processors / 4), seconds(1800)),
         };
@@ -128,6 +131,11 @@ impl Site {
     /// For what takes milliseconds.
     pub(crate) fn quick(&self) -> &Gate {
         &self.0.quick
+    }
+
+    /// For reading and auditing files.
+    pub(crate) fn files(&self) -> &Gate {
+        &self.0.files
     }
 
     /// For what takes seconds.

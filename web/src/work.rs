@@ -12,25 +12,32 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::fault::Fault;
 
-/// Requests wait so long for their turn.
+/// Requests wait so long for their turn, if nothing else is said.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Places for computations of one kind.
 #[derive(Debug, Clone)]
 pub(crate) struct Gate {
     places: Arc<Semaphore>,
+    /// A request waits so long for its turn.
+    patience: Duration,
     /// A computation that takes longer is stopped.
     pub(crate) deadline: Duration,
 }
 
 impl Gate {
     pub(crate) fn new(places: usize, deadline: Duration) -> Self {
-        Self { places: Arc::new(Semaphore::new(places)), deadline }
+        Self { places: Arc::new(Semaphore::new(places)), patience: PATIENCE, deadline }
+    }
+
+    /// With requests that wait longer for their turn.
+    pub(crate) fn with_patience(self, patience: Duration) -> Self {
+        Self { patience, ..self }
     }
 
     /// Waits for a place.
     pub(crate) async fn enter(&self) -> Result<OwnedSemaphorePermit, Fault> {
-        match tokio::time::timeout(PATIENCE, self.places.clone().acquire_owned()).await {
+        match tokio::time::timeout(self.patience, self.places.clone().acquire_owned()).await {
             Ok(Ok(permit)) => Ok(permit),
             _ => Err(Fault::new(
                 StatusCode::SERVICE_UNAVAILABLE,
@@ -87,6 +94,6 @@ pub(crate) fn too_long(deadline: Duration) -> Fault {
 }
 
 /// Nobody hears this.
-fn gone() -> Fault {
+pub(crate) fn gone() -> Fault {
     Fault::internal("nobody waits for this any more")
 }

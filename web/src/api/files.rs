@@ -1,11 +1,13 @@
 //! A file that was dropped onto the page: kept, recognised by its content, audited, and offered for use.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
     BsdfProblem, DataFile, FormatError, MapColour, Problem, audit_text, read_bsdf, read_ies, read_index,
     read_light_map, read_measured_panel, read_pixel_table, read_profile, read_spectrum,
 };
-use papilio_goniometry::{Audit, Measurement};
+use papilio_goniometry::{Audit, Measurement, Part};
 use papilio_scenario::Edit;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -14,6 +16,7 @@ use serde_json::{Value, json};
 use super::drawn::Figure;
 use crate::fault::Fault;
 use crate::site::Site;
+use crate::work::gone;
 
 /// What a file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -73,10 +76,10 @@ struct Found {
 
 pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kept, Fault> {
     let of = site.clone();
-    site.long()
-        .work(move |_| {
+    site.files()
+        .work(move |stop| {
             let file = DataFile { name, bytes };
-            let Found { kind, words, figures, edits } = recognised(&file)?;
+            let Found { kind, words, figures, edits } = recognised(&file, stop)?;
             let name = file.name.clone();
             Ok(Kept { id: of.store().keep(file), name, kind, words, figures, edits })
         })
@@ -84,9 +87,9 @@ pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kep
 }
 
 /// Tries the readers from the most particular to the plainest; each knows its files by their content.
-fn recognised(file: &DataFile) -> Result<Found, Fault> {
+fn recognised(file: &DataFile, stop: &AtomicBool) -> Result<Found, Fault> {
     match read_bsdf(file) {
-        Ok(read) => return Ok(scattering(file, &read.value, &read.warnings)),
+        Ok(read) => return scattering(file, &read.value, &read.warnings, stop),
         Err(FormatError { problem: Problem::Bsdf(problem), .. }) if *problem == BsdfProblem::Unknown => {}
         Err(error) => return Err(error.into()),
     }
@@ -115,9 +118,17 @@ fn recognised(file: &DataFile) -> Result<Found, Fault> {
     }
 }
 
-fn scattering(file: &DataFile, measurement: &Measurement, warnings: &[String]) -> Found {
-    let audits: Vec<Option<Audit>> =
-        measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
+fn scattering(
+    file: &DataFile,
+    measurement: &Measurement,
+    warnings: &[String],
+    stop: &AtomicBool,
+) -> Result<Found, Fault> {
+    let audit = |part: &Part| match stop.load(Ordering::Relaxed) {
+        true => Err(gone()),
+        false => Ok(Audit::of(part, part.luminous())),
+    };
+    let audits: Vec<Option<Audit>> = measurement.parts.iter().map(audit).collect::<Result<_, _>>()?;
     let mut words: Vec<String> =
         audit_text(&file.name, measurement, &audits).lines().map(str::to_owned).collect();
     words.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
@@ -127,12 +138,12 @@ fn scattering(file: &DataFile, measurement: &Measurement, warnings: &[String]) -
         "Use as the diffuser",
         [remove("display.glass.surface"), remove("display.layers"), set("display.diffuser", diffuser)],
     );
-    Found {
+    Ok(Found {
         kind: FileKind::Bsdf,
         words,
         figures: lobes(measurement, &audits).into_iter().map(|(name, svg)| Figure { name, svg }).collect(),
         edits: transmits.then_some(offer).into_iter().collect(),
-    }
+    })
 }
 
 fn luminaire(file: &DataFile) -> Result<Found, Fault> {

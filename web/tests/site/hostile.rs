@@ -1,7 +1,7 @@
 //! What is asked in bad faith: each request has an answer of its own, and the server goes on.
 
 use std::io::Write;
-use std::net::IpAddr;
+use std::net::{IpAddr, TcpStream};
 use std::time::{Duration, Instant};
 
 use papilio_scenario::Edit;
@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 
 use crate::answers::indoor;
 use crate::client::{Server, read};
+use crate::load::resident_kb;
 
 fn is_alive(server: &Server) -> bool {
     server.get("/api/v1/health").status == 200
@@ -65,6 +66,9 @@ fn foreign_hosts_origins_and_methods_are_turned_away() {
     assert_eq!(ask(&format!("DELETE /api/v1/health HTTP/1.1\r\nHost: localhost:{port}")), 405);
     assert_eq!(ask(&format!("GET /api/v1/live HTTP/1.1\r\nHost: localhost:{port}")), 405);
     assert_eq!(ask(&format!("OPTIONS /api/v1/live HTTP/1.1\r\nHost: localhost:{port}")), 405);
+    assert_eq!(ask(&format!("GET http://evil.example/ HTTP/1.1\r\nHost: localhost:{port}")), 403);
+    let origin = format!("Origin: http://localhost:{port}\r\nOrigin: http://evil.example");
+    assert_eq!(ask(&format!("{health}Host: localhost:{port}\r\n{origin}")), 403);
     assert_eq!(ask("BREW / COFFEE"), 400);
     // A form of another site can send texts, never JSON.
     assert_eq!(server.send("/api/v1/live", "text/plain", b"{}").status, 415);
@@ -139,6 +143,69 @@ fn who_dawdles_is_given_up() {
     assert!(matches!(read(&mut header).status, 0 | 408));
     let waited = started.elapsed();
     assert!((Duration::from_secs(8)..Duration::from_secs(25)).contains(&waited), "{waited:?}");
+}
+
+/// Connections that ask for much and never read, more than there are places: another client is served at once, and each of
+/// them is ended within seconds.
+#[test]
+fn clients_that_never_read_do_not_shut_others_out() {
+    let server = Server::start();
+    let port = server.address.port();
+    let ask = format!("GET /api/v1/schema HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n").repeat(60);
+    let before = resident_kb();
+    let mut silent: Vec<_> = (0..300).map(|_| server.connect()).collect();
+    for stream in &mut silent {
+        // Those beyond the places of one address are closed at once.
+        let _ = stream.write_all(ask.as_bytes());
+    }
+    std::thread::sleep(Duration::from_millis(1200));
+    for _ in 0..20 {
+        let asked = Instant::now();
+        assert!(is_alive(&server));
+        assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    }
+    if let Some((before, now)) = before.zip(resident_kb()) {
+        // An answer is 0.1 MB and 64 connections hold one each; other tests of this program run meanwhile.
+        assert!(now < before + (200 << 10), "{before} kB, then {now} kB");
+    }
+    std::thread::sleep(Duration::from_secs(12));
+    let is_ended = |stream: &mut TcpStream| {
+        let whole = 60 * server.get("/api/v1/schema").body.len();
+        let answer = read(stream);
+        answer.body.len() < whole
+    };
+    assert!(silent.iter_mut().step_by(50).all(is_ended));
+}
+
+/// Connections that ask for nothing make room for those that do.
+#[test]
+fn idle_connections_make_room() {
+    let server = Server::start();
+    let _idle: Vec<_> = (0..300).map(|_| server.connect()).collect();
+    std::thread::sleep(Duration::from_millis(1200));
+    for _ in 0..20 {
+        let asked = Instant::now();
+        assert!(is_alive(&server));
+        assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    }
+}
+
+/// Many small files at once wait for their turn.
+#[test]
+fn a_crowd_of_uploads_is_not_refused() {
+    let server = Server::start();
+    let upload = |k: usize| {
+        let text = format!("wavelength_nm,value\n400,{k}\n700,1\n");
+        server
+            .send(&format!("/api/v1/files?name=a{k}.csv"), "application/octet-stream", text.as_bytes())
+            .status
+    };
+    std::thread::scope(|scope| {
+        let clients = (0..20)
+            .map(|client| scope.spawn(move || (0..10).map(|k| upload(10 * client + k)).collect::<Vec<_>>()));
+        let clients: Vec<_> = clients.collect();
+        assert!(clients.into_iter().all(|client| client.join().unwrap().iter().all(|status| *status == 200)));
+    });
 }
 
 /// The description is whole: every reference leads somewhere, every endpoint says what it takes and gives.

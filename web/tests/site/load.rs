@@ -11,7 +11,7 @@ use crate::client::Server;
 const CLIENTS: usize = 50;
 
 /// What the process holds in memory, kB.
-fn resident_kb() -> Option<u64> {
+pub(crate) fn resident_kb() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.trim().split(' ').next()?.parse().ok()
 }
