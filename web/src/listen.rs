@@ -66,10 +66,13 @@ pub(crate) async fn serve(site: Site, listener: TcpListener) {
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
-        // Without a place the stream is closed at once: its client may try again.
-        if let Some(connection) = places.take(peer.ip()) {
-            tokio::spawn(answer(stream, connection, routes.clone()));
-        }
+        let (places, routes) = (places.clone(), routes.clone());
+        tokio::spawn(async move {
+            // Without a place the stream is closed: its client may try again.
+            if let Some(connection) = places.wait(peer.ip()).await {
+                answer(stream, connection, routes).await;
+            }
+        });
     }
 }
 

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
-use tokio::sync::Notify;
+use tokio::sync::{Notify, Semaphore};
 use tokio::time::Instant;
 
 /// How many connections there may be, and how long they may do nothing.
@@ -28,18 +28,30 @@ pub(crate) struct Limits {
     pub(crate) of_one_peer: usize,
     /// A connection that is idle or behind for so long may lose its place to a new one.
     pub(crate) idle: Duration,
+    /// A new connection waits so long for a place, as many at once as there are places.
+    pub(crate) patience: Duration,
     /// A connection whose client reads nothing of its answer for so long is ended.
     pub(crate) unread: Duration,
 }
 
 /// The server's limits. A browser opens six connections at the most.
-pub(crate) const LIMITS: Limits =
-    Limits { all: 256, of_one_peer: 64, idle: Duration::from_secs(1), unread: Duration::from_secs(10) };
+pub(crate) const LIMITS: Limits = Limits {
+    all: 256,
+    of_one_peer: 64,
+    idle: Duration::from_secs(1),
+    patience: Duration::from_secs(3),
+    unread: Duration::from_secs(10),
+};
+
+/// How often a waiting connection looks for a place.
+const RETRY: Duration = Duration::from_millis(20);
 
 /// The connections that there are.
 #[derive(Debug, Clone)]
 pub(crate) struct Places {
     taken: Arc<Mutex<Vec<Weak<Connection>>>>,
+    /// Connections that wait for a place.
+    queue: Arc<Semaphore>,
     limits: Limits,
 }
 
@@ -66,12 +78,29 @@ struct State {
 
 impl Places {
     pub(crate) fn new(limits: Limits) -> Self {
-        Self { taken: Arc::default(), limits }
+        Self { taken: Arc::default(), queue: Arc::new(Semaphore::new(limits.all)), limits }
+    }
+
+    /// A place for a connection of this peer, as soon as there is one ([`take`](Self::take)); `None` if there is none within
+    /// [`Limits::patience`], or too many wait already.
+    pub(crate) async fn wait(&self, peer: IpAddr) -> Option<Arc<Connection>> {
+        if let Some(connection) = self.take(peer) {
+            return Some(connection);
+        }
+        let _queued = self.queue.clone().try_acquire_owned().ok()?;
+        let since = Instant::now();
+        while since.elapsed() < self.limits.patience {
+            tokio::time::sleep(RETRY).await;
+            if let Some(connection) = self.take(peer) {
+                return Some(connection);
+            }
+        }
+        None
     }
 
     /// A place for a connection of this peer, if need be that of one which has been idle or behind for longest; `None` if
     /// all of them are in use.
-    pub(crate) fn take(&self, peer: IpAddr) -> Option<Arc<Connection>> {
+    fn take(&self, peer: IpAddr) -> Option<Arc<Connection>> {
         let mut taken = self.taken();
         let there: Vec<Arc<Connection>> = taken.iter().filter_map(Weak::upgrade).collect();
         let there: Vec<Arc<Connection>> = there.into_iter().filter(|one| !one.state().is_ended).collect();
@@ -242,7 +271,7 @@ mod tests {
 
     fn places(all: usize, of_one_peer: usize, idle_ms: u64) -> Places {
         let [idle, unread] = [idle_ms, 50].map(Duration::from_millis);
-        Places::new(Limits { all, of_one_peer, idle, unread })
+        Places::new(Limits { all, of_one_peer, idle, patience: idle, unread })
     }
 
     #[test]

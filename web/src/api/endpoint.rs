@@ -1,6 +1,9 @@
 //! A row for each endpoint: its route and its description come from the same types.
 
+use std::sync::{Arc, OnceLock};
+
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -36,12 +39,19 @@ impl Endpoints {
         Self { router: Router::new(), paths: Map::new(), schemas: settings.into_generator() }
     }
 
-    /// An answer that depends on nothing.
+    /// An answer that depends on the site alone, and is made once.
     pub(super) fn get<A>(self, path: &str, about: &str, answer: fn(&Site) -> Result<A, Fault>) -> Self
     where
         A: Serialize + JsonSchema + 'static,
     {
-        let handler = get(move |State(site): State<Site>| async move { respond(answer(&site)) });
+        let made: Arc<OnceLock<Bytes>> = Arc::default();
+        let handler = get(move |State(site): State<Site>| async move {
+            let json = match made.get() {
+                Some(json) => Ok(json.clone()),
+                None => written(answer(&site)).map(|json| made.get_or_init(|| json).clone()),
+            };
+            json.map_or_else(Fault::into_response, as_json)
+        });
         self.add::<A>(path, about, handler)
     }
 
@@ -211,14 +221,14 @@ impl Endpoints {
 }
 
 fn respond<A: Serialize>(answer: Result<A, Fault>) -> Response {
-    let json = answer.and_then(|answer| {
-        serde_json::to_vec(&answer).map_err(|_| Fault::internal("the answer cannot be written"))
-    });
-    match json {
-        Ok(json) => {
-            let kind = HeaderValue::from_static("application/json");
-            ([(header::CONTENT_TYPE, kind)], json).into_response()
-        }
-        Err(fault) => fault.into_response(),
-    }
+    written(answer).map_or_else(Fault::into_response, as_json)
+}
+
+fn written<A: Serialize>(answer: Result<A, Fault>) -> Result<Bytes, Fault> {
+    let json = serde_json::to_vec(&answer?);
+    json.map(Bytes::from).map_err(|_| Fault::internal("the answer cannot be written"))
+}
+
+fn as_json(json: Bytes) -> Response {
+    ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], json).into_response()
 }

@@ -1,7 +1,6 @@
 //! Scenarios as texts: examples, presets, the schema, changes. Nothing here computes.
 
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
 
 use papilio_scenario::{Edit, new_scenario, preset_names};
 use schemars::JsonSchema;
@@ -51,8 +50,7 @@ pub(super) fn start(site: &Site) -> Result<Start, Fault> {
 }
 
 pub(super) fn schema(_: &Site) -> Result<Value, Fault> {
-    static SCHEMA: LazyLock<Value> = LazyLock::new(papilio_scenario::schema);
-    Ok(SCHEMA.clone())
+    Ok(papilio_scenario::schema())
 }
 
 /// A scenario to begin with.
