@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{Complex64, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
-use papilio_formats::{DataFile, read_index};
+use papilio_formats::{DataFile, read_index_within};
 use papilio_optics::OpticsError;
 use papilio_optics::film::{Film, Layer, Polarisation, coherent};
 use papilio_spectra::{SpectraError, material};
@@ -94,8 +94,12 @@ pub(crate) fn material_index<'py>(
         (None, path) => {
             let path = path.unwrap_or_default();
             let file = DataFile::open(&path, &path.display().to_string());
-            let read = file.and_then(|file| read_index(&file));
-            read.map_err(|error| errors::format(py, &error))?
+            // What the wanted wavelengths do not touch need not be sound.
+            let wanted = wavelength_nm.as_array();
+            let first = wanted.iter().copied().fold(f64::INFINITY, f64::min);
+            let last = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let read = file.and_then(|file| read_index_within(&file, (first, last)));
+            read.map_err(|error| errors::format(py, &error))?.value
         }
     };
     let index = wavelength_nm.as_array().into_iter().map(|nm| dispersion.index(*nm));

@@ -143,4 +143,13 @@ impl Part {
         let turn = channel * grid.rotations_deg.len() + rotation;
         self.tis.get(turn * grid.incidences_deg.len() + incidence).copied().filter(|tis| *tis > 0.0)
     }
+
+    /// The mean over rotations of the total integrated scatter of an incidence: what belongs to a lobe that is their mean.
+    /// `None` unless the file gives it for each rotation.
+    pub fn mean_tis(&self, channel: usize, incidence: usize) -> Option<f64> {
+        let Geometry::Specular(grid) = &self.geometry else { return None };
+        let turns = grid.rotations_deg.len();
+        let sum: Option<f64> = (0..turns).map(|turn| self.tis(channel, turn, incidence)).sum();
+        sum.map(|sum| sum / turns as f64)
+    }
 }

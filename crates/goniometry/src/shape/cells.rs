@@ -4,6 +4,9 @@ use super::abscissa;
 use super::line::Line;
 use crate::{Direction, SpecularGrid, Symmetry};
 
+/// Angles closer than this are the same, degrees.
+pub(super) const SAME_DEG: f64 = 1e-6;
+
 /// Widths w that are tried, in direction cosines.
 const WIDTHS: [f64; 2] = [1e-3, 10.0];
 const WIDTHS_TRIED: usize = 41;
@@ -14,6 +17,12 @@ pub(super) struct Cells {
     pub(super) theta_deg: f64,
     pub(super) azimuths: Vec<f64>,
     pub(super) lines: Vec<Vec<[f64; 2]>>,
+    /// Points of each line up to its last cell with a value: what follows was not measured.
+    pub(super) measured: Vec<usize>,
+    /// The grid's last distance from the specular direction, degrees, where the hemisphere goes on beyond it.
+    pub(super) limit_deg: Option<f64>,
+    /// The least distance, degrees, at which the measured cells of a line end before the horizon.
+    pub(super) measured_to_deg: Option<f64>,
 }
 
 impl Cells {
@@ -58,14 +67,25 @@ pub(super) fn folded(
         let other = (360.0 - grid.azimuths_deg[k]) % 360.0;
         (0..azimuths).find(|&m| (grid.azimuths_deg[m] % 360.0 - other).abs() < 1e-9)
     };
-    let mut cells =
-        Cells { theta_deg: grid.incidences_deg[incidence], azimuths: Vec::new(), lines: Vec::new() };
+    let theta_deg = grid.incidences_deg[incidence];
+    let last_deg = grid.radials_deg.last().copied().unwrap_or(0.0);
+    let mut cells = Cells {
+        theta_deg,
+        azimuths: Vec::new(),
+        lines: Vec::new(),
+        measured: Vec::new(),
+        limit_deg: Some(last_deg).filter(|last| *last < 90.0 + theta_deg - SAME_DEG),
+        measured_to_deg: None,
+    };
     for &k in &half {
         let mut like = vec![k];
         if grid.symmetry == Symmetry::None {
             like.extend(mirrored(k).filter(|m| *m != k));
         }
         let mut line = Vec::with_capacity(radials);
+        let beyond_grid = SpecularGrid::direction(theta_deg, grid.azimuths_deg[k], last_deg + SAME_DEG);
+        // Points up to the last measured one, its distance, and whether the last cell of the line is that one.
+        let (mut measured, mut measured_deg, mut to_the_end) = (0, 0.0, true);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
             let to = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial);
             let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
@@ -84,10 +104,26 @@ pub(super) fn folded(
             if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
                 line.push([delta, mean]);
             }
+            to_the_end = !known.is_empty();
+            if to_the_end {
+                (measured, measured_deg) = (line.len(), *radial);
+            }
         }
+        if measured > 0 && (beyond_grid.is_some() || !to_the_end) {
+            let least = cells.measured_to_deg.unwrap_or(f64::INFINITY);
+            cells.measured_to_deg = Some(least.min(measured_deg));
+        }
+        cells.measured.push(if measured > 0 { measured } else { line.len() });
         cells.azimuths.push(grid.azimuths_deg[k].to_radians());
         cells.lines.push(line);
     }
+    cells
+}
+
+/// Leaves out what was not measured behind the last measured cell of each line.
+pub(super) fn without_unmeasured_tails(mut cells: Cells) -> Cells {
+    let Cells { lines, measured, .. } = &mut cells;
+    lines.iter_mut().zip(measured).for_each(|(line, measured)| line.truncate(*measured));
     cells
 }
 

@@ -26,17 +26,20 @@ mod spherical;
 use papilio_optics::Beta;
 
 use crate::{Part, SpecularGrid};
-use cells::{Cells, Spread, best_width, folded, without_tail_zeros};
+use cells::{Cells, Spread, best_width, folded, without_tail_zeros, without_unmeasured_tails};
 use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
 
-/// What stands for cells of the hemisphere that hold no light in the file.
+/// What stands for directions of the hemisphere that hold no light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fill {
-    /// Zeros are zeros, and cells that were not measured count as zeros.
+    /// Zeros are zeros, and what was not measured counts as zero: cells without a value, and directions farther from the
+    /// specular one than the grid's last.
     #[default]
     None,
+    /// Zeros are zeros; from the last measured cell of a line outwards, its tail goes on.
+    Beyond,
     /// From the last positive cell of a line outwards, its tail goes on.
     Tail,
 }
@@ -69,10 +72,15 @@ impl Shape {
         let mut filled = [0.0; 2];
         let cells: Vec<Cells> = (0..grid.incidences_deg.len())
             .map(|number| folded(grid, values, (number, horizon), &mut asymmetry))
-            .map(|cells| if fill == Fill::Tail { without_tail_zeros(cells, &mut filled) } else { cells })
+            .map(|cells| match fill {
+                Fill::None => cells,
+                Fill::Beyond => without_unmeasured_tails(cells),
+                Fill::Tail => without_tail_zeros(cells, &mut filled),
+            })
             .collect();
         let width = best_width(&cells);
-        let incidences = cells.iter().map(|cells| Incidence::new(cells, width)).collect();
+        let tails = fill != Fill::None;
+        let incidences = cells.iter().map(|cells| Incidence::new(cells, width, tails)).collect();
         Self {
             width,
             incidences,
@@ -100,6 +108,17 @@ impl Shape {
     /// The share of cells in the hemisphere that [`Fill`] took for dark and replaced.
     pub fn filled(&self) -> f64 {
         self.filled
+    }
+
+    /// The least distance from the specular direction, degrees, at which the measured cells of an incidence end before the
+    /// horizon does; `None` if they reach it all around.
+    pub fn measured_to_deg(&self, incidence: usize) -> Option<f64> {
+        self.incidences[incidence].measured_to_deg
+    }
+
+    /// Whether the lobe of some incidence ends, at the grid's last distance from the specular direction, before the horizon.
+    pub fn has_ends(&self) -> bool {
+        self.incidences.iter().any(|incidence| incidence.ends_at.is_some())
     }
 
     /// f, 1/sr, of one of the incidences (by number) at `delta = beta_out - beta_in`, for light that travels along +x;
@@ -141,32 +160,58 @@ impl Shape {
         self.incidences[incidence].total(self.width, radius)
     }
 
-    /// The error, relative, that the grid leaves in the total of an incidence, at most: how far it moves when every other
-    /// point along the lines is left out. Smooth lobes are ten times as good; one with a flat top and a sharp edge is
-    /// a little better only, so no order of convergence is counted on.
+    /// The error, relative, that the grid leaves in the total of an incidence, at most: that of its distances and that of
+    /// its azimuths together ([`grid_errors`](Self::grid_errors)).
     pub fn grid_error(&self, incidence: usize) -> f64 {
+        self.grid_errors(incidence).iter().sum()
+    }
+
+    /// What the grid's distances, and what its azimuths, leave unknown of the total of an incidence, relative.
+    ///
+    /// Distances: how far the total moves when every other point along the lines is left out. Azimuths: how far it moves
+    /// when values are linear between them instead of by the logarithm, or when every other one is left out, whichever
+    /// is more. Smooth lobes are ten times as good; one with a flat top and a sharp edge is a little better only, so no
+    /// order of convergence is counted on.
+    pub fn grid_errors(&self, incidence: usize) -> [f64; 2] {
         let known = &self.incidences[incidence];
-        let coarse = Incidence {
-            lines: known.lines.iter().map(Line::coarser).collect(),
-            azimuths: known.azimuths.clone(),
-            ..*known
-        };
         let total = self.total(incidence);
-        if total > 0.0 { (coarse.total(self.width, f64::INFINITY) / total - 1.0).abs() } else { 0.0 }
+        let moved = |other: Incidence| match total > 0.0 {
+            true => (other.total(self.width, f64::INFINITY) / total - 1.0).abs(),
+            false => 0.0,
+        };
+        let lines = known.lines.iter().map(Line::coarser).collect();
+        let by_distance = moved(Incidence { lines, azimuths: known.azimuths.clone(), ..*known });
+        let linear = moved(Incidence { linear: true, ..known.clone() });
+        let fewer = known.with_fewer_azimuths().map_or(0.0, moved);
+        [by_distance, linear.max(fewer)]
     }
 
     /// f on nodes of |delta| and of its azimuth about the light's direction of travel (0 to pi), for each incidence:
-    /// shape `[incidence][azimuth][radial]`.
+    /// shape `[incidence][azimuth][radial]`. A node next to where the lobe ends has f times the share of the space around
+    /// it, to halfway to its neighbours, that lies before the end: linear between nodes, the line keeps its light.
     pub fn tabulate(&self, radials: &[f64], azimuths: &[f64]) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.incidences.len() * radials.len() * azimuths.len());
-        for incidence in 0..self.incidences.len() {
+        for incidence in &self.incidences {
             for azimuth in azimuths {
                 let (sin, cos) = azimuth.sin_cos();
-                values.extend(radials.iter().map(|r| self.value(incidence, Beta { x: r * cos, y: r * sin })));
+                let end = incidence.end(Beta { x: cos, y: sin });
+                let value = |r: f64| incidence.held(Beta { x: r * cos, y: r * sin }, self.width);
+                values.extend((0..radials.len()).map(|k| match share_before(radials, k, end) {
+                    0.0 => 0.0,
+                    share => share * value(radials[k].min(end)),
+                }));
             }
         }
         values
     }
+}
+
+/// The share of the space around a node that lies before `end`.
+fn share_before(nodes: &[f64], k: usize, end: f64) -> f64 {
+    let middle = |a: usize, b: usize| 0.5 * (nodes[a] + nodes[b]);
+    let from = if k == 0 { nodes[0] } else { middle(k - 1, k) };
+    let to = if k + 1 < nodes.len() { middle(k, k + 1) } else { nodes[k] };
+    if to <= end { 1.0 } else { ((end - from) / (to - from).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0) }
 }
 
 /// What lobes are smooth in.

@@ -29,6 +29,8 @@ const TOLD: f64 = 1e-3;
 const FAR_ABOVE_ONE: f64 = 0.2;
 /// A grid that leaves more of the total open than this is too coarse for the usual error target.
 const COARSE: f64 = 0.005;
+/// A share of the light that is extrapolated is worth a warning from here on.
+const MUCH_BEYOND: f64 = 0.05;
 /// A lobe that, blurred again, differs more than this from the file's is not what the instrument saw.
 const MISFIT: f64 = 0.03;
 /// And beyond this it is nothing like it.
@@ -42,7 +44,8 @@ struct Source<'a> {
     file: Origin,
     normalise: &'a At<Normalise>,
     fill: &'a At<DarkCells>,
-    extrapolate: &'a At<Extrapolate>,
+    /// `None`: not written.
+    extrapolate: &'a At<Option<Extrapolate>>,
     spectral_mean: SpectralMean,
     blur: Option<&'a At<Blur>>,
 }
@@ -128,8 +131,8 @@ impl Resolver<'_> {
     }
 
     /// Refuses tails in the glass where none is known to be.
-    fn in_air(&mut self, extrapolate: &At<Extrapolate>, beside: &'static str) -> Option<()> {
-        if extrapolate.value == Extrapolate::Glass {
+    fn in_air(&mut self, extrapolate: &At<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
+        if extrapolate.value == Some(Extrapolate::Glass) {
             self.err(extrapolate, Problem::NotWith { key: "extrapolate = \"glass\"", beside });
             return None;
         }
@@ -349,7 +352,8 @@ impl Resolver<'_> {
                 DarkCells::Tail => Fill::Tail,
             },
             to_tis: source.normalise.value == Normalise::Tis,
-            extrapolate: behind.reach(source.extrapolate.value),
+            extrapolate: source.extrapolate.value.and_then(|extrapolate| behind.reach(extrapolate)),
+            hold_single: source.extrapolate.value.is_none(),
             lamination: behind.lamination(),
         };
         let sharp = self.without_blur(source, part)?;
@@ -459,10 +463,23 @@ impl Resolver<'_> {
                 100.0 * changes.lost
             ));
         }
+        if changes.held_single {
+            self.notes.push(format!(
+                "{path}: {way}: the file has one incidence, {} deg: its lobe holds at all others, about their own directions; \
+                 `extrapolate = \"none\"` loses their light",
+                changes.last_deg
+            ));
+        }
+        self.tell_beyond(path, way, changes);
         if changes.grid_error > COARSE {
             let percent = 100.0 * changes.grid_error;
-            self.warnings
-                .push(format!("{path}: {way}: the file's grid leaves {percent:.1} % of the light uncertain"));
+            let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
+                true => ", most of it by azimuths that are too far apart",
+                false => "",
+            };
+            self.warnings.push(format!(
+                "{path}: {way}: the file's grid leaves {percent:.1} % of the light uncertain{azimuths}"
+            ));
         }
         if changes.asymmetry > 0.01 {
             let percent = 100.0 * changes.asymmetry;
@@ -471,5 +488,37 @@ impl Resolver<'_> {
             ));
         }
         Some(())
+    }
+
+    /// What becomes of light beyond the last measured distance from the specular direction, and how much it is.
+    fn tell_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
+        let by_share = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+        let ends = changes.beyond.iter().min_by(by_share).zip(changes.beyond.iter().max_by(by_share));
+        let Some((to_deg, ([at_least, least], [at_most, most]))) = changes.measured_to_deg.zip(ends) else {
+            return;
+        };
+        if *most < TOLD {
+            return;
+        }
+        let at = |share: f64, theta: f64| format!("{:.1} % (at {theta} deg of incidence)", 100.0 * share);
+        let shares = match changes.beyond.len() {
+            1 => at(*most, *at_most),
+            _ => format!("{} to {}", at(*least, *at_least), at(*most, *at_most)),
+        };
+        let said = format!(
+            "{path}: {way}: nothing was measured farther than {to_deg} deg from the specular direction"
+        );
+        if !changes.tails {
+            self.warnings.push(format!(
+                "{said}, and nothing is sent there; tails that go on would hold {shares} of the light; `extrapolate = \"hold\"` \
+                 or `fill = \"tail\"` lets them"
+            ));
+        } else if *most < MUCH_BEYOND {
+            self.notes.push(format!("{said}; tails go on there, and hold {shares} of the light"));
+        } else {
+            self.warnings.push(format!(
+                "{said}; tails go on there, and hold {shares} of the light: this share is extrapolated, not measured"
+            ));
+        }
     }
 }
