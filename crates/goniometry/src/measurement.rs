@@ -148,8 +148,9 @@ impl Part {
     /// `None` unless the file gives it for each rotation.
     pub fn mean_tis(&self, channel: usize, incidence: usize) -> Option<f64> {
         let Geometry::Specular(grid) = &self.geometry else { return None };
-        let turns = grid.rotations_deg.len();
-        let sum: Option<f64> = (0..turns).map(|turn| self.tis(channel, turn, incidence)).sum();
-        sum.map(|sum| sum / turns as f64)
+        let turns = || (0..grid.rotations_deg.len()).map(|turn| (turn, grid.rotation_weight(turn)));
+        let sum: Option<f64> =
+            turns().map(|(turn, weight)| Some(weight * self.tis(channel, turn, incidence)?)).sum();
+        sum.map(|sum| sum / turns().map(|(_, weight)| weight).sum::<f64>())
     }
 }

@@ -119,7 +119,9 @@ fn displays_extrapolate_only_where_they_are_asked_to() {
     for (k, theta) in [0.0_f64, 20.0, 40.0, 60.0, 80.0].into_iter().enumerate() {
         let beta = theta.to_radians().sin();
         let known = 0.3 * cap(theta);
-        assert!((none.0.total(beta) - known).abs() < 2e-3 * known, "{theta}: {} {known}", none.0.total(beta));
+        // Where the lobe ends is on no node: its totals are smooth in the incidence to some thousandths only.
+        let total = none.0.total(beta);
+        assert!((total - known).abs() < 5e-3 * known, "{theta}: {total} {known}");
         assert!((hold.0.total(beta) - 0.3).abs() < 1e-3, "{theta}: {}", hold.0.total(beta));
         for changes in [&none.1, &hold.1] {
             let [at, share] = changes.beyond[k];
@@ -145,10 +147,11 @@ fn a_whole_hemisphere_has_nothing_beyond() {
     assert!(!audit_text("x", &measurement, &[Some(audit)]).contains("farther than"));
 }
 
-/// Lambertian lobes whose level turns with the sample: .1, .3, .5, .3, .1, and an instrument that sees twice of each.
+/// Lambertian lobes whose level turns with the sample, .3 in the mean over a turn whose first and last rotation are the same,
+/// and an instrument that sees twice of each.
 fn rotated() -> Measurement {
     let made = Made {
-        rotations: &[0.0, 45.0, 90.0, 135.0],
+        rotations: &[0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0, 360.0],
         incidences: &[0.0, 30.0, 60.0],
         azimuths: (0..12).map(|k| f64::from(30 * k)).collect(),
         radials: steps(180, 6),
@@ -170,7 +173,7 @@ fn rotations_have_their_own_tis() {
         assert!((found.tis.unwrap() - 0.6).abs() < 1e-12, "{found:?}");
         assert!((found.integral - 0.3).abs() < 3e-4, "{found:?}");
     }
-    assert_eq!(audit.rotations.len(), 4 * 3);
+    assert_eq!(audit.rotations.len(), 9 * 3);
     for found in &audit.rotations {
         assert!((found.tis.unwrap() - 2.0 * level(found.rotation_deg)).abs() < 1e-12, "{found:?}");
         assert!((found.integral / level(found.rotation_deg) - 1.0).abs() < 1e-3, "{found:?}");
@@ -191,7 +194,8 @@ fn a_rotated_table_comes_back_from_its_csv() {
     let (bytes, _) = written(BsdfFormat::Csv, &measurement);
     let again = read(bytes);
     let [before, after] = [&measurement, &again].map(|read| Audit::of(&read.parts[0], 0).unwrap());
-    assert_eq!(before.rotations.len(), after.rotations.len());
+    // 360 is 0 again, and is listed once.
+    assert_eq!(before.rotations.len(), after.rotations.len() + 3);
     for (before, after) in before.rotations.iter().zip(&after.rotations) {
         assert!((before.rotation_deg - after.rotation_deg).abs() < 1e-6);
         assert!((before.integral - after.integral).abs() < 1e-6, "{before:?} {after:?}");
@@ -298,8 +302,9 @@ fn an_rgl_white_has_its_reflectance() {
     for found in audit.incidences.iter().filter(|i| i.theta_deg <= 75.0) {
         assert!((found.integral / 0.8 - 1.0).abs() < 5e-3, "{found:?}");
     }
+    // Between the nodes of this grid f cos is off by up to 1e-3 of its largest value: by a third of f where the cosine is .1.
     let [rms, worst] = audit.reciprocity.unwrap();
-    assert!(rms < 0.02 && worst < 0.3, "{rms} {worst}");
+    assert!(rms < 0.05 && worst < 0.4, "{rms} {worst}");
 }
 
 /// Values whose sums pass all numbers are no BSDF.

@@ -45,6 +45,16 @@ impl SpecularGrid {
             * self.radials_deg.len()
     }
 
+    /// What a rotation counts in a mean over the turn: a first and a last one that are the same half each.
+    pub(crate) fn rotation_weight(&self, turn: usize) -> f64 {
+        match self.rotations_deg[..] {
+            [first, .., last] if last - first > 360.0 - 1e-6 => {
+                if turn == 0 || turn + 1 == self.rotations_deg.len() { 0.5 } else { 1.0 }
+            }
+            _ => 1.0,
+        }
+    }
+
     /// Directions of light and viewer of a cell, in the coordinates of the sample; `None` outside the
     /// hemisphere.
     pub(crate) fn directions(&self, cell: usize) -> Option<[Direction; 2]> {

@@ -44,9 +44,10 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    fn add(&mut self, values: &[f64], mean: f64) {
-        self.differences += values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-        self.values += values.len() as f64 * mean * mean;
+    /// Values and their weights.
+    fn add(&mut self, values: &[(f64, f64)], mean: f64) {
+        self.differences += values.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>();
+        self.values += values.iter().map(|(_, weight)| weight).sum::<f64>() * mean * mean;
     }
 
     pub(super) fn relative(&self) -> f64 {
@@ -94,10 +95,13 @@ pub(super) fn folded(
             };
             let rows = (0..grid.rotations_deg.len()).flat_map(|turn| {
                 let row = (turn * grid.incidences_deg.len() + incidence) * azimuths;
-                like.iter().map(move |m| (row + m) * radials + r)
+                let weight = grid.rotation_weight(turn);
+                like.iter().map(move |m| (values[(row + m) * radials + r], weight))
             });
-            let known: Vec<f64> = rows.map(|cell| values[cell]).filter(|value| value.is_finite()).collect();
-            let mean = if known.is_empty() { 0.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
+            let known: Vec<(f64, f64)> = rows.filter(|(value, _)| value.is_finite()).collect();
+            let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
+            let sum: f64 = known.iter().map(|(value, weight)| weight * value).sum();
+            let mean = if known.is_empty() { 0.0 } else { sum / weights };
             asymmetry.add(&known, mean);
             // Seen from the specular direction, in the plane of direction cosines.
             let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);

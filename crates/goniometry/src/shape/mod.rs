@@ -135,10 +135,14 @@ impl Shape {
     }
 
     /// The distance from the specular direction, degrees, at which one of the incidences has half its
-    /// value there, along an azimuth of the grid; `None` if that is beyond the hemisphere.
+    /// value there, along an azimuth of the grid; `None` if that is beyond the hemisphere, or beyond what was measured.
     pub fn half_width_deg(&self, incidence: usize, azimuth_deg: f64) -> Option<f64> {
         let half = 0.5 * self.along(incidence, azimuth_deg, 0.0)?;
-        let above = |radial: f64| self.along(incidence, azimuth_deg, radial).map(|f| f > half);
+        // Where the measured cells end is no half-width.
+        let end_deg = self.incidences[incidence].ends_at.map_or(180.0, |cosine| cosine.acos().to_degrees());
+        let above = |radial: f64| {
+            (radial < end_deg).then(|| self.along(incidence, azimuth_deg, radial).map(|f| f > half))?
+        };
         let (mut inner, mut outer) = (0.0, 0.1);
         while above(outer)? {
             (inner, outer) = (outer, 1.25 * outer);
@@ -168,22 +172,24 @@ impl Shape {
 
     /// What the grid's distances, and what its azimuths, leave unknown of the total of an incidence, relative.
     ///
-    /// Distances: how far the total moves when every other point along the lines is left out. Azimuths: how far it moves
-    /// when values are linear between them instead of by the logarithm, or when every other one is left out, whichever
-    /// is more. Smooth lobes are ten times as good; one with a flat top and a sharp edge is a little better only, so no
-    /// order of convergence is counted on.
+    /// Distances: how far the total moves when every other point along the lines is left out. Smooth lobes are ten times as
+    /// good; one with a flat top and a sharp edge is a little better only, so no order of convergence is counted on.
+    /// Azimuths: how far it moves when values are linear between them instead of by the logarithm, and how far that moves
+    /// when every other one is left out: around the specular direction the first is the trapezoid rule, which smooth lobes
+    /// meet with few azimuths.
     pub fn grid_errors(&self, incidence: usize) -> [f64; 2] {
         let known = &self.incidences[incidence];
         let total = self.total(incidence);
-        let moved = |other: Incidence| match total > 0.0 {
-            true => (other.total(self.width, f64::INFINITY) / total - 1.0).abs(),
-            false => 0.0,
-        };
+        if total <= 0.0 {
+            return [0.0; 2];
+        }
+        let of = |other: &Incidence| other.total(self.width, f64::INFINITY);
         let lines = known.lines.iter().map(Line::coarser).collect();
-        let by_distance = moved(Incidence { lines, azimuths: known.azimuths.clone(), ..*known });
-        let linear = moved(Incidence { linear: true, ..known.clone() });
-        let fewer = known.with_fewer_azimuths().map_or(0.0, moved);
-        [by_distance, linear.max(fewer)]
+        let by_distance = of(&Incidence { lines, azimuths: known.azimuths.clone(), ..*known }) - total;
+        let linear = Incidence { linear: true, ..known.clone() };
+        let linear_total = of(&linear);
+        let fewer = linear.with_fewer_azimuths().map_or(0.0, |fewer| of(&fewer) - linear_total);
+        [by_distance.abs() / total, ((linear_total - total).abs() + fewer.abs()) / total]
     }
 
     /// f on nodes of |delta| and of its azimuth about the light's direction of travel (0 to pi), for each incidence:

@@ -443,6 +443,9 @@ impl Resolver<'_> {
             (true, true) => "to the instrument's TIS, less the back face's loss",
             (true, false) => "to the instrument's TIS",
             (false, true) => "the loss of the back face in air is gone",
+            (false, false) if !changes.tails && changes.measured_to_deg.is_some() => {
+                "what the smooth lobe makes of where the measured cells end"
+            }
             (false, false) => "what the smooth lobe makes of dark cells at the horizon",
         };
         if most - 1.0 > TOLD || 1.0 - least > TOLD {
