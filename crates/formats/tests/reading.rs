@@ -192,8 +192,8 @@ fn faults_beyond_the_wanted_wavelengths_are_notes() {
     for (rows, line) in [
         // Repeated, below and above; unsorted; negative.
         ("0.36 0.9; 0.36 0.8; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
-        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.80 2.1", 8),
-        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.79 2.1; 0.9 2", 8),
+        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.90 2.1", 9),
+        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.85 2.1; 0.95 2", 9),
         ("0.30 0.1; 0.36 -0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
         ("0.90 2; 0.90 2.2; 0.80 2.0; 0.60 1.5; 0.40 1.0; 0.36 0.9", 5),
         // A repeated neighbour of the wanted wavelengths that says the same twice.
@@ -213,6 +213,9 @@ fn faults_beyond_the_wanted_wavelengths_are_notes() {
         // The neighbour of 400 nm is given twice, or negative.
         ("0.36 0.9; 0.36 0.8; 0.60 1.5; 0.80 2.0", 5),
         ("0.30 0.75; 0.36 -0.9; 0.60 1.5; 0.80 2.0", 5),
+        // And that of 700 nm is given twice, or has another one before it.
+        ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.80 2.1", 7),
+        ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.79 2.1; 0.9 2", 7),
     ] {
         let error = within(&page("n", rows)).unwrap_err();
         assert_eq!(error.place.line_column().map(|(line, _)| line), Some(line), "{rows}: {error}");
