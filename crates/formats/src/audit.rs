@@ -40,6 +40,7 @@ struct ChannelFile {
     haze: Option<f64>,
     clarity: Option<f64>,
     grid_error: f64,
+    held_azimuths_deg: Option<[f64; 2]>,
     incidences: Vec<IncidenceFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rotations: Vec<RotationFile>,
@@ -133,6 +134,7 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         haze: audit.haze,
         clarity: audit.clarity,
         grid_error: audit.grid_error(),
+        held_azimuths_deg: audit.held_azimuths_deg,
         incidences: audit.incidences.iter().map(incidence).collect(),
         rotations: audit.rotations.iter().map(rotation).collect(),
     }

@@ -216,6 +216,16 @@ fn warnings(audit: &Audit) -> Vec<String> {
         ));
     }
     warnings.extend(beyond(audit));
+    if let Some([first, last]) = audit.held_azimuths_deg {
+        warnings.push(if first == last {
+            "values are of one azimuth: the lobe is taken to be the same all around the specular direction".to_owned()
+        } else {
+            format!(
+                "azimuths are {first:.0} to {last:.0} deg from the plane of incidence: beyond them the nearest one's values are \
+                 taken, up to 0 and 180 deg"
+            )
+        });
+    }
     if let Some(at) = at(&|i| i.grid_error - i.azimuth_error > TIS_TOLERANCE) {
         warnings
             .push(format!("the grid is too coarse for the lobe at {at} deg: a finer radial grid is needed"));

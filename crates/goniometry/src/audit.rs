@@ -50,6 +50,8 @@ pub struct Audit {
     pub haze: Option<f64>,
     /// See the module's page; of a grid of half a degree or finer near the peak.
     pub clarity: Option<f64>,
+    /// First and last azimuth, degrees from the plane of incidence, where they are not 0 and 180: beyond them the nearest holds.
+    pub held_azimuths_deg: Option<[f64; 2]>,
     /// By incidence.
     pub incidences: Vec<Incidence>,
     /// By rotation and incidence, of a measurement at several rotations.
@@ -146,6 +148,7 @@ impl Audit {
             haze,
             clarity,
             incidences,
+            held_azimuths_deg: shape.held_azimuths_deg(),
             rotations: rotations(part, channel, grid, values),
             ..Self::of_cells(grid, values, transmission)
         })
@@ -172,6 +175,7 @@ impl Audit {
             reciprocity: None,
             haze: None,
             clarity: None,
+            held_azimuths_deg: None,
             incidences: Vec::new(),
             rotations: Vec::new(),
         };

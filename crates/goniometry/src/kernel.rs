@@ -71,6 +71,8 @@ pub struct Changes {
     pub beyond: Vec<[f64; 2]>,
     /// True if tails go on there; else that light is lost.
     pub tails: bool,
+    /// First and last azimuth, degrees from the plane of incidence, where they are not 0 and 180: beyond them the nearest holds.
+    pub held_azimuths_deg: Option<[f64; 2]>,
     /// True if the lobe of the only incidence holds at all others because the measurement has no other.
     pub held_single: bool,
     /// The largest incidence, degrees.
@@ -142,6 +144,7 @@ pub fn kernel(
         measured_to_deg: least_measured_deg(&shape),
         beyond: beyond(&shape, &grid, &cells, fill),
         tails: fill != Fill::None,
+        held_azimuths_deg: shape.held_azimuths_deg(),
         held_single,
         last_deg: incidences[incidences.len() - 1],
         lost: if extrapolate.is_some() { 0.0 } else { 1.0 - last * last },

@@ -267,6 +267,36 @@ fn azimuths_too_far_apart_are_told() {
     assert!(text.contains("azimuth grid is too coarse"), "{text}");
 }
 
+/// Azimuths count from the plane of incidence whichever way round they are written, and where they do not go all around it is told.
+#[test]
+fn azimuths_are_folded_however_they_are_written() {
+    let audit = |azimuths: &[f64]| {
+        let made = Made {
+            rotations: &[0.0],
+            incidences: &[0.0, 30.0],
+            azimuths: azimuths.to_vec(),
+            radials: steps(180, 10),
+            symmetry: "Asymmetrical",
+        };
+        let lopsided = |a: f64| 0.1 + 0.05 * a.to_radians().cos() + 0.02 * a.to_radians().sin();
+        let measurement = read(made.text(|_, _| 0.3, |[_, _, a, _]| lopsided(a)));
+        let audit = Audit::of(&measurement.parts[0], 0).unwrap();
+        (audit.clone(), audit_text("x", &measurement, &[Some(audit)]))
+    };
+    let around: Vec<f64> = (0..12).map(|k| f64::from(30 * k)).collect();
+    let signed: Vec<f64> = (-5..=6).map(|k| f64::from(30 * k)).collect();
+    let [(around, text), (signed, _)] = [&around, &signed].map(|azimuths| audit(azimuths));
+    for (a, b) in around.incidences.iter().zip(&signed.incidences) {
+        assert!((a.integral - b.integral).abs() < 1e-12, "{a:?} {b:?}");
+    }
+    // The mean over the turn is .1, whatever the sides.
+    assert!((around.incidences[0].integral - 0.1 * PI).abs() < 0.01 * 0.1 * PI, "{:?}", around.incidences[0]);
+    assert!(around.held_azimuths_deg.is_none() && !text.contains("azimuths are"), "{text}");
+    let (one_side, text) = audit(&[200.0, 300.0]);
+    assert_eq!(one_side.held_azimuths_deg.map(|ends| ends.map(f64::round)), Some([60.0, 160.0]));
+    assert!(text.contains("azimuths are 60 to 160 deg"), "{text}");
+}
+
 /// A white of reflectance factor .8 as an RGL table on a plain grid of half vectors that goes to the horizon and beyond.
 #[test]
 fn an_rgl_white_has_its_reflectance() {

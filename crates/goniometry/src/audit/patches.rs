@@ -35,6 +35,7 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
         // The patch about the direct beam is wider than what haze leaves out.
         haze: None,
         clarity: None,
+        held_azimuths_deg: None,
         incidences,
         rotations: Vec::new(),
     }

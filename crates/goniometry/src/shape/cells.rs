@@ -2,7 +2,7 @@
 
 use super::abscissa;
 use super::line::Line;
-use crate::{Direction, SpecularGrid, Symmetry};
+use crate::{Direction, SpecularGrid};
 
 /// Angles closer than this are the same, degrees.
 pub(super) const SAME_DEG: f64 = 1e-6;
@@ -63,11 +63,14 @@ pub(super) fn folded(
     asymmetry: &mut Spread,
 ) -> Cells {
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
-    let half: Vec<usize> = (0..azimuths).filter(|&k| grid.azimuths_deg[k] <= 180.0).collect();
-    let mirrored = |k: usize| -> Option<usize> {
-        let other = (360.0 - grid.azimuths_deg[k]) % 360.0;
-        (0..azimuths).find(|&m| (grid.azimuths_deg[m] % 360.0 - other).abs() < 1e-9)
+    // From the plane of incidence: both sides of it should be alike.
+    let aside = |k: usize| {
+        let azimuth = grid.azimuths_deg[k].rem_euclid(360.0);
+        azimuth.min(360.0 - azimuth)
     };
+    let mut half: Vec<f64> = (0..azimuths).map(aside).collect();
+    half.sort_by(f64::total_cmp);
+    half.dedup_by(|b, a| *b - *a < SAME_DEG);
     let theta_deg = grid.incidences_deg[incidence];
     let last_deg = grid.radials_deg.last().copied().unwrap_or(0.0);
     let mut cells = Cells {
@@ -78,17 +81,14 @@ pub(super) fn folded(
         limit_deg: Some(last_deg).filter(|last| *last < 90.0 + theta_deg - SAME_DEG),
         measured_to_deg: None,
     };
-    for &k in &half {
-        let mut like = vec![k];
-        if grid.symmetry == Symmetry::None {
-            like.extend(mirrored(k).filter(|m| *m != k));
-        }
+    for azimuth in half {
+        let like: Vec<usize> = (0..azimuths).filter(|k| (aside(*k) - azimuth).abs() < SAME_DEG).collect();
         let mut line = Vec::with_capacity(radials);
-        let beyond_grid = SpecularGrid::direction(theta_deg, grid.azimuths_deg[k], last_deg + SAME_DEG);
+        let beyond_grid = SpecularGrid::direction(theta_deg, azimuth, last_deg + SAME_DEG);
         // Points up to the last measured one, its distance, and whether the last cell of the line is that one.
         let (mut measured, mut measured_deg, mut to_the_end) = (0, 0.0, true);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
-            let to = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial);
+            let to = SpecularGrid::direction(cells.theta_deg, azimuth, *radial);
             let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
             else {
                 break;
@@ -118,7 +118,7 @@ pub(super) fn folded(
             cells.measured_to_deg = Some(least.min(measured_deg));
         }
         cells.measured.push(if measured > 0 { measured } else { line.len() });
-        cells.azimuths.push(grid.azimuths_deg[k].to_radians());
+        cells.azimuths.push(azimuth.to_radians());
         cells.lines.push(line);
     }
     cells

@@ -116,6 +116,14 @@ impl Shape {
         self.incidences[incidence].measured_to_deg
     }
 
+    /// The first and the last azimuth about the specular direction, degrees from the plane of incidence, if they are not 0 and
+    /// 180: beyond them the nearest holds.
+    pub fn held_azimuths_deg(&self) -> Option<[f64; 2]> {
+        let azimuths = &self.incidences.first()?.azimuths;
+        let [first, last] = [azimuths.first()?, azimuths.last()?].map(|azimuth| azimuth.to_degrees());
+        (first > 1e-3 || last < 180.0 - 1e-3).then_some([first, last])
+    }
+
     /// Whether the lobe of some incidence ends, at the grid's last distance from the specular direction, before the horizon.
     pub fn has_ends(&self) -> bool {
         self.incidences.iter().any(|incidence| incidence.ends_at.is_some())
