@@ -26,7 +26,9 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
         unmeasured: count(|value| value.is_nan()),
         negative: count(|value| *value < 0.0),
         dark_beyond_deg,
-        holes: with_theta().filter(|(value, theta)| !(**value > 0.0) && **theta < dark_beyond_deg).count(),
+        holes: with_theta()
+            .filter(|(value, theta)| light(**value) == 0.0 && **theta < dark_beyond_deg)
+            .count(),
         beam_holes: 0,
         noise: 0.0,
         range: [values.iter().filter(lit).copied().fold(f64::INFINITY, f64::min), peak],
