@@ -251,3 +251,28 @@ fn a_fit_can_be_pasted_into_a_scenario() {
     let (_, last) = *lobes.last().unwrap();
     assert!(blocks.contains("GGX") && last > 0.9 * file, "{lobes:?}");
 }
+
+/// A file with a number that no reader takes back is refused before anything is written.
+#[test]
+fn numbers_beyond_any_bsdf_are_refused_and_nothing_is_written() {
+    let folder = Folder::new();
+    let (input, output) = (folder.name("in.csv"), folder.path("out.bsdf"));
+    let rows = "theta_i,phi_i,theta_o,phi_o,value\n0,0,0,0,0.3\n0,0,30,0,1e300\n0,0,60,0,0.3\n";
+    fs::write(&input, rows).unwrap();
+    let said = refused(&["convert", &input, output.to_str().unwrap()]);
+    assert!(said.contains("in.csv:3:10") && said.contains("1e15"), "{said}");
+    assert_eq!(fs::read_dir(folder.path(".")).unwrap().count(), 1, "the input alone");
+    // A reference that is all but dark.
+    let flat = |value: &str| format!("theta_i,phi_i,theta_o,phi_o,value\n0,0,0,0,{value}\n0,0,30,0,0.3\n");
+    let reference = folder.name("reference.csv");
+    fs::write(&input, flat("0.3")).unwrap();
+    fs::write(&reference, flat("1e-300")).unwrap();
+    let output = folder.path("out.csv");
+    let output = output.to_str().unwrap();
+    let arguments = ["calibrate", &input, &reference, output, "--reflectance", "0.99"];
+    let done = papilio(&arguments);
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(done.status.code(), Some(2), "{said}");
+    assert!(said.contains("front reflection") && said.contains("no file may hold that"), "{said}");
+    assert_eq!(fs::read_dir(folder.path(".")).unwrap().count(), 2, "the inputs alone");
+}

@@ -1,13 +1,15 @@
 //! Coherent films, one stack at each point of arrays that numpy has broadcast together.
 
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{Complex64, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
-use papilio_formats::{DataFile, read_index};
+use papilio_formats::{DataFile, read_index_within};
 use papilio_optics::OpticsError;
 use papilio_optics::film::{Film, Layer, Polarisation, coherent};
 use papilio_spectra::{SpectraError, material};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
 use crate::errors;
@@ -94,8 +96,17 @@ pub(crate) fn material_index<'py>(
         (None, path) => {
             let path = path.unwrap_or_default();
             let file = DataFile::open(&path, &path.display().to_string());
-            let read = file.and_then(|file| read_index(&file));
-            read.map_err(|error| errors::format(py, &error))?
+            // What the wanted wavelengths do not touch need not be sound.
+            let wanted = wavelength_nm.as_array();
+            let first = wanted.iter().copied().fold(f64::INFINITY, f64::min);
+            let last = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let read = file.and_then(|file| read_index_within(&file, (first, last)));
+            let read = read.map_err(|error| errors::format(py, &error))?;
+            for note in &read.warnings {
+                let text = CString::new(format!("{}: {note}", path.display()))?;
+                PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)?;
+            }
+            read.value
         }
     };
     let index = wavelength_nm.as_array().into_iter().map(|nm| dispersion.index(*nm));

@@ -40,7 +40,18 @@ struct ChannelFile {
     haze: Option<f64>,
     clarity: Option<f64>,
     grid_error: f64,
+    held_azimuths_deg: Option<[f64; 2]>,
     incidences: Vec<IncidenceFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rotations: Vec<RotationFile>,
+}
+
+#[derive(Debug, Serialize)]
+struct RotationFile {
+    rotation_deg: f64,
+    theta_deg: f64,
+    tis: Option<f64>,
+    integral: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -48,8 +59,14 @@ struct IncidenceFile {
     theta_deg: f64,
     tis: Option<f64>,
     integral: f64,
+    /// Where measured cells end before the horizon: the least distance from the specular direction.
+    measured_to_deg: Option<f64>,
+    /// With tails that go on beyond it; and their share of that.
+    integral_beyond: f64,
+    beyond_share: f64,
     integral_filled: f64,
     grid_error: f64,
+    azimuth_error: f64,
     peak: f64,
     half_widths_deg: [Option<f64>; 3],
 }
@@ -84,10 +101,20 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         theta_deg: found.theta_deg,
         tis: found.tis,
         integral: found.integral,
+        measured_to_deg: found.measured_to_deg,
+        integral_beyond: found.integral_beyond,
+        beyond_share: found.beyond_share(),
         integral_filled: found.integral_filled,
         grid_error: found.grid_error,
+        azimuth_error: found.azimuth_error,
         peak: found.peak,
         half_widths_deg: found.half_widths_deg,
+    };
+    let rotation = |found: &papilio_goniometry::Rotation| RotationFile {
+        rotation_deg: found.rotation_deg,
+        theta_deg: found.theta_deg,
+        tis: found.tis,
+        integral: found.integral,
     };
     ChannelFile {
         channel,
@@ -107,7 +134,9 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         haze: audit.haze,
         clarity: audit.clarity,
         grid_error: audit.grid_error(),
+        held_azimuths_deg: audit.held_azimuths_deg,
         incidences: audit.incidences.iter().map(incidence).collect(),
+        rotations: audit.rotations.iter().map(rotation).collect(),
     }
 }
 

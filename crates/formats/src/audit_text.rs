@@ -10,6 +10,8 @@ use crate::words::{channel, percent, span, table};
 const HAZE_SCOPE: f64 = 0.30;
 /// A total this much above 1 is no rounding.
 const ABOVE_ONE: f64 = 1.005;
+/// Light beyond what was measured that is more than this share is worth a warning.
+const MUCH_BEYOND: f64 = 0.005;
 /// A ratio of integral and TIS further from 1 than this is worth a word.
 const TIS_TOLERANCE: f64 = 0.02;
 
@@ -43,7 +45,10 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
             None => text.push_str("  directions on no grid: nothing is known of what is between them\n"),
         }
         if matches!(part.geometry, Geometry::Patches { .. }) {
-            text.push_str("  warning: patches of about ten degrees: peak, half-widths and haze are those of the patches\n");
+            text.push_str(
+                "  integral: sum of value x projected solid angle over the patches, the mean over the ring that light comes \
+                 from; peak: of the patch straight on or in the mirror direction; nothing finer than a patch is known\n",
+            );
         }
     }
     text
@@ -102,6 +107,7 @@ fn findings(audit: &Audit) -> String {
         "TIS",
         "integral",
         "ratio",
+        "beyond",
         "tails filled",
         "grid error",
         "peak 1/sr",
@@ -115,6 +121,7 @@ fn findings(audit: &Audit) -> String {
             incidence.tis.map_or("-".to_owned(), |tis| format!("{tis:.4}")),
             format!("{:.4}", incidence.integral),
             incidence.tis.map_or("-".to_owned(), |tis| format!("{:.3}", incidence.integral / tis)),
+            incidence.measured_to_deg.map_or("-".to_owned(), |_| percent(incidence.beyond_share())),
             format!("{:.4}", incidence.integral_filled),
             percent(incidence.grid_error),
             format!("{:.4}", incidence.peak),
@@ -123,8 +130,10 @@ fn findings(audit: &Audit) -> String {
     }
     let mut text = table(&rows);
     text.push_str(
-        "  half-widths: towards the normal, across, away from it; grid error: what the grid leaves unknown\n",
+        "  integral: of what was measured; beyond: share of the light that tails beyond the last measured angle would hold, not in \
+         the integral; half-widths: towards the normal, across, away from it; grid error: what the grid leaves unknown\n",
     );
+    text.push_str(&rotations(audit));
     let mut line = |said: String| {
         let _ = writeln!(text, "  {said}");
     };
@@ -160,6 +169,30 @@ fn findings(audit: &Audit) -> String {
     text
 }
 
+/// How integral and TIS compare by rotation; nothing for a single one.
+fn rotations(audit: &Audit) -> String {
+    if audit.rotations.is_empty() {
+        return String::new();
+    }
+    let mut text =
+        "  TIS and integral are means over the rotations, as a display takes them; ratio of each rotation's own:\n".to_owned();
+    for incidence in &audit.incidences {
+        let of_theta = audit.rotations.iter().filter(|one| one.theta_deg == incidence.theta_deg);
+        let ratios = of_theta.clone().filter_map(|one| Some((one.integral / one.tis?, one.rotation_deg)));
+        let least = ratios.clone().min_by(|a, b| a.0.total_cmp(&b.0));
+        let most = ratios.max_by(|a, b| a.0.total_cmp(&b.0));
+        let _ = match least.zip(most) {
+            Some(((least, at_least), (most, at_most))) => writeln!(
+                text,
+                "    {} deg: {least:.3} (rotation {at_least} deg) to {most:.3} (rotation {at_most} deg)",
+                incidence.theta_deg
+            ),
+            None => writeln!(text, "    {} deg: the file gives no TIS", incidence.theta_deg),
+        };
+    }
+    text
+}
+
 /// What its user should not overlook.
 fn warnings(audit: &Audit) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -182,9 +215,27 @@ fn warnings(audit: &Audit) -> Vec<String> {
             }
         ));
     }
-    if let Some(at) = at(&|i| i.grid_error > TIS_TOLERANCE) {
+    warnings.extend(beyond(audit));
+    if let Some([first, last]) = audit.held_azimuths_deg {
+        warnings.push(if first == last {
+            "values are of one azimuth: the lobe is taken to be the same all around the specular direction".to_owned()
+        } else {
+            format!(
+                "azimuths are {first:.0} to {last:.0} deg from the plane of incidence: beyond them the nearest one's values are \
+                 taken, up to 0 and 180 deg"
+            )
+        });
+    }
+    if let Some(at) = at(&|i| i.grid_error - i.azimuth_error > TIS_TOLERANCE) {
         warnings
             .push(format!("the grid is too coarse for the lobe at {at} deg: a finer radial grid is needed"));
+    }
+    if let Some(at) = at(&|i| i.azimuth_error > TIS_TOLERANCE) {
+        warnings.push(format!(
+            "the azimuth grid is too coarse for the lobe at {at} deg: how values are interpolated between azimuths changes \
+             the integral by up to {}; more azimuths are needed",
+            percent(audit.incidences.iter().map(|i| i.azimuth_error).fold(0.0, f64::max))
+        ));
     }
     if audit.beam_holes > 0 {
         warnings.push(format!(
@@ -199,4 +250,23 @@ fn warnings(audit: &Audit) -> Vec<String> {
         warnings.push(format!("{} values are negative; they count as dark", audit.negative));
     }
     warnings
+}
+
+/// Where measured cells end before the horizon, and what may be beyond.
+fn beyond(audit: &Audit) -> Option<String> {
+    let open = || audit.incidences.iter().filter(|i| i.measured_to_deg.is_some());
+    let worst = open().max_by(|a, b| a.beyond_share().total_cmp(&b.beyond_share()))?;
+    if worst.beyond_share() <= MUCH_BEYOND {
+        return None;
+    }
+    let at: Vec<String> = open().map(|i| i.theta_deg.to_string()).collect();
+    let to_deg = open().filter_map(|i| i.measured_to_deg).fold(f64::INFINITY, f64::min);
+    Some(format!(
+        "nothing was measured farther than {to_deg} deg from the specular direction, at {} deg of incidence; tails that go on \
+         there would hold up to {} of the light (at {} deg): a display takes them only with `extrapolate = \"hold\"` or \
+         `fill = \"tail\"`",
+        at.join(", "),
+        percent(worst.beyond_share()),
+        worst.theta_deg
+    ))
 }

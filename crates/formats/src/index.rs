@@ -2,6 +2,7 @@
 
 use papilio_spectra::{Dispersion, Tabulated};
 
+use crate::bsdf::Warned;
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::refractiveindex;
@@ -27,14 +28,29 @@ use crate::spectrum::{Columns, data_rows};
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_index(file: &DataFile) -> Result<Dispersion, FormatError> {
+    read(file, None).map(|read| read.value)
+}
+
+/// Reads n + ik for wavelengths from `wanted_nm.0` to `wanted_nm.1`: as [`read_index`], but faults of a page of
+/// refractiveindex.info that none of these wavelengths depends on (a repeated or unsorted wavelength, a negative n or k, n or k
+/// given twice) are warnings, and the data end before them.
+///
+/// # Errors
+/// As [`read_index`], of faults that the wanted wavelengths depend on.
+pub fn read_index_within(file: &DataFile, wanted_nm: (f64, f64)) -> Result<Warned<Dispersion>, FormatError> {
+    read(file, Some(wanted_nm))
+}
+
+fn read(file: &DataFile, wanted_nm: Option<(f64, f64)>) -> Result<Warned<Dispersion>, FormatError> {
     let table = Table::new(file)?;
     if refractiveindex::is_page(table.text) {
-        return refractiveindex::read(table);
+        return refractiveindex::read(table, wanted_nm);
     }
     let mut rows = data_rows(table).peekable();
     let has_k = rows.peek().is_some_and(|row| row.cells.len() > 2);
     let (n, k) = if has_k { n_and_k(table, rows)? } else { (n_alone(table, rows)?, None) };
-    Dispersion::tabulated(n, k).map_err(|e| table.error(e.into()))
+    let value = Dispersion::tabulated(n, k).map_err(|e| table.error(e.into()))?;
+    Ok(Warned { value, warnings: Vec::new() })
 }
 
 fn n_and_k<'a>(

@@ -79,7 +79,7 @@ pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
-pub use index::read_index;
+pub use index::{read_index, read_index_within};
 pub use journal::{
     HeldJournal, Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, RowsHead,
     foreign, journal_name, journal_paths, open_journal, read_journal, read_journals, tidy_journals,

@@ -4,11 +4,17 @@
 //! `tabulated k` (rows of um and values) or `formula 1` to `formula 9` (their
 //! arithmetic is [`Dispersion::formula`]'s); n and k may come from two entries
 //! with ranges of their own. Entries of n2, the non-linear index, are ignored.
+//!
+//! Who wants some wavelengths alone can read a page whose only faults (a repeated or unsorted wavelength, a
+//! negative n or k, n or k given twice) lie where they touch none of these.
+
+use std::ops::Range;
 
 use papilio_spectra::{Dispersion, Tabulated};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
+use crate::bsdf::Warned;
 use crate::error::{FormatError, Problem};
 use crate::place::Place;
 use crate::rows::Table;
@@ -34,87 +40,262 @@ struct Entry {
     data: Option<Spanned<String>>,
 }
 
-/// Where n comes from.
+/// What an entry holds of n or of k.
 enum Source<'a> {
-    Table(Tabulated),
+    Table(Rows<'a>),
     Formula(u8, &'a Entry),
 }
 
-pub(crate) fn read(file: Table<'_>) -> Result<Dispersion, FormatError> {
+/// One of the quantities of an entry, and the wavelengths that it is for, nm.
+struct Given<'a> {
+    entry: &'a Entry,
+    source: Source<'a>,
+    range_nm: (f64, f64),
+}
+
+/// What a page gives: more than one of n, or of k, where several entries do.
+#[derive(Default)]
+struct Quantities<'a> {
+    n: Vec<Given<'a>>,
+    k: Vec<Given<'a>>,
+}
+
+/// Reads a page. A fault that no wavelength from `wanted_nm.0` to `wanted_nm.1` depends on is a note; without a wanted range
+/// every fault is an error.
+pub(crate) fn read(
+    file: Table<'_>,
+    wanted_nm: Option<(f64, f64)>,
+) -> Result<Warned<Dispersion>, FormatError> {
     let page: Page = serde_saphyr::from_str(file.text).map_err(|e| not_a_page(file, &e))?;
-    let (mut n, mut k) = (None, None);
+    let Quantities { n, k } = quantities(&page, file)?;
+    let mut reading = Reading { file, wanted_nm, notes: Vec::new() };
+    let k = match reading.choose(k, "k")? {
+        Some(Given { source: Source::Table(rows), .. }) => Some(reading.table(&rows)?),
+        _ => None,
+    };
+    let value = match reading.choose(n, "n")? {
+        Some(Given { source: Source::Table(rows), .. }) => {
+            let n = reading.table(&rows)?;
+            Dispersion::tabulated(n, k).map_err(|e| file.error(e.into()))?
+        }
+        Some(Given { source: Source::Formula(number, entry), range_nm, .. }) => {
+            entry.formula(number, range_nm, k, file)?
+        }
+        None => return Err(file.error(Problem::NoIndex)),
+    };
+    Ok(Warned { value, warnings: reading.notes })
+}
+
+fn quantities<'a>(page: &'a Page, file: Table<'_>) -> Result<Quantities<'a>, FormatError> {
+    let mut found = Quantities::default();
     for entry in &page.data {
         let kind = entry.r#type.value.trim();
+        let table = |column, what| entry.rows(column, what, file).map(|rows| entry.given(rows));
         match kind.split_once(' ') {
             _ if kind.ends_with("n2") => {}
             Some(("tabulated", "nk")) => {
-                let [table_n, table_k] = entry.table::<2>(file)?;
-                set(&mut n, Source::Table(table_n), file, entry)?;
-                set(&mut k, table_k, file, entry)?;
+                found.n.push(table((0, 2), "n")?);
+                found.k.push(table((1, 2), "k")?);
             }
-            Some(("tabulated", "n")) => {
-                let [table] = entry.table::<1>(file)?;
-                set(&mut n, Source::Table(table), file, entry)?;
-            }
-            Some(("tabulated", "k")) => {
-                let [table] = entry.table::<1>(file)?;
-                set(&mut k, table, file, entry)?;
-            }
+            Some(("tabulated", "n")) => found.n.push(table((0, 1), "n")?),
+            Some(("tabulated", "k")) => found.k.push(table((0, 1), "k")?),
             Some(("formula", number)) if matches!(number.parse::<u8>(), Ok(1..=9)) => {
-                let number = number.parse().unwrap_or_default();
-                set(&mut n, Source::Formula(number, entry), file, entry)?;
+                let source = Source::Formula(number.parse().unwrap_or_default(), entry);
+                found.n.push(Given { entry, source, range_nm: entry.range(file)? });
             }
             _ => return Err(at(file, &entry.r#type, Problem::UnknownData { found: kind.to_owned() })),
         }
     }
-    match n {
-        Some(Source::Table(n)) => Dispersion::tabulated(n, k).map_err(|e| file.error(e.into())),
-        Some(Source::Formula(number, entry)) => entry.formula(number, k, file),
-        None => Err(file.error(Problem::NoIndex)),
+    Ok(found)
+}
+
+/// A page on its way to a dispersion.
+struct Reading<'a> {
+    file: Table<'a>,
+    wanted_nm: Option<(f64, f64)>,
+    notes: Vec<String>,
+}
+
+impl Reading<'_> {
+    /// The one entry that gives a quantity; of several, the only one that has any of the wanted wavelengths.
+    fn choose<'a>(
+        &mut self,
+        mut given: Vec<Given<'a>>,
+        what: &str,
+    ) -> Result<Option<Given<'a>>, FormatError> {
+        let count = given.len();
+        if count > 1
+            && let Some((first, last)) = self.wanted_nm
+        {
+            let touches = |one: &Given<'_>| one.range_nm.0 <= last && one.range_nm.1 >= first;
+            if given.iter().filter(|one| touches(one)).count() == 1 {
+                given.retain(touches);
+                self.notes.push(format!(
+                    "{what} is given {count} times; only one of them has wavelengths from {first} to {last} nm, and it is read"
+                ));
+            }
+        }
+        match given.get(1) {
+            None => Ok(given.pop()),
+            Some(again) => {
+                let message = format!("{what} is given twice");
+                Err(at(self.file, &again.entry.r#type, Problem::Yaml { message }))
+            }
+        }
+    }
+
+    /// The rows as a table: all of them, or, if a fault lies where nothing is wanted, those without it.
+    fn table(&mut self, rows: &Rows<'_>) -> Result<Tabulated, FormatError> {
+        let fault = match rows.tabulated(0..rows.rows.len(), self.file) {
+            Ok(table) => return Ok(table),
+            Err(fault) => fault,
+        };
+        let Some((first, last)) = self.wanted_nm else { return Err(fault) };
+        let Some(sound) = rows.sound_within(first, last) else { return Err(fault) };
+        let table = rows.tabulated(sound, self.file)?;
+        let (from, to) = table.range_nm();
+        let line = fault.place.spot.as_ref().map_or(String::new(), |spot| format!("line {}: ", spot.line));
+        self.notes.push(format!(
+            "{line}{}; it does not touch {first} to {last} nm, and {} is read from {from} to {to} nm alone",
+            fault.problem, rows.what
+        ));
+        Ok(table)
     }
 }
 
-fn set<T>(slot: &mut Option<T>, value: T, file: Table<'_>, entry: &Entry) -> Result<(), FormatError> {
-    if slot.replace(value).is_none() {
+/// A column of an entry's block of numbers.
+struct Rows<'a> {
+    entry: &'a Spanned<String>,
+    what: &'static str,
+    rows: Vec<Row<'a>>,
+}
+
+struct Row<'a> {
+    text: &'a str,
+    nm: f64,
+    value: f64,
+}
+
+impl Rows<'_> {
+    /// Wavelengths of all rows, nm.
+    fn range_nm(&self) -> (f64, f64) {
+        let nm = self.rows.iter().map(|row| row.nm);
+        nm.fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), nm| (first.min(nm), last.max(nm)))
+    }
+
+    /// Some rows as a table against nm.
+    fn tabulated(&self, rows: Range<usize>, file: Table<'_>) -> Result<Tabulated, FormatError> {
+        let mut columns = Columns::<1>::default();
+        for row in &self.rows[rows] {
+            let added = columns.add(row.nm, [row.value]).and_then(|()| not_negative(row.value, self.what));
+            added.map_err(|problem| at_row(file, self.entry, row.text, problem))?;
+        }
+        let [table] = columns.into_tables().map_err(|problem| at(file, self.entry, problem))?;
+        Ok(table)
+    }
+
+    /// Rows that follow each other without a fault, and are all that wavelengths from `first` to `last` depend on.
+    fn sound_within(&self, first: f64, last: f64) -> Option<Range<usize>> {
+        let overlap = |rows: &Range<usize>| {
+            let nm = || self.rows[rows.clone()].iter().map(|row| row.nm);
+            nm().fold(f64::NEG_INFINITY, f64::max).min(last) - nm().fold(f64::INFINITY, f64::min).max(first)
+        };
+        let best = self.runs().into_iter().max_by(|a, b| overlap(a).total_cmp(&overlap(b)))?;
+        let (mine, all) = (&self.rows[best.clone()], self.range_nm());
+        // It reaches as far as the block does.
+        let reaches = |row: &Row<'_>| row.nm <= first.max(all.0);
+        let reaches_on = |row: &Row<'_>| row.nm >= last.min(all.1);
+        if overlap(&best) < 0.0 || !mine.iter().any(reaches) || !mine.iter().any(reaches_on) {
+            return None;
+        }
+        // The wavelengths that the wanted ones lie between: another row for one of them must say the same.
+        let nm = || mine.iter().map(|row| row.nm);
+        let from = nm().filter(|nm| *nm <= first).max_by(f64::total_cmp).unwrap_or(f64::NEG_INFINITY);
+        let to = nm().filter(|nm| *nm >= last).min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
+        let others = self.rows[..best.start].iter().chain(&self.rows[best.end..]);
+        let agrees = |row: &Row<'_>| mine.iter().any(|own| own.nm == row.nm && own.value == row.value);
+        let touches = |row: &&Row<'_>| row.nm >= from && row.nm <= to;
+        let sound = others.filter(touches).all(agrees);
+        sound.then_some(best)
+    }
+
+    /// The longest stretches of rows whose wavelengths rise or fall and whose values are not negative.
+    fn runs(&self) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        let mut start = 0;
+        for k in 0..=self.rows.len() {
+            let goes_on = self.rows.get(k).is_some_and(|row| {
+                let before = (k > start).then(|| self.rows[k - 1].nm);
+                let first = (k > start + 1).then(|| self.rows[start + 1].nm > self.rows[start].nm);
+                let rises = before.map(|before| row.nm > before);
+                row.value >= 0.0 && before != Some(row.nm) && first.is_none_or(|first| Some(first) == rises)
+            });
+            if !goes_on {
+                if k > start {
+                    runs.push(start..k);
+                }
+                // A row with a fault of its own is in no stretch; one out of order begins the next.
+                let spoilt = self.rows.get(k).is_some_and(|row| row.value < 0.0);
+                start = if spoilt { k + 1 } else { k };
+            }
+        }
+        runs
+    }
+}
+
+fn not_negative(value: f64, what: &'static str) -> Result<(), Problem> {
+    if value >= 0.0 {
         return Ok(());
     }
-    let message = "the same quantity is given twice".to_owned();
-    Err(at(file, &entry.r#type, Problem::Yaml { message }))
+    Err(Problem::OutOfRange { what, value, expected: "expected 0 or more" })
 }
 
 impl Entry {
-    /// The rows of `data` as `N` tables against nm.
-    fn table<const N: usize>(&self, file: Table<'_>) -> Result<[Tabulated; N], FormatError> {
-        let data = self.needs(self.data.as_ref(), "data", file)?;
-        let mut columns = Columns::<N>::default();
-        for row in data.value.lines().filter(|row| !row.trim().is_empty()) {
-            let numbers = numbers(row).map_err(|problem| at_row(file, data, row, problem))?;
-            if numbers.len() != N + 1 {
-                let expected =
-                    if N == 2 { "expected three: um, n, k" } else { "expected two: um and the value" };
-                return Err(at_row(
-                    file,
-                    data,
-                    row,
-                    Problem::Columns { expected, count: N + 1, found: numbers.len() },
-                ));
-            }
-            let values = std::array::from_fn(|i| numbers[i + 1]);
-            let added = columns.add(nm_from_um(numbers[0]), values);
-            added.map_err(|problem| at_row(file, data, row, problem))?;
-        }
-        columns.into_tables().map_err(|problem| at(file, data, problem))
+    fn given<'a>(&'a self, rows: Rows<'a>) -> Given<'a> {
+        Given { entry: self, range_nm: rows.range_nm(), source: Source::Table(rows) }
     }
 
-    fn formula(&self, number: u8, k: Option<Tabulated>, file: Table<'_>) -> Result<Dispersion, FormatError> {
-        let coefficients = self.needs(self.coefficients.as_ref(), "coefficients", file)?;
+    /// Column `(number, of)` of the rows of `data`, against nm.
+    fn rows<'a>(
+        &'a self,
+        (column, of): (usize, usize),
+        what: &'static str,
+        file: Table<'_>,
+    ) -> Result<Rows<'a>, FormatError> {
+        let data = self.needs(self.data.as_ref(), "data", file)?;
+        let mut rows = Vec::new();
+        for text in data.value.lines().filter(|row| !row.trim().is_empty()) {
+            let numbers = numbers(text).map_err(|problem| at_row(file, data, text, problem))?;
+            if numbers.len() != of + 1 {
+                let expected =
+                    if of == 2 { "expected three: um, n, k" } else { "expected two: um and the value" };
+                let problem = Problem::Columns { expected, count: of + 1, found: numbers.len() };
+                return Err(at_row(file, data, text, problem));
+            }
+            rows.push(Row { text, nm: nm_from_um(numbers[0]), value: numbers[column + 1] });
+        }
+        Ok(Rows { entry: data, what, rows })
+    }
+
+    /// Where a formula holds, nm.
+    fn range(&self, file: Table<'_>) -> Result<(f64, f64), FormatError> {
         let range = self.needs(self.wavelength_range.as_ref(), "wavelength_range", file)?;
+        match numbers(&range.value).map_err(|problem| at(file, range, problem))?[..] {
+            [first, last] => Ok((nm_from_um(first), nm_from_um(last))),
+            _ => Err(at(file, range, Problem::Yaml { message: "a range has two ends, in um".to_owned() })),
+        }
+    }
+
+    fn formula(
+        &self,
+        number: u8,
+        range_nm: (f64, f64),
+        k: Option<Tabulated>,
+        file: Table<'_>,
+    ) -> Result<Dispersion, FormatError> {
+        let coefficients = self.needs(self.coefficients.as_ref(), "coefficients", file)?;
         let values = numbers(&coefficients.value).map_err(|problem| at(file, coefficients, problem))?;
-        let [first, last] = numbers(&range.value).map_err(|problem| at(file, range, problem))?[..] else {
-            return Err(at(file, range, Problem::Yaml { message: "a range has two ends, in um".to_owned() }));
-        };
-        Dispersion::formula(number, &values, (nm_from_um(first), nm_from_um(last)), k)
-            .map_err(|e| at(file, coefficients, e.into()))
+        Dispersion::formula(number, &values, range_nm, k).map_err(|e| at(file, coefficients, e.into()))
     }
 
     fn needs<'a, T>(&self, part: Option<&'a T>, key: &str, file: Table<'_>) -> Result<&'a T, FormatError> {

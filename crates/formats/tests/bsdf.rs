@@ -9,6 +9,8 @@
 
 #[path = "bsdf/astm.rs"]
 mod astm;
+#[path = "bsdf/audit.rs"]
+mod audit;
 #[path = "bsdf/binary.rs"]
 mod binary;
 #[path = "bsdf/mutations.rs"]

@@ -8,8 +8,8 @@
 )]
 
 use papilio_formats::{
-    DataFile, FormatError, PixelTable, Problem, is_name, read_index, read_light, read_pixel_table,
-    read_shares, read_spectrum,
+    DataFile, FormatError, PixelTable, Problem, is_name, read_index, read_index_within, read_light,
+    read_pixel_table, read_shares, read_spectrum,
 };
 use papilio_spectra::{Grid, material};
 
@@ -175,6 +175,73 @@ fn wrong_pages_say_where() {
     assert!(matches!(bad(SELLMEIER.replace("    wavelength_range: 0.21 6.7\n", "")).1, Problem::Yaml { .. }));
     assert!(matches!(bad("DATA:\n  - [\n".to_owned()).1, Problem::Yaml { .. }));
     assert_eq!(bad("DATA: []\n".to_owned()).1, Problem::NoIndex);
+}
+
+/// Faults of a page that 400 to 700 nm do not depend on are told, and the data end before them; what they depend on is as
+/// wrong as ever. Values are linear in wavelength, so that any good reading has n = nm/400.
+#[test]
+fn faults_beyond_the_wanted_wavelengths_are_notes() {
+    let page = |kind: &str, rows: &str| {
+        let rows: String = rows.split(';').map(|row| format!("      {}\n", row.trim())).collect();
+        format!("DATA:\n  - type: tabulated {kind}\n    data: |\n{rows}")
+    };
+    let within = |text: &str| read_index_within(&file(text), (400.0, 700.0));
+    let sound = "0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0";
+    assert_eq!(within(&page("n", sound)).unwrap().warnings, Vec::<String>::new());
+    assert_eq!(within(&page("n", sound)).unwrap().value, read_index(&file(&page("n", sound))).unwrap());
+    for (rows, line) in [
+        // Repeated, below and above; unsorted; negative.
+        ("0.36 0.9; 0.36 0.8; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
+        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.90 2.1", 9),
+        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.85 2.1; 0.95 2", 9),
+        ("0.30 0.1; 0.36 -0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
+        ("0.90 2; 0.90 2.2; 0.80 2.0; 0.60 1.5; 0.40 1.0; 0.36 0.9", 5),
+        // A repeated neighbour of the wanted wavelengths that says the same twice.
+        ("0.36 0.9; 0.36 0.9; 0.60 1.5; 0.80 2.0", 4),
+    ] {
+        let text = page("n", rows);
+        assert!(read_index(&file(&text)).is_err(), "{rows}");
+        let read = within(&text).unwrap();
+        assert!((read.value.index(450.0).unwrap().re - 450.0 / 400.0).abs() < 1e-12, "{rows}");
+        let [note] = &read.warnings[..] else { panic!("{rows}: {:?}", read.warnings) };
+        assert!(note.contains(&format!("line {line}:")) && note.contains("400 to 700 nm"), "{rows}: {note}");
+    }
+    for (rows, line) in [
+        ("0.36 0.9; 0.50 1.25; 0.50 1.3; 0.60 1.5; 0.80 2.0", 6),
+        ("0.36 0.9; 0.60 1.5; 0.50 1.25; 0.80 2.0", 6),
+        ("0.36 0.9; 0.50 -1.25; 0.60 1.5; 0.80 2.0", 5),
+        // The neighbour of 400 nm is given twice, or negative.
+        ("0.36 0.9; 0.36 0.8; 0.60 1.5; 0.80 2.0", 5),
+        ("0.30 0.75; 0.36 -0.9; 0.60 1.5; 0.80 2.0", 5),
+        // And that of 700 nm is given twice, or has another one before it.
+        ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.80 2.1", 7),
+        ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.79 2.1; 0.9 2", 7),
+    ] {
+        let error = within(&page("n", rows)).unwrap_err();
+        assert_eq!(error.place.line_column().map(|(line, _)| line), Some(line), "{rows}: {error}");
+    }
+}
+
+/// Of a formula page the faulty k is named, with its row; n given twice counts where both are wanted.
+#[test]
+fn a_faulty_k_is_named_and_n_given_twice_counts_where_it_is_wanted() {
+    let page = SELLMEIER.replace("0.9 0.06", "0.9 0.06\n        2.4 -0.0000138");
+    let (at, problem) = place(read_index(&file(&page)));
+    assert_eq!(at, Some((12, 9)));
+    assert!(matches!(problem, Problem::OutOfRange { what: "k", value: -0.0000138, .. }), "{problem:?}");
+    let read = read_index_within(&file(&page), (400.0, 700.0)).unwrap();
+    assert!((read.value.index(587.5618).unwrap().re - 1.458464).abs() < 1e-6);
+    assert!(
+        read.warnings[0].contains("line 12") && read.warnings[0].contains("k is read"),
+        "{:?}",
+        read.warnings
+    );
+    let two = "DATA:\n - type: formula 5\n   wavelength_range: 1.0 2.0\n   coefficients: 1.6\n - type: formula 5\n   wavelength_range: 0.3 0.9\n   coefficients: 1.5\n";
+    assert!(read_index(&file(two)).is_err());
+    let read = read_index_within(&file(two), (400.0, 700.0)).unwrap();
+    assert_eq!((read.value.index(500.0).unwrap().re, read.warnings.len()), (1.5, 1));
+    let (at, _) = place(read_index_within(&file(&two.replace("1.0 2.0", "0.6 2.0")), (400.0, 700.0)));
+    assert_eq!(at.map(|(line, _)| line), Some(5));
 }
 
 const PIXEL: &str = "state,theta_deg,wavelength_nm,reflectance

@@ -5,6 +5,8 @@
 //! Clarity has no standard: here it is `(C - R)/(C + R)` of the light within 1 deg of the direct beam, C, and between 1 and
 //! 2.5 deg, R.
 
+mod patches;
+
 use papilio_optics::Beta;
 
 use crate::shape::on_specular_grid;
@@ -48,8 +50,25 @@ pub struct Audit {
     pub haze: Option<f64>,
     /// See the module's page; of a grid of half a degree or finer near the peak.
     pub clarity: Option<f64>,
+    /// First and last azimuth, degrees from the plane of incidence, where they are not 0 and 180: beyond them the nearest holds.
+    pub held_azimuths_deg: Option<[f64; 2]>,
     /// By incidence.
     pub incidences: Vec<Incidence>,
+    /// By rotation and incidence, of a measurement at several rotations.
+    pub rotations: Vec<Rotation>,
+}
+
+/// What is found at one rotation and incidence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rotation {
+    /// Turn of the sample, degrees.
+    pub rotation_deg: f64,
+    /// Inclination of the light, degrees.
+    pub theta_deg: f64,
+    /// Total integrated scatter as the file gives it for this rotation.
+    pub tis: Option<f64>,
+    /// The integral of the values of this rotation.
+    pub integral: f64,
 }
 
 /// What is found at one incidence.
@@ -57,35 +76,57 @@ pub struct Audit {
 pub struct Incidence {
     /// Inclination of the light, degrees.
     pub theta_deg: f64,
-    /// Total integrated scatter as the file gives it (the first rotation's).
+    /// Total integrated scatter as the file gives it, the mean over rotations.
     pub tis: Option<f64>,
-    /// The integral of the values, dark cells as they are.
+    /// The integral of the values, the mean over rotations: dark cells as they are, and nothing beyond what was measured.
     pub integral: f64,
-    /// The same with tails that go on through dark cells.
+    /// The least distance from the specular direction, degrees, at which measured cells end before the horizon does.
+    pub measured_to_deg: Option<f64>,
+    /// The integral with tails that go on beyond the last measured distance.
+    pub integral_beyond: f64,
+    /// The same with tails that go on through dark cells too.
     pub integral_filled: f64,
-    /// How far the grid leaves the integral unknown, relative.
+    /// How far the grid leaves the integral unknown, relative: its distances and its azimuths together.
     pub grid_error: f64,
+    /// How far its azimuths do.
+    pub azimuth_error: f64,
     /// Value in the specular direction, 1/sr.
     pub peak: f64,
     /// Distance from the specular direction to half the peak, degrees: towards the normal, across, away from it.
     pub half_widths_deg: [Option<f64>; 3],
 }
 
+impl Incidence {
+    /// The share of the light that lies beyond the last measured distance, if tails go on there.
+    pub fn beyond_share(&self) -> f64 {
+        if self.integral_beyond > 0.0 { (1.0 - self.integral / self.integral_beyond).max(0.0) } else { 0.0 }
+    }
+}
+
 impl Audit {
-    /// Of one channel, by its number. A part on another geometry than a specular-centred grid is read on one
-    /// first, and its cells are those of that grid; `None` for listed pairs.
+    /// Of one channel, by its number. Patches are summed as they are; a part on another geometry than a specular-centred
+    /// grid is read on one first, and its cells are those of that grid; `None` for listed pairs.
     pub fn of(part: &Part, channel: usize) -> Option<Self> {
+        if let Geometry::Patches { incoming, outgoing } = &part.geometry {
+            return Some(patches::audit([incoming, outgoing], part.channel(channel)));
+        }
         let (grid, values) = &on_specular_grid(part, &[channel])?;
-        let shape = Shape::of_grid(grid, values, Fill::None);
-        let filled = Shape::of_grid(grid, values, Fill::Tail);
-        let incidence = |k: usize| Incidence {
-            theta_deg: grid.incidences_deg[k],
-            tis: part.tis(channel, 0, k),
-            integral: shape.total(k),
-            integral_filled: filled.total(k),
-            grid_error: shape.grid_error(k),
-            peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
-            half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)),
+        let [shape, beyond, filled] =
+            [Fill::None, Fill::Beyond, Fill::Tail].map(|fill| Shape::of_grid(grid, values, fill));
+        let incidence = |k: usize| {
+            let [by_distance, by_azimuth] = shape.grid_errors(k);
+            Incidence {
+                theta_deg: grid.incidences_deg[k],
+                tis: part.mean_tis(channel, k),
+                integral: shape.total(k),
+                measured_to_deg: shape.measured_to_deg(k),
+                integral_beyond: beyond.total(k),
+                integral_filled: filled.total(k),
+                grid_error: by_distance + by_azimuth,
+                azimuth_error: by_azimuth,
+                peak: shape.along(k, 0.0, 0.0).unwrap_or(0.0),
+                half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)),
+            }
         };
         let beyond = |degrees: f64| {
             let all = shape.total(0);
@@ -94,12 +135,8 @@ impl Audit {
         let transmission = part.way.is_transmission();
         let haze = beyond(HAZE_DEG).filter(|_| transmission);
         // A coarser grid does not tell the disc from the ring.
-        let patches = matches!(part.geometry, Geometry::Patches { .. });
-        let fine = !patches
-            && grid
-                .radials_deg
-                .windows(2)
-                .all(|pair| pair[0] >= HAZE_DEG || pair[1] - pair[0] <= 0.5 * CLEAR_DEG);
+        let near = |pair: &[f64]| pair[0] >= HAZE_DEG || pair[1] - pair[0] <= 0.5 * CLEAR_DEG;
+        let fine = grid.radials_deg.windows(2).all(near);
         let clarity = beyond(CLEAR_DEG).zip(haze).filter(|_| fine).map(|(beyond_disc, haze)| {
             let (disc, ring) = (1.0 - beyond_disc, beyond_disc - haze);
             (disc - ring) / (disc + ring)
@@ -111,6 +148,8 @@ impl Audit {
             haze,
             clarity,
             incidences,
+            held_azimuths_deg: shape.held_azimuths_deg(),
+            rotations: rotations(part, channel, grid, values),
             ..Self::of_cells(grid, values, transmission)
         })
     }
@@ -136,7 +175,9 @@ impl Audit {
             reciprocity: None,
             haze: None,
             clarity: None,
+            held_azimuths_deg: None,
             incidences: Vec::new(),
+            rotations: Vec::new(),
         };
         let mut dark = Vec::new();
         for (cell, value) in values.iter().enumerate() {
@@ -167,6 +208,30 @@ impl Audit {
         audit.holes = below.count() - audit.beam_holes;
         audit
     }
+}
+
+/// What is found at each rotation alone; empty for a single one.
+fn rotations(part: &Part, channel: usize, grid: &SpecularGrid, values: &[f64]) -> Vec<Rotation> {
+    let turns = grid.rotations_deg.len();
+    if turns < 2 {
+        return Vec::new();
+    }
+    let of_turn = |(turn, cells): (usize, &[f64])| {
+        let rotation_deg = grid.rotations_deg[turn];
+        let shape = Shape::of_grid(
+            &SpecularGrid { rotations_deg: vec![rotation_deg], ..grid.clone() },
+            cells,
+            Fill::None,
+        );
+        let one = |k: usize| Rotation {
+            rotation_deg,
+            theta_deg: grid.incidences_deg[k],
+            tis: part.tis(channel, turn, k),
+            integral: shape.total(k),
+        };
+        (0..grid.incidences_deg.len()).map(one).collect::<Vec<_>>()
+    };
+    values.chunks_exact((values.len() / turns).max(1)).enumerate().flat_map(of_turn).collect()
 }
 
 /// Root mean square and worst difference of f(i, o) and f(o, i), relative to their mean.

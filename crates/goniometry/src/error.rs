@@ -41,7 +41,7 @@ pub enum GoniometryError {
     #[error("the reference has no channel {0:?}")]
     NoChannel(crate::Channel),
     /// Totals are to be the instrument's, and the file gives none.
-    #[error("the file gives no total integrated scatter (TIS)")]
+    #[error("the file gives no total integrated scatter (TIS), or not for each rotation and incidence")]
     NoTis,
     /// No lobe that the instrument blurs looks like the file's.
     #[error("no lobe blurred by {width} gives the file's values: {:.0} % remain", 100.0 * misfit)]

@@ -1,8 +1,9 @@
 //! From a part of a measurement to the kernel that light meets in a display.
 //!
 //! Nothing is changed that is not asked for, and [`Changes`] says what was: dark cells stay dark unless tails are to go on
-//! through them, totals are the values' own unless they are to be the instrument's TIS, and light from
-//! beyond the largest incidence is not let through unless the last lobe is to hold there.
+//! through them, totals are the values' own unless they are to be the instrument's TIS, light from
+//! beyond the largest incidence is not let through unless the last lobe is to hold there, and none is sent beyond the last
+//! measured distance from the specular direction unless tails are to go on there.
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
@@ -27,9 +28,12 @@ pub struct Preparation {
     pub fill: Fill,
     /// Totals become the instrument's TIS.
     pub to_tis: bool,
-    /// Beyond the largest incidence its lobe holds, shifted with the light; and of a transmission tails go on beyond the
-    /// horizon of the air, into a medium of this index (1: air).
+    /// Beyond the largest incidence its lobe holds, shifted with the light; tails go on beyond the last measured distance
+    /// from the specular direction; and of a transmission beyond the horizon of the air, into a medium of this index (1:
+    /// air).
     pub extrapolate: Option<f64>,
+    /// The lobe of a measurement that has one incidence holds at all others, as if `extrapolate` were 1.
+    pub hold_single: bool,
     /// Of a transmission: its back face in air is removed.
     pub lamination: Option<Lamination>,
 }
@@ -61,12 +65,24 @@ pub struct Changes {
     pub to_tis: bool,
     /// True if the loss of a back face was taken out.
     pub laminated: bool,
+    /// The least distance from the specular direction, degrees, at which measured cells end before the horizon does.
+    pub measured_to_deg: Option<f64>,
+    /// By incidence: its degrees, and the share of the light that lies beyond the last measured distance if tails go on.
+    pub beyond: Vec<[f64; 2]>,
+    /// True if tails go on there; else that light is lost.
+    pub tails: bool,
+    /// First and last azimuth, degrees from the plane of incidence, where they are not 0 and 180: beyond them the nearest holds.
+    pub held_azimuths_deg: Option<[f64; 2]>,
+    /// True if the lobe of the only incidence holds at all others because the measurement has no other.
+    pub held_single: bool,
     /// The largest incidence, degrees.
     pub last_deg: f64,
     /// Share of diffuse light that comes from beyond it, and is lost.
     pub lost: f64,
     /// Relative error of the totals that the grid leaves, the largest.
     pub grid_error: f64,
+    /// The largest that its azimuths leave; part of `grid_error`.
+    pub azimuth_error: f64,
     /// Mirrored and turned cells differed by so much (root mean square, relative).
     pub asymmetry: f64,
 }
@@ -87,9 +103,17 @@ pub fn kernel(
     let coarse = matches!(part.geometry, Geometry::Patches { .. });
     let (grid, cells) =
         on_specular_grid(part, &[channel]).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
-    let shape = Shape::of_grid(&grid, &cells, preparation.fill);
+    let held_single =
+        preparation.hold_single && preparation.extrapolate.is_none() && grid.incidences_deg.len() == 1;
+    let extrapolate = preparation.extrapolate.or(held_single.then_some(1.0));
+    let fill = match preparation.fill {
+        Fill::None if extrapolate.is_some() => Fill::Beyond,
+        fill => fill,
+    };
+    let shape = Shape::of_grid(&grid, &cells, fill);
     let incidences: Vec<f64> = shape.incidences_deg().collect();
-    let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.tis(channel, 0, k)).collect();
+    // The lobe is the mean over rotations, and so is its total.
+    let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.mean_tis(channel, k)).collect();
     let tis = match (preparation.to_tis, tis) {
         (true, None) => return Err(GoniometryError::NoTis),
         (true, tis) => tis,
@@ -97,36 +121,89 @@ pub fn kernel(
     };
     let scale = incidence_scale(&shape, tis.as_deref(), spectrum);
     let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
-    let radial = distances(&shape, preparation.extrapolate.unwrap_or(1.0));
-    let azimuth: Vec<f64> =
-        (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
-    let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, preparation.fill));
-    let mut values = mounted.as_ref().unwrap_or(&shape).tabulate(&radial, &azimuth);
-    for (lobe, scale) in values.chunks_exact_mut(radial.len() * azimuth.len()).zip(&scale) {
-        lobe.iter_mut().for_each(|value| *value *= scale);
-    }
+    let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, fill));
+    let table =
+        table(mounted.as_ref().unwrap_or(&shape), &scale, distances(&shape, extrapolate.unwrap_or(1.0)))?;
+    let table = if extrapolate.is_some() { table } else { table.dark_beyond() };
     let incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
     let last = incidence[incidence.len() - 1];
-    let table = Table::new(&incidence, &radial, &azimuth, &values)?;
-    let table = if preparation.extrapolate.is_some() { table } else { table.dark_beyond() };
     let in_air = Scatter::from(table.clone());
     let totals = (0..incidences.len()).map(|k| [shape.total(k), mean * in_air.total(incidence[k])]).collect();
-    let scatter = match preparation.extrapolate {
+    let scatter = match extrapolate {
         Some(index) if index > 1.0 => Scatter::from(table.reaching(index)),
         _ => in_air,
     };
+    let grid_errors: Vec<[f64; 2]> = (0..incidences.len()).map(|k| shape.grid_errors(k)).collect();
+    let largest = |of: fn(&[f64; 2]) -> f64| grid_errors.iter().map(of).fold(0.0, f64::max);
     let changes = Changes {
         filled: shape.filled(),
         totals,
         most: incidence.iter().map(|beta| mean * scatter.total(*beta)).fold(0.0, f64::max),
         to_tis: preparation.to_tis,
         laminated: preparation.lamination.is_some(),
+        measured_to_deg: least_measured_deg(&shape),
+        beyond: beyond(&shape, &grid, &cells, fill),
+        tails: fill != Fill::None,
+        held_azimuths_deg: shape.held_azimuths_deg(),
+        held_single,
         last_deg: incidences[incidences.len() - 1],
-        lost: if preparation.extrapolate.is_some() { 0.0 } else { 1.0 - last * last },
-        grid_error: (0..incidences.len()).map(|k| shape.grid_error(k)).fold(0.0, f64::max),
+        lost: if extrapolate.is_some() { 0.0 } else { 1.0 - last * last },
+        grid_error: largest(|[by_distance, by_azimuth]| by_distance + by_azimuth),
+        azimuth_error: largest(|[_, by_azimuth]| *by_azimuth),
         asymmetry: shape.asymmetry(),
     };
     Ok((scatter, changes))
+}
+
+/// The numbers of a shape, those of each incidence times its scale.
+fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, GoniometryError> {
+    let azimuth: Vec<f64> =
+        (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
+    let incidence: Vec<f64> = shape.incidences_deg().map(|theta| theta.to_radians().sin()).collect();
+    let mut values = shape.tabulate(&radial, &azimuth);
+    let cells = radial.len() * azimuth.len();
+    let scaled = |values: &mut [f64], scale: &[f64]| {
+        for (lobe, scale) in values.chunks_exact_mut(cells).zip(scale) {
+            lobe.iter_mut().for_each(|value| *value *= scale);
+        }
+    };
+    scaled(&mut values, scale);
+    let table = Table::new(&incidence, &radial, &azimuth, &values)?;
+    if !shape.has_ends() {
+        return Ok(table);
+    }
+    // No node lies on the edge of a lobe that ends: its light is right, its edge is as wide as the nodes are apart.
+    let made = Scatter::from(table);
+    let off: Vec<f64> = (0..incidence.len())
+        .map(|k| match made.total(incidence[k]) {
+            total if total > 0.0 => scale[k] * shape.total(k) / total,
+            _ => 1.0,
+        })
+        .collect();
+    scaled(&mut values, &off);
+    Ok(Table::new(&incidence, &radial, &azimuth, &values)?)
+}
+
+/// By incidence: its degrees, and the share of the light that lies beyond the last measured distance if tails go on; empty
+/// where the measured cells reach the horizon all around.
+fn beyond(shape: &Shape, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Vec<[f64; 2]> {
+    if least_measured_deg(shape).is_none() {
+        return Vec::new();
+    }
+    // Where tails go on through dark cells too, what they hold there is counted with it.
+    let [known, with_tails] = [Fill::None, if fill == Fill::Tail { fill } else { Fill::Beyond }]
+        .map(|fill| Shape::of_grid(grid, cells, fill));
+    let share = |k: usize| match with_tails.total(k) {
+        all if all > 0.0 => (1.0 - known.total(k) / all).max(0.0),
+        _ => 0.0,
+    };
+    with_tails.incidences_deg().enumerate().map(|(k, theta)| [theta, share(k)]).collect()
+}
+
+/// The least distance at which the measured cells of any incidence end before the horizon.
+fn least_measured_deg(shape: &Shape) -> Option<f64> {
+    let ends = (0..shape.incidences_deg().count()).filter_map(|k| shape.measured_to_deg(k));
+    ends.min_by(f64::total_cmp)
 }
 
 impl Lamination {
@@ -256,6 +333,31 @@ mod tests {
         let (from, to) = (ray(75.0), ray(70.0));
         assert_eq!(none.value(from, to), 0.0);
         assert!((hold.value(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.value(from, to));
+    }
+
+    /// With a single incidence, along the normal, the lobe holds if it is to, or nothing else is sent.
+    #[test]
+    fn a_single_incidence() {
+        let mut part = part(lobe);
+        let Geometry::Specular(grid) = &mut part.geometry else { panic!("{:?}", part.geometry) };
+        grid.incidences_deg.truncate(1);
+        part.values.truncate(grid.cells());
+        part.tis.truncate(1);
+        let made = |extrapolate, hold_single| {
+            let preparation = Preparation { extrapolate, hold_single, ..Preparation::default() };
+            kernel(&part, 0, &preparation, &[]).unwrap()
+        };
+        let (none, lost) = made(None, false);
+        let (default, held) = made(None, true);
+        let (hold, _) = made(Some(1.0), true);
+        for (from, to) in [(0.0, 10.0), (20.0, 15.0), (70.0, 60.0)].map(|(from, to)| (ray(from), ray(to))) {
+            let value = hold.value(from, to);
+            assert!((value / lobe(from, to) - 1.0).abs() < 3e-3, "{from:?}: {value}");
+            assert_eq!(default.value(from, to), value);
+            assert_eq!(none.value(from, to), if from.x == 0.0 { value } else { 0.0 });
+        }
+        assert_eq!((none.total(0.1), none.reversed().value(ray(10.0), ray(20.0))), (0.0, 0.0));
+        assert_eq!((lost.lost, lost.held_single, held.lost, held.held_single), (1.0, false, 0.0, true));
     }
 
     /// Into the glass tails go on, and what they hold is the lobe's there.

@@ -45,7 +45,7 @@ mod models;
 mod shape;
 mod two_instruments;
 
-pub use audit::{Audit, Incidence};
+pub use audit::{Audit, Incidence, Rotation};
 pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
 pub use double_pass::double_pass_error;

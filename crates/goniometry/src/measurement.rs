@@ -143,4 +143,14 @@ impl Part {
         let turn = channel * grid.rotations_deg.len() + rotation;
         self.tis.get(turn * grid.incidences_deg.len() + incidence).copied().filter(|tis| *tis > 0.0)
     }
+
+    /// The mean over rotations of the total integrated scatter of an incidence: what belongs to a lobe that is their mean.
+    /// `None` unless the file gives it for each rotation.
+    pub fn mean_tis(&self, channel: usize, incidence: usize) -> Option<f64> {
+        let Geometry::Specular(grid) = &self.geometry else { return None };
+        let turns = || (0..grid.rotations_deg.len()).map(|turn| (turn, grid.rotation_weight(turn)));
+        let sum: Option<f64> =
+            turns().map(|(turn, weight)| Some(weight * self.tis(channel, turn, incidence)?)).sum();
+        sum.map(|sum| sum / turns().map(|(_, weight)| weight).sum::<f64>())
+    }
 }

@@ -155,10 +155,12 @@ impl ScatterFace {
         disc * self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where its kernels jump but for the rim of the air disc, `|beta|`.
+    /// Where its kernels jump but for the rim of the air disc, `|beta|`; one that ends at the normal itself, as a table of that
+    /// incidence alone, leaves no interval before its end.
     pub(crate) fn edges(&self, bin: usize) -> impl Iterator<Item = f64> {
         let disc = self.disc(bin).unwrap_or(1.0);
-        self.kernels().flat_map(move |kernel| kernel.scatter.edges().map(move |edge| edge * disc))
+        let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges());
+        edges.filter(|edge| *edge > 0.0).map(move |edge| edge * disc)
     }
 
     /// All kernels, of light from above.

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, Problem, audit_text, read_bsdf, read_ies, read_index,
-    read_light_map, read_measured_panel, read_pixel_table, read_profile, read_spectrum,
+    BsdfProblem, DataFile, FormatError, MapColour, Problem, audit_text, read_bsdf, read_ies,
+    read_index_within, read_light_map, read_measured_panel, read_pixel_table, read_profile, read_spectrum,
 };
 use papilio_goniometry::{Audit, Measurement, Part};
 use papilio_scenario::Edit;
@@ -245,9 +245,12 @@ fn profile(file: &DataFile, points: &[(f64, f64)]) -> Found {
 }
 
 fn material(file: &DataFile) -> Result<Found, Fault> {
-    let index = read_index(file)?;
+    // A display needs it where light is visible.
+    let read = read_index_within(file, (380.0, 780.0))?;
+    let index = read.value;
     let (first, last) = index.range_nm();
-    let words = vec![format!("{}: refractive index from {first} to {last} nm", file.name)];
+    let mut words = vec![format!("{}: refractive index from {first} to {last} nm", file.name)];
+    words.extend(read.warnings.iter().map(|note| format!("note: {note}")));
     let (from, to) = (first.max(300.0), last.min(1000.0));
     let at = (0..=140).map(|k| from + (to - from) * f64::from(k) / 140.0);
     let seen: Vec<(f64, _)> = at.filter_map(|nm| Some((nm, index.index(nm).ok()?))).collect();

@@ -4,7 +4,7 @@ use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, Spher
 use serde::Deserialize;
 
 use super::npz::{Array, Npz};
-use super::{BsdfProblem, Warned};
+use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 
 /// What `about` calls the format.
@@ -63,8 +63,8 @@ fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError>
     }
     let (cells, channels) = (grid.cells(), wavelengths.len());
     let of_first = &values[..cells * channels];
-    if let Some(&value) = of_first.iter().find(|value| !(**value >= 0.0 && value.is_finite())) {
-        let expected = "expected 0 or more";
+    if let Some(&value) = of_first.iter().find(|value| !(0.0..=LARGEST_VALUE).contains(*value)) {
+        let expected = VALUE_RANGE;
         return Err(arrays.error(Problem::OutOfRange { what: "a value of the BSDF", value, expected }));
     }
     // Wavelengths are last in the file, first in a part.

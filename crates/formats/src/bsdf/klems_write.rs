@@ -7,6 +7,7 @@ use papilio_goniometry::{
     Channel, Direction, Geometry, KLEMS_FULL, Measurement, Part, Ring, Symmetry, patch_count,
 };
 
+use super::LARGEST_VALUE;
 use super::window::{BASES, CHANNELS, KLEMS, WAYS};
 use super::write::{Number, WriteError, lost_media, one_line};
 
@@ -63,7 +64,12 @@ impl<'a> Averaged<'a> {
         lost.push(format!("{} is averaged over the patches of the full Klems basis", part.way.name()));
         let mut values = Vec::new();
         for number in numbers {
-            values.push(averages(part, number, lost));
+            let averages = averages(part, number, lost);
+            if let Some(&value) = averages.iter().find(|value| !(0.0..=LARGEST_VALUE).contains(*value)) {
+                let what = "the mean over a pair of patches".to_owned();
+                return Err(WriteError::Number { what, way: part.way.name(), value });
+            }
+            values.push(averages);
         }
         Ok(Self { part, channels, incoming: &KLEMS_FULL, outgoing: &KLEMS_FULL, values })
     }

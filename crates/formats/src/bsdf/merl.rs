@@ -2,7 +2,7 @@
 
 use papilio_goniometry::{Channel, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Way};
 
-use super::{BsdfProblem, Warned};
+use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::place::Place;
@@ -37,6 +37,10 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
             return Err(error(Problem::NotFinite {
                 found: format!("{value} (number {number} of the planes)"),
             }));
+        }
+        if value > LARGEST_VALUE {
+            let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
+            return Err(error(problem));
         }
         // The database marks what was not measured, as below the horizon, by negative numbers.
         values.push(if value < 0.0 { f64::NAN } else { value * SCALES[number / cells] });

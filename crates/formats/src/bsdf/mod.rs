@@ -48,6 +48,13 @@ pub const LARGEST_BSDF_FILE: u64 = 256 << 20;
 /// No measurement may have more values, all channels of a part together.
 pub const MOST_CELLS: usize = 50_000_000;
 
+/// No value of a BSDF may be larger, 1/sr: a mirror seen through an aperture of a microradian has 1e12. Sums and products of
+/// values, and of their integrals, stay numbers.
+pub(crate) const LARGEST_VALUE: f64 = 1e15;
+
+/// What is expected of a value, in words.
+const VALUE_RANGE: &str = "expected 0 to 1e15 per sr";
+
 /// No line of a text may be longer, in bytes.
 const LONGEST_LINE: usize = 1 << 20;
 

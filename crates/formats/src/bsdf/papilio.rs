@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::npz::{Array, Npz};
 use super::table_read::{channel_named, way_named};
-use super::{BsdfProblem, MOST_CELLS, Warned};
+use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 
 /// What `about` calls the format.
@@ -109,14 +109,13 @@ fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatErro
     if channels.len().checked_mul(geometry.cells()) != Some(values.len()) {
         return Err(arrays.unsound(&values_name, "it does not have a value for each channel and cell"));
     }
-    if let Some(&value) = values.iter().find(|value| **value < 0.0 || value.is_infinite()) {
-        let problem =
-            Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" };
+    if let Some(&value) = values.iter().find(|value| **value < 0.0 || **value > LARGEST_VALUE) {
+        let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
         return Err(arrays.error(problem));
     }
     let tis_name = format!("{prefix}_tis");
     let tis = if arrays.has(&tis_name) { arrays.numbers(&tis_name)?.values } else { Vec::new() };
-    if !tis.iter().all(|tis| tis.is_finite() && *tis >= 0.0)
+    if !tis.iter().all(|tis| (0.0..=LARGEST_VALUE).contains(tis))
         || !fits_tis(&geometry, channels.len(), tis.len())
     {
         return Err(arrays.unsound(&tis_name, "expected a share for each channel, rotation and incidence"));

@@ -8,7 +8,7 @@ use std::ops::Range;
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, SpecularGrid, Symmetry, Way};
 
 use super::text::{Lines, Text};
-use super::{BsdfProblem, MOST_CELLS, Warned};
+use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
@@ -279,7 +279,8 @@ impl Data {
             return Err(unexpected(text, line, "expected `TIS` and its value: each incidence begins so"));
         };
         let value = text.number(word.clone())?;
-        if value < 0.0 {
+        // Some writers give percent, and some totals are above 1.
+        if !(0.0..=LARGEST_VALUE).contains(&value) {
             let problem = Problem::OutOfRange { what: "TIS", value, expected: "expected a share, 0 to 1" };
             return Err(text.error(word, problem));
         }

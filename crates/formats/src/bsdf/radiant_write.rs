@@ -7,7 +7,7 @@ use papilio_goniometry::{
 };
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
-use super::write::{Number, WriteError, lost_media, one_line};
+use super::write::{Number, WriteError, check, lost_media, one_line};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
     let mut lost = Vec::new();
@@ -19,6 +19,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
         Geometry::Specular(_) => (part, channels),
         _ => {
             resampled = resample(part, &channels, &mut lost)?;
+            check(&resampled)?;
             (&resampled, channels.iter().enumerate().map(|(number, (name, _))| (*name, number)).collect())
         }
     };

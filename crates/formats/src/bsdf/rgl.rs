@@ -5,7 +5,7 @@
 
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpFields, WarpedGrid, Way};
 
-use super::{BsdfProblem, MOST_CELLS, Warned};
+use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::place::Place;
@@ -31,9 +31,8 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         })
     };
     let grid = WarpedGrid::new(fields).ok_or_else(unsound)?;
-    if let Some(&value) = values.iter().find(|value| **value < 0.0) {
-        let problem =
-            Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" };
+    if let Some(&value) = values.iter().find(|value| !(0.0..=LARGEST_VALUE).contains(*value)) {
+        let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
         return Err(tensors.error(problem));
     }
     let part = Part {

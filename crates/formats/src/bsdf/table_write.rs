@@ -69,9 +69,11 @@ fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     let mut seen = HashSet::new();
     let mut rows = Vec::new();
     for cell in 0..geometry.cells() {
-        let Some(pair) = geometry.directions(cell) else { continue };
-        let [i, o] = pair;
-        let image = [i, Direction { phi_deg: (2.0 * i.phi_deg - o.phi_deg) % 360.0, ..o }];
+        let Some([i, o]) = geometry.directions(cell) else { continue };
+        // A turned sample has azimuths of more than one turn, which no reader expects.
+        let within_a_turn = |d: Direction| Direction { phi_deg: d.phi_deg % 360.0, ..d };
+        let pair = [within_a_turn(i), within_a_turn(o)];
+        let image = [pair[0], Direction { phi_deg: (2.0 * i.phi_deg - o.phi_deg) % 360.0, ..o }];
         let images = if mirrored { vec![pair, image] } else { vec![pair] };
         // Only cells about a specular direction may coincide.
         let may_coincide = matches!(geometry, Geometry::Specular(_));
@@ -85,9 +87,10 @@ fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     rows
 }
 
-/// Directions that differ by rounding alone have one key.
+/// Directions that differ by rounding alone have one key. Along the normal, too, each turn of the sample is a measurement of
+/// its own: light is told apart by its azimuth.
 fn key([i, o]: &[Direction; 2]) -> [i64; 6] {
-    let vector = |d: &Direction| d.vector().map(|x| (x * 1e10).round() as i64);
-    let ([a, b, c], [d, e, f]) = (vector(i), vector(o));
-    [a, b, c, d, e, f]
+    let turn = i.phi_deg.to_radians().sin_cos();
+    let [x, y, z] = o.vector();
+    [i.theta_deg, turn.0, turn.1, x, y, z].map(|x| (x * 1e10).round() as i64)
 }

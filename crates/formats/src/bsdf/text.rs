@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{BsdfProblem, LONGEST_LINE};
+use super::{BsdfProblem, LARGEST_VALUE, LONGEST_LINE, VALUE_RANGE};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::place::{Place, Spot};
@@ -70,13 +70,13 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The value of a BSDF that stands there: a number of 0 or more.
+    /// The value of a BSDF that stands there: a number from 0 to [`LARGEST_VALUE`].
     pub(super) fn value(&self, range: Range<usize>) -> Result<f64, FormatError> {
         match self.number(range.clone())? {
-            value if value >= 0.0 => Ok(value),
+            value if (0.0..=LARGEST_VALUE).contains(&value) => Ok(value),
             value => Err(self.error(
                 range,
-                Problem::OutOfRange { what: "a value of the BSDF", value, expected: "expected 0 or more" },
+                Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE },
             )),
         }
     }

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use papilio_goniometry::Measurement;
+use papilio_goniometry::{Measurement, Part};
 
-use super::{klems_write, papilio_write, radiant_write, table_write};
+use super::{LARGEST_VALUE, klems_write, papilio_write, radiant_write, table_write};
 
 /// The formats that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +26,16 @@ pub enum WriteError {
     /// The system's words.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// A number that no reader takes.
+    #[error("{what} of the {way} is {value:e}, and no file may hold that (expected {})", LIMITS)]
+    Number {
+        /// A value or a TIS, and where.
+        what: String,
+        /// Of which way of light.
+        way: &'static str,
+        /// What it is.
+        value: f64,
+    },
     /// The format cannot hold it.
     #[error("{format} cannot hold {what}")]
     CannotHold {
@@ -36,16 +46,39 @@ pub enum WriteError {
     },
 }
 
+/// What the readers take.
+const LIMITS: &str =
+    "0 to 1e15: is a calibration reference all but dark there, or a value of the file wrong?";
+
+/// Fails on numbers of a part that its reader would refuse.
+pub(super) fn check(part: &Part) -> Result<(), WriteError> {
+    let fits = |value: &f64| (0.0..=LARGEST_VALUE).contains(value);
+    if let Some(at) = part.values.iter().position(|value| !fits(value) && !value.is_nan()) {
+        let cells = part.geometry.cells().max(1);
+        let place = part.geometry.directions(at % cells).map_or(String::new(), |[i, o]| {
+            format!(", light from ({}, {}) to ({}, {}) deg,", i.theta_deg, i.phi_deg, o.theta_deg, o.phi_deg)
+        });
+        let channel = part.channels.get(at / cells).map_or(String::new(), ToString::to_string);
+        let what = format!("a value (channel {channel}{place})");
+        return Err(WriteError::Number { what, way: part.way.name(), value: part.values[at] });
+    }
+    match part.tis.iter().find(|tis| !fits(tis)) {
+        Some(&value) => Err(WriteError::Number { what: "a TIS".to_owned(), way: part.way.name(), value }),
+        None => Ok(()),
+    }
+}
+
 /// Writes a measurement; what comes back are whole sentences on what the format could not keep.
 ///
 /// # Errors
-/// Those of `out`; a measurement that the format cannot hold at all.
+/// Those of `out`; a measurement that the format cannot hold at all, or with numbers that its reader would refuse.
 pub fn write_measurement(
     mut out: impl Write,
     format: BsdfFormat,
     measurement: &Measurement,
 ) -> Result<Vec<String>, WriteError> {
     let out: &mut dyn Write = &mut out;
+    measurement.parts.iter().try_for_each(check)?;
     let lost = match format {
         BsdfFormat::Radiant => radiant_write::write(out, measurement)?,
         BsdfFormat::Csv => table_write::write(out, measurement)?,

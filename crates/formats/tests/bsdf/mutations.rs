@@ -29,11 +29,12 @@ impl Numbers {
 }
 
 /// Pieces that readers might stumble over.
-const PIECES: [&[u8]; 30] = [
+const PIECES: [&[u8]; 31] = [
     b"-1",
     b"nan",
     b"inf",
     b"1e999",
+    b"1e300",
     b"1e-320",
     b"0",
     b"99999999999999999999",
@@ -81,7 +82,7 @@ fn mutated(bytes: &[u8], others: &[(&str, Vec<u8>)], numbers: &mut Numbers) -> V
             6 if at < bytes.len() => bytes[at] ^= 1 << numbers.below(8),
             _ => drop(bytes.splice(
                 at..(at + numbers.below(3)).min(bytes.len()),
-                PIECES[numbers.below(30)].iter().copied(),
+                PIECES[numbers.below(PIECES.len())].iter().copied(),
             )),
         }
     }

@@ -19,7 +19,7 @@ pub use tensor_tree::{TensorTree, TreeNode};
 pub use warped::{WarpFields, WarpedGrid};
 
 use crate::{Direction, Part};
-use patches::patch_centre;
+pub(crate) use patches::patch_centre;
 
 /// The cells of a part.
 #[derive(Debug, Clone, PartialEq)]

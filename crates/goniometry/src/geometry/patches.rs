@@ -76,7 +76,7 @@ pub fn projected_solid_angle(rings: &[Ring]) -> Vec<f64> {
 }
 
 /// The middle of a patch; the patch about the normal has the normal.
-pub(super) fn patch_centre(rings: &[Ring], mut patch: usize) -> Option<Direction> {
+pub(crate) fn patch_centre(rings: &[Ring], mut patch: usize) -> Option<Direction> {
     for (k, ring) in rings.iter().enumerate() {
         if patch < ring.patches {
             let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);

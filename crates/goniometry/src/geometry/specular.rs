@@ -45,6 +45,16 @@ impl SpecularGrid {
             * self.radials_deg.len()
     }
 
+    /// What a rotation counts in a mean over the turn: a first and a last one that are the same half each.
+    pub(crate) fn rotation_weight(&self, turn: usize) -> f64 {
+        let whole_turn = match self.rotations_deg[..] {
+            [first, .., last] => last - first > 360.0 - 1e-6,
+            _ => false,
+        };
+        let is_end = turn == 0 || turn + 1 == self.rotations_deg.len();
+        if whole_turn && is_end { 0.5 } else { 1.0 }
+    }
+
     /// Directions of light and viewer of a cell, in the coordinates of the sample; `None` outside the
     /// hemisphere.
     pub(crate) fn directions(&self, cell: usize) -> Option<[Direction; 2]> {

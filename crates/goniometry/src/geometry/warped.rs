@@ -7,6 +7,9 @@
 //! density of normals and `sigma` the area that they show. Squares: `u = sqrt(theta/(pi/2))`, `v = (phi +
 //! pi)/(2 pi)`; with at most two azimuths of the light the sample is isotropic and phi_m is relative to
 //! the light's. Reflection only.
+//!
+//! f is the stored f cos over the cosine: at the horizon, where the interpolated f cos of a table does not vanish exactly,
+//! it is not known, and within [`HORIZON_COS`] of it there is no value.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -32,6 +35,10 @@ pub struct WarpFields {
     /// Whether the values are to be multiplied with ndf / (4 sigma).
     pub jacobian: bool,
 }
+
+/// Where the cosine of theta_o is less than this (89.94 deg and on), f cos / cos is a ratio of rounding and interpolation
+/// errors. Of a Lambertian reflection 1e-6 goes there.
+const HORIZON_COS: f64 = 1e-3;
 
 /// The grid. Cells in the order phi_i, theta_i, row, column, the last fastest. **The values of a part on it
 /// are not f** but what the file has.
@@ -117,6 +124,9 @@ impl WarpedGrid {
             return None;
         }
         let [i, o] = self.reduced(i.vector(), o.vector());
+        if o[2] < HORIZON_COS {
+            return None;
+        }
         let m = Direction::of_vector([i[0] + o[0], i[1] + o[1], i[2] + o[2]]);
         let light = Direction::of_vector(i);
         let (theta_i, phi_i) = (light.theta_deg.to_radians(), light.phi_deg.to_radians());
@@ -136,7 +146,7 @@ impl WarpedGrid {
             let at_i = [(theta_i / FRAC_PI_2).sqrt(), (phi_i + PI) / TAU];
             f *= on(&fields.ndf, at_m) / (4.0 * on(&fields.sigma, at_i));
         }
-        (o[2] > 0.0).then_some(f)
+        Some(f)
     }
 }
 

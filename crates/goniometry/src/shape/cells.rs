@@ -2,7 +2,10 @@
 
 use super::abscissa;
 use super::line::Line;
-use crate::{Direction, SpecularGrid, Symmetry};
+use crate::{Direction, SpecularGrid};
+
+/// Angles closer than this are the same, degrees.
+pub(super) const SAME_DEG: f64 = 1e-6;
 
 /// Widths w that are tried, in direction cosines.
 const WIDTHS: [f64; 2] = [1e-3, 10.0];
@@ -14,6 +17,12 @@ pub(super) struct Cells {
     pub(super) theta_deg: f64,
     pub(super) azimuths: Vec<f64>,
     pub(super) lines: Vec<Vec<[f64; 2]>>,
+    /// Points of each line up to its last cell with a value: what follows was not measured.
+    pub(super) measured: Vec<usize>,
+    /// The grid's last distance from the specular direction, degrees, where the hemisphere goes on beyond it.
+    pub(super) limit_deg: Option<f64>,
+    /// The least distance, degrees, at which the measured cells of a line end before the horizon.
+    pub(super) measured_to_deg: Option<f64>,
 }
 
 impl Cells {
@@ -35,9 +44,10 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    fn add(&mut self, values: &[f64], mean: f64) {
-        self.differences += values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-        self.values += values.len() as f64 * mean * mean;
+    /// Values and their weights.
+    fn add(&mut self, values: &[(f64, f64)], mean: f64) {
+        self.differences += values.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>();
+        self.values += values.iter().map(|(_, weight)| weight).sum::<f64>() * mean * mean;
     }
 
     pub(super) fn relative(&self) -> f64 {
@@ -53,41 +63,71 @@ pub(super) fn folded(
     asymmetry: &mut Spread,
 ) -> Cells {
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
-    let half: Vec<usize> = (0..azimuths).filter(|&k| grid.azimuths_deg[k] <= 180.0).collect();
-    let mirrored = |k: usize| -> Option<usize> {
-        let other = (360.0 - grid.azimuths_deg[k]) % 360.0;
-        (0..azimuths).find(|&m| (grid.azimuths_deg[m] % 360.0 - other).abs() < 1e-9)
+    // From the plane of incidence: both sides of it should be alike.
+    let aside = |k: usize| {
+        let azimuth = grid.azimuths_deg[k].rem_euclid(360.0);
+        azimuth.min(360.0 - azimuth)
     };
-    let mut cells =
-        Cells { theta_deg: grid.incidences_deg[incidence], azimuths: Vec::new(), lines: Vec::new() };
-    for &k in &half {
-        let mut like = vec![k];
-        if grid.symmetry == Symmetry::None {
-            like.extend(mirrored(k).filter(|m| *m != k));
-        }
+    let mut half: Vec<f64> = (0..azimuths).map(aside).collect();
+    half.sort_by(f64::total_cmp);
+    half.dedup_by(|b, a| *b - *a < SAME_DEG);
+    let theta_deg = grid.incidences_deg[incidence];
+    let last_deg = grid.radials_deg.last().copied().unwrap_or(0.0);
+    let mut cells = Cells {
+        theta_deg,
+        azimuths: Vec::new(),
+        lines: Vec::new(),
+        measured: Vec::new(),
+        limit_deg: Some(last_deg).filter(|last| *last < 90.0 + theta_deg - SAME_DEG),
+        measured_to_deg: None,
+    };
+    for azimuth in half {
+        let like: Vec<usize> = (0..azimuths).filter(|k| (aside(*k) - azimuth).abs() < SAME_DEG).collect();
         let mut line = Vec::with_capacity(radials);
+        let beyond_grid = SpecularGrid::direction(theta_deg, azimuth, last_deg + SAME_DEG);
+        // Points up to the last measured one, its distance, and whether the last cell of the line is that one.
+        let (mut measured, mut measured_deg, mut to_the_end) = (0, 0.0, true);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
-            let to = SpecularGrid::direction(cells.theta_deg, grid.azimuths_deg[k], *radial);
+            let to = SpecularGrid::direction(cells.theta_deg, azimuth, *radial);
             let Some(beta) = to.map(Direction::leaving).filter(|beta| r == 0 || beta.length() <= horizon)
             else {
                 break;
             };
             let rows = (0..grid.rotations_deg.len()).flat_map(|turn| {
                 let row = (turn * grid.incidences_deg.len() + incidence) * azimuths;
-                like.iter().map(move |m| (row + m) * radials + r)
+                let weight = grid.rotation_weight(turn);
+                like.iter().map(move |m| (values[(row + m) * radials + r], weight))
             });
-            let known: Vec<f64> = rows.map(|cell| values[cell]).filter(|value| value.is_finite()).collect();
-            let mean = if known.is_empty() { 0.0 } else { known.iter().sum::<f64>() / known.len() as f64 };
+            let known: Vec<(f64, f64)> = rows.filter(|(value, _)| value.is_finite()).collect();
+            let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
+            let sum: f64 = known.iter().map(|(value, weight)| weight * value).sum();
+            let mean = if known.is_empty() { 0.0 } else { sum / weights };
             asymmetry.add(&known, mean);
             // Seen from the specular direction, in the plane of direction cosines.
             let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
             if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
                 line.push([delta, mean]);
             }
+            to_the_end = !known.is_empty();
+            if to_the_end {
+                (measured, measured_deg) = (line.len(), *radial);
+            }
         }
-        cells.azimuths.push(grid.azimuths_deg[k].to_radians());
+        if measured > 0 && (beyond_grid.is_some() || !to_the_end) {
+            let least = cells.measured_to_deg.unwrap_or(f64::INFINITY);
+            cells.measured_to_deg = Some(least.min(measured_deg));
+        }
+        cells.measured.push(if measured > 0 { measured } else { line.len() });
+        cells.azimuths.push(azimuth.to_radians());
         cells.lines.push(line);
     }
+    cells
+}
+
+/// Leaves out what was not measured behind the last measured cell of each line.
+pub(super) fn without_unmeasured_tails(mut cells: Cells) -> Cells {
+    let Cells { lines, measured, .. } = &mut cells;
+    lines.iter_mut().zip(measured).for_each(|(line, measured)| line.truncate(*measured));
     cells
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_optics::Beta;
 
 use super::abscissa;
-use super::cells::Cells;
+use super::cells::{Cells, SAME_DEG};
 use super::line::Line;
 
 /// Steps of Simpson's rule outwards and of the trapezoid rule around.
@@ -21,10 +21,17 @@ pub(super) struct Incidence {
     /// Azimuths about the specular direction, radians, 0 (towards the normal) to pi.
     pub(super) azimuths: Vec<f64>,
     pub(super) lines: Vec<Line>,
+    /// Between azimuths: by the logarithm where both lines are positive, or linearly.
+    pub(super) linear: bool,
+    /// Cosine of the distance from the specular direction beyond which nothing is known and nothing is sent.
+    pub(super) ends_at: Option<f64>,
+    /// The least distance, degrees, at which measured cells end before the horizon.
+    pub(super) measured_to_deg: Option<f64>,
 }
 
 impl Incidence {
-    pub(super) fn new(cells: &Cells, width: f64) -> Self {
+    /// `tails`: light goes on beyond the last measured distance.
+    pub(super) fn new(cells: &Cells, width: f64, tails: bool) -> Self {
         let line = |points: &Vec<[f64; 2]>| {
             let x = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
             Line::new(x, &points.iter().map(|[_, f]| *f).collect::<Vec<_>>())
@@ -35,10 +42,22 @@ impl Incidence {
             half: cells.half().min(width),
             azimuths: cells.azimuths.clone(),
             lines: cells.lines.iter().map(line).collect(),
+            linear: false,
+            ends_at: cells.limit_deg.filter(|_| !tails).map(|limit| (limit + SAME_DEG).to_radians().cos()),
+            measured_to_deg: cells.measured_to_deg,
         }
     }
 
     pub(super) fn value(&self, delta: Beta, width: f64) -> f64 {
+        if self.ends_at.is_some_and(|cosine| self.cosine(delta) < cosine) {
+            0.0
+        } else {
+            self.held(delta, width)
+        }
+    }
+
+    /// The value with nothing said of where the lobe ends.
+    pub(super) fn held(&self, delta: Beta, width: f64) -> f64 {
         let x = abscissa(delta.length(), width);
         let azimuth = self.azimuth(delta);
         let upper = self.azimuths.partition_point(|known| *known <= azimuth).min(self.azimuths.len() - 1);
@@ -46,18 +65,56 @@ impl Incidence {
         let step = self.azimuths[upper] - self.azimuths[lower];
         let t = if step > 0.0 { ((azimuth - self.azimuths[lower]) / step).clamp(0.0, 1.0) } else { 0.0 };
         let [a, b] = [lower, upper].map(|k| self.lines[k].value(x));
-        if a > 0.0 && b > 0.0 { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
+        if a > 0.0 && b > 0.0 && !self.linear { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
     }
 
     /// Azimuth about the specular direction, radians, 0 to pi; of a direction beyond the hemisphere, where its
     /// line leaves it.
     fn azimuth(&self, delta: Beta) -> f64 {
+        let [x, y, z] = self.direction(delta);
+        let cos = (1.0 - self.beta * self.beta).sqrt();
+        y.abs().atan2(self.beta * z - cos * x)
+    }
+
+    /// Cosine of the angle from the specular direction; beyond the hemisphere, of where the line leaves it.
+    fn cosine(&self, delta: Beta) -> f64 {
+        let [x, _, z] = self.direction(delta);
+        self.beta * x + (1.0 - self.beta * self.beta).sqrt() * z
+    }
+
+    /// The unit vector at `delta` from the specular direction, no farther than the horizon.
+    fn direction(&self, delta: Beta) -> [f64; 3] {
         let reach = self.reach(delta);
         let k = if reach < 1.0 { reach } else { 1.0 };
         let (x, y) = (self.beta + k * delta.x, k * delta.y);
-        let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-        let cos = (1.0 - self.beta * self.beta).sqrt();
-        y.abs().atan2(self.beta * z - cos * x)
+        [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()]
+    }
+
+    /// How far from the specular direction the lobe ends in the direction of a unit vector: on a line, the angle from the
+    /// specular direction grows with the distance. Infinity where it does not end before the horizon.
+    pub(super) fn end(&self, unit: Beta) -> f64 {
+        let Some(cosine) = self.ends_at else { return f64::INFINITY };
+        let at = |distance: f64| self.cosine(Beta { x: distance * unit.x, y: distance * unit.y });
+        let (mut inner, mut outer) = (0.0, self.reach(unit));
+        if at(outer) >= cosine {
+            return f64::INFINITY;
+        }
+        for _ in 0..50 {
+            let middle = 0.5 * (inner + outer);
+            if at(middle) >= cosine { inner = middle } else { outer = middle }
+        }
+        inner
+    }
+
+    /// The same on a coarser grid of azimuths: every other one, and the last; `None` for less than three.
+    pub(super) fn with_fewer_azimuths(&self) -> Option<Self> {
+        let last = self.azimuths.len().checked_sub(1).filter(|last| *last > 1)?;
+        let kept = || (0..=last).filter(|k| k.is_multiple_of(2) || *k == last);
+        Some(Self {
+            azimuths: kept().map(|k| self.azimuths[k]).collect(),
+            lines: kept().map(|k| self.lines[k].clone()).collect(),
+            ..*self
+        })
     }
 
     /// How many times `delta` fits between the specular direction and the edge of the hemisphere.
@@ -76,13 +133,14 @@ impl Incidence {
         for around in 0..=AROUND {
             let (sin, cos) = (PI * around as f64 / AROUND as f64).sin_cos();
             let ends = if around == 0 || around == AROUND { 0.5 } else { 1.0 };
-            let edge = self.reach(Beta { x: cos, y: sin }).min(radius);
+            let unit = Beta { x: cos, y: sin };
+            let edge = self.reach(unit).min(radius).min(self.end(unit));
             let step = abscissa(edge, self.half) / RADIAL_STEPS as f64;
             for k in 0..=RADIAL_STEPS {
                 let simpson = if k == 0 || k == RADIAL_STEPS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
                 let x = k as f64 * step;
                 let delta = (self.half * x.exp_m1().sqrt()).min(edge);
-                let f = self.value(Beta { x: delta * cos, y: delta * sin }, width);
+                let f = self.held(Beta { x: delta * cos, y: delta * sin }, width);
                 sum += ends * simpson * step / 3.0 * 0.5 * self.half * self.half * x.exp() * f;
             }
         }

@@ -39,18 +39,23 @@ pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid
     (!kept.is_empty()).then_some((grid, values))
 }
 
+/// Closer to the horizon than this, degrees, a warped grid is read here: its f is f cos over the cosine, which at the
+/// horizon itself is not known.
+const WARPED_LAST_DEG: f64 = 89.0;
+
 /// The values at each incidence of the grid, `[azimuth][radial]`.
 fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<f64>> {
     let smooth = match &part.geometry {
         Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(channel))),
         _ => None,
     };
+    let last_deg = if let Geometry::Warped(_) = part.geometry { WARPED_LAST_DEG } else { 90.0 };
     let lobe = |(k, theta): (usize, &f64)| {
         let light = Direction::new(*theta, light_deg);
         let value = |azimuth: f64, radial: f64| {
             // The grid's light comes from 180 deg.
             let to = SpecularGrid::direction(*theta, azimuth, radial)?;
-            let to = Direction::new(to.theta_deg, to.phi_deg + light_deg - 180.0);
+            let to = Direction::new(to.theta_deg.min(last_deg), to.phi_deg + light_deg - 180.0);
             let plain = part.evaluate(channel, light, to)?;
             Some(smooth.as_ref().map_or(plain, |smooth| smooth.value(k, to)))
         };
@@ -66,9 +71,9 @@ fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Ve
 /// Angles closer than this are the same, degrees: files round them.
 const SAME_DEG: f64 = 2e-3;
 
-/// Listed pairs that lie on rings about the specular direction, as a grid; cells that are not listed are NaN.
+/// Listed pairs that lie on rings about the specular direction, as a grid, with a rotation for each azimuth of the light;
+/// cells that are not listed are NaN.
 fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid, Vec<f64>)> {
-    let light = pairs.first()?[0];
     let place = |[from, to]: &[Direction; 2]| {
         let turned = Direction::new(to.theta_deg, to.phi_deg - from.phi_deg + 180.0).vector();
         let (sin, cos) = from.theta_deg.to_radians().sin_cos();
@@ -78,31 +83,37 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
         // At the centre all azimuths are one.
         let azimuth =
             if radial < SAME_DEG { 0.0 } else { across.atan2(towards).to_degrees().rem_euclid(360.0) };
-        [from.theta_deg, if azimuth > 360.0 - SAME_DEG { 0.0 } else { azimuth }, radial]
+        let whole = |angle: f64| if angle > 360.0 - SAME_DEG { 0.0 } else { angle };
+        // A sample that was turned by w has seen its light come from 180 - w.
+        let rotation = whole((180.0 - from.phi_deg).rem_euclid(360.0));
+        [rotation, from.theta_deg, whole(azimuth), radial]
     };
-    if pairs.iter().any(|pair| (pair[0].phi_deg - light.phi_deg).abs() > SAME_DEG) {
-        return None;
-    }
-    let places: Vec<[f64; 3]> = pairs.iter().map(place).collect();
-    let [incidences_deg, azimuths_deg, radials_deg] = [0, 1, 2].map(|axis| {
+    let places: Vec<[f64; 4]> = pairs.iter().map(place).collect();
+    let [mut rotations_deg, incidences_deg, azimuths_deg, radials_deg] = [0, 1, 2, 3].map(|axis| {
         let mut angles: Vec<f64> = places.iter().map(|place| place[axis]).collect();
         angles.sort_by(f64::total_cmp);
         angles.dedup_by(|b, a| *b - *a < SAME_DEG);
         angles
     });
-    let (azimuths, radials) = (azimuths_deg.len(), radials_deg.len());
-    let cells = incidences_deg.len().saturating_mul(azimuths).saturating_mul(radials);
+    let (incidences, azimuths, radials) = (incidences_deg.len(), azimuths_deg.len(), radials_deg.len());
+    let cells =
+        [rotations_deg.len(), incidences, azimuths, radials].into_iter().fold(1_usize, usize::saturating_mul);
     // A grid is listed all but beyond the horizon: about half of each.
     if radials < 3 || pairs.len() < cells / 4 {
         return None;
     }
     let mut found = vec![f64::NAN; cells * channels.len()];
-    for (number, [incidence, azimuth, radial]) in places.iter().enumerate() {
-        let [i, a, r] = [(&incidences_deg, incidence), (&azimuths_deg, azimuth), (&radials_deg, radial)]
-            .map(|(angles, angle)| angles.partition_point(|known| *known < angle - SAME_DEG));
+    for (number, [rotation, incidence, azimuth, radial]) in places.iter().enumerate() {
+        let [t, i, a, r] = [
+            (&rotations_deg, rotation),
+            (&incidences_deg, incidence),
+            (&azimuths_deg, azimuth),
+            (&radials_deg, radial),
+        ]
+        .map(|(angles, angle)| angles.partition_point(|known| *known < angle - SAME_DEG));
         let centre = r == 0 && *radial < SAME_DEG;
         for (channel, values) in channels.iter().enumerate() {
-            let row = channel * cells + (i * azimuths + a) * radials;
+            let row = channel * cells + ((t * incidences + i) * azimuths + a) * radials;
             found[row + r] = values[number];
             if centre {
                 (1..azimuths).for_each(|k| found[row + k * radials] = values[number]);
@@ -111,7 +122,10 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
     }
     let half = azimuths_deg.last().is_some_and(|last| *last <= 180.0 + SAME_DEG);
     let symmetry = if half { Symmetry::Plane } else { Symmetry::None };
-    let rotations_deg = vec![0.0];
+    // Light from one azimuth alone stands for all.
+    if let [only] = &mut rotations_deg[..] {
+        *only = 0.0;
+    }
     Some((SpecularGrid { rotations_deg, incidences_deg, azimuths_deg, radials_deg, symmetry }, found))
 }
 

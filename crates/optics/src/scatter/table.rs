@@ -36,6 +36,8 @@ pub struct Table {
     proposals: [OnceLock<Proposal>; 2],
     totals: [OnceLock<Totals>; 2],
     width: f64,
+    /// The last `|beta|` of incidence that there are numbers for.
+    last: f64,
     /// Light of incidences beyond this `|beta|`, 1 at most, is not scattered.
     end: f64,
     /// Light is scattered to `|beta|` up to this, 1 at least.
@@ -81,25 +83,22 @@ impl Table {
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
             return Err(OpticsError::Density { at, value: values[at] });
         }
-        Ok(Self::of(Smooth::new(incidence, radial, azimuth, values)))
-    }
-
-    fn of(smooth: Smooth) -> Self {
-        let width = width(&smooth);
-        Self {
+        let smooth = Smooth::new(incidence, radial, azimuth, values);
+        Ok(Self {
+            width: width(&smooth),
             smooth,
             proposals: Default::default(),
             totals: Default::default(),
-            width,
+            last: incidence[incidence.len() - 1],
             end: 1.0,
             reach: 1.0,
-        }
+        })
     }
 
     /// The same with nothing scattered of light from beyond its last incidence.
     pub fn dark_beyond(self) -> Self {
-        let last = self.smooth.incidence.last();
-        Self { proposals: Default::default(), totals: Default::default(), end: last.min(1.0), ..self }
+        let end = self.last.min(1.0);
+        Self { proposals: Default::default(), totals: Default::default(), end, ..self }
     }
 
     /// The same of a transmission that scatters light of air into a medium of this index, 1 to 4, beyond the air disc

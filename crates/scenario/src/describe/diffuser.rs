@@ -143,9 +143,10 @@ choice! {
 choice! {
     /// What becomes of light beyond the directions that were measured.
     Extrapolate {
-        /// Light from beyond the largest incidence is lost.
+        /// Light from beyond the largest incidence is lost, and so is light beyond the last measured distance from the
+        /// specular direction.
         None = "none",
-        /// The last lobe holds, about its own direction.
+        /// The last lobe holds, about its own direction, and tails go on beyond the last measured distance.
         Hold = "hold",
         /// The same, and in the glass tails go on beyond the horizon of the air. Of a diffuser as measured.
         Glass = "glass",
@@ -184,8 +185,8 @@ table! {
         instrument_blur: Blur = Blur(0.0),
         /// Default "none".
         fill: DarkCells = DarkCells::None,
-        /// Default "none".
-        extrapolate: Extrapolate = Extrapolate::None,
+        /// Default "none"; of a file with one incidence "hold".
+        extrapolate: Option<Extrapolate>,
         /// Default "as-measured".
         mounting: Mounting = Mounting::AsMeasured,
     }

@@ -220,7 +220,7 @@ table! {
         normalise: Normalise = Normalise::None,
         /// Default "none".
         fill: DarkCells = DarkCells::None,
-        /// Default "none".
-        extrapolate: Extrapolate = Extrapolate::None,
+        /// Default "none"; of a file with one incidence "hold".
+        extrapolate: Option<Extrapolate>,
     }
 }

@@ -1,7 +1,7 @@
 //! Files, share spectra and materials.
 
 use num_complex::Complex64;
-use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_index, read_shares};
+use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_index_within, read_shares};
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_names};
 
 use super::Resolver;
@@ -90,6 +90,26 @@ impl Resolver<'_> {
         None
     }
 
+    /// n + ik from a file, which needs to be sound where the grid is.
+    fn index_file(&mut self, name: &str, origin: Origin) -> Option<Dispersion> {
+        let kept = self.open(name, origin)?;
+        match read_index_within(kept.file(), (self.grid.start_nm(), self.grid.stop_nm())) {
+            Ok(read) => {
+                for note in read.warnings.iter().map(|note| format!("{name}: {note}")) {
+                    // A material may stand in several places.
+                    if !self.notes.contains(&note) {
+                        self.notes.push(note);
+                    }
+                }
+                Some(read.value)
+            }
+            Err(error) => {
+                self.errors.push_data(origin, error);
+                None
+            }
+        }
+    }
+
     /// n + ik on the grid.
     pub(super) fn material(&mut self, spec: &At<MaterialSpec>) -> Option<Vec<Complex64>> {
         let (name, dispersion) = match &spec.value {
@@ -99,7 +119,7 @@ impl Resolver<'_> {
         };
         let dispersion = match dispersion {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
-                self.data(name, spec.origin, read_index)?
+                self.index_file(name, spec.origin)?
             }
             Err(SpectraError::UnknownName { kind, .. }) => {
                 let names = material_names().to_vec();

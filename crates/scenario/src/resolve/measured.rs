@@ -1,10 +1,12 @@
 //! `model = "measured"`: a diffuser or a pixel as a goniometer or an imaging sphere saw it.
 
+mod told;
+
 use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
 use papilio_goniometry::{
-    self as goniometry, Changes, Fill, GoniometryError, Lamination, Measurement, Preparation, Unblur,
-    Unblurred, Way, deblurred, kernel,
+    self as goniometry, Fill, GoniometryError, Lamination, Measurement, Preparation, Unblur, Unblurred, Way,
+    deblurred, kernel,
 };
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::{Spectrum, illuminant};
@@ -21,14 +23,6 @@ use crate::problem::Problem;
 use crate::read::At;
 use crate::source::Origin;
 
-/// A total further above 1 than this is worth a warning.
-const ABOVE_ONE: f64 = 1e-3;
-/// Totals that change by less than this go without saying: a table keeps them to 1e-4.
-const TOLD: f64 = 1e-3;
-/// And beyond this no display can be computed.
-const FAR_ABOVE_ONE: f64 = 0.2;
-/// A grid that leaves more of the total open than this is too coarse for the usual error target.
-const COARSE: f64 = 0.005;
 /// A lobe that, blurred again, differs more than this from the file's is not what the instrument saw.
 const MISFIT: f64 = 0.03;
 /// And beyond this it is nothing like it.
@@ -42,7 +36,8 @@ struct Source<'a> {
     file: Origin,
     normalise: &'a At<Normalise>,
     fill: &'a At<DarkCells>,
-    extrapolate: &'a At<Extrapolate>,
+    /// `None`: not written.
+    extrapolate: &'a At<Option<Extrapolate>>,
     spectral_mean: SpectralMean,
     blur: Option<&'a At<Blur>>,
 }
@@ -128,8 +123,8 @@ impl Resolver<'_> {
     }
 
     /// Refuses tails in the glass where none is known to be.
-    fn in_air(&mut self, extrapolate: &At<Extrapolate>, beside: &'static str) -> Option<()> {
-        if extrapolate.value == Extrapolate::Glass {
+    fn in_air(&mut self, extrapolate: &At<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
+        if extrapolate.value == Some(Extrapolate::Glass) {
             self.err(extrapolate, Problem::NotWith { key: "extrapolate = \"glass\"", beside });
             return None;
         }
@@ -349,7 +344,8 @@ impl Resolver<'_> {
                 DarkCells::Tail => Fill::Tail,
             },
             to_tis: source.normalise.value == Normalise::Tis,
-            extrapolate: behind.reach(source.extrapolate.value),
+            extrapolate: source.extrapolate.value.and_then(|extrapolate| behind.reach(extrapolate)),
+            hold_single: source.extrapolate.value.is_none(),
             lamination: behind.lamination(),
         };
         let sharp = self.without_blur(source, part)?;
@@ -419,57 +415,5 @@ impl Resolver<'_> {
             values: sharp.values,
             tis: tis.to_vec(),
         }))
-    }
-
-    /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
-    fn tell(&mut self, source: &Source<'_>, way: Way, changes: &Changes, share: f64) -> Option<()> {
-        let (path, way) = (source.path, way.name());
-        let largest = share * changes.most;
-        if largest > 1.0 + FAR_ABOVE_ONE {
-            self.errors.push(source.file, Problem::MoreThanAll { way, total: largest });
-            return None;
-        }
-        if largest > 1.0 + ABOVE_ONE {
-            self.warnings
-                .push(format!("{path}: {way}: more light leaves than came, {largest:.3} times as much"));
-        }
-        let factors = || changes.totals.iter().map(|[before, after]| after / before);
-        let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
-        let why = match (changes.to_tis, changes.laminated) {
-            (true, true) => "to the instrument's TIS, less the back face's loss",
-            (true, false) => "to the instrument's TIS",
-            (false, true) => "the loss of the back face in air is gone",
-            (false, false) => "what the smooth lobe makes of dark cells at the horizon",
-        };
-        if most - 1.0 > TOLD || 1.0 - least > TOLD {
-            self.notes
-                .push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}: {why}"));
-        }
-        if changes.filled > 0.0 {
-            let percent = 100.0 * changes.filled;
-            self.notes.push(format!(
-                "{path}: {way}: {percent:.1} % of the cells were dark; tails go on through them"
-            ));
-        }
-        if changes.lost > 0.0 {
-            self.warnings.push(format!(
-                "{path}: {way}: nothing was measured beyond {} deg: lamps and views from there are dark, {:.1} % of diffuse \
-                 light is lost; `extrapolate = \"hold\"` keeps the last lobe there",
-                changes.last_deg,
-                100.0 * changes.lost
-            ));
-        }
-        if changes.grid_error > COARSE {
-            let percent = 100.0 * changes.grid_error;
-            self.warnings
-                .push(format!("{path}: {way}: the file's grid leaves {percent:.1} % of the light uncertain"));
-        }
-        if changes.asymmetry > 0.01 {
-            let percent = 100.0 * changes.asymmetry;
-            self.warnings.push(format!(
-                "{path}: {way}: mirrored and turned directions differ by {percent:.1} %; their mean is taken"
-            ));
-        }
-        Some(())
     }
 }

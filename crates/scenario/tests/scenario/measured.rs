@@ -124,6 +124,64 @@ fn what_is_changed_is_told() {
     assert!(resolved.warnings[0].contains("beyond 75 deg"), "{:?}", resolved.warnings);
 }
 
+/// A Lambertian film, .3 of the light, measured at these incidences and up to a viewer at this inclination.
+fn film(incidences: &[u32], to_deg: u32) -> String {
+    let mut rows = "way,theta_i,phi_i,theta_o,phi_o,value\n".to_owned();
+    for theta_i in incidences {
+        for theta_o in 0..=to_deg / 5 {
+            for phi_o in [0, 60, 120, 180] {
+                rows += &format!("front transmission,{theta_i},180,{},{phi_o},0.0955\n", 5 * theta_o);
+            }
+        }
+    }
+    rows
+}
+
+/// What a film is told to be with `extrapolate` written so: notes and warnings.
+fn told(film: &str, extrapolate: &str) -> [String; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("film.csv"), film).unwrap();
+    let text = measured("film.csv", "").replace("extrapolate = \"hold\"", extrapolate);
+    let resolved = resolve(&text, folder.path(), &[]).unwrap();
+    let of_film = |lines: &[String]| {
+        lines.iter().filter(|line| line.contains("diffuser")).cloned().collect::<Vec<_>>().join("\n")
+    };
+    [of_film(&resolved.notes), of_film(&resolved.warnings)]
+}
+
+/// With one incidence `hold` is the default, with a note; a written `none` loses what lies beyond.
+#[test]
+fn a_single_incidence_holds_unless_none_is_written() {
+    let [single, two] = [&[0][..], &[0, 30]].map(|incidences| film(incidences, 90));
+    let [notes, warnings] = told(&single, "");
+    assert!(
+        notes.contains("one incidence, 0 deg: its lobe holds") && warnings.is_empty(),
+        "{notes}\n{warnings}"
+    );
+    assert_eq!(told(&single, "extrapolate = \"hold\""), [String::new(), String::new()]);
+    let [notes, warnings] = told(&single, "extrapolate = \"none\"");
+    assert!(
+        notes.is_empty() && warnings.contains("beyond 0 deg: lamps and views from there are dark"),
+        "{warnings}"
+    );
+    let [notes, warnings] = told(&two, "");
+    assert!(notes.is_empty() && warnings.contains("beyond 30 deg"), "{notes}\n{warnings}");
+}
+
+/// Light beyond the last measured angle is lost, or extrapolated by a key; either way its share is told: of a Lambertian film
+/// seen to 60 deg it is cos^2 60, a quarter.
+#[test]
+fn light_beyond_the_last_measured_angle_is_told() {
+    let film = film(&[0, 30], 60);
+    let [_, warnings] = told(&film, "extrapolate = \"none\"");
+    assert!(warnings.contains("nothing is sent there"), "{warnings}");
+    let [_, warnings] = told(&film, "extrapolate = \"hold\"");
+    assert!(warnings.contains("extrapolated, not measured"), "{warnings}");
+    let share = warnings.split(" hold ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    let share: f64 = share.parse().unwrap();
+    assert!((share - 25.0).abs() < 4.0, "{warnings}");
+}
+
 fn measurement(text: &str, more: &str) -> Result<papilio_scenario::VirtualMeasurement, String> {
     let text = format!("{text}\n[measure]\n{more}");
     let scenario = Scenario::from_text(&text, "test.toml", Path::new(""), &[]).map_err(|e| e.to_string())?;

@@ -1,0 +1,142 @@
+//! What became of a measurement on its way into a display, in words.
+
+use papilio_goniometry::{Changes, Way};
+
+use super::Source;
+use crate::problem::Problem;
+use crate::resolve::Resolver;
+
+/// A total further above 1 than this is worth a warning.
+const ABOVE_ONE: f64 = 1e-3;
+/// Totals that change by less than this go without saying: a table keeps them to 1e-4.
+const TOLD: f64 = 1e-3;
+/// And beyond this no display can be computed.
+const FAR_ABOVE_ONE: f64 = 0.2;
+/// A grid that leaves more of the total open than this is too coarse for the usual error target.
+const COARSE: f64 = 0.005;
+/// A share of the light that is extrapolated is worth a warning from here on.
+const MUCH_BEYOND: f64 = 0.05;
+
+impl Resolver<'_> {
+    /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
+    pub(super) fn tell(
+        &mut self,
+        source: &Source<'_>,
+        way: Way,
+        changes: &Changes,
+        share: f64,
+    ) -> Option<()> {
+        let (path, way) = (source.path, way.name());
+        let largest = share * changes.most;
+        if largest > 1.0 + FAR_ABOVE_ONE {
+            self.errors.push(source.file, Problem::MoreThanAll { way, total: largest });
+            return None;
+        }
+        if largest > 1.0 + ABOVE_ONE {
+            self.warnings
+                .push(format!("{path}: {way}: more light leaves than came, {largest:.3} times as much"));
+        }
+        let factors = || changes.totals.iter().map(|[before, after]| after / before);
+        let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
+        let why = match (changes.to_tis, changes.laminated) {
+            (true, true) => "to the instrument's TIS, less the back face's loss",
+            (true, false) => "to the instrument's TIS",
+            (false, true) => "the loss of the back face in air is gone",
+            (false, false) if !changes.tails && changes.measured_to_deg.is_some() => {
+                "what the smooth lobe makes of where the measured cells end"
+            }
+            (false, false) => "what the smooth lobe makes of dark cells at the horizon",
+        };
+        if most - 1.0 > TOLD || 1.0 - least > TOLD {
+            self.notes
+                .push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}: {why}"));
+        }
+        if changes.filled > 0.0 {
+            let percent = 100.0 * changes.filled;
+            self.notes.push(format!(
+                "{path}: {way}: {percent:.1} % of the cells were dark; tails go on through them"
+            ));
+        }
+        self.tell_range(path, way, changes);
+        self.tell_doubts(path, way, changes);
+        Some(())
+    }
+
+    /// What becomes of light from and to directions that were not measured.
+    fn tell_range(&mut self, path: &str, way: &str, changes: &Changes) {
+        if changes.lost > 0.0 {
+            self.warnings.push(format!(
+                "{path}: {way}: nothing was measured beyond {} deg: lamps and views from there are dark, {:.1} % of diffuse \
+                 light is lost; `extrapolate = \"hold\"` keeps the last lobe there",
+                changes.last_deg,
+                100.0 * changes.lost
+            ));
+        }
+        if changes.held_single {
+            self.notes.push(format!(
+                "{path}: {way}: the file has one incidence, {} deg: its lobe holds at all others, about their own directions; \
+                 `extrapolate = \"none\"` loses their light",
+                changes.last_deg
+            ));
+        }
+        self.tell_beyond(path, way, changes);
+        if let Some([first, last]) = changes.held_azimuths_deg {
+            self.warnings.push(format!(
+                "{path}: {way}: azimuths about the specular direction are {first:.0} to {last:.0} deg from the plane of incidence; \
+                 beyond them the nearest one's values hold, up to 0 and 180 deg"
+            ));
+        }
+    }
+
+    /// How well the grid and the sample's symmetry tell the lobe.
+    fn tell_doubts(&mut self, path: &str, way: &str, changes: &Changes) {
+        if changes.grid_error > COARSE {
+            let percent = 100.0 * changes.grid_error;
+            let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
+                true => ", most of it by azimuths that are too far apart",
+                false => "",
+            };
+            self.warnings.push(format!(
+                "{path}: {way}: the file's grid leaves {percent:.1} % of the light uncertain{azimuths}"
+            ));
+        }
+        if changes.asymmetry > 0.01 {
+            let percent = 100.0 * changes.asymmetry;
+            self.warnings.push(format!(
+                "{path}: {way}: mirrored and turned directions differ by {percent:.1} %; their mean is taken"
+            ));
+        }
+    }
+
+    /// What becomes of light beyond the last measured distance from the specular direction, and how much it is.
+    fn tell_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
+        let by_share = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+        let ends = changes.beyond.iter().min_by(by_share).zip(changes.beyond.iter().max_by(by_share));
+        let Some((to_deg, ([at_least, least], [at_most, most]))) = changes.measured_to_deg.zip(ends) else {
+            return;
+        };
+        if *most < TOLD {
+            return;
+        }
+        let at = |share: f64, theta: f64| format!("{:.1} % (at {theta} deg of incidence)", 100.0 * share);
+        let shares = match changes.beyond.len() {
+            1 => at(*most, *at_most),
+            _ => format!("{} to {}", at(*least, *at_least), at(*most, *at_most)),
+        };
+        let said = format!(
+            "{path}: {way}: nothing was measured farther than {to_deg} deg from the specular direction"
+        );
+        if !changes.tails {
+            self.warnings.push(format!(
+                "{said}, and nothing is sent there; tails that go on would hold {shares} of the light; `extrapolate = \"hold\"` \
+                 or `fill = \"tail\"` lets them"
+            ));
+        } else if *most < MUCH_BEYOND {
+            self.notes.push(format!("{said}; tails go on there, and hold {shares} of the light"));
+        } else {
+            self.warnings.push(format!(
+                "{said}; tails go on there, and hold {shares} of the light: this share is extrapolated, not measured"
+            ));
+        }
+    }
+}
