@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use papilio_optics::film::{GapFilm, Variable};
+use papilio_optics::film::{GapFilm, Thickness, Variable};
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 
@@ -87,10 +87,48 @@ pub(crate) fn tabulated(
     let whole = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
     let few: Vec<usize> = (0..grid.len()).step_by(grid.len().div_ceil(BINS_OF_SAMPLE).max(1)).collect();
     let sample = Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?;
-    let (panels, values) =
+    let panels =
         table::panels(known, |cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
+    let (panels, values) = panels.ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
     Ok((Nodes::CosinePanels(panels), values))
 }
+
+/// Of the layers that light gets through the one whose fringes over angle are the most.
+fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayError {
+    let wavelengths_nm = grid.wavelengths_nm();
+    let gap_nm = gaps_nm.iter().copied().fold(0.0, f64::max);
+    let mut most = (0, 0.0, 0.0);
+    for (number, layer) in film.layers.iter().enumerate() {
+        let thickness_nm = match layer.thickness {
+            Thickness::Fixed(nm) => nm,
+            Thickness::Gap => gap_nm,
+        };
+        for (index, nm) in layer.index.iter().zip(&wavelengths_nm) {
+            // How often the optical path to and fro holds the wavelength, and what is left of the light on the way.
+            let fringes = 2.0 * index.re * thickness_nm / nm;
+            let left = (-8.0 * std::f64::consts::PI * index.im * thickness_nm / nm).exp();
+            if left > OPAQUE && fringes > most.1 {
+                most = (number, fringes, *nm);
+            }
+        }
+    }
+    let (number, fringes, nm) = most;
+    let layer = film.layers.get(number).map(|layer| layer.thickness);
+    let (key, thickness_nm) = match layer {
+        Some(Thickness::Fixed(nm)) => (format!("film.{number}.thickness_nm"), nm),
+        _ => {
+            let of_gap = film.sub_pixels.iter().find(|sub_pixel| sub_pixel.gap_nm == gap_nm);
+            let name = of_gap.map_or("dark", |sub_pixel| &sub_pixel.name);
+            let name = if of_gap.is_none() && film.dark_gap_nm != Some(gap_nm) { "states" } else { name };
+            let key = if name == "states" { name.to_owned() } else { format!("gap_nm.{name}") };
+            (key, gap_nm)
+        }
+    };
+    DisplayError::Fringes { key: format!("display.pixel.{key}"), thickness_nm, fringes: fringes.ceil(), nm }
+}
+
+/// A layer that leaves less of the light, to and fro, has no fringes.
+const OPAQUE: f64 = 1e-9;
 
 /// Whose gap it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

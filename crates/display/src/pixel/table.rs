@@ -11,24 +11,32 @@ use std::sync::Arc;
 use papilio_transport::CosinePanels;
 
 /// The interpolation error of a film pixel's table is below this reflectance, in
-/// each gap, direction and wavelength, as far as the last coefficients of its panels tell.
+/// each gap, direction and wavelength, as far as the last coefficients of its panels tell; within 1/256 of the cosine of a critical
+/// angle of the substrate it may be up to 4e-4, the more the closer.
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Halvings of the panel from 0 to 1 to begin with, and at most: only extremely thick films need more.
-const HALVINGS: (u32, u32) = (1, 6);
+/// Halvings of the panel from 0 to 1 to begin with, and at most.
+const HALVINGS: (u32, u32) = (1, 12);
+
+/// Panels of more halvings are narrow.
+const NARROW: u32 = 6;
+
+/// The most panels: as many as coatings have pieces. Films that need more have hundreds of fringes over angle; they
+/// are refused, for a table that is too coarse for them is wrong by any amount.
+const MOST_PANELS: usize = 1024;
 
 /// Panels fine enough for functions of the cosine, and the functions' values at the nodes,
 /// `[node][function]`. `whole` computes them at these cosines, `sample` some of them: where those are
 /// lacking, the others need not be known. Panels that are known to serve a function much like these
-/// are not looked at by the sample; this changes the time that it takes, nothing else.
+/// are not looked at by the sample; this changes the time that it takes, nothing else. `None` if it would take more than
+/// [`MOST_PANELS`].
 pub(super) fn panels<E>(
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
-) -> Result<(CosinePanels, Arc<[f64]>), E> {
+) -> Result<Option<(CosinePanels, Arc<[f64]>)>, E> {
     let last = last_polynomials();
-    let suffice =
-        |panel: &Panel, values: &[f64]| panel.halvings == HALVINGS.1 || lacking(values, &last) < TABLE_ERROR;
+    let suffice = |panel: &Panel, values: &[f64]| lacking(values, &last) < panel.tolerance();
     let mut done: Vec<Panel> = Vec::new();
     let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
     while let Some(mut panel) = open.pop() {
@@ -41,6 +49,9 @@ pub(super) fn panels<E>(
                 continue;
             }
         }
+        if panel.halvings == HALVINGS.1 || done.len() + open.len() + 2 > MOST_PANELS {
+            return Ok(None);
+        }
         open.extend([1, 0].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));
     }
     let panels = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
@@ -52,7 +63,7 @@ pub(super) fn panels<E>(
         here.copy_from_slice(&panel.values);
         rest = beyond;
     }
-    Ok((panels, all))
+    Ok(Some((panels, all)))
 }
 
 /// A panel in the making: the one of this number, of those of its width.
@@ -73,6 +84,12 @@ impl Panel {
 
     fn width(&self) -> f64 {
         0.5_f64.powi(self.halvings as i32)
+    }
+
+    /// The largest error that is left: [`TABLE_ERROR`], but in narrow panels more. There may be a critical angle, a square root,
+    /// which polynomials close in on by narrower panels alone; what they lack there is a part of ever less light.
+    fn tolerance(&self) -> f64 {
+        TABLE_ERROR * 4.0_f64.powi(self.halvings.saturating_sub(NARROW) as i32)
     }
 
     fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
@@ -169,7 +186,7 @@ mod tests {
         ];
         for (number, (function, most)) in functions.into_iter().enumerate() {
             let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
-            let (panels, values) = panels(None, at, at).unwrap();
+            let (panels, values) = panels(None, at, at).unwrap().unwrap();
             let error = largest_error(&panels, &values, function);
             assert!(error < TABLE_ERROR, "{number}: {error}");
             assert!(panels.count() <= most * CosinePanels::NODES, "{number}: {}", panels.count());
