@@ -33,8 +33,8 @@ pub enum DisplayError {
     /// A film's fringes over angle are too many to tabulate.
     #[error(
         "{key}: a layer of {thickness_nm} nm in the pixel's film makes {fringes} interference fringes over angle at \
-         {nm} nm, more than are tabulated (expected films and gaps of 0.05 mm in all at most; a thicker layer does \
-         not interfere in room light: make it a layer of the display, or the substrate)"
+         {nm} nm, more than are tabulated (expected about 100 at most, films and gaps of about 0.015 mm in all; a \
+         thicker layer does not interfere in room light: make it a layer of the display, or the substrate)"
     )]
     Fringes {
         /// The key of its thickness or gap.

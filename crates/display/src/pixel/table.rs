@@ -11,17 +11,21 @@ use std::sync::Arc;
 use papilio_transport::CosinePanels;
 
 /// The interpolation error of a film pixel's table is below this reflectance, in
-/// each gap, direction and wavelength, as far as the last coefficients of its panels tell; within 1/256 of the cosine of a critical
-/// angle of the substrate it may be up to 4e-4, the more the closer.
+/// each gap, direction and wavelength, as far as the last coefficients of its panels tell. In panels narrower than 1/64, about a
+/// critical angle, it may be larger, up to 1e-3, the more the narrower they are.
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Halvings of the panel from 0 to 1 to begin with, and at most.
-const HALVINGS: (u32, u32) = (1, 12);
+/// Halvings of the panel from 0 to 1 to begin with, and at most. Between mirrors a thick gap has resonances close to its
+/// critical angle that are far narrower than any fringe; what is narrower than the last halving holds no light.
+const HALVINGS: (u32, u32) = (1, 20);
 
 /// Panels of more halvings are narrow.
 const NARROW: u32 = 6;
 
-/// The most panels: as many as coatings have pieces. Films that need more have hundreds of fringes over angle; they
+/// What any panel may lack.
+const NARROW_ERROR: f64 = 1e-3;
+
+/// The most panels. Films that need more have a hundred fringes over angle and more; they
 /// are refused, for a table that is too coarse for them is wrong by any amount.
 const MOST_PANELS: usize = 1024;
 
@@ -89,7 +93,10 @@ impl Panel {
     /// The largest error that is left: [`TABLE_ERROR`], but in narrow panels more. There may be a critical angle, a square root,
     /// which polynomials close in on by narrower panels alone; what they lack there is a part of ever less light.
     fn tolerance(&self) -> f64 {
-        TABLE_ERROR * 4.0_f64.powi(self.halvings.saturating_sub(NARROW) as i32)
+        if self.halvings == HALVINGS.1 {
+            return 1.0;
+        }
+        (TABLE_ERROR * 4.0_f64.powi(self.halvings.saturating_sub(NARROW) as i32)).min(NARROW_ERROR)
     }
 
     fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
@@ -203,9 +210,36 @@ mod tests {
         let blind = |cosines: &[f64]| Ok(cosines.iter().map(|c| smooth(*c)).collect());
         let plain = panels(None, whole, whole).unwrap();
         assert_eq!(panels(None, blind, whole).unwrap(), plain);
+        let plain = plain.unwrap();
         for known in [&[1_u32, 1][..], &[2, 2, 3, 3, 2], &[5; 32]] {
-            assert_eq!(panels(Some(&CosinePanels::new(known)), whole, whole).unwrap(), plain);
+            assert_eq!(panels(Some(&CosinePanels::new(known)), whole, whole).unwrap().unwrap(), plain);
         }
-        assert_eq!(panels(Some(&plain.0), whole, whole).unwrap(), plain);
+        assert_eq!(panels(Some(&plain.0), whole, whole).unwrap().unwrap(), plain);
+    }
+
+    /// A resonance a hundred thousandth wide is found if fringes around it lead there, and a square root's
+    /// error is small where it is not tiny.
+    #[test]
+    fn narrow_resonances_and_critical_angles_are_closed_in_on() {
+        let resonance = |c: f64| {
+            0.5 + 0.4 / (1.0 + ((c - 0.745) / 1e-5).powi(2)) + 0.1 / (1.0 + ((c - 0.745) / 1e-3).powi(2))
+        };
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| resonance(*c)).collect());
+        let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
+        let error = largest_error(&panels_of_it, &values, resonance);
+        assert!(error < NARROW_ERROR, "{error}");
+        let critical = |c: f64| if c < 0.745 { 1.0 } else { 1.0 - (c - 0.745_f64).sqrt() };
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| critical(*c)).collect());
+        let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
+        let error = largest_error(&panels_of_it, &values, critical);
+        assert!(error < NARROW_ERROR, "{error}");
+    }
+
+    #[test]
+    fn films_with_thousands_of_fringes_have_no_table() {
+        for function in [|c: f64| 0.5 + 0.5 * (30_000.0 * c).cos(), |_| f64::NAN] {
+            let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
+            assert!(panels(None, at, at).unwrap().is_none());
+        }
     }
 }
