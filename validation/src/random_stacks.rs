@@ -50,8 +50,76 @@ pub fn member(number: u64) -> Member {
     Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
 }
 
-/// Its number among the streams of random numbers.
+/// Member number `number` of a family in which much or some of the light takes a way that few paths would
+/// take: faint fronts, a rare scattering beside straight-through light, thin slabs, dense glass, black media.
+pub fn rare_member(number: u64) -> Member {
+    let mut dice = Dice { numbers: Numbers::new(Sampler::Random, RARE_FAMILY, number), thrown: 0 };
+    let (name, stack) = match dice.below(5) {
+        0 => rare_bare(&mut dice),
+        1 | 2 => rare_straight(&mut dice),
+        3 => rare_slab(&mut dice, false),
+        _ => rare_slab(&mut dice, true),
+    };
+    let direction = |dice: &mut Dice, most_deg: f64| (dice.between(0.0, most_deg), dice.between(0.0, 360.0));
+    let (theta, phi) = direction(&mut dice, 70.0);
+    let view = Cone::new(theta, phi, 0.05, 1.0);
+    let (theta, phi) = direction(&mut dice, 80.0);
+    let beam = Source::Beam(Beta::from_source(theta, phi, 1.0));
+    let (theta, phi) = direction(&mut dice, 60.0);
+    let disc = Source::Disc(Cone::new(theta, phi, dice.log_between(0.25, 15.0), 1.0));
+    Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
+}
+
+fn rare_front(dice: &mut Dice) -> (f64, Front) {
+    let reflectance = dice.log_between(1e-5, 0.3);
+    let (r, a) = (constant(reflectance), constant(0.01));
+    (reflectance, Front::exact(WAVELENGTHS_NM.len(), [(&*r, &*a)]))
+}
+
+fn rare_bare(dice: &mut Dice) -> (String, Stack) {
+    let (reflectance, front) = rare_front(dice);
+    let n = [1.0001, 1.5, 4.0, 10.0][dice.below(4)];
+    let top = if dice.one_in(2) { Top::Coated } else { Top::Fresnel(constant(n)) };
+    let name = format!("bare panel: front {reflectance:.1e}, {top:?}");
+    let panel = Panel { front, top, medium: Medium::new(constant(n)), base: base(dice), single_pass: false };
+    (name, Stack::Panel(panel))
+}
+
+fn rare_straight(dice: &mut Dice) -> (String, Stack) {
+    let (reflectance, front) = rare_front(dice);
+    let rest = dice.log_between(1e-4, 0.1);
+    let straight_through = if dice.one_in(4) { rest } else { 1.0 - rest };
+    let width = dice.log_between(0.07, 0.4);
+    let lobe = if dice.one_in(4) { Lobe::Lambertian } else { Lobe::KCorrelation { width } };
+    let diffuser = Diffuser { lobe, transmittance: dice.spectrum(0.8, 1.0), straight_through };
+    let medium = Medium::new(constant([1.5, 1.5, 3.0][dice.below(3)]));
+    let name = format!("panel: front {reflectance:.1e}, b {width:.2}, s {straight_through:.5}");
+    let top = Top::Diffuser(diffuser);
+    (name, Stack::Panel(Panel { front, top, medium, base: base(dice), single_pass: false }))
+}
+
+/// A thin slab, or one that absorbs nearly all it scatters, alone or under a diffuser.
+fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
+    let mut layers = Vec::new();
+    let mut name = String::new();
+    if under_diffuser {
+        let (of_diffuser, diffuser) = diffuser(dice, 0.1);
+        name = format!("{of_diffuser}, ");
+        layers.push(Layer { interface: Interface::Diffuser(diffuser), medium: Medium::new(constant(1.5)) });
+    }
+    let optical_thickness = dice.log_between(1e-4, 0.1);
+    let anisotropy = [0.0, 0.6, dice.between(0.7, 0.9), -0.7][dice.below(4)];
+    let albedo = constant([1.0, 0.999, 0.3, 0.01][dice.below(4)]);
+    name += &format!("slab tau {optical_thickness:.5} g {anisotropy:.2} albedo {}", albedo[0]);
+    let scattering = Scattering { optical_thickness, anisotropy, albedo };
+    let interface = if under_diffuser { Interface::Open } else { Interface::Fresnel };
+    layers.push(Layer { interface, medium: Medium::new(constant(1.5)).with_scattering(scattering) });
+    (name, Stack::Layered(Layered { layers, base: base(dice) }))
+}
+
+/// The families' numbers among the streams of random numbers.
 const FAMILY: u64 = 3;
+const RARE_FAMILY: u64 = 4;
 
 /// A stream of random choices.
 struct Dice {

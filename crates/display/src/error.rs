@@ -30,6 +30,22 @@ pub enum DisplayError {
         /// The medium of the angle.
         index: f64,
     },
+    /// A film's fringes over angle are too many to tabulate.
+    #[error(
+        "{key}: a layer of {thickness_nm} nm in the pixel's film makes {fringes} interference fringes over angle at \
+         {nm} nm, more than are tabulated (expected about 100 at most, films and gaps of about 0.015 mm in all; a \
+         thicker layer does not interfere in room light: make it a layer of the display, or the substrate)"
+    )]
+    Fringes {
+        /// The key of its thickness or gap.
+        key: String,
+        /// Its thickness.
+        thickness_nm: f64,
+        /// Their number, from the normal to the horizon in the layer.
+        fringes: f64,
+        /// The wavelength.
+        nm: f64,
+    },
     /// Angles in glass need one index.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
     DispersiveGlassAngles,

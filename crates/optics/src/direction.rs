@@ -21,7 +21,7 @@ impl Beta {
     /// Light that leaves the display towards (theta, phi), angles in degrees in a medium of this index.
     pub fn towards(theta_deg: f64, phi_deg: f64, index: f64) -> Self {
         let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
-        let radius = index * theta_deg.to_radians().sin();
+        let radius = index * sine_of_inclination(theta_deg);
         Self { x: radius * cos_phi, y: radius * sin_phi }
     }
 
@@ -39,6 +39,15 @@ impl Beta {
     pub fn length(self) -> f64 {
         self.squared().sqrt()
     }
+}
+
+/// The sine of an inclination of at most 90 deg, degrees, short of 1 by more than what rounding makes of it.
+///
+/// From 89.9999994 deg on the nearest number is 1, and `|beta|^2`, a sum of two rounded squares, may be above
+/// it: such light would not be in the medium that it is in. It is taken for light at 89.9999983 deg.
+pub fn sine_of_inclination(theta_deg: f64) -> f64 {
+    const LARGEST: f64 = 1.0 - 2.0 * f64::EPSILON;
+    theta_deg.to_radians().sin().clamp(-LARGEST, LARGEST)
 }
 
 impl Add for Beta {
@@ -59,5 +68,27 @@ impl Neg for Beta {
     type Output = Self;
     fn neg(self) -> Self {
         Self { x: -self.x, y: -self.y }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Light just above the horizon is in its medium, from every azimuth and in every index.
+    #[test]
+    fn beta_of_grazing_light_is_below_the_index() {
+        for index in [1.0, 1.000_29, 1.33, 1.5, 2.461_9, 10.0] {
+            for theta in [89.999_999, 89.999_999_9, 89.999_999_999_999, 90.0] {
+                for phi in (0..3600).map(|tenth| f64::from(tenth) * 0.1) {
+                    for beta in [Beta::towards(theta, phi, index), Beta::from_source(theta, phi, index)] {
+                        assert!(beta.squared() < index * index, "{index} {theta} {phi}");
+                        assert!(beta.length() > index * (1.0 - 1e-14));
+                    }
+                }
+            }
+        }
+        // What is not that close is as it was.
+        assert_eq!(Beta::towards(89.999_99, 0.0, 1.0).x, 89.999_99_f64.to_radians().sin());
     }
 }

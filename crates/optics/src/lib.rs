@@ -44,6 +44,6 @@ pub mod rough;
 pub mod scatter;
 mod wide;
 
-pub use direction::Beta;
+pub use direction::{Beta, sine_of_inclination};
 pub use error::OpticsError;
 pub use wide::wide;

@@ -50,7 +50,7 @@ impl CosinePanels {
     /// Nodes of a panel.
     pub const NODES: usize = Stencil::LEN;
 
-    /// Panels of widths 1/2^k from 0 on, for these k (at most 12), which are to sum to 1.
+    /// Panels of widths 1/2^k from 0 on, for these k (at most 20), which are to sum to 1.
     pub fn new(halvings: &[u32]) -> Self {
         let mut panels = Vec::with_capacity(halvings.len());
         let mut start = 0.0;

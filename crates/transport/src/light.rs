@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, sine_of_inclination};
 use papilio_sampling::warp;
 
 use crate::Field;
@@ -40,7 +40,7 @@ pub struct Cone {
 impl Cone {
     /// Around (theta, phi), degrees in a medium of this index, with this half-angle in degrees.
     pub fn new(theta_deg: f64, phi_deg: f64, half_angle_deg: f64, index: f64) -> Self {
-        let (sin, cos) = theta_deg.to_radians().sin_cos();
+        let (sin, cos) = (sine_of_inclination(theta_deg), theta_deg.to_radians().cos());
         let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
         Self { axis: [sin * cos_phi, sin * sin_phi, cos], half_angle: half_angle_deg.to_radians(), index }
     }

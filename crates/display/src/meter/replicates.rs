@@ -29,19 +29,31 @@ impl Meter<'_> {
         worst
     }
 
-    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`.
+    /// Y of every state, and its standard error.
+    pub(crate) fn luminous_means(&self, samples: &[Sample]) -> Vec<(f64, f64)> {
+        (0..self.layout.states)
+            .map(|state| spread(samples.iter().map(|sample| self.luminous(state, sample))))
+            .collect()
+    }
+
+    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`. No linear number has
+    /// a standard error below `least` times its value.
     pub(crate) fn view_of_replicates(
         &self,
         at: &ViewPoint,
         samples: &[Sample],
+        least: f64,
         specular: &[Vec<f64>],
     ) -> Looked {
         let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();
-        let errors =
-            Numbers { linear: Sample::standard_errors(samples), scalars: ViewScalars::jackknife(&left_out) };
+        let errors = Numbers {
+            linear: Sample::standard_errors(samples)
+                .combine(&mean, |error, value| error.max(least * value.abs())),
+            scalars: ViewScalars::jackknife(&left_out),
+        };
         let value = Numbers { scalars: self.scalars(&mean, &bare), linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
         Looked { view: self.view(at, value, errors, None, specular), colours, of_levels: None }

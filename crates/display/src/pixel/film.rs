@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use papilio_optics::film::{GapFilm, Variable};
+use papilio_optics::film::{GapFilm, Thickness, Variable};
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 
@@ -87,10 +87,48 @@ pub(crate) fn tabulated(
     let whole = Film::new(film, grid, index, gaps_nm, Beta::InGlass)?;
     let few: Vec<usize> = (0..grid.len()).step_by(grid.len().div_ceil(BINS_OF_SAMPLE).max(1)).collect();
     let sample = Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?;
-    let (panels, values) =
+    let panels =
         table::panels(known, |cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
+    let (panels, values) = panels.ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
     Ok((Nodes::CosinePanels(panels), values))
 }
+
+/// Of the layers that light gets through the one whose fringes over angle are the most.
+fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayError {
+    let wavelengths_nm = grid.wavelengths_nm();
+    let gap_nm = gaps_nm.iter().copied().fold(0.0, f64::max);
+    let mut most = (0, 0.0, 0.0);
+    for (number, layer) in film.layers.iter().enumerate() {
+        let thickness_nm = match layer.thickness {
+            Thickness::Fixed(nm) => nm,
+            Thickness::Gap => gap_nm,
+        };
+        for (index, nm) in layer.index.iter().zip(&wavelengths_nm) {
+            // How often the optical path to and fro holds the wavelength, and what is left of the light on the way.
+            let fringes = 2.0 * index.re * thickness_nm / nm;
+            let left = (-8.0 * std::f64::consts::PI * index.im * thickness_nm / nm).exp();
+            if left > OPAQUE && fringes > most.1 {
+                most = (number, fringes, *nm);
+            }
+        }
+    }
+    let (number, fringes, nm) = most;
+    let layer = film.layers.get(number).map(|layer| layer.thickness);
+    let (key, thickness_nm) = match layer {
+        Some(Thickness::Fixed(nm)) => (format!("film.{number}.thickness_nm"), nm),
+        _ => {
+            let of_gap = film.sub_pixels.iter().find(|sub_pixel| sub_pixel.gap_nm == gap_nm);
+            let name = of_gap.map_or("dark", |sub_pixel| &sub_pixel.name);
+            let name = if of_gap.is_none() && film.dark_gap_nm != Some(gap_nm) { "states" } else { name };
+            let key = if name == "states" { name.to_owned() } else { format!("gap_nm.{name}") };
+            (key, gap_nm)
+        }
+    };
+    DisplayError::Fringes { key: format!("display.pixel.{key}"), thickness_nm, fringes: fringes.ceil(), nm }
+}
+
+/// A layer that leaves less of the light, to and fro, has no fringes.
+const OPAQUE: f64 = 1e-9;
 
 /// Whose gap it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -294,4 +332,85 @@ fn layer_at(layer: &FilmLayer, bins: &[usize]) -> FilmLayer {
 
 fn at<T: Copy>(values: &[T], bins: &[usize]) -> Vec<T> {
     bins.iter().map(|bin| values[*bin]).collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+mod tests {
+    use papilio_optics::film as optics;
+    use papilio_transport::Medium;
+
+    use super::*;
+    use crate::scene::{FilmState, SubPixel};
+
+    /// A thin metal, a gap and a mirror.
+    fn film(gap_nm: f64, bins: usize) -> FilmPixel {
+        let layer = |index: Complex64, thickness| FilmLayer { index: vec![index; bins], thickness };
+        let sub_pixels = vec![SubPixel { name: "red".to_owned(), area: 1.0, gap_nm }];
+        FilmPixel {
+            layers: vec![
+                layer(Complex64::new(3.0, 3.3), Thickness::Fixed(12.0)),
+                layer(1.0.into(), Thickness::Gap),
+            ],
+            substrate: vec![Complex64::new(1.0, 6.5); bins],
+            sub_pixels,
+            dark_gap_nm: None,
+            fill_factor: 1.0,
+            inactive_reflectance: Spectrum::from_values(vec![0.0; bins]),
+            states: vec![FilmState { name: "on".to_owned(), drives: vec![Drive::Share(1.0)] }],
+        }
+    }
+
+    /// The table against [`optics::coherent`], which shares no code with it, between fringes and about the critical angle.
+    #[test]
+    fn thick_gaps_are_tabulated_as_finely_as_their_fringes() {
+        let grid = Grid::new(500.0, 600.0, 50.0).unwrap();
+        let index = Spectrum::from_values(vec![1.5; grid.len()]);
+        for gap_nm in [300.0, 4000.0, 12_000.0] {
+            let film = film(gap_nm, grid.len());
+            let base = base(&film, &grid, &index, &mut None, None).unwrap();
+            let medium = Medium::new(index.clone());
+            let mut out = vec![0.0; grid.len()];
+            let (mut sum, count) = (0.0, 4000);
+            for step in 0..count {
+                let cosine = (f64::from(step) + 0.37) / f64::from(count);
+                let beta = 1.5 * (1.0 - cosine * cosine).sqrt();
+                base.reflectance(beta * beta, &medium, &mut out);
+                for (nm, found) in grid.wavelengths_nm().into_iter().zip(&out) {
+                    let layers = film.layers.iter().map(|layer| optics::Layer {
+                        index: layer.index[0],
+                        thickness_nm: match layer.thickness {
+                            Thickness::Fixed(nm) => nm,
+                            Thickness::Gap => gap_nm,
+                        },
+                    });
+                    let plain = optics::Film {
+                        incidence: 1.5,
+                        layers: layers.collect(),
+                        substrate: film.substrate[0],
+                    };
+                    let one = |p| optics::coherent(&plain, nm, beta, p).unwrap().reflectance;
+                    let truth = 0.5 * (one(optics::Polarisation::S) + one(optics::Polarisation::P));
+                    let error = (found - truth).abs();
+                    assert!(error < 2e-3, "{gap_nm} nm, {nm} nm, cosine {cosine}: {found}, {truth}");
+                    sum += error;
+                }
+            }
+            assert!(sum / f64::from(3 * count) < 1e-6, "{gap_nm}: mean error {}", sum / f64::from(3 * count));
+        }
+    }
+
+    #[test]
+    fn a_gap_of_a_tenth_of_a_millimetre_is_refused_by_its_key() {
+        let grid = Grid::new(500.0, 600.0, 50.0).unwrap();
+        let index = Spectrum::from_values(vec![1.5; grid.len()]);
+        let error = base(&film(1e5, grid.len()), &grid, &index, &mut None, None).unwrap_err();
+        let DisplayError::Fringes { key, thickness_nm, fringes, nm } = error else {
+            unreachable!("{error}");
+        };
+        assert_eq!(
+            (key.as_str(), thickness_nm, fringes, nm),
+            ("display.pixel.gap_nm.red", 1e5, 400.0, 500.0)
+        );
+    }
 }

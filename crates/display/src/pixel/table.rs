@@ -11,24 +11,36 @@ use std::sync::Arc;
 use papilio_transport::CosinePanels;
 
 /// The interpolation error of a film pixel's table is below this reflectance, in
-/// each gap, direction and wavelength, as far as the last coefficients of its panels tell.
+/// each gap, direction and wavelength, as far as the last coefficients of its panels tell. In panels narrower than 1/64, about a
+/// critical angle, it may be larger, up to 1e-3, the more the narrower they are.
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Halvings of the panel from 0 to 1 to begin with, and at most: only extremely thick films need more.
-const HALVINGS: (u32, u32) = (1, 6);
+/// Halvings of the panel from 0 to 1 to begin with, and at most. Between mirrors a thick gap has resonances close to its
+/// critical angle that are far narrower than any fringe; what is narrower than the last halving holds no light.
+const HALVINGS: (u32, u32) = (1, 20);
+
+/// Panels of more halvings are narrow.
+const NARROW: u32 = 6;
+
+/// What any panel may lack.
+const NARROW_ERROR: f64 = 1e-3;
+
+/// The most panels. Films that need more have a hundred fringes over angle and more; they
+/// are refused, for a table that is too coarse for them is wrong by any amount.
+const MOST_PANELS: usize = 1024;
 
 /// Panels fine enough for functions of the cosine, and the functions' values at the nodes,
 /// `[node][function]`. `whole` computes them at these cosines, `sample` some of them: where those are
 /// lacking, the others need not be known. Panels that are known to serve a function much like these
-/// are not looked at by the sample; this changes the time that it takes, nothing else.
+/// are not looked at by the sample; this changes the time that it takes, nothing else. `None` if it would take more than
+/// [`MOST_PANELS`].
 pub(super) fn panels<E>(
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
-) -> Result<(CosinePanels, Arc<[f64]>), E> {
+) -> Result<Option<(CosinePanels, Arc<[f64]>)>, E> {
     let last = last_polynomials();
-    let suffice =
-        |panel: &Panel, values: &[f64]| panel.halvings == HALVINGS.1 || lacking(values, &last) < TABLE_ERROR;
+    let suffice = |panel: &Panel, values: &[f64]| lacking(values, &last) < panel.tolerance();
     let mut done: Vec<Panel> = Vec::new();
     let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
     while let Some(mut panel) = open.pop() {
@@ -41,6 +53,9 @@ pub(super) fn panels<E>(
                 continue;
             }
         }
+        if panel.halvings == HALVINGS.1 || done.len() + open.len() + 2 > MOST_PANELS {
+            return Ok(None);
+        }
         open.extend([1, 0].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));
     }
     let panels = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
@@ -52,7 +67,7 @@ pub(super) fn panels<E>(
         here.copy_from_slice(&panel.values);
         rest = beyond;
     }
-    Ok((panels, all))
+    Ok(Some((panels, all)))
 }
 
 /// A panel in the making: the one of this number, of those of its width.
@@ -73,6 +88,15 @@ impl Panel {
 
     fn width(&self) -> f64 {
         0.5_f64.powi(self.halvings as i32)
+    }
+
+    /// The largest error that is left: [`TABLE_ERROR`], but in narrow panels more. There may be a critical angle, a square root,
+    /// which polynomials close in on by narrower panels alone; what they lack there is a part of ever less light.
+    fn tolerance(&self) -> f64 {
+        if self.halvings == HALVINGS.1 {
+            return 1.0;
+        }
+        (TABLE_ERROR * 4.0_f64.powi(self.halvings.saturating_sub(NARROW) as i32)).min(NARROW_ERROR)
     }
 
     fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
@@ -169,7 +193,7 @@ mod tests {
         ];
         for (number, (function, most)) in functions.into_iter().enumerate() {
             let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
-            let (panels, values) = panels(None, at, at).unwrap();
+            let (panels, values) = panels(None, at, at).unwrap().unwrap();
             let error = largest_error(&panels, &values, function);
             assert!(error < TABLE_ERROR, "{number}: {error}");
             assert!(panels.count() <= most * CosinePanels::NODES, "{number}: {}", panels.count());
@@ -186,9 +210,36 @@ mod tests {
         let blind = |cosines: &[f64]| Ok(cosines.iter().map(|c| smooth(*c)).collect());
         let plain = panels(None, whole, whole).unwrap();
         assert_eq!(panels(None, blind, whole).unwrap(), plain);
+        let plain = plain.unwrap();
         for known in [&[1_u32, 1][..], &[2, 2, 3, 3, 2], &[5; 32]] {
-            assert_eq!(panels(Some(&CosinePanels::new(known)), whole, whole).unwrap(), plain);
+            assert_eq!(panels(Some(&CosinePanels::new(known)), whole, whole).unwrap().unwrap(), plain);
         }
-        assert_eq!(panels(Some(&plain.0), whole, whole).unwrap(), plain);
+        assert_eq!(panels(Some(&plain.0), whole, whole).unwrap().unwrap(), plain);
+    }
+
+    /// A resonance a hundred thousandth wide is found if fringes around it lead there, and a square root's
+    /// error is small where it is not tiny.
+    #[test]
+    fn narrow_resonances_and_critical_angles_are_closed_in_on() {
+        let resonance = |c: f64| {
+            0.5 + 0.4 / (1.0 + ((c - 0.745) / 1e-5).powi(2)) + 0.1 / (1.0 + ((c - 0.745) / 1e-3).powi(2))
+        };
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| resonance(*c)).collect());
+        let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
+        let error = largest_error(&panels_of_it, &values, resonance);
+        assert!(error < NARROW_ERROR, "{error}");
+        let critical = |c: f64| if c < 0.745 { 1.0 } else { 1.0 - (c - 0.745_f64).sqrt() };
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| critical(*c)).collect());
+        let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
+        let error = largest_error(&panels_of_it, &values, critical);
+        assert!(error < NARROW_ERROR, "{error}");
+    }
+
+    #[test]
+    fn films_with_thousands_of_fringes_have_no_table() {
+        for function in [|c: f64| 0.5 + 0.5 * (30_000.0 * c).cos(), |_| f64::NAN] {
+            let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
+            assert!(panels(None, at, at).unwrap().is_none());
+        }
     }
 }

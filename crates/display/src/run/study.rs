@@ -4,7 +4,7 @@ use papilio_sampling::Numbers;
 use papilio_transport::walk::Walk;
 
 use super::Control;
-use super::walk::{REPLICATES, round_size};
+use super::walk::{Confidence, REPLICATES, round_size};
 use crate::DisplayError;
 use crate::meter::{Meter, Sample};
 use crate::scene::{Sampler, Scene, Strategy};
@@ -114,6 +114,7 @@ pub fn cost(
     let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
     let tables = seconds();
     let walk = setup.walk(at, scene.solver.scattering);
+    let mut confidence = Confidence::new(&walk);
     let mut replicates: Vec<_> = (0..REPLICATES).map(|_| walk.replicate()).collect();
     let mut cost = Cost {
         tables_s: tables - started,
@@ -135,7 +136,8 @@ pub fn cost(
         cost.spectra_s += seconds() - traced;
         cost.paths += each * REPLICATES;
         let samples: Vec<Sample> = estimates.iter().map(|estimate| meter.sample(estimate)).collect();
-        if meter.standard_error(&samples, every_bin) <= target {
+        confidence.add(meter.luminous_means(&samples));
+        if meter.standard_error(&samples, every_bin) <= target && confidence.holds(cost.paths) {
             return Ok(cost);
         }
     }

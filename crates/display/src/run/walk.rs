@@ -27,6 +27,9 @@ const FIRST_GUIDED_ROUND: u64 = 16;
 /// The most paths that a round adds to a replicate: how finely progress shows.
 const LARGEST_ROUND: u64 = 1 << 14;
 
+/// A round that changes a Y by more than so many of its standard errors was not expected by them.
+const UNEXPECTED: f64 = 4.0;
+
 /// A target that is not reached with this many paths of a view is given up.
 const MOST_PATHS: u64 = 1 << 31;
 
@@ -45,6 +48,48 @@ pub(super) fn round_size(solver: &Solver, so_far: u64) -> u64 {
     }
 }
 
+/// Whether the spread of a view's replicates can be believed.
+///
+/// Light that few paths meet may be missed by all replicates alike; their spread then says nothing of it. So
+/// there are as many paths as what is least probable in the walk asks for, and a further round has to
+/// confirm what an earlier one said, to within its errors.
+pub(super) struct Confidence {
+    least: u64,
+    something_random: bool,
+    /// Y of every state after the last round, and its standard error.
+    before: Vec<(f64, f64)>,
+    confirmed: bool,
+}
+
+impl Confidence {
+    pub(super) fn new(walk: &Walk<'_>) -> Self {
+        let rarest = walk.rarest();
+        // Each replicate should have met it.
+        let least = ((REPLICATES as f64 / rarest).ceil() as u64).min(MOST_PATHS);
+        Self { least, something_random: rarest < 1.0, before: Vec::new(), confirmed: false }
+    }
+
+    /// Takes note of a round's Y of every state and their standard errors.
+    pub(super) fn add(&mut self, now: Vec<(f64, f64)>) {
+        let expected = |((now, _), (before, error)): (&(f64, f64), &(f64, f64))| {
+            (now - before).abs() <= UNEXPECTED * error + 1e-12 * before.abs()
+        };
+        self.confirmed = !self.before.is_empty() && now.iter().zip(&self.before).all(expected);
+        self.before = now;
+    }
+
+    /// True if so many paths, and what they found, suffice for a stop.
+    pub(super) fn holds(&self, paths: u64) -> bool {
+        paths >= self.least && (self.confirmed || !self.something_random)
+    }
+
+    /// The least relative standard error that a view of so many paths may claim: what none of n paths has met may
+    /// have a probability of 1/n.
+    fn least_error(&self, paths: u64) -> f64 {
+        if paths < self.least { 1.0 / paths as f64 } else { 0.0 }
+    }
+}
+
 struct Runner<'a> {
     run: &'a Run<'a>,
 }
@@ -58,6 +103,7 @@ struct Work<'a> {
     /// After the last whole round.
     samples: Vec<Sample>,
     paths: u64,
+    confidence: Confidence,
     relative_error: f64,
     /// Of a target, after each round: paths, and the error over the tolerance; infinite if there is no
     /// such metric.
@@ -93,6 +139,8 @@ struct Done {
     relative_error: f64,
     missed: f64,
     paths_for_a_tenth: [f64; 2],
+    /// The least paths of a view that had fewer than it should, and what it should have had.
+    too_few: Option<(u64, u64)>,
 }
 
 impl<'a> Runner<'a> {
@@ -108,7 +156,11 @@ impl<'a> Runner<'a> {
                 if !work.samples.iter().all(Sample::is_finite) {
                     return Err(DisplayError::NotFinite);
                 }
-                done.views.push(self.run.meter.view_of_replicates(at, &work.samples, &specular));
+                done.views.push(self.view(&work, at, &specular));
+                if work.paths < work.confidence.least {
+                    let (paths, least) = done.too_few.unwrap_or((work.paths, 0));
+                    done.too_few = Some((paths.min(work.paths), least.max(work.confidence.least)));
+                }
                 done.paths += work.paths;
                 done.relative_error = done.relative_error.max(work.relative_error);
                 done.missed = done.missed.max(work.missed_by());
@@ -130,6 +182,7 @@ impl<'a> Runner<'a> {
         let walk = self.run.setup.walk(at, self.run.scene.solver.scattering);
         let replicates = (0..REPLICATES).map(|_| walk.replicate()).collect();
         Work {
+            confidence: Confidence::new(&walk),
             walk,
             number,
             replicates,
@@ -147,14 +200,18 @@ impl<'a> Runner<'a> {
                 return false;
             }
             if let Stop::Target(target) = &self.run.scene.solver.stop {
-                let view = self.run.meter.view_of_replicates(at, &work.samples, specular).view;
+                let view = self.view(work, at, specular).view;
                 work.missed.push((work.paths, target.missed_by(&view).unwrap_or(f64::INFINITY)));
             }
-            let so_far =
-                || (work.number, self.run.meter.view_of_replicates(at, &work.samples, specular).view);
+            let so_far = || (work.number, self.view(work, at, specular).view);
             (self.run.control.progress)(Progress { so_far: Some(&so_far), ..self.progress(work, done) });
         }
         true
+    }
+
+    fn view(&self, work: &Work<'_>, at: &ViewPoint, specular: &[Vec<f64>]) -> Looked {
+        let least = work.confidence.least_error(work.paths);
+        self.run.meter.view_of_replicates(at, &work.samples, least, specular)
     }
 
     /// Adds a round; false if it was stopped meanwhile, in which case nothing of it counts.
@@ -179,8 +236,10 @@ impl<'a> Runner<'a> {
             estimates.par_iter().map(|estimate| self.run.meter.sample(estimate)).collect();
         let every_bin = matches!(self.run.scene.solver.stop, Stop::RelativeError { every_bin: true, .. });
         work.relative_error = self.run.meter.standard_error(&samples, every_bin);
+        work.confidence.add(self.run.meter.luminous_means(&samples));
         work.samples = samples;
         work.paths += each * REPLICATES;
+        work.relative_error = work.relative_error.max(work.confidence.least_error(work.paths));
         true
     }
 
@@ -201,10 +260,15 @@ impl<'a> Runner<'a> {
     fn is_enough(&self, work: &Work<'_>) -> bool {
         match self.run.scene.solver.stop {
             Stop::Paths(paths) => work.paths >= paths,
-            Stop::RelativeError { target, .. } => work.relative_error <= target || work.paths >= MOST_PATHS,
+            Stop::RelativeError { target, .. } => {
+                work.paths >= MOST_PATHS
+                    || (work.relative_error <= target && work.confidence.holds(work.paths))
+            }
             // More paths do not make a metric that is not there.
             Stop::Target(_) if work.missed_by().is_infinite() => work.paths > 0,
-            Stop::Target(_) => work.missed_by() <= 1.0 || work.paths >= MOST_PATHS,
+            Stop::Target(_) => {
+                work.paths >= MOST_PATHS || (work.missed_by() <= 1.0 && work.confidence.holds(work.paths))
+            }
         }
     }
 
@@ -240,6 +304,15 @@ impl<'a> Runner<'a> {
             interrupted,
         };
         let unreached = format!("that would take more than {MOST_PATHS} paths");
-        self.run.result(done.views, solver, specular, &unreached)
+        let mut result = self.run.result(done.views, solver, specular, &unreached);
+        if let Some((paths, least)) = done.too_few {
+            result.warnings.push(format!(
+                "{paths} paths a view are too few: here some light is met by one path in {}, and all replicates may \
+                 miss it alike (expected {least} paths or more); standard errors of X, Y, Z, radiances and the \
+                 ledger are held at 1/{paths} of the value, those of other numbers may be too small",
+                least.div_ceil(REPLICATES)
+            ));
+        }
+        result
     }
 }

@@ -1,9 +1,11 @@
 //! The tracer of a bare panel: front and face are flat, only the base may scatter.
 //!
 //! Front and face are one flat part whose inter-reflections are summed in closed form
-//! at each angle. A path enters through it, meets the base, and comes back up to it as
-//! often as roulette grants; light trapped by total internal reflection is light that
-//! comes back up. The path carries spectra all the way: `[state][wavelength]`.
+//! at each angle. Over a mirror light keeps its angle, and all its round trips are a geometric
+//! series: nothing is random but the point in the viewer's field. Off a Lambertian base light comes
+//! up to the face as often as roulette grants. Only directions that can leave are drawn: what total
+//! internal reflection traps is known in closed form, and however small the share of either is, no
+//! path has to find it. The path carries spectra all the way: `[state][wavelength]`.
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
@@ -19,7 +21,13 @@ pub(super) struct Bare<'a> {
     view: Cone,
     sources: &'a [Source],
     specular: bool,
+    /// Light that a Lambertian base sends up within a disc of this radius may leave; beyond it is trapped.
+    leaving: f64,
 }
+
+/// A path never goes on with a lower probability, if it can at all: faint light that is seen by a few
+/// paths alone might be missed by all replicates alike.
+const LEAST_SURVIVAL: f64 = 0.05;
 
 /// The sums of a replicate, and room to work in.
 #[derive(Debug, Clone)]
@@ -59,7 +67,13 @@ struct Room {
 impl<'a> Bare<'a> {
     pub(super) fn new(stack: &'a Panel, view: Cone, sources: &'a [Source]) -> Self {
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
-        Self { stack, view, sources, specular }
+        let leaving = stack.medium.largest_index().min(1.0);
+        Self { stack, view, sources, specular, leaving }
+    }
+
+    /// As [`Walk::rarest`](super::Walk::rarest).
+    pub(super) fn rarest(&self) -> f64 {
+        if self.specular { 1.0 } else { LEAST_SURVIVAL }
     }
 
     pub(super) fn tally(&self) -> Tally {
@@ -88,29 +102,50 @@ impl<'a> Bare<'a> {
 
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
         let Tally { sums, room } = tally;
-        let mut beta = self.view.sample_towards(numbers.field());
+        let beta = self.view.sample_towards(numbers.field());
         self.enter(beta, sums, room);
+        if self.specular {
+            self.go_to_and_fro(beta, sums, room);
+            return;
+        }
         let mut u = numbers.beside_field();
         for pass in 0.. {
             self.meet_base(beta, sums, room);
-            if !self.specular {
-                // Points of sources and ways of the base are two techniques: the same numbers serve.
-                self.connect(u, sums, room);
-                let (x, y) = warp::uniform_disc(self.stack.medium.largest_index(), u);
-                beta = Beta { x, y };
-                self.spread(beta, room);
-            }
-            self.leave(beta, sums, room);
-            // Over a mirror the roulette alone is random.
-            let [survival, way @ .., _] = if self.specular {
-                [numbers.independent(pass), 0.5, 0.5, 0.5]
-            } else {
-                numbers.block(1 + pass)
-            };
+            // Points of sources and ways of the base are two techniques: the same numbers serve.
+            self.connect(u, sums, room);
+            let (x, y) = warp::uniform_disc(self.leaving, u);
+            self.leave(Beta { x, y }, sums, room);
+            let [survival, way @ .., _] = numbers.block(1 + pass);
             if self.stack.single_pass || !Self::goes_on(survival, sums, room) {
                 return;
             }
             u = way;
+        }
+    }
+
+    /// All round trips between a mirror and the face, at the angle at which light entered.
+    fn go_to_and_fro(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
+        let Room { carried, reflectance, flat, .. } = room;
+        self.stack.base.reflectance(beta.squared(), &self.stack.medium, reflectance);
+        for row in 0..carried.len() / flat.t.len() {
+            for (bin, (t, below)) in flat.t.iter().zip(&flat.below).enumerate() {
+                let k = row * flat.t.len() + bin;
+                let returned = if self.stack.single_pass { 0.0 } else { reflectance[k] * below };
+                // Nothing gets into a closed box of whole mirrors.
+                let arriving = if returned >= 1.0 { 0.0 } else { carried[k] / (1.0 - returned) };
+                let reflected = arriving * reflectance[k];
+                sums.arriving[k] += arriving;
+                sums.reflected[k] += reflected;
+                sums.leaving[k] += reflected * t;
+                sums.absorbed[k] += reflected * (1.0 - t - below);
+                sums.going_on[k] += arriving * returned;
+                carried[k] = reflected;
+            }
+        }
+        for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
+            if *source == Source::Diffuse {
+                add_rows_times(&mut rho.base, carried, &flat.t, 1.0);
+            }
         }
     }
 
@@ -139,57 +174,56 @@ impl<'a> Bare<'a> {
 
     /// Connections from a Lambertian base to directed sources.
     fn connect(&self, u: [f64; 2], sums: &mut Sums, room: &mut Room) {
-        let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
         let Room { carried, towards, factor, .. } = room;
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             let Some(target) = Target::sample(source, u) else { continue };
             towards.set(self.stack, target.beta.squared());
             fill(factor, towards.t.iter().zip(self.spread_factors(target.beta)).map(|(t, f)| t * f));
-            add_rows_times(&mut rho.base, carried, factor, target.balanced(scatter, || scatter, 0.0));
+            add_rows_times(&mut rho.base, carried, factor, self.balanced(&target));
         }
     }
 
-    /// Per wavelength: the Lambertian density at `beta` over that of the largest disc.
+    /// The balanced weight of a point of a source, met by connection or by chance, in parts of
+    /// [`spread_factors`](Self::spread_factors).
+    fn balanced(&self, target: &Target) -> f64 {
+        let drawn = warp::uniform_disc_density(self.leaving);
+        target.balanced(drawn, || drawn, 0.0)
+    }
+
+    /// Per wavelength: the Lambertian density at `beta` over that with which directions are drawn.
     fn spread_factors(&self, beta: Beta) -> impl Iterator<Item = f64> {
-        let (medium, largest) = (&self.stack.medium, self.stack.medium.largest_index());
-        medium.index().iter().map(move |&n| if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 })
+        let (medium, leaving) = (&self.stack.medium, self.leaving);
+        medium.index().iter().map(move |&n| if beta.squared() < n * n { (leaving / n).powi(2) } else { 0.0 })
     }
 
-    fn spread(&self, beta: Beta, room: &mut Room) {
-        if self.stack.medium.constant_index().is_none() {
-            fill(&mut room.factor, self.spread_factors(beta));
-            scale_rows(&mut room.carried, &room.factor);
-        }
-    }
-
-    /// Out through the face: what the sources there send in, and the books.
+    /// Out through the face: what the sources there send in, the books, and what goes on.
     fn leave(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
         let Room { flat, factor, carried, .. } = room;
         flat.set(self.stack, beta.squared());
-        if beta.squared() > 1.0 {
-            return;
-        }
-        add_rows_times(&mut sums.leaving, carried, &flat.t, 1.0);
-        fill(factor, flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r));
-        add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
+        fill(factor, flat.t.iter().zip(self.spread_factors(beta)).map(|(t, f)| t * f));
+        add_rows_times(&mut sums.leaving, carried, factor, 1.0);
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             let weight = match (source, Target::at(source, beta)) {
                 (Source::Diffuse, _) => 1.0,
-                (_, Some(target)) if !self.specular => {
-                    let scatter = warp::uniform_disc_density(self.stack.medium.largest_index());
-                    target.balanced(scatter, || scatter, 0.0)
-                }
+                (_, Some(target)) => self.balanced(&target),
                 _ => continue,
             };
-            add_rows_times(&mut rho.base, carried, &flat.t, weight);
+            add_rows_times(&mut rho.base, carried, factor, weight);
         }
+        let lost = flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r);
+        fill(factor, lost.zip(self.spread_factors(beta)).map(|(lost, f)| lost * f));
+        add_rows_times(&mut sums.absorbed, carried, factor, 1.0);
+        let trapped = self.stack.medium.index().iter().map(|n| (1.0 - 1.0 / (n * n)).max(0.0));
+        let sent_back = flat.below.iter().zip(self.spread_factors(beta)).map(|(r, f)| r * f);
+        fill(factor, sent_back.zip(trapped).map(|(sent_back, trapped)| sent_back + trapped));
+        scale_rows(carried, factor);
     }
 
     /// Russian roulette on what the face sends back.
     fn goes_on(u: f64, sums: &mut Sums, room: &mut Room) -> bool {
-        scale_rows(&mut room.carried, &room.flat.below);
-        let survival = room.carried.iter().copied().fold(0.0, f64::max).min(1.0);
-        if u >= survival {
+        let left = room.carried.iter().copied().fold(0.0, f64::max);
+        let survival = left.clamp(LEAST_SURVIVAL, 1.0);
+        if left == 0.0 || u >= survival {
             return false;
         }
         room.carried.iter_mut().for_each(|c| *c /= survival);

@@ -5,9 +5,14 @@
 //! other: points are drawn in the smallest cone that holds the overlap (of a field, in the whole view). Everything that
 //! happens to the light is known in closed form ([`specular_image`]).
 
+use papilio_sampling::{Numbers, Sampler};
+
 use super::{PathNumbers, Target};
 use crate::specular::{Image, specular_image};
 use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
+
+/// Points of the view at which fields are looked at before the first path.
+const POINTS: u64 = 1 << 13;
 
 /// The images of all sources in one field of view.
 #[derive(Debug)]
@@ -46,6 +51,34 @@ impl<'a> Images<'a> {
             Some(Seen { source, light, cone, share })
         });
         Self { stack, view, seen: seen.collect(), mirrors: mirrors(stack) }
+    }
+
+    /// As [`Walk::rarest`](super::Walk::rarest): where a small part of the view sees the image of another radiance than
+    /// the rest, about the share of that part.
+    ///
+    /// Of a quantity that is different in a share p of all points, the fourth moment about the mean is 1/p times the
+    /// square of the second.
+    pub(super) fn rarest(&self) -> f64 {
+        let fields = self.seen.iter().filter(|seen| matches!(seen.light, Source::Field(_)));
+        fields
+            .filter(|_| self.mirrors && !self.view.is_point())
+            .map(|seen| self.rarest_of(seen))
+            .fold(1.0, f64::min)
+    }
+
+    fn rarest_of(&self, seen: &Seen<'_>) -> f64 {
+        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let strength = |path| {
+            let [u, v, ..] = numbers.block(path, 0);
+            Target::at(seen.light, seen.cone.sample_towards([u, v])).map_or(0.0, |target| target.strength)
+        };
+        let strengths: Vec<f64> = (0..POINTS).map(strength).collect();
+        let count = POINTS as f64;
+        let mean = strengths.iter().sum::<f64>() / count;
+        let moment = |power| strengths.iter().map(|one| (one - mean).abs().powi(power)).sum::<f64>() / count;
+        let (second, fourth) = (moment(2), moment(4));
+        // What differs by rounding alone does not differ.
+        if second <= (1e-9 * mean).powi(2) { 1.0 } else { (second * second / fourth).min(1.0) }
     }
 
     pub(super) fn sums(&self) -> Sums {

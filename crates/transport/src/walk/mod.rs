@@ -44,7 +44,7 @@ mod strategy;
 mod tally;
 
 use papilio_optics::{Beta, wide};
-use papilio_sampling::{Numbers, PLANNED_BLOCKS};
+use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
 
 use crate::{Cone, Estimate, Source, Stack, Top};
 use bare::Bare;
@@ -102,14 +102,6 @@ impl<'a> PathNumbers<'a> {
     fn of_sources(&self, k: u32) -> [f64; 4] {
         self.block(if k == 0 { PLANNED_BLOCKS - 1 } else { u32::MAX - k })
     }
-
-    /// A number that is independent from path to path: for a decision that is the only
-    /// random one, since the counts that stratified numbers give may agree in all replicates
-    /// and hide the error.
-    #[inline]
-    fn independent(&self, pass: u32) -> f64 {
-        self.block(PLANNED_BLOCKS + pass)[0]
-    }
 }
 
 /// A walk prepared for one stack, one view and its sources.
@@ -155,6 +147,17 @@ impl<'a> Walk<'a> {
             },
         };
         Self { kind }
+    }
+
+    /// The least probability with which a path takes a way that much of the light may take; 1 where no way is chosen
+    /// at random. Replicates that have each traced fewer paths than 1 over it may agree by chance: their spread says little.
+    pub fn rarest(&self) -> f64 {
+        let (of_paths, images) = match &self.kind {
+            Kind::Bare(bare, images) => (bare.rarest(), images),
+            Kind::Diffused(diffused, images) => (diffused.rarest(), images),
+            Kind::Layered(layered, images) => (layered.rarest(), images),
+        };
+        of_paths.min(images.rarest())
     }
 
     /// An empty replicate, to be filled by [`Self::trace`].
@@ -339,6 +342,30 @@ impl Target {
             self.strength * value / (self.density * (1.0 + ratio) + pdf())
         }
     }
+}
+
+/// In a medium of a higher index than this few of all directions can leave into the air.
+const DENSE: f64 = 2.0;
+
+/// A direction that a Lambertian base in a medium of this index sends light to: in a dense medium every second one can
+/// leave, however few of all can.
+fn base_direction(index: f64, [u, v]: [f64; 2]) -> Beta {
+    let (radius, u) = match index {
+        _ if index <= DENSE => (index, u),
+        _ if u < 0.5 => (1.0, 2.0 * u),
+        _ => (index, 2.0 * u - 1.0),
+    };
+    let (x, y) = warp::uniform_disc(radius, [u, v]);
+    Beta { x, y }
+}
+
+/// The density of [`base_direction`] over direction cosines.
+fn base_density(index: f64, to: Beta) -> f64 {
+    let all = warp::uniform_disc_density(index);
+    if index <= DENSE {
+        return all;
+    }
+    0.5 * (all + if to.squared() < 1.0 { warp::uniform_disc_density(1.0) } else { 0.0 })
 }
 
 /// Multiplies each row of `rows` (shape `[state][wavelength]`) by `factor`.

@@ -12,6 +12,7 @@ mod leaving;
 mod numbers;
 mod sources;
 mod together;
+mod turns;
 
 use std::ops::Range;
 
@@ -20,7 +21,7 @@ use papilio_sampling::{Numbers, warp};
 
 use super::strategy::Drawing;
 use super::tally::Reflected;
-use super::{PathNumbers, Strategy, scale_rows};
+use super::{PathNumbers, Strategy, base_density, base_direction, scale_rows};
 use crate::angular::Stencil;
 use crate::{Cone, Panel, Source};
 use crate::{Diffuser, Reflector};
@@ -29,6 +30,7 @@ use books::{Room, Sums};
 use first::{First, Guided, SPLITS};
 use leaving::Leaving;
 use numbers::PassNumbers;
+use turns::Turns;
 
 /// A path never goes on with a higher probability than this.
 const MOST_SURVIVAL: f64 = 0.999;
@@ -37,14 +39,19 @@ const MOST_SURVIVAL: f64 = 0.999;
 /// a few bright later passes would carry much of their light, and the error with it.
 const LEAST_SURVIVAL: f64 = 0.05;
 
+/// The least probability of going straight through a diffuser that passes light straight, and of being scattered.
+const LEAST_WAY: f64 = 0.05;
+
 #[derive(Debug)]
 pub(super) struct Diffused<'a> {
     stack: &'a Panel,
     diffuser: &'a Diffuser,
     view: Cone,
     sources: &'a [Source],
-    /// Of so many paths one goes on after the first pass; 0: none does.
-    every: u64,
+    /// Which paths go on after the first pass.
+    turns: Turns,
+    /// The probability with which light beyond a first pass is scattered by the lobe, and does not go straight.
+    by_lobe: f64,
     /// Probability of a further pass after later ones.
     survival: f64,
     /// `T^2 r`, per wavelength.
@@ -100,7 +107,8 @@ impl<'a> Diffused<'a> {
         let wanted =
             if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
-        let every = if survival > 0.0 { (1.0 / survival) as u64 } else { 0 };
+        let turns = Turns::new(if survival > 0.0 { (1.0 / survival) as u64 } else { 0 });
+        let by_lobe = chance_of_lobe(diffuser.straight_through, left);
         let through =
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
@@ -113,7 +121,8 @@ impl<'a> Diffused<'a> {
             diffuser,
             view,
             sources,
-            every,
+            turns,
+            by_lobe,
             survival,
             between_passes: sent_back.to_vec(),
             through: through.to_vec(),
@@ -125,6 +134,11 @@ impl<'a> Diffused<'a> {
             leaving: Leaving::new(diffuser.lobe, stack.medium.largest_index()),
             backwards,
         }
+    }
+
+    /// As [`Walk::rarest`](crate::walk::Walk::rarest).
+    pub(super) fn rarest(&self) -> f64 {
+        self.turns.rarest()
     }
 
     /// Traces these paths.
@@ -139,30 +153,64 @@ impl<'a> Diffused<'a> {
         self.later_passes(numbers, paths, tally);
     }
 
+    /// A first pass. Light that goes straight through the diffuser on its way down and light that is scattered are both
+    /// followed: no path has to find the rarer of the two.
     fn first_pass(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
         let beta = self.view.sample_towards(numbers.field());
         // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
         let carries = self.stack.medium.constant_index().is_none();
-        if carries {
-            tally.room.carried.fill(1.0);
-        }
         let light = Downward { beta, weight: 1.0, carries, scattered: false };
-        self.pass(light, &PassNumbers::new(numbers, 0, self), &mut tally.sums, &mut tally.room);
+        let numbers = &PassNumbers::new(numbers, 0, self);
+        let Tally { sums, room, .. } = tally;
+        if carries {
+            room.carried.fill(1.0);
+        }
+        sums.entering.add(carries.then_some(&room.carried), 1.0);
+        if self.specular {
+            self.connect_before_base(light, numbers, sums, room);
+            if self.backwards {
+                let chosen = |to: Beta| self.diffuser.lobe.density(beta, to);
+                let by_lobe = Downward { weight: 1.0 - self.straight(), ..light };
+                self.sample_backwards(chosen, by_lobe, numbers, sums, room);
+            }
+        }
+        match &self.first {
+            First::Guided(guided) if self.specular => self.guided(guided, light, numbers, sums, room),
+            _ => {
+                for by_lobe in [0.0, 1.0] {
+                    if carries {
+                        room.carried.fill(1.0);
+                    }
+                    if let Some(down) = self.down(light, by_lobe, numbers) {
+                        self.meet(light, down, numbers, sums, room);
+                    }
+                }
+            }
+        }
     }
 
-    /// What comes after the first pass, for one of so many paths, with numbers of its own: evenly spread over a replicate's paths
-    /// from a random one on, so that each is as likely as any other.
-    fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
-        if self.every == 0 {
-            return;
+    /// What light that has come down through the diffuser sees of the sources.
+    fn meet(
+        &self,
+        light: Downward,
+        down: Below,
+        numbers: &PassNumbers<'_>,
+        sums: &mut Sums,
+        room: &mut Room,
+    ) {
+        let met = self.below(down, 1.0, (light.carries, numbers), sums, room);
+        if let (Some(met), true) = (met, self.discs) {
+            self.run_into_discs(light.scattered, (down, met), numbers, numbers.up, sums, room);
         }
+    }
+
+    /// What comes after the first pass, for one of so many paths, with numbers of its own.
+    fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
         let numbers = &numbers.apart();
-        let before = numbers.whole(self.every);
-        let among = |path: u64| (path + before).div_ceil(self.every);
-        for path in among(paths.start)..among(paths.end) {
-            let numbers = PathNumbers::new(numbers, path);
+        for (number, stands_for) in self.turns.among(numbers, paths) {
+            let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
-            let light = Downward { beta, weight: 1.0, carries: false, scattered: false };
+            let light = Downward { beta, weight: stands_for, carries: false, scattered: false };
             if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.room) {
                 self.passes(light, &numbers, tally);
             }
@@ -178,8 +226,9 @@ impl<'a> Diffused<'a> {
     ) -> Option<Downward> {
         let n = self.stack.medium.largest_index();
         let numbers = PassNumbers::new(numbers, 0, self);
-        let (beta, drawn, straight) = self.through(&self.drawing, light.beta, n, numbers.down)?;
-        let down = Below { beta, weight: drawn * self.every as f64, rival: f64::INFINITY, straight };
+        let (beta, drawn, straight) =
+            self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
+        let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight };
         self.go_on(light, down, &numbers, room)
     }
 
@@ -193,7 +242,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// One pass, from `beta` above the diffuser to above it again; `None` if the path ends, as a first pass always does.
+    /// A later pass, from `beta` above the diffuser to above it again; `None` if the path ends.
     fn pass(
         &self,
         light: Downward,
@@ -201,30 +250,15 @@ impl<'a> Diffused<'a> {
         sums: &mut Sums,
         room: &mut Room,
     ) -> Option<Downward> {
-        let Downward { beta, weight, carries, scattered } = light;
-        sums.entering.add(carries.then_some(&room.carried), weight);
+        sums.entering.add(light.carries.then_some(&room.carried), light.weight);
         if self.specular {
             self.connect_before_base(light, numbers, sums, room);
-            if self.backwards && numbers.pass == 0 {
-                let chosen = |to: Beta| (1.0 - self.straight()) * self.diffuser.lobe.density(beta, to);
-                self.sample_backwards(chosen, light, numbers, sums, room);
-            }
         }
-        let first = numbers.pass == 0;
-        let mut down = None;
-        match &self.first {
-            First::Guided(guided) if first && self.specular => {
-                self.guided(guided, light, numbers, sums, room)
-            }
-            _ => {
-                down = self.down(light, numbers);
-                let met = down.and_then(|down| self.below(down, 1.0, (carries, numbers), sums, room));
-                if let (Some(down), Some(met), true) = (down, met, self.discs) {
-                    self.run_into_discs(scattered, (down, met), numbers.up, sums, room);
-                }
-            }
+        let down = self.down(light, self.by_lobe, numbers);
+        if let Some(down) = down {
+            self.meet(light, down, numbers, sums, room);
         }
-        if first || numbers.survival >= self.survival {
+        if numbers.survival >= self.survival {
             return None;
         }
         let mut down = down?;
@@ -237,17 +271,22 @@ impl<'a> Diffused<'a> {
         &self,
         scattered: bool,
         (down, met): (Below, Met),
+        numbers: &PassNumbers<'_>,
         u: [f64; 2],
         sums: &mut Sums,
         room: &Room,
     ) {
         let Met { up, look_up } = met;
-        let Some((out, _, straight)) = self.through(&self.drawing, up.beta, 1.0, u) else { return };
+        // Light of a first pass that goes straight from here is met otherwise, or is a mirror image.
+        let by_lobe = self.by_lobe_upwards(numbers);
+        let Some((out, drawn, straight)) = self.through(&self.drawing, up.beta, 1.0, by_lobe, u) else {
+            return;
+        };
         let light = reflected(look_up, &room.reflected);
         if !straight {
-            self.meet_discs(up, out, light, sums);
+            self.meet_discs(up, out, light, by_lobe, sums);
         } else if scattered && down.straight && self.specular {
-            self.meet_discs_by_specular_light(out, light, up.weight, sums);
+            self.meet_discs_by_specular_light(out, light, up.weight * drawn, sums);
         }
     }
 
@@ -262,13 +301,9 @@ impl<'a> Diffused<'a> {
     ) -> Option<Downward> {
         let n = self.stack.medium.largest_index();
         let [u, v, base @ ..] = numbers.going_on();
-        let up = if self.specular {
-            down.beta
-        } else {
-            let (x, y) = warp::uniform_disc(n, base);
-            Beta { x, y }
-        };
-        let (beta, drawn, straight) = self.through(&self.drawing, up, 1.0, [u, v])?;
+        let (up, weight) =
+            if self.specular { (down.beta, down.weight) } else { self.off_base(down.weight, base) };
+        let (beta, drawn, straight) = self.through(&self.drawing, up, 1.0, self.by_lobe, [u, v])?;
         if beta.squared() > 1.0 || down.beta.length() >= n {
             return None;
         }
@@ -284,7 +319,7 @@ impl<'a> Diffused<'a> {
         scale_rows(reflected, &self.between_passes);
         std::mem::swap(carried, reflected);
         let scattered = light.scattered || !(self.specular && down.straight && straight);
-        Some(Downward { beta, weight: down.weight * drawn, carries: true, scattered })
+        Some(Downward { beta, weight: weight * drawn, carries: true, scattered })
     }
 
     /// Light below the diffuser meets the base, and what it then sees of the sources; counted as so much
@@ -344,24 +379,29 @@ impl<'a> Diffused<'a> {
             let Some(met) = self.below(down, share, (light.carries, numbers), sums, room) else { continue };
             if self.discs {
                 let up = [(numbers.up[0] + k as f64 * share).fract(), numbers.up[1]];
-                self.run_into_discs(false, (down, met), up, sums, room);
+                self.run_into_discs(false, (down, met), numbers, up, sums, room);
             }
         }
     }
 
-    /// Light on its way down through the diffuser.
+    /// Light on its way down through the diffuser, by the lobe with this probability.
     #[inline]
-    fn down(&self, light: Downward, numbers: &PassNumbers<'_>) -> Option<Below> {
+    fn down(&self, light: Downward, by_lobe: f64, numbers: &PassNumbers<'_>) -> Option<Below> {
         let Downward { beta, weight, .. } = light;
         let n = self.stack.medium.largest_index();
         let (drawing, balanced) = match &self.first {
             First::Kernel(kernel) if numbers.pass == 0 && self.specular => (kernel, true),
             _ => (&self.drawing, false),
         };
-        let (to, drawn, straight) = self.through(drawing, beta, n, numbers.down)?;
-        let density = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, to);
-        let rival = if balanced && !straight { density } else { f64::INFINITY };
+        let (to, drawn, straight) = self.through(drawing, beta, n, by_lobe, numbers.down)?;
+        let rival = if balanced && !straight { self.diffuser.lobe.density(beta, to) } else { f64::INFINITY };
         Some(Below { beta: to, weight: weight * drawn, rival, straight })
+    }
+
+    /// The probability with which light on its way out is scattered: on a first pass that which is not
+    /// is of no use.
+    fn by_lobe_upwards(&self, numbers: &PassNumbers<'_>) -> f64 {
+        if numbers.pass == 0 && self.straight() < 1.0 { 1.0 } else { self.by_lobe }
     }
 
     /// The share of light at the diffuser's underside that leaves into the air.
@@ -377,23 +417,33 @@ impl<'a> Diffused<'a> {
         self.diffuser.straight_through
     }
 
-    /// Straight through or by the lobe into a disc of this radius: where to, the weight, and which
-    /// of the two.
+    /// By the lobe with this probability, else straight through, into a disc of this radius: where to, the weight, and
+    /// whether it is straight. `None` also where no light goes that way.
     #[inline]
-    fn through(&self, drawing: &Drawing, beta: Beta, radius: f64, u: [f64; 2]) -> Option<(Beta, f64, bool)> {
-        let straight = self.straight();
-        if u[0] < straight {
-            return Some((beta, 1.0, true));
+    fn through(
+        &self,
+        drawing: &Drawing,
+        beta: Beta,
+        radius: f64,
+        by_lobe: f64,
+        u: [f64; 2],
+    ) -> Option<(Beta, f64, bool)> {
+        let (straight, chance) = (self.straight(), 1.0 - by_lobe);
+        if u[0] < chance {
+            return (straight > 0.0).then(|| (beta, straight / chance, true));
         }
-        let rest = if straight > 0.0 { (u[0] - straight) / (1.0 - straight) } else { u[0] };
+        if straight == 1.0 {
+            return None;
+        }
+        let rest = if chance > 0.0 { (u[0] - chance) / by_lobe } else { u[0] };
         let drawn = drawing.draw(beta, radius, [rest, u[1]])?;
-        Some((drawn.beta, drawn.weight, false))
+        Some((drawn.beta, drawn.weight * (1.0 - straight) / by_lobe, false))
     }
 
     /// The density with which [`Self::through`] would scatter light from below out to `to`.
     #[inline]
-    fn density_out(&self, from: Beta, to: Beta) -> f64 {
-        (1.0 - self.straight()) * self.drawing.density(from, to, 1.0)
+    fn density_out(&self, from: Beta, to: Beta, by_lobe: f64) -> f64 {
+        by_lobe * self.drawing.density(from, to, 1.0)
     }
 
     /// Reflection at the base: a look-up on a first pass, else `carried` becomes `reflected`.
@@ -427,15 +477,22 @@ impl<'a> Diffused<'a> {
     #[inline]
     fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> Below {
         let n = self.stack.medium.largest_index();
-        let uniform = warp::uniform_disc_density(n);
         if let First::Guided(guided) = &self.first {
             let (beta, density) = guided.guide.draw(numbers.base);
-            let weight = weight * uniform / density;
+            let weight = weight * warp::uniform_disc_density(n) / density;
             return Below { beta, weight, rival: f64::INFINITY, straight: false };
         }
-        let (x, y) = warp::uniform_disc(n, numbers.base);
-        let rival = if self.backwards { uniform } else { f64::INFINITY };
-        Below { beta: Beta { x, y }, weight, rival, straight: false }
+        let (beta, weight) = self.off_base(weight, numbers.base);
+        let rival = if self.backwards { base_density(n, beta) } else { f64::INFINITY };
+        Below { beta, weight, rival, straight: false }
+    }
+
+    /// A direction that a Lambertian base sends light to, and the light's weight.
+    #[inline]
+    fn off_base(&self, weight: f64, u: [f64; 2]) -> (Beta, f64) {
+        let n = self.stack.medium.largest_index();
+        let beta = base_direction(n, u);
+        (beta, weight * warp::uniform_disc_density(n) / base_density(n, beta))
     }
 
     /// Takes away the wavelengths whose medium has no such direction.
@@ -447,6 +504,17 @@ impl<'a> Diffused<'a> {
         let kept: Vec<f64> =
             medium.index().iter().map(|&n| spread.kept(beta, n, medium.largest_index())).collect();
         scale_rows(spectra, &kept);
+    }
+}
+
+/// The probability with which light beyond a first pass is scattered by the lobe: the share that is, but neither way is
+/// so rare that few paths take it. Weights grow by that from pass to pass, but by less than the light falls.
+fn chance_of_lobe(straight: f64, left: f64) -> f64 {
+    let least = LEAST_WAY.min(0.25 * (1.0 - left).max(0.0));
+    if straight == 0.0 || straight == 1.0 {
+        1.0 - straight
+    } else {
+        (1.0 - straight).clamp(least, 1.0 - least)
     }
 }
 

@@ -10,8 +10,8 @@ use super::books::{Room, Sums};
 use super::{Below, Diffused, Downward, PassNumbers, Spread, multiply, reflected};
 use crate::Source;
 use crate::angular::Stencil;
-use crate::walk::Target;
 use crate::walk::tally::{Channel, Reflected};
+use crate::walk::{Target, base_density};
 
 impl Diffused<'_> {
     /// Light that comes straight through the diffuser and off a specular base, met on the way down.
@@ -73,27 +73,35 @@ impl Diffused<'_> {
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
     ) {
+        let by_lobe = self.by_lobe_upwards(numbers);
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::sample(source, numbers.on_source) {
-                sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
+                sum.add(light, up.weight * self.towards(target, up.beta, by_lobe, up.rival));
             }
         }
     }
 
-    /// Round sources that the path has run into by its last scattering.
-    pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
+    /// Round sources that the path has run into by its last scattering, which was by the lobe with this probability.
+    pub(super) fn meet_discs(
+        &self,
+        up: Below,
+        out: Beta,
+        light: Reflected<'_>,
+        by_lobe: f64,
+        sums: &mut Sums,
+    ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::at(source, out) {
-                sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
+                sum.add(light, up.weight * self.towards(target, up.beta, by_lobe, up.rival));
             }
         }
     }
 
-    /// The balanced weight of light from `beta` below the diffuser to a source; `forward`: the density
-    /// with which the path chose `beta`, infinite if the source's side does not.
-    fn towards(&self, target: Target, beta: Beta, forward: f64) -> f64 {
+    /// The balanced weight of light from `beta` below the diffuser to a source, if the lobe is taken with
+    /// the probability `by_lobe`; `forward`: the density with which the path chose `beta`, infinite if the source's side does not.
+    fn towards(&self, target: Target, beta: Beta, by_lobe: f64, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
-        let pdf = || self.density_out(beta, target.beta);
+        let pdf = || self.density_out(beta, target.beta, by_lobe);
         target.balanced((1.0 - self.straight()) * lobe, pdf, lobe / forward)
     }
 
@@ -164,9 +172,11 @@ impl Diffused<'_> {
         sums: &mut Sums,
         room: &mut Room,
     ) {
-        let density = warp::uniform_disc_density(self.stack.medium.largest_index());
+        let n = self.stack.medium.largest_index();
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            let Some((beta, balanced)) = self.backwards(source, |_| density, numbers) else { continue };
+            let chosen = |beta| base_density(n, beta);
+            let Some((beta, balanced)) = self.backwards(source, chosen, numbers) else { continue };
+            let balanced = balanced * warp::uniform_disc_density(n) / chosen(beta);
             self.add_from_base(beta, look_up, weight * balanced, sum, room);
         }
     }
@@ -184,6 +194,6 @@ impl Diffused<'_> {
         if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
             return None;
         }
-        Some((beta, self.towards(target, beta, forward)))
+        Some((beta, self.towards(target, beta, self.by_lobe_upwards(numbers), forward)))
     }
 }

@@ -31,6 +31,11 @@ use scatterers::{Kind, Meeting, at_lambertian_base, meetings};
 /// if it can at all: light that lamps send to faint scatterers would make rare bright paths.
 const LEAST_SURVIVAL: f64 = 0.05;
 
+/// In the first events of a path scatterers are chosen with this probability in all that has no regard to how much
+/// light meets them: a faint one may be all that some light is seen by, and no replicate is to miss it.
+const WITHOUT_REGARD: f64 = 0.1;
+const FIRST_EVENTS: u32 = 4;
+
 /// From this event on even light that nothing absorbs is subject to roulette.
 const FREE_EVENTS: u32 = 256;
 
@@ -110,6 +115,15 @@ impl<'a> Layered<'a> {
         Self { stack, view, sources, meetings: meetings(stack), accounts: Account::of_elements(stack), discs }
     }
 
+    /// As [`Walk::rarest`](super::Walk::rarest).
+    pub(super) fn rarest(&self) -> f64 {
+        if self.meetings.is_empty() {
+            1.0
+        } else {
+            (WITHOUT_REGARD / self.meetings.len() as f64).min(LEAST_SURVIVAL)
+        }
+    }
+
     /// True if the base scatters: the skeleton then ends in black.
     fn base_scatters(&self) -> bool {
         !self.stack.base.is_specular()
@@ -127,7 +141,8 @@ impl<'a> Layered<'a> {
             let u = draws.next();
             let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
             let survival = (least, draws.most_survival());
-            let Some(meeting) = self.choose(u[0], survival, sums, room) else { return };
+            let first = draws.count <= FIRST_EVENTS;
+            let Some(meeting) = self.choose(u[0], survival, first, sums, room) else { return };
             let Some(next) = self.scatter(sent, meeting, [u[1], u[2], u[3]], &mut draws, sums, room) else {
                 return;
             };
@@ -151,11 +166,12 @@ impl<'a> Layered<'a> {
     /// The next scatterer, with the light that meets it as the path's; `None` if the path ends.
     ///
     /// Each way is chosen with the largest share of any state's and wavelength's light that goes
-    /// it, so that no weight grows.
+    /// it, so that no weight grows; in the first events with a least probability, so that weights grow by a tenth at most.
     fn choose(
         &self,
         u: f64,
         (least, most): (f64, f64),
+        first: bool,
         sums: &mut Sums,
         room: &mut Room,
     ) -> Option<&Meeting<'a>> {
@@ -171,14 +187,20 @@ impl<'a> Layered<'a> {
         if total == 0.0 || u >= survival {
             return None;
         }
-        let mut below = u / survival * total;
-        let chosen = room.meeting.iter().position(|share| {
-            below -= share;
+        let each = if first { WITHOUT_REGARD * total / self.meetings.len() as f64 } else { 0.0 };
+        let mut chances = 0.0;
+        for chance in room.meeting.iter_mut().filter(|share| **share > 0.0) {
+            *chance += each;
+            chances += *chance;
+        }
+        let mut below = u / survival * chances;
+        let chosen = room.meeting.iter().position(|chance| {
+            below -= chance;
             below < 0.0
         })?;
         let meeting = &self.meetings[chosen];
         meeting.share(&room.skeleton, &room.field, &mut room.share);
-        let scale = total / (survival * room.meeting[chosen]);
+        let scale = chances / (survival * room.meeting[chosen]);
         room.light.carry(&room.share, &room.field.rising, scale);
         sums.unaccounted.add(&room.light, -1.0);
         Some(meeting)

@@ -10,6 +10,7 @@ use super::light::Share;
 use super::sources::Turned;
 use super::{Sent, sources};
 use crate::skeleton::{Field, Going, Ray, Skeleton};
+use crate::walk::{base_density, base_direction};
 use crate::{Diffuser, Interface, Layered, Medium, Reflector, ScatterFace, ScatterKernel};
 
 /// A scatterer, and light on its way to it.
@@ -222,15 +223,16 @@ pub(super) fn at_lambertian_base(
 
     let ray = Ray { plane: element, going: Going::Up };
     let largest = medium.map_or(1.0, Medium::largest_index);
+    // Over the disc of each wavelength, where the value is that of the largest.
     let density = warp::uniform_disc_density(largest);
-    // Over the disc of each wavelength, where that is drawn is of the largest.
     let spread = |beta: Beta, bin| {
         let n = index(medium, bin);
         if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
     };
-    sources::connect([ray].into_iter(), f64::INFINITY, |_, _| Turned::exactly(density), spread, sums, room);
-    let (x, y) = warp::uniform_disc(largest, u);
-    let out = Beta { x, y };
-    room.light.keep(|bin| spread(out, bin), &mut sums.unaccounted);
-    Sent::exactly(out, ray, density)
+    let turned = |_, to: Beta| Turned { value: density, pdf: base_density(largest, to), back: density };
+    sources::connect([ray].into_iter(), f64::INFINITY, turned, spread, sums, room);
+    let out = base_direction(largest, u);
+    let drawn = base_density(largest, out);
+    room.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
+    Sent::exactly(out, ray, drawn)
 }

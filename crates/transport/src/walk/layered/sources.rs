@@ -24,6 +24,8 @@ use crate::walk::{PathNumbers, Target};
 pub(super) struct Lamps {
     sources: Vec<Lamp>,
     scattered: Vec<Scattered>,
+    /// The directions of beams and of the middles of discs.
+    pub(super) about: Vec<Beta>,
 }
 
 /// Light of one direction, everywhere.
@@ -77,7 +79,12 @@ struct Scattered {
 
 impl Lamps {
     pub(super) fn new(walk: &Layered<'_>, skeleton: &mut Skeleton) -> Self {
-        let mut lamps = Self { sources: Vec::new(), scattered: Vec::new() };
+        let about = walk.sources.iter().filter_map(|source| match source {
+            Source::Beam(beta) => Some(*beta),
+            Source::Disc(cone) => Some(-cone.axis_towards()),
+            Source::Diffuse | Source::Field(_) => None,
+        });
+        let mut lamps = Self { sources: Vec::new(), scattered: Vec::new(), about: about.collect() };
         for (source, light) in walk.sources.iter().enumerate() {
             let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
             let lamp = Lamp::new(source, target, walk, skeleton);
@@ -134,8 +141,14 @@ impl Lamps {
     }
 
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Lamp> {
+        self.split().1
+    }
+
+    /// Where beams and discs are, and the lamps.
+    pub(super) fn split(&mut self) -> (&[Beta], impl Iterator<Item = &mut Lamp>) {
         let scattered = self.scattered.iter_mut().map(|scattered| &mut scattered.lamp);
-        self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark)
+        let lamps = self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark);
+        (&self.about, lamps)
     }
 }
 
