@@ -52,9 +52,12 @@
 mod again;
 mod deficit;
 mod microfacets;
+mod several;
+mod shadowing;
 
 use again::Deficits;
 use microfacets::Microfacets;
+pub use shadowing::Distribution;
 
 use crate::Beta;
 
@@ -95,12 +98,22 @@ pub struct Rough {
 }
 
 impl Rough {
-    /// A face of roughness alpha, .01 to 1, between media of these indices, above 0 and different.
+    /// A face of GGX slopes and this roughness, .01 to 1, between media of these indices, above 0 and different.
     ///
-    /// Takes about a tenth of a second: it tabulates what one microfacet alone would lose.
+    /// Takes some tenths of a second: it tabulates what one microfacet alone would lose, and where that goes.
     pub fn new(alpha: f64, above: f64, below: f64) -> Self {
-        let facets = Microfacets { alpha, above, below };
+        Self::with(Distribution::Ggx, alpha, above, below)
+    }
+
+    /// A face with these slopes.
+    pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
+        let facets = Microfacets { distribution, alpha, above, below };
         Self { facets, deficits: Deficits::new(&facets) }
+    }
+
+    /// How its slopes are spread.
+    pub fn distribution(&self) -> Distribution {
+        self.facets.distribution
     }
 
     /// The roughness.
@@ -123,8 +136,7 @@ impl Rough {
         let (Some(i), Some(o)) = (self.cosine(from, beta_i), self.cosine(to, beta_o)) else {
             return 0.0;
         };
-        let again = self.deficits.at(from, i) * self.deficits.at(to, o) / self.deficits.total;
-        self.facets.single(from, beta_i, to, beta_o) + again
+        self.facets.single(from, beta_i, to, beta_o) + self.deficits.density((from, i), (to, o))
     }
 
     /// The part of [`Self::density`] that met one microfacet; symmetric as well.
@@ -135,8 +147,15 @@ impl Rough {
     /// The share of light from this side that meets more than one microfacet: one less the
     /// integral of [`Self::single`] over both sides. `beta_length` is below the side's index.
     pub fn deficit(&self, side: Side, beta_length: f64) -> f64 {
+        let [back, across] = self.several(side, beta_length);
+        back + across
+    }
+
+    /// What of [`Self::deficit`] goes back to this side in the end, and what goes across the face. Both set the
+    /// density of light of several microfacets: that of a and b, each in proportion.
+    pub fn several(&self, side: Side, beta_length: f64) -> [f64; 2] {
         let beta = Beta { x: beta_length, y: 0.0 };
-        self.cosine(side, beta).map_or(0.0, |cosine| self.deficits.at(side, cosine))
+        self.cosine(side, beta).map_or([0.0; 2], |cosine| self.deficits.at(side, cosine))
     }
 
     /// A side and direction drawn with [`Self::density`], weight one, from four uniform numbers;
@@ -154,7 +173,8 @@ impl Rough {
         }
         // Both choices leave what is uniform among the numbers that led to them.
         let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
-        self.deficits.sample(&self.facets, [again, turn])
+        let cosine = self.cosine(from, beta_i).unwrap_or(0.0);
+        self.deficits.sample(&self.facets, (from, cosine), [again, turn])
     }
 
     /// Cosine to the face's normal of light that exists on this side.
@@ -163,4 +183,29 @@ impl Rough {
         let squared = 1.0 - beta.squared() / (n * n);
         (squared > 0.0).then(|| squared.sqrt())
     }
+}
+
+/// Where the rising function is `wanted`: Newton's method, with bisection where that strays.
+fn invert(
+    [mut from, mut to]: [f64; 2],
+    wanted: f64,
+    f: impl Fn(f64) -> f64,
+    slope: impl Fn(f64) -> f64,
+) -> f64 {
+    let mut x = 0.5 * (from + to);
+    for _ in 0..60 {
+        let miss = f(x) - wanted;
+        if miss < 0.0 {
+            from = x
+        } else {
+            to = x
+        }
+        let step = miss / slope(x);
+        if step.abs() < 1e-14 {
+            break;
+        }
+        let newton = x - step;
+        x = if newton > from && newton < to { newton } else { 0.5 * (from + to) };
+    }
+    x
 }

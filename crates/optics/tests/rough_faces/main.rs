@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
+mod heitz;
+mod several;
+
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
-use papilio_optics::rough::{Rough, Side};
+use papilio_optics::rough::{Distribution, Rough, Side};
 use papilio_sampling::{Numbers, Sampler, warp};
 
 const SIDES: [Side; 2] = [Side::Above, Side::Below];
@@ -300,16 +303,19 @@ fn directions_that_do_not_exist_have_no_density() {
     assert_eq!(face.deficit(Side::Above, 1.2), 0.0);
 }
 
-/// What was met several times goes to both sides by their deficits, and by nothing else.
+/// What was met several times goes back by what is sent back, across by what is sent across, and by nothing else.
 #[test]
-fn what_one_microfacet_loses_is_shared_out_by_the_deficits() {
+fn what_one_microfacet_loses_is_shared_out_reciprocally() {
     let face = Rough::new(0.4, 1.0, 1.5);
-    let sums = SIDES.map(|side| over_side(&face, side, 1.0, |b| face.deficit(side, b.length())));
+    let sums = SIDES
+        .map(|side| [0, 1].map(|way| over_side(&face, side, 1.0, |b| face.several(side, b.length())[way])));
+    assert!((sums[0][1] / sums[1][1] - 1.0).abs() < 1e-6, "{sums:?}");
     for (from, to) in [(Side::Above, Side::Below), (Side::Below, Side::Below), (Side::Above, Side::Above)] {
+        let way = usize::from(from != to);
         let (a, b) = (beta(&face, from, 20.0), beta(&face, to, 65.0));
         let again = face.density(from, a, to, b) - face.single(from, a, to, b);
-        let [d_a, d_b] = [(from, a), (to, b)].map(|(side, beta)| face.deficit(side, beta.length()));
-        let expected = d_a * d_b / (sums[0] + sums[1]);
+        let [d_a, d_b] = [(from, a), (to, b)].map(|(side, beta)| face.several(side, beta.length())[way]);
+        let expected = d_a * d_b / sums[from as usize][way];
         assert!((again / expected - 1.0).abs() < 1e-6, "{again} {expected}");
     }
 }
