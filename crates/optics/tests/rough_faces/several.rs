@@ -1,15 +1,23 @@
 //! Light of one facet and of several, against Heitz's walk.
 
+use std::f64::consts::FRAC_PI_2;
+
 use papilio_optics::rough::{Distribution, Rough, Side};
 
 use super::heitz::Face;
-use super::{SIDES, beta, over_side};
+use super::{SIDES, beta, integral};
 
 /// What a face sends back of light at this angle in its medium, and what leaves after one facet.
 fn shares(face: &Rough, from: Side, theta_deg: f64) -> [f64; 2] {
     let a = beta(face, from, theta_deg);
     let [back, across] = face.several(from, a.length());
-    let once = over_side(face, from, f64::to_radians(theta_deg), |b| face.single(from, a, from, b));
+    let half = |angles| {
+        let once = |b| face.single(from, a, from, b);
+        2.0 * integral(face.index(from), angles, [0.0, 0.5], [60, 80], once)
+    };
+    // Cut at the mirror's direction, about which the peak is.
+    let mirrored = f64::to_radians(theta_deg);
+    let once = half([0.0, mirrored]) + half([mirrored, FRAC_PI_2]);
     [once + back, 1.0 - back - across]
 }
 
