@@ -10,6 +10,7 @@ use num_complex::Complex64;
 pub use papilio_colour::{Standard, Surround};
 pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
+pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::walk::Strategy;
@@ -136,10 +137,12 @@ pub enum Interface {
     Coating(Vec<FilmLayer>),
     /// A diffuser given by its BTDF.
     Diffuser(Diffuser),
-    /// A rough face (GGX) between media of constant index.
+    /// A rough face between media of constant index.
     Rough {
         /// Roughness: the largest slopes are about this.
         alpha: f64,
+        /// How the slopes are spread.
+        distribution: Distribution,
     },
     /// A face given by its BSDF: light of the air disc is scattered into it, passes straight, or is lost.
     Scatter(ScatterFace),

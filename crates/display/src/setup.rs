@@ -237,7 +237,9 @@ fn interface(
         }
         scene::Interface::Diffuser(diffuser) => Interface::Diffuser(self::diffuser(diffuser)),
         scene::Interface::Scatter(face) => Interface::Scatter(Box::new(face.clone())),
-        scene::Interface::Rough { alpha } => Interface::Rough(Rough::new(*alpha, above[0], below[0])),
+        scene::Interface::Rough { alpha, distribution } => {
+            Interface::Rough(Rough::with(*distribution, *alpha, above[0], below[0]))
+        }
     })
 }
 

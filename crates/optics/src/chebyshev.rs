@@ -25,6 +25,16 @@ impl<const K: usize> Piecewise<K> {
     pub(crate) fn new<E>(
         tolerance: f64,
         most_pieces: usize,
+        function: impl FnMut(f64) -> Result<[f64; K], E>,
+    ) -> Result<Option<Self>, E> {
+        Self::no_narrower(NARROWEST, tolerance, most_pieces, function)
+    }
+
+    /// Likewise, but pieces narrower than this are not cut further.
+    pub(crate) fn no_narrower<E>(
+        narrowest: f64,
+        tolerance: f64,
+        most_pieces: usize,
         mut function: impl FnMut(f64) -> Result<[f64; K], E>,
     ) -> Result<Option<Self>, E> {
         let mut table = Self { starts: Vec::new(), scales: Vec::new(), series: Vec::new() };
@@ -34,7 +44,7 @@ impl<const K: usize> Piecewise<K> {
             let half = 0.5 * (to - from);
             let mut at = |x: f64| function(middle + half * x);
             let series = interpolate(&mut at)?;
-            if to - from < NARROWEST || misses_by(&series, &mut at)? <= tolerance {
+            if to - from < narrowest || misses_by(&series, &mut at)? <= tolerance {
                 table.starts.push(from);
                 table.scales.push(1.0 / half);
                 table.series.push(series);
@@ -62,29 +72,47 @@ impl<const K: usize> Piecewise<K> {
 }
 
 impl Piecewise<1> {
-    /// The integral of `x f(x)` from where the piece begins, as a function of x within it.
-    pub(crate) fn first_moment(&self, piece: usize) -> impl Fn(f64) -> f64 {
+    /// On the same pieces, functions of x and of this one there; what is linear in it keeps its sums.
+    pub(crate) fn map<const K: usize>(&self, mut function: impl FnMut(f64, f64) -> [f64; K]) -> Piecewise<K> {
+        let series = self.pieces().map(|(from, to)| {
+            let at = |x: f64| {
+                let x = 0.5 * (from + to + (to - from) * x);
+                Ok::<_, std::convert::Infallible>(function(x, self.at(x)[0]))
+            };
+            let Ok(series) = interpolate(&mut { at });
+            series
+        });
+        Piecewise { series: series.collect(), starts: self.starts.clone(), scales: self.scales.clone() }
+    }
+}
+
+impl<const K: usize> Piecewise<K> {
+    /// The integral of `x^power f(x)`, power up to 3, from where the piece begins, as a function of x within it; f is
+    /// the one of this number.
+    pub(crate) fn moment(&self, number: usize, power: usize, piece: usize) -> impl Fn(f64) -> f64 + use<K> {
+        const MOST: usize = TERMS + 4;
         let (start, scale) = (self.starts[piece], self.scales[piece]);
         let half = 1.0 / scale;
-        let f = |term: usize| if term < TERMS { self.series[piece][term][0] } else { 0.0 };
+        let mut product = [0.0; MOST];
+        product.iter_mut().zip(&self.series[piece]).for_each(|(value, series)| *value = series[number]);
+        let at = |series: &[f64; MOST], term: usize| series.get(term).copied().unwrap_or(0.0);
         // x f, by t T_k = (T_(k-1) + T_(k+1))/2, t T_0 = T_1.
-        let mut product = [0.0; TERMS + 2];
-        for (term, value) in product.iter_mut().enumerate() {
-            let below = if term == 1 {
-                2.0 * f(0)
-            } else if term > 1 {
-                f(term - 1)
-            } else {
-                0.0
-            };
-            *value = (start + half) * f(term) + 0.5 * half * (below + f(term + 1));
+        for _ in 0..power {
+            let f = product;
+            for (term, value) in product.iter_mut().enumerate() {
+                let below = match term {
+                    0 => 0.0,
+                    1 => 2.0 * f[0],
+                    _ => f[term - 1],
+                };
+                *value = (start + half) * f[term] + 0.5 * half * (below + at(&f, term + 1));
+            }
         }
         // Its integral, by that of T_k: T_(k+1)/(2k + 2) - T_(k-1)/(2k - 2).
-        let mut integral = [[0.0]; TERMS + 2];
-        for term in 1..TERMS + 2 {
+        let mut integral = [[0.0]; MOST];
+        for term in 1..MOST {
             let below = if term == 1 { 2.0 * product[0] } else { product[term - 1] };
-            let above = product.get(term + 1).unwrap_or(&0.0);
-            integral[term][0] = half * (below - above) / (2.0 * term as f64);
+            integral[term][0] = half * (below - at(&product, term + 1)) / (2.0 * term as f64);
         }
         let at_start = clenshaw(&integral, -1.0)[0];
         move |x| clenshaw(&integral, (x - start) * scale - 1.0)[0] - at_start
@@ -152,13 +180,22 @@ mod tests {
     }
 
     #[test]
-    fn first_moments_are_integrals() {
-        let table = table(1e-12, |x| [(3.0 * x).cos()]).unwrap();
-        let integral = |x: f64| x * (3.0 * x).sin() / 3.0 + (3.0 * x).cos() / 9.0;
+    fn moments_are_integrals() {
+        let table = table(1e-12, |x| [0.0, (3.0 * x).cos()]).unwrap();
+        // By parts.
+        let [first, third] = [
+            |x: f64| x * (3.0 * x).sin() / 3.0 + (3.0 * x).cos() / 9.0,
+            |x: f64| {
+                let (sin, cos) = (3.0 * x).sin_cos();
+                (x.powi(3) / 3.0 - 6.0 * x / 27.0) * sin + (x * x / 3.0 - 6.0 / 81.0) * cos
+            },
+        ];
         for (piece, (start, end)) in table.pieces().enumerate() {
-            let moment = table.first_moment(piece);
-            for x in [start, 0.7 * start + 0.3 * end, end] {
-                assert!((moment(x) - (integral(x) - integral(start))).abs() < 1e-12, "{x}");
+            for (power, integral) in [(1, first), (3, third)] {
+                let moment = table.moment(1, power, piece);
+                for x in [start, 0.7 * start + 0.3 * end, end] {
+                    assert!((moment(x) - (integral(x) - integral(start))).abs() < 1e-12, "{power} {x}");
+                }
             }
         }
     }

@@ -8,7 +8,7 @@ use common::*;
 use layers::*;
 use papilio_optics::film::{Coating, SpectralLayer, Thickness};
 use papilio_optics::lobe::Lobe;
-use papilio_optics::rough::Rough;
+use papilio_optics::rough::{Distribution, Rough};
 use papilio_spectra::Spectrum;
 use papilio_transport::adding::{Kernel, MOST_NODES, nodes_needed};
 use papilio_transport::{
@@ -264,6 +264,7 @@ fn the_walk_agrees() {
         transmittance: one(0.8),
         straight_through: 0.1,
     });
+    let gaussian = Rough::with(Distribution::Beckmann, 0.6, 1.0, 1.5);
     let stacks = [
         ("mixed", mixed()),
         (
@@ -274,6 +275,7 @@ fn the_walk_agrees() {
             ),
         ),
         ("rough", stack([(Interface::Rough(Rough::new(0.3, 1.0, 1.5)), clear(1.5))], mirror(0.8))),
+        ("rough, Gaussian slopes", stack([(Interface::Rough(gaussian), clear(1.5))], mirror(0.8))),
         (
             "rough within",
             stack(

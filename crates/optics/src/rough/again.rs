@@ -1,41 +1,60 @@
 //! Light that met more than one microfacet: how much there is, and where it goes.
+//!
+//! Tables are over the square root of the cosine to the face's normal, in which grazing light is smooth.
 
 use std::convert::Infallible;
 use std::f64::consts::TAU;
 
 use papilio_sampling::warp;
 
-use super::Side;
 use super::deficit::Rule;
 use super::microfacets::Microfacets;
+use super::several::Split;
+use super::{Side, invert};
 use crate::Beta;
 use crate::chebyshev::Piecewise;
 
-/// Order of the rule that the deficits are integrated with: error below 5e-6.
+/// Order of the rule that the deficits are integrated with: error below 1e-5.
 const ORDER: usize = 12;
 
 /// The largest error of the table between its nodes.
 const TOLERANCE: f64 = 2e-6;
 
+/// The largest shift of log odds that is looked for; what is found is below .05.
+const SHIFT: f64 = 2.0;
+
+/// Pieces are not cut below this width: beyond 89.99 deg the deficit bends ever more, and no light is there.
+const NARROWEST: f64 = 0.01;
+
 /// A table of roughness .01 has about a tenth of this.
 const MOST_PIECES: usize = 100;
 
-/// The deficits from both sides, tabulated over the cosine to the face's normal.
+/// Which way light leaves the face, seen from where it came.
+pub(super) const BACK: usize = 0;
+pub(super) const ACROSS: usize = 1;
+
+/// What several microfacets send back and across.
+///
+/// Light that comes from a and leaves to b of the same side X has met several facets with the density
+/// `r(a) r(b)/R_X`, across with `t(a) t(b)/T`; R and T are the integrals of r and t over the directions of a side.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Deficits {
-    above: Piecewise<1>,
-    below: Piecewise<1>,
-    /// Each piece of both tables, with what lies before it of the integral over directions.
+    above: OneSide,
+    below: OneSide,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct OneSide {
+    /// `[BACK, ACROSS]`.
+    table: Piecewise<2>,
+    /// The pieces, with what lies before each of the two integrals over directions.
     pieces: Vec<Piece>,
-    /// The integral over the directions of both sides.
-    pub(super) total: f64,
+    totals: [f64; 2],
 }
 
 #[derive(Debug, Clone, PartialEq)]
 struct Piece {
-    before: f64,
-    side: Side,
-    number: usize,
+    before: [f64; 2],
     from: f64,
     to: f64,
 }
@@ -43,44 +62,67 @@ struct Piece {
 impl Deficits {
     pub(super) fn new(facets: &Microfacets) -> Self {
         let rule = Rule::new(ORDER);
-        let mut deficits = Self {
-            above: table(facets, &rule, Side::Above),
-            below: table(facets, &rule, Side::Below),
-            pieces: Vec::new(),
-            total: 0.0,
+        let lost = [Side::Above, Side::Below].map(|side| table(facets, &rule, side));
+        let split = Split::new(facets);
+        let both = |shift: f64| {
+            let split = split.balanced(shift);
+            let [above, below] = [Side::Above, Side::Below].map(|side| {
+                let lost = &lost[side as usize];
+                OneSide::new(facets.index(side), lost.map(|root, lost| split.of(side, root * root, lost)))
+            });
+            Self { above, below }
         };
-        for side in [Side::Above, Side::Below] {
-            let table = deficits.of(side).clone();
-            for (number, (from, to)) in table.pieces().enumerate() {
-                deficits.pieces.push(Piece { before: deficits.total, side, number, from, to });
-                deficits.total += area(facets.index(side)) * table.first_moment(number)(to).max(0.0);
-            }
+        // What crosses is alike from both sides: the least change of the odds to cross that makes it so.
+        let unlike = |shift: f64| both(shift).excess();
+        let shift =
+            invert([-SHIFT, SHIFT], 0.0, |x| -unlike(x), |x| (unlike(x - 1e-4) - unlike(x + 1e-4)) / 2e-4);
+        both(shift)
+    }
+
+    /// The logarithm of what crosses from above, over what crosses from below.
+    fn excess(&self) -> f64 {
+        let [above, below] = [&self.above, &self.below].map(|side| side.totals[ACROSS]);
+        if above > 0.0 && below > 0.0 { (above / below).ln() } else { 0.0 }
+    }
+
+    /// What is sent back and across, of light at this cosine.
+    pub(super) fn at(&self, side: Side, cosine: f64) -> [f64; 2] {
+        self.of(side).table.at(cosine.sqrt()).map(|share| share.max(0.0))
+    }
+
+    /// Density per unit area of `beta_o`.
+    pub(super) fn density(&self, from: (Side, f64), to: (Side, f64)) -> f64 {
+        let way = if from.0 == to.0 { BACK } else { ACROSS };
+        let total = self.total(from.0, to.0);
+        if total > 0.0 { self.at(from.0, from.1)[way] * self.at(to.0, to.1)[way] / total } else { 0.0 }
+    }
+
+    /// Of directions: what the integrals of a way are divided by; alike from both sides.
+    fn total(&self, from: Side, to: Side) -> f64 {
+        if from == to {
+            self.of(from).totals[BACK]
+        } else {
+            (self.above.totals[ACROSS] * self.below.totals[ACROSS]).sqrt()
         }
-        deficits
     }
 
-    /// The deficit at this cosine.
-    pub(super) fn at(&self, side: Side, cosine: f64) -> f64 {
-        self.of(side).at(cosine)[0].max(0.0)
-    }
-
-    /// A side and a direction, with a density in proportion to the deficit.
-    pub(super) fn sample(&self, facets: &Microfacets, u: [f64; 2]) -> (Side, Beta) {
-        let wanted = u[0] * self.total;
-        let next = self.pieces.partition_point(|piece| piece.before <= wanted);
-        let piece = &self.pieces[next.saturating_sub(1)];
-        let n = facets.index(piece.side);
-        let table = self.of(piece.side);
-        let moment = table.first_moment(piece.number);
-        let density = |cosine: f64| cosine * table.at(cosine)[0];
-        let cosine = invert(piece.from, piece.to, (wanted - piece.before) / area(n), moment, density);
+    /// A side and a direction for light from this one at this cosine, drawn with the density above, from two numbers.
+    pub(super) fn sample(&self, facets: &Microfacets, from: (Side, f64), u: [f64; 2]) -> (Side, Beta) {
+        let [back, across] = self.at(from.0, from.1);
+        let share = if back + across > 0.0 { back / (back + across) } else { 0.5 };
+        let (to, way, u0) = if u[0] < share {
+            (from.0, BACK, u[0] / share)
+        } else {
+            (from.0.other(), ACROSS, (u[0] - share) / (1.0 - share))
+        };
+        let n = facets.index(to);
         // Along the face itself there is no direction to go to.
-        let cosine = cosine.max(1e-7);
+        let cosine = self.of(to).cosine(n, way, u0).max(1e-7);
         let (x, y) = warp::polar(n * ((1.0 - cosine) * (1.0 + cosine)).sqrt(), u[1]);
-        (piece.side, Beta { x, y })
+        (to, Beta { x, y })
     }
 
-    fn of(&self, side: Side) -> &Piecewise<1> {
+    fn of(&self, side: Side) -> &OneSide {
         match side {
             Side::Above => &self.above,
             Side::Below => &self.below,
@@ -88,16 +130,39 @@ impl Deficits {
     }
 }
 
-/// `d^2 beta` over `cos d cos`, all azimuths together.
+impl OneSide {
+    fn new(n: f64, table: Piecewise<2>) -> Self {
+        let (mut pieces, mut totals) = (Vec::new(), [0.0; 2]);
+        for (number, (from, to)) in table.pieces().enumerate() {
+            pieces.push(Piece { before: totals, from, to });
+            for (way, total) in totals.iter_mut().enumerate() {
+                *total += area(n) * table.moment(way, 3, number)(to).max(0.0);
+            }
+        }
+        Self { table, pieces, totals }
+    }
+
+    /// The cosine below which this share of one of the integrals lies.
+    fn cosine(&self, n: f64, way: usize, share: f64) -> f64 {
+        let wanted = share * self.totals[way];
+        let number = self.pieces.partition_point(|piece| piece.before[way] <= wanted).saturating_sub(1);
+        let piece = &self.pieces[number];
+        let density = |root: f64| root.powi(3) * self.table.at(root)[way];
+        let moment = self.table.moment(way, 3, number);
+        invert([piece.from, piece.to], (wanted - piece.before[way]) / area(n), moment, density).powi(2)
+    }
+}
+
+/// `d^2 beta` over `x^3 dx`, x the root of the cosine, all azimuths together.
 fn area(n: f64) -> f64 {
-    TAU * n * n
+    2.0 * TAU * n * n
 }
 
 fn table(facets: &Microfacets, rule: &Rule, side: Side) -> Piecewise<1> {
     let mut tolerance = TOLERANCE;
     loop {
-        let deficit = |cosine| Ok::<_, Infallible>([facets.deficit(rule, side, cosine)]);
-        let Ok(table) = Piecewise::new(tolerance, MOST_PIECES, deficit);
+        let deficit = |root: f64| Ok::<_, Infallible>([facets.deficit(rule, side, root * root)]);
+        let Ok(table) = Piecewise::no_narrower(NARROWEST, tolerance, MOST_PIECES, deficit);
         if let Some(table) = table {
             return table;
         }
@@ -106,53 +171,55 @@ fn table(facets: &Microfacets, rule: &Rule, side: Side) -> Piecewise<1> {
     }
 }
 
-/// Where the rising function is `wanted`: Newton's method, with bisection where that strays.
-fn invert(
-    mut from: f64,
-    mut to: f64,
-    wanted: f64,
-    f: impl Fn(f64) -> f64,
-    slope: impl Fn(f64) -> f64,
-) -> f64 {
-    let mut x = 0.5 * (from + to);
-    for _ in 0..60 {
-        let miss = f(x) - wanted;
-        if miss < 0.0 {
-            from = x
-        } else {
-            to = x
-        }
-        let step = miss / slope(x);
-        if step.abs() < 1e-14 {
-            break;
-        }
-        let newton = x - step;
-        x = if newton > from && newton < to { newton } else { 0.5 * (from + to) };
-    }
-    x
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rough::Distribution;
+
+    fn deficits(distribution: Distribution, alpha: f64) -> (Microfacets, Deficits) {
+        let facets = Microfacets { distribution, alpha, above: 1.0, below: 1.5 };
+        (facets, Deficits::new(&facets))
+    }
 
     /// By the midpoint rule over what lies before each direction that is drawn.
     #[test]
     fn drawn_directions_invert_the_cumulative_deficit() {
-        let facets = Microfacets { alpha: 0.1, above: 1.0, below: 1.5 };
-        let deficits = Deficits::new(&facets);
+        let (facets, deficits) = deficits(Distribution::Ggx, 0.1);
         let steps = 4000;
-        let share = |side, to: f64| {
+        let share = |side, way: usize, to: f64| {
             let cosine = |step: i32| to * (f64::from(step) + 0.5) / f64::from(steps);
-            let sum: f64 = (0..steps).map(|step| cosine(step) * deficits.at(side, cosine(step))).sum();
-            area(facets.index(side)) * sum * to / f64::from(steps) / deficits.total
+            let sum: f64 = (0..steps).map(|step| cosine(step) * deficits.at(side, cosine(step))[way]).sum();
+            0.5 * area(facets.index(side)) * sum * to / f64::from(steps) / deficits.of(side).totals[way]
         };
+        let from = (Side::Below, 0.7);
+        let [back, across] = deficits.at(from.0, from.1);
         for step in 0..400 {
             let u = (f64::from(step) + 0.5) / 400.0;
-            let (side, beta) = deficits.sample(&facets, [u, 0.3]);
+            let (side, beta) = deficits.sample(&facets, from, [u, 0.3]);
             let cosine = (1.0 - beta.squared() / facets.index(side).powi(2)).sqrt();
-            let before = if side == Side::Above { 0.0 } else { share(Side::Above, 1.0) };
-            assert!((before + share(side, cosine) - u).abs() < 1e-6, "{u}: {side:?} {cosine}");
+            let (way, before, all) = if side == from.0 { (BACK, 0.0, back) } else { (ACROSS, back, across) };
+            let reached = (before + all * share(side, way, cosine)) / (back + across);
+            assert!((reached - u).abs() < 1e-5, "{u}: {side:?} {cosine}: {reached}");
+        }
+    }
+
+    /// The walk's equations are reciprocal but for the grid they are solved on: what crosses is alike from both sides
+    /// before that is mended.
+    #[test]
+    fn what_crosses_is_alike_from_both_sides() {
+        for (distribution, alpha) in [(Distribution::Ggx, 0.3), (Distribution::Beckmann, 0.6)] {
+            let (facets, balanced) = deficits(distribution, alpha);
+            assert!(balanced.excess().abs() < 1e-9);
+            let split = Split::new(&facets);
+            let crosses = [Side::Above, Side::Below].map(|side| {
+                let steps = 2000;
+                let at = |step: i32| {
+                    let cosine = (f64::from(step) + 0.5) / f64::from(steps);
+                    cosine * split.of(side, cosine, balanced.at(side, cosine).iter().sum())[ACROSS]
+                };
+                facets.index(side).powi(2) * (0..steps).map(at).sum::<f64>()
+            });
+            assert!((crosses[0] / crosses[1] - 1.0).abs() < 0.01, "{distribution:?} {alpha}: {crosses:?}");
         }
     }
 }

@@ -33,21 +33,37 @@ impl Rule {
         cuts: impl IntoIterator<Item = f64>,
         mut function: impl FnMut(f64) -> f64,
     ) -> f64 {
+        let mut sum = 0.0;
+        self.parts(from, to, cuts, |begin, width| {
+            let part = self.0.iter().map(|(x, weight)| weight * function(begin + width * x));
+            sum += width * part.sum::<f64>();
+        });
+        sum
+    }
+
+    /// The nodes and weights of [`Self::integrate`].
+    pub(super) fn points(&self, from: f64, to: f64, cuts: impl IntoIterator<Item = f64>) -> Vec<(f64, f64)> {
+        let mut points = Vec::new();
+        self.parts(from, to, cuts, |begin, width| {
+            points.extend(self.0.iter().map(|(x, weight)| (begin + width * x, width * weight)));
+        });
+        points
+    }
+
+    fn parts(&self, from: f64, to: f64, cuts: impl IntoIterator<Item = f64>, mut part: impl FnMut(f64, f64)) {
         let mut ends = [to; 16];
         for (end, cut) in ends.iter_mut().zip(cuts) {
             *end = if cut.is_nan() { from } else { cut.clamp(from, to) };
         }
         ends.sort_unstable_by(f64::total_cmp);
-        let (mut sum, mut begin) = (0.0, from);
+        let mut begin = from;
         for end in ends {
             let width = end - begin;
             if width > 1e-12 {
-                let part = self.0.iter().map(|(x, weight)| weight * function(begin + width * x));
-                sum += width * part.sum::<f64>();
+                part(begin, width);
                 begin = end;
             }
         }
-        sum
     }
 }
 
@@ -55,22 +71,21 @@ impl Microfacets {
     /// The share of light from this side, at this cosine to the face's normal, that one
     /// microfacet sends against others.
     pub(super) fn deficit(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
-        let arriving = Arriving {
-            facets: self,
-            n1: self.index(side),
-            n2: self.index(side.other()),
-            q: self.index(side) * cosine,
-            beta: self.index(side) * ((1.0 - cosine) * (1.0 + cosine)).sqrt(),
-        };
+        let n1 = self.index(side);
+        // Along the face itself Lambda is infinite.
+        let cosine = cosine.max(1e-9);
+        let (q, beta) = (n1 * cosine, n1 * ((1.0 - cosine) * (1.0 + cosine)).sqrt());
+        let hidden = self.hidden(q, beta * beta) / q;
+        let arriving = Arriving { facets: self, n1, n2: self.index(side.other()), q, beta, hidden };
         // tan(tilt) = alpha tan(w) spreads the normals evenly, whatever the roughness.
         let w_of = |tilt: f64| (tilt.clamp(0.0, FRAC_PI_2).tan() / self.alpha).atan();
         let lost = rule.integrate(0.0, FRAC_PI_2, arriving.tilts().map(w_of), |w| {
             let (sin, cos) = w.sin_cos();
             let length = cos.hypot(self.alpha * sin);
             let (h_z, h_t) = (cos / length, self.alpha * sin / length);
-            2.0 * sin * cos / h_z * arriving.over_azimuth(rule, h_z, h_t)
+            self.distribution.slopes(w) / h_z * arriving.over_azimuth(rule, h_z, h_t)
         });
-        self.smith(arriving.q, arriving.beta * arriving.beta) * lost / PI
+        lost / (q * (1.0 + hidden) * PI)
     }
 }
 
@@ -83,6 +98,8 @@ struct Arriving<'a> {
     n2: f64,
     q: f64,
     beta: f64,
+    /// Lambda there.
+    hidden: f64,
 }
 
 impl Arriving<'_> {
@@ -114,7 +131,7 @@ impl Arriving<'_> {
 
     /// What facets of one tilt lose, weighted by c1, over half a turn.
     fn over_azimuth(&self, rule: &Rule, h_z: f64, h_t: f64) -> f64 {
-        let Self { facets, n1, n2, q, beta } = *self;
+        let Self { facets, n1, n2, q, beta, hidden } = *self;
         let (critical, along) = (self.critical(), q / h_z);
         // c1 edge-on, at the critical angle, where the reflected and the refracted light leave
         // along the face.
@@ -127,8 +144,8 @@ impl Arriving<'_> {
             }
             let c2 = beyond(c1, n1, n2);
             let passes = transmittance(c1, n1, c2, n2);
-            let reflected = facets.unshadowed(2.0 * c1 * h_z - q, n1);
-            let refracted = facets.unshadowed(q - (c1 - c2) * h_z, n2);
+            let reflected = facets.unshadowed(hidden, 2.0 * c1 * h_z - q, n1, true);
+            let refracted = facets.unshadowed(hidden, q - (c1 - c2) * h_z, n2, false);
             c1 * ((1.0 - passes) * (1.0 - reflected) + passes * (1.0 - refracted))
         })
     }
@@ -155,18 +172,20 @@ fn legendre_node(order: usize, k: usize) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rough::Distribution;
 
-    /// Against a rule of four times the order; [`super::super::again`] relies on 5e-6.
+    /// Against a rule of four times the order; [`super::super::again`] relies on 1e-5. (Light along the face itself, which
+    /// carries nothing, has what heights and slopes hide together vary over the cosine's own scale: there 9e-6.)
     #[test]
     fn twelve_nodes_are_enough() {
         let (rule, fine) = (Rule::new(12), Rule::new(48));
         for (alpha, below) in [(0.01, 1.5), (0.1, 1.05), (0.4, 2.4), (1.0, 1.5)] {
-            let facets = Microfacets { alpha, above: 1.0, below };
+            let facets = Microfacets { distribution: Distribution::Ggx, alpha, above: 1.0, below };
             for side in [Side::Above, Side::Below] {
                 for step in 0..=20 {
                     let cosine = (f64::from(step) / 20.0).powi(2);
                     let error = facets.deficit(&rule, side, cosine) - facets.deficit(&fine, side, cosine);
-                    assert!(error.abs() < 5e-6, "{alpha} {below} {side:?} {cosine}: {error:e}");
+                    assert!(error.abs() < 1e-5, "{alpha} {below} {side:?} {cosine}: {error:e}");
                 }
             }
         }

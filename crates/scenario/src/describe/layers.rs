@@ -4,7 +4,7 @@ use super::diffuser::{Btdf, Slab};
 use super::display::{FrontComponent, MaterialSpec, ShareSpectrum};
 use super::numbers::{Index, Nanometres, Roughness, Thickness};
 use crate::error::Errors;
-use crate::grammar::{kinds, table};
+use crate::grammar::{choice, kinds, table};
 use crate::read::{At, Read, Table};
 use crate::schema::Keys;
 use crate::tree::Node;
@@ -62,11 +62,23 @@ table! {
     }
 }
 
+choice! {
+    /// How the slopes of a rough face are spread.
+    Slopes {
+        /// GGX (Trowbridge-Reitz): half of the face is steeper than atan(alpha), with a long tail.
+        Ggx = "ggx",
+        /// Gaussian slopes of variance alpha^2/2 along each axis.
+        Beckmann = "beckmann",
+    }
+}
+
 table! {
-    /// A rough face (GGX) between two media of different, constant index.
+    /// A rough face between two media of different, constant index.
     Rough {
         /// Roughness, .01 to 1: the slopes of the face are about this.
         alpha: Roughness,
+        /// How the slopes are spread: "ggx" (a long tail) or "beckmann" (Gaussian). Default "ggx".
+        distribution: Slopes = Slopes::Ggx,
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_display::scene::{FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
+use papilio_display::scene::{Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -109,7 +109,13 @@ impl Resolver<'_> {
             }
             describe::Layer::Coated(_) => Part::Interface(Interface::Coated),
             describe::Layer::Fresnel(_) => Part::Interface(Interface::Fresnel),
-            describe::Layer::Rough(rough) => Part::Interface(Interface::Rough { alpha: rough.alpha.0 }),
+            describe::Layer::Rough(rough) => Part::Interface(Interface::Rough {
+                alpha: rough.alpha.0,
+                distribution: match *rough.distribution {
+                    describe::Slopes::Ggx => Distribution::Ggx,
+                    describe::Slopes::Beckmann => Distribution::Beckmann,
+                },
+            }),
         })
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, changed, changed_in, resolve};
-use papilio_display::scene::{Interface, Layer, Layers, Lobe, Thickness};
+use papilio_display::scene::{Distribution, Interface, Layer, Layers, Lobe, Thickness};
 use papilio_scenario::{Problem, Resolved};
 
 fn resolved(text: &str, sets: &[&str]) -> Resolved {
@@ -54,8 +54,8 @@ fn every_kind_of_layer() {
     assert_eq!((sheet.reflectance[0], sheet.absorptance[0]), (0.005, 0.01));
     let Interface::Coating(films) = &layers[1].interface else { panic!("not a coating") };
     assert_eq!((films.len(), films[0].thickness), (1, Thickness::Fixed(90.0)));
-    let Interface::Rough { alpha } = layers[2].interface else { panic!("not rough") };
-    assert_eq!(alpha, 0.3);
+    let Interface::Rough { alpha, distribution } = layers[2].interface else { panic!("not rough") };
+    assert_eq!((alpha, distribution), (0.3, Distribution::Ggx));
     let Interface::Diffuser(diffuser) = &layers[3].interface else { panic!("not a diffuser") };
     assert_eq!((diffuser.lobe, diffuser.transmittance[0]), (Lobe::KCorrelation { width: 0.06 }, 0.95));
     // exp(-4 pi k d / lambda) of .7 mm at 380 nm.
@@ -196,6 +196,12 @@ const WRONG: &[Case] = &[
     ),
     ("\"rough\"", "\"ruogh\"", (6, 12), &["did you mean `rough`?"]),
     ("alpha = 0.3", "", (6, 3), &["the key `alpha` is missing"]),
+    (
+        "alpha = 0.3",
+        "alpha = 0.3, distribution = \"gauss\"",
+        (6, 49),
+        &["`gauss` is not a choice", "expected \"ggx\" or \"beckmann\""],
+    ),
     (
         "alpha = 0.3",
         "alpha = 0.3, index = 1.5",
@@ -395,6 +401,17 @@ fn a_coating_on_nothing_is_told() {
     assert!(below[0].contains("so the medium above it is on both sides"), "{below:?}");
     assert_eq!((alone.len(), below.len()), (1, 1));
     assert!(notes(&format!("{coating}, {glass}")).is_empty());
+}
+
+#[test]
+fn a_rough_face_of_gaussian_slopes() {
+    for set in ["display.layers.3.distribution=beckmann", "display.layers.3.distribution='beckmann'"] {
+        let resolved = resolved(LAYERED, &[set]);
+        let Interface::Rough { alpha, distribution } = general(&resolved)[2].interface else {
+            panic!("not rough")
+        };
+        assert_eq!((alpha, distribution), (0.3, Distribution::Beckmann));
+    }
 }
 
 /// The file was right before the `--set`: that is where the error is.

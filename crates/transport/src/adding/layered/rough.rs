@@ -128,21 +128,27 @@ fn missing(face: &Rough, part: &Part, grid: &Grid) -> [Vec<f64>; 2] {
     ]
 }
 
-/// Adds the light that meets several microfacets, alike in all azimuths.
+/// Adds the light that meets several microfacets, alike in all azimuths: back by what each direction sends back,
+/// across by what it sends across.
 fn again(face: &Rough, grid: &Grid, part: &mut Part) {
-    let deficit = |side: Side| -> Vec<f64> {
-        let one =
-            |i: usize| if grid.beta[i] < face.index(side) { face.deficit(side, grid.beta[i]) } else { 0.0 };
+    let several = |side: Side, way: usize| -> Vec<f64> {
+        let one = |i: usize| {
+            if grid.beta[i] < face.index(side) { face.several(side, grid.beta[i])[way] } else { 0.0 }
+        };
         (0..grid.len()).map(|i| one(i) * grid.scale[i]).collect()
     };
-    let [above, below] = [Side::Above, Side::Below].map(deficit);
-    let total: f64 = (0..grid.regular).map(|i| grid.scale[i] * (above[i] + below[i])).sum();
-    for (operator, out, from) in [
-        (&mut part.above, &above, &above),
-        (&mut part.down, &below, &above),
-        (&mut part.below, &below, &below),
+    let total = |several: &[f64]| -> f64 { (0..grid.regular).map(|i| grid.scale[i] * several[i]).sum() };
+    let [back, across] = [0, 1].map(|way| [Side::Above, Side::Below].map(|side| several(side, way)));
+    let [above, below] = [&back[0], &back[1]].map(|back| total(back));
+    // Alike from both sides, but for the quadrature.
+    let through = (total(&across[0]) * total(&across[1])).sqrt();
+    for (operator, out, from, total) in [
+        (&mut part.above, &back[0], &back[0], above),
+        (&mut part.down, &across[1], &across[0], through),
+        (&mut part.below, &back[1], &back[1], below),
     ] {
-        if let Some(kernel) = &mut operator.kernel {
+        // A face of few and gentle slopes hides nothing.
+        if let Some(kernel) = operator.kernel.as_mut().filter(|_| total > 0.0) {
             let len = out.len();
             *kernel = Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + out[i] * from[j] / total);
         }

@@ -68,6 +68,7 @@ impl<'a> Scatterers<'a> {
     pub(super) fn rough(&mut self, face: &'a Rough, orders: impl FnOnce() -> RoughOrders) -> usize {
         let like = |other: &Rough| {
             other.alpha() == face.alpha()
+                && other.distribution() == face.distribution()
                 && [Side::Above, Side::Below].into_iter().all(|side| other.index(side) == face.index(side))
         };
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Rough { face, .. } if like(face));

@@ -1,0 +1,290 @@
+//! Which side light leaves to that meets several microfacets.
+//!
+//! Heitz's walk over microfacets (E. Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", ACM
+//! Trans. Graph. 35 (4), 58 (2016)) is a walk in the height of the face's plane layer of facets and in the direction's
+//! cosine. Instead of following walkers, the chance to leave above is solved for: it is a function of height C, cosine
+//! and sense of a ray that has just left a facet,
+//!
+//! `E = (leaves above) + integral of rate(C -> C') mean over facets at C' of E(next ray)`,
+//!
+//! iterated on a grid until it stands still. Facets are integrated by a product rule, rays in between by closed
+//! forms over cells of height in which the mean is linear. No chance numbers: equal faces have equal tables.
+//!
+//! Exactly, what crosses is alike from both sides (the walk is reciprocal); on this grid to some 1e-3 of it. That is
+//! mended by [`Split::balanced`].
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::Side;
+use super::deficit::Rule;
+use super::microfacets::{Microfacets, beyond, transmittance};
+
+/// Cosines of each sense on each side.
+const ANGLES: usize = 48;
+/// Heights.
+const HEIGHTS: usize = 25;
+/// Azimuths of facets, over half a turn.
+const AZIMUTHS: usize = 24;
+/// Facets' tilts in each of three parts.
+const TILTS: usize = 16;
+/// Facets that are followed, at most: far more than any light that counts.
+const MOST_FACETS: usize = 1000;
+
+/// On each side, light that comes, and light that leaves.
+const COMES: usize = 0;
+const LEAVES: usize = 1;
+
+/// The share of what one facet loses that goes back to the side where it came from, at the [`cosine`]s of the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Split {
+    back: [[f64; ANGLES]; 2],
+}
+
+impl Split {
+    pub(super) fn new(facets: &Microfacets) -> Self {
+        let (senses, angles) = (rays(facets), cosines());
+        let scattering: Vec<Vec<f64>> = senses.iter().map(|ray| after_a_facet(facets, ray)).collect();
+        let flights: Vec<Flight> = senses.iter().map(Flight::new).collect();
+        let leaves_above = chance_above(&scattering, &flights);
+        let mut split = Self { back: [[0.5; ANGLES]; 2] };
+        for (side, back) in split.back.iter_mut().enumerate() {
+            for (angle, back) in back.iter_mut().enumerate().take(angles.len()) {
+                let ray = number(side, COMES, angle);
+                let above = flights[ray].share_above(&scattering[ray], &leaves_above, &flights, side);
+                *back = if side == 0 { above } else { 1.0 - above }.clamp(1e-6, 1.0 - 1e-6);
+            }
+        }
+        split
+    }
+
+    /// The share at this cosine: a cubic through the four nearest nodes.
+    fn back(&self, side: Side, cosine: f64) -> f64 {
+        let values = &self.back[side as usize];
+        let place = place(cosine);
+        let first = (place.floor() as usize).saturating_sub(1).min(ANGLES - 4);
+        let x = place - first as f64;
+        let term = |i: usize| {
+            let others = (0..4).filter(|&j| j != i).map(|j| (x - j as f64) / (i as f64 - j as f64));
+            values[first + i] * others.product::<f64>()
+        };
+        (0..4).map(term).sum::<f64>().clamp(1e-6, 1.0 - 1e-6)
+    }
+
+    /// What goes `[BACK, ACROSS]` of what one facet loses at this cosine.
+    pub(super) fn of(&self, side: Side, cosine: f64, lost: f64) -> [f64; 2] {
+        let back = self.back(side, cosine);
+        [back * lost, (1.0 - back) * lost]
+    }
+
+    /// With the odds of crossing `exp(-shift)` times as large from above, `exp(shift)` times from below.
+    pub(super) fn balanced(&self, shift: f64) -> Self {
+        let mut split = self.clone();
+        for (back, factor) in split.back.iter_mut().zip([shift.exp(), (-shift).exp()]) {
+            for share in back {
+                *share = *share * factor / (*share * factor + (1.0 - *share));
+            }
+        }
+        split
+    }
+}
+
+/// A ray's place among all: by side, sense and angle.
+fn number(side: usize, sense: usize, angle: usize) -> usize {
+    (2 * side + sense) * ANGLES + angle
+}
+
+/// Cosines to the face's normal, denser towards the face.
+fn cosines() -> [f64; ANGLES] {
+    std::array::from_fn(|k| {
+        let v = k as f64 / (ANGLES - 1) as f64;
+        (FRAC_PI_2 * v.powf(1.5)).sin().clamp(1e-4, 1.0)
+    })
+}
+
+/// Where a cosine lies among them.
+fn place(cosine: f64) -> f64 {
+    (cosine.clamp(0.0, 1.0).asin() / FRAC_PI_2).cbrt().powi(2) * (ANGLES - 1) as f64
+}
+
+/// A height, 0 to 1, dense at the top and at the bottom.
+fn height(j: usize) -> f64 {
+    0.5 * (1.0 - (PI * j as f64 / (HEIGHTS - 1) as f64).cos())
+}
+
+/// A ray between facets, on one side.
+struct Ray {
+    side: usize,
+    sense: usize,
+    /// Wave vector along and away from the face.
+    beta: f64,
+    z: f64,
+    /// Smith's Lambda.
+    hidden: f64,
+}
+
+fn rays(facets: &Microfacets) -> Vec<Ray> {
+    let mut all = Vec::with_capacity(4 * ANGLES);
+    for (side, of) in [Side::Above, Side::Below].into_iter().enumerate() {
+        let n = facets.index(of);
+        for sense in [COMES, LEAVES] {
+            all.extend(cosines().map(|cosine| {
+                let (q, beta) = (n * cosine, n * ((1.0 - cosine) * (1.0 + cosine)).sqrt());
+                let hidden = facets.hidden(q, beta * beta) / q;
+                Ray { side, sense, beta, z: if sense == COMES { -q } else { q }, hidden }
+            }));
+        }
+    }
+    all
+}
+
+/// The ray's next one after a facet: the chance of each, by [`number`].
+fn after_a_facet(facets: &Microfacets, ray: &Ray) -> Vec<f64> {
+    let rule = Rule::new(TILTS);
+    let mut next = vec![0.0; 4 * ANGLES];
+    let [n1, n2] = if ray.side == 0 { [facets.above, facets.below] } else { [facets.below, facets.above] };
+    let w_of = |tilt: f64| (tilt.tan() / facets.alpha).atan();
+    let cuts = [w_of(facets.alpha.sqrt().atan()), w_of(0.25 * PI)];
+    for (w, weight) in rule.points(0.0, FRAC_PI_2, cuts) {
+        let (sin, cos) = w.sin_cos();
+        let length = cos.hypot(facets.alpha * sin);
+        let (h_z, h_t) = (cos / length, facets.alpha * sin / length);
+        let weight = weight * facets.distribution.slopes(w) / h_z;
+        for azimuth in 0..AZIMUTHS {
+            let phi = PI * (azimuth as f64 + 0.5) / AZIMUTHS as f64;
+            let c1 = -(ray.beta * h_t * phi.cos() + ray.z * h_z);
+            if c1 <= 0.0 {
+                continue;
+            }
+            let c2 = beyond(c1, n1, n2);
+            let passes = transmittance(c1, n1, c2, n2);
+            add(&mut next, ray.side, (ray.z + 2.0 * c1 * h_z) / n1, weight * c1 * (1.0 - passes));
+            add(&mut next, 1 - ray.side, -(ray.z + (c1 - c2) * h_z) / n2, weight * c1 * passes);
+        }
+    }
+    let all: f64 = next.iter().sum();
+    if all > 0.0 {
+        next.iter_mut().for_each(|share| *share /= all);
+    }
+    next
+}
+
+/// Shares a weight out between the two cosines beside this one (below 0: light that comes).
+fn add(next: &mut [f64], side: usize, cosine: f64, weight: f64) {
+    let sense = if cosine > 0.0 { LEAVES } else { COMES };
+    let place = place(cosine.abs());
+    let first = (place as usize).min(ANGLES - 2);
+    let right = place - first as f64;
+    let at = number(side, sense, first);
+    next[at] += weight * (1.0 - right);
+    next[at + 1] += weight * right;
+}
+
+/// Free flight over heights, each counted towards the ray's own side.
+struct Flight {
+    sense: usize,
+    /// The chance to meet no other facet, from each height.
+    leaves: [f64; HEIGHTS],
+    /// Between two neighbouring heights: what passes, and what meets a facet, by the value at the lower and at the upper end.
+    cells: [[f64; 3]; HEIGHTS - 1],
+}
+
+impl Flight {
+    fn new(ray: &Ray) -> Self {
+        let rate = if ray.sense == COMES { 1.0 + ray.hidden } else { ray.hidden };
+        let cell = |j: usize| {
+            let ratio = height(j) / height(j + 1);
+            let passes = ratio.powf(rate);
+            if ray.sense == COMES {
+                let mean = rate / (rate + 1.0) * (1.0 - ratio * passes);
+                let upper = (mean - ratio * (1.0 - passes)) / (1.0 - ratio);
+                return [passes, 1.0 - passes - upper, upper];
+            }
+            if ratio == 0.0 {
+                return [0.0, 1.0, 0.0];
+            }
+            // (1 - ratio^(rate - 1))/(rate - 1)
+            let (less, log) = (rate - 1.0, ratio.ln());
+            let mean = if (less * log).abs() < 1e-8 { -log } else { -(less * log).exp_m1() / less };
+            let upper = (rate * mean - (1.0 - passes)) / (1.0 / ratio - 1.0);
+            [passes, 1.0 - passes - upper, upper]
+        };
+        let leaves = |j: usize| match (ray.sense, j) {
+            (COMES, _) => 0.0,
+            // So that the lowest cell, linear, holds what it should: at the bottom itself light never leaves, but so
+            // close to it almost all does where Lambda is small.
+            (_, 0) => height(1).powf(rate) * ((1.0 - rate) / (1.0 + rate)).max(0.0),
+            _ => height(j).powf(rate),
+        };
+        let (cells, leaves) = (std::array::from_fn(cell), std::array::from_fn(leaves));
+        Self { sense: ray.sense, leaves, cells }
+    }
+
+    /// Sets what light has ahead of it at each height, of what there is `after` a facet met at each.
+    fn set(&self, ahead: &mut [f64; HEIGHTS], at_top: f64, after: &[f64; HEIGHTS]) {
+        if self.sense == COMES {
+            ahead[0] = after[0];
+            for (j, [passes, lower, upper]) in self.cells.iter().enumerate() {
+                ahead[j + 1] = passes * ahead[j] + lower * after[j] + upper * after[j + 1];
+            }
+        } else {
+            ahead[HEIGHTS - 1] = at_top;
+            for (j, [passes, lower, upper]) in self.cells.iter().enumerate().rev() {
+                ahead[j] = passes * ahead[j + 1] + lower * after[j] + upper * after[j + 1];
+            }
+            // At the bottom, what does not leave meets what it meets from the next height.
+            let [bottom, next] = [self.leaves[0], self.leaves[1]];
+            let meets = if next < 1.0 { (ahead[1] - next * at_top) / (1.0 - next) } else { 0.0 };
+            ahead[0] = bottom * at_top + (1.0 - bottom) * meets;
+        }
+    }
+
+    /// Of light that comes from outside and meets more than one facet, the share that leaves above.
+    fn share_above(&self, next: &[f64], above: &[[f64; HEIGHTS]], flights: &[Self], side: usize) -> f64 {
+        let [mut to_above, mut all] = [[0.0; HEIGHTS]; 2];
+        for (ray, chance) in next.iter().enumerate().filter(|(_, chance)| **chance > 0.0) {
+            let to = ray / (2 * ANGLES);
+            for j in 0..HEIGHTS {
+                let own = if to == side { j } else { HEIGHTS - 1 - j };
+                let leaves = flights[ray].leaves[own];
+                all[j] += chance * (1.0 - leaves);
+                to_above[j] += chance * (above[ray][own] - if to == 0 { leaves } else { 0.0 });
+            }
+        }
+        let [to_above, all] = [to_above, all].map(|after| {
+            let mut ahead = [0.0; HEIGHTS];
+            self.set(&mut ahead, 0.0, &after);
+            ahead[HEIGHTS - 1]
+        });
+        if all > 0.0 { to_above / all } else { 0.5 }
+    }
+}
+
+/// The chance to leave above, of each ray that has just left a facet at each height (of its own side).
+fn chance_above(scattering: &[Vec<f64>], flights: &[Flight]) -> Vec<[f64; HEIGHTS]> {
+    let mut above = vec![[0.5; HEIGHTS]; flights.len()];
+    for _ in 0..MOST_FACETS {
+        let mut change = 0.0_f64;
+        // From the same values for all: what is found first must not matter.
+        let before = above.clone();
+        for (ray, (flight, next)) in flights.iter().zip(scattering).enumerate() {
+            let side = ray / (2 * ANGLES);
+            let mut after = [0.0; HEIGHTS];
+            for (to, (values, chance)) in before.iter().zip(next).enumerate() {
+                if to / (2 * ANGLES) == side {
+                    after.iter_mut().zip(values).for_each(|(sum, value)| *sum += chance * value);
+                } else {
+                    after.iter_mut().zip(values.iter().rev()).for_each(|(sum, value)| *sum += chance * value);
+                }
+            }
+            let at_top = if side == 0 { 1.0 } else { 0.0 };
+            flight.set(&mut above[ray], at_top, &after);
+        }
+        for (new, old) in above.iter().flatten().zip(before.iter().flatten()) {
+            change = change.max((new - old).abs());
+        }
+        if change < 1e-7 {
+            break;
+        }
+    }
+    above
+}

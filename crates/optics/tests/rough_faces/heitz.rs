@@ -1,0 +1,191 @@
+//! Heitz's walk over microfacets, walker by walker, in unit vectors: written for itself, with other
+//! forms of everything (slopes drawn one after the other, Fresnel by angles, Lambda by angles).
+//!
+//! E. Heitz, J. Hanika, E. d'Eon, C. Dachsbacher, "Multiple-Scattering Microfacet BSDFs with the Smith Model", ACM
+//! Trans. Graph. 35 (4), 58 (2016): heights, algorithm 1; refraction turns the face over.
+
+use std::f64::consts::{PI, TAU};
+
+use papilio_optics::rough::{Distribution, Side};
+use papilio_sampling::{Numbers, Sampler};
+
+/// What a face does to light: means over walkers, and standard errors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shares {
+    /// Returned to the side it came from, after any number of facets.
+    pub(super) back: [f64; 2],
+    /// Left after one facet, to either side.
+    pub(super) one: [f64; 2],
+    /// Returned after more than one.
+    pub(super) several_back: [f64; 2],
+}
+
+/// A face; the walker's medium has index `n[0]` above, `n[1]` below.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Face {
+    pub(super) distribution: Distribution,
+    pub(super) alpha: f64,
+    pub(super) n: [f64; 2],
+}
+
+/// Random numbers without end.
+struct Draws {
+    numbers: Numbers,
+    path: u64,
+    next: u32,
+    four: [f64; 4],
+}
+
+impl Draws {
+    fn draw(&mut self) -> f64 {
+        if self.next % 4 == 0 {
+            self.four = self.numbers.block(self.path, self.next / 4);
+        }
+        self.next += 1;
+        self.four[(self.next as usize - 1) % 4]
+    }
+
+    fn gauss(&mut self) -> f64 {
+        (-2.0 * (1.0 - self.draw()).ln()).sqrt() * (TAU * self.draw()).cos()
+    }
+}
+
+/// A walker that has just left a facet: propagation with z away from its side of the face, height from the other side.
+#[derive(Clone, Copy)]
+struct Walker {
+    side: usize,
+    direction: [f64; 3],
+    height: f64,
+}
+
+impl Face {
+    /// Light from this side at this angle in its medium.
+    pub(super) fn walk(&self, from: Side, theta_deg: f64, walkers: u64, seed: u64) -> Shares {
+        let numbers = Numbers::new(Sampler::Random, seed, 0);
+        let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
+        for path in 0..walkers {
+            let mut draws = Draws { numbers: numbers.clone(), path, next: 0, four: [0.0; 4] };
+            let found = self.walker(from as usize, theta_deg.to_radians(), &mut draws);
+            for k in 0..3 {
+                sums[k] += found[k];
+                squares[k] += found[k] * found[k];
+            }
+        }
+        let mean = |k: usize| {
+            let mean = sums[k] / walkers as f64;
+            [mean, ((squares[k] / walkers as f64 - mean * mean).max(0.0) / walkers as f64).sqrt()]
+        };
+        Shares { back: mean(0), one: mean(1), several_back: mean(2) }
+    }
+
+    /// Back, after one facet, back after several: expected values wherever light may leave.
+    fn walker(&self, from: usize, theta: f64, draws: &mut Draws) -> [f64; 3] {
+        let direction = [theta.sin(), 0.0, -theta.cos()];
+        // It comes from above all heights, and meets a facet for sure.
+        let height = draws.draw().powf(1.0 / (1.0 + self.lambda(theta.cos())));
+        let mut walker = Walker { side: from, direction, height };
+        let (mut weight, mut found) = (1.0, [0.0; 3]);
+        for facet in 0.. {
+            walker = self.facet(walker, draws);
+            let cos = walker.direction[2];
+            let leaves = if cos > 0.0 { walker.height.powf(self.lambda(cos)) } else { 0.0 };
+            let now = weight * leaves;
+            if walker.side == from {
+                found[0] += now;
+                found[2] += if facet > 0 { now } else { 0.0 };
+            }
+            found[1] += if facet == 0 { now } else { 0.0 };
+            weight -= now;
+            if weight < 0.1 {
+                if draws.draw() > 5.0 * weight {
+                    break;
+                }
+                weight = 0.2;
+            }
+            // On to the next height, in the one way or the other, given that it does not leave.
+            walker.height = if cos > 0.0 {
+                let survives = leaves + draws.draw() * (1.0 - leaves);
+                (walker.height / survives.powf(1.0 / self.lambda(cos))).min(1.0)
+            } else {
+                walker.height * draws.draw().powf(1.0 / (1.0 + self.lambda(-cos)))
+            };
+        }
+        found
+    }
+
+    /// Smith's Lambda at an angle of this cosine, above 0.
+    fn lambda(&self, cos: f64) -> f64 {
+        let tan = (1.0 / (cos * cos) - 1.0).max(0.0).sqrt();
+        let a = 1.0 / (self.alpha * tan);
+        match self.distribution {
+            Distribution::Ggx => 0.5 * ((1.0 + 1.0 / (a * a)).sqrt() - 1.0),
+            // Zero slopes hide nothing; from here on it is below 1e-12.
+            Distribution::Beckmann if a > 5.0 => 0.0,
+            Distribution::Beckmann => 0.5 * ((-a * a).exp() / (a * PI.sqrt()) - erfc(a)),
+        }
+    }
+
+    /// After a facet that the walker sees.
+    fn facet(&self, walker: Walker, draws: &mut Draws) -> Walker {
+        let Walker { side, direction, height } = walker;
+        let m = self.normal(direction, draws);
+        let cos_i = -(0..3).map(|k| direction[k] * m[k]).sum::<f64>();
+        let eta = self.n[side] / self.n[1 - side];
+        let sin2_t = eta * eta * (1.0 - cos_i * cos_i);
+        let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
+        let r_s = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+        let r_p = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+        let fresnel = if sin2_t >= 1.0 { 1.0 } else { 0.5 * (r_s * r_s + r_p * r_p) };
+        if draws.draw() < fresnel {
+            let direction = [0, 1, 2].map(|k| direction[k] + 2.0 * cos_i * m[k]);
+            return Walker { side, direction, height };
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| eta * direction[k] + (eta * cos_i - cos_t) * m[k]);
+        // Seen from the other side, what was high is low.
+        Walker { side: 1 - side, direction: [x, y, -z], height: 1.0 - height }
+    }
+
+    /// A normal among those that face the walker, by projected area.
+    fn normal(&self, direction: [f64; 3], draws: &mut Draws) -> [f64; 3] {
+        let (x, y, z) = (-self.alpha * direction[0], -self.alpha * direction[1], -direction[2]);
+        let length = (x * x + y * y + z * z).sqrt();
+        let across = x.hypot(y);
+        let (sin, cos) = (across / length, z / length);
+        let (along, beside) = match self.distribution {
+            // The slope along x has the density (cos + sin t)/(1 + t^2)^(3/2): with t = tan a, that of a is cos(a - theta).
+            Distribution::Ggx => {
+                let theta = sin.atan2(cos);
+                let angle = theta + (draws.draw() * (1.0 + cos) - 1.0).asin();
+                let t = angle.tan();
+                // Given it, the other is Student's with three degrees of freedom, over its root.
+                let squares: f64 = (0..3).map(|_| draws.gauss().powi(2)).sum();
+                (t, (1.0 + t * t).sqrt() * draws.gauss() / squares.sqrt())
+            }
+            Distribution::Beckmann => loop {
+                let (t, s) = (draws.gauss() / 2f64.sqrt(), draws.gauss() / 2f64.sqrt());
+                if draws.draw() * (cos + 5.0 * sin) < cos + t * sin {
+                    break (t, s);
+                }
+            },
+        };
+        let (ux, uy) = if across > 0.0 { (x / across, y / across) } else { (1.0, 0.0) };
+        let (mx, my) = (self.alpha * (ux * along - uy * beside), self.alpha * (uy * along + ux * beside));
+        let norm = (mx * mx + my * my + 1.0).sqrt();
+        [mx / norm, my / norm, 1.0 / norm]
+    }
+}
+
+/// The complementary error function by its continued fraction, or by its series.
+fn erfc(x: f64) -> f64 {
+    if x > 2.0 {
+        let fraction = (1..60).rev().fold(x, |rest, k| x + 0.5 * f64::from(k) / rest);
+        return (-x * x).exp() / (fraction * PI.sqrt());
+    }
+    let (mut term, mut sum) = (x, x);
+    for k in 1..60 {
+        let k = f64::from(k);
+        term *= -x * x / k;
+        sum += term / (2.0 * k + 1.0);
+    }
+    1.0 - 2.0 / PI.sqrt() * sum
+}
