@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { Elsewhere } from "../fields/form.tsx";
 import { draft, problems, text } from "../state/design.ts";
-import { replace } from "../state/live.ts";
+import { retype } from "../state/live.ts";
 
 export function Source() {
   const area = useRef<HTMLTextAreaElement>(null);
@@ -25,7 +25,7 @@ export function Source() {
         defaultValue={shown}
         aria-invalid={problems.value.length > 0}
         aria-describedby="source-errors"
-        onInput={(event) => replace(event.currentTarget.value, "source")}
+        onInput={(event) => retype(event.currentTarget.value)}
       />
       <div id="source-errors">
         <Elsewhere />

@@ -1,15 +1,16 @@
 // From a movement to a new picture: one request is on its way, the newest value waits, nothing queues.
 // A request that has become slow is dropped as soon as something newer waits; the server then stops its work.
 
-import { batch } from "@preact/signals";
+import { batch, computed } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit } from "../api/types.ts";
-import { answer, busy, draft, draftName, pending, problems, text } from "./design.ts";
+import { answer, busy, draft, draftName, held, pending, problems, text } from "./design.ts";
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { said } from "./said.ts";
-import { accepted } from "./undo.ts";
+import { accepted, history, redone, undone } from "./undo.ts";
+import type { Work as Kept } from "./works.ts";
 
 /** A request older than this, and than twice what the last one took, gives way to a newer value, ms. */
 const PATIENCE_MS = 250;
@@ -22,7 +23,8 @@ const BUSY = 503;
 const AGAIN_MS = 700;
 const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => resolve(true), AGAIN_MS));
 
-let running = false;
+/** The requests that are on their way, one after the other, or null. */
+let running: Promise<void> | null = null;
 let dirty = false;
 let gesture = "";
 let lastTook = 0;
@@ -32,15 +34,26 @@ let flight: { abort: AbortController; since: number } | null = null;
 
 /** Changes keys; `name` is the gesture that undo takes as one step. */
 export function edit(edits: readonly Edit[], name = ""): void {
-  pending.value = merged(pending.value, edits);
+  batch(() => {
+    pending.value = merged(pending.value, edits);
+    held.value = null;
+  });
   gesture = name;
   kick();
 }
 
 export const set = (path: string, value: unknown, name = path): void => edit([{ op: "set", path, value }], name);
 
+/** Whether the draft is typed here, and is nowhere else. */
+let typed = false;
+export const isTyped = (): boolean => draft.value !== null && typed;
+
+/** A whole text that is being typed. */
+export const retype = (whole: string): void => replace(whole, "source", "", true);
+
 /** Puts a whole text in the place of the present one. */
-export function replace(whole: string, name = "", file = ""): void {
+function replace(whole: string, name = "", file = "", isTyped = false): void {
+  typed = isTyped;
   batch(() => {
     pending.value = [];
     draft.value = whole;
@@ -66,28 +79,115 @@ function dropRefused(sent: readonly Edit[]): boolean {
 export function putBack(): void {
   batch(() => {
     pending.value = [];
+    held.value = null;
     draft.value = null;
     problems.value = [];
   });
+  flight?.abort.abort();
+  kick();
+}
+
+/** Whether all changes are in the text; false if what waits was refused, or the server is gone. */
+export async function settled(): Promise<boolean> {
+  if (isWaiting() && !running) kick();
+  while (running) await running;
+  return !isWaiting();
+}
+
+const isWaiting = (): boolean => pending.value.length > 0 || draft.value !== null;
+
+/**
+ * Makes a step of undo of what waits, before another text takes its place: edits are put into the text by the
+ * server, whether or not it computes then. False if there is no server to do it.
+ */
+async function leave(): Promise<boolean> {
+  if (held.value !== null) edit([held.value]);
+  while (pending.value.length > 0) {
+    const [base, sent] = [draft.value, pending.value];
+    const whole = base ?? text.value;
+    let scenario = whole;
+    try {
+      ({ scenario } = await api.post<{ scenario: string }>("edit", { scenario: whole, edits: sent }));
+    } catch (why) {
+      if (!(why instanceof api.Refused) || why.status === 0 || why.status === BUSY) {
+        said.value = "The last change waits for Papilio, which does not answer: nothing else is opened before.";
+        return false;
+      }
+      said.value = `A change that does not fit was put back: ${why.message}`;
+    }
+    // An answer may have taken the edits meanwhile.
+    if (draft.value !== base || (base === null && text.value !== whole)) continue;
+    batch(() => {
+      pending.value = pending.value.filter((edit) => !sent.includes(edit));
+      draft.value = scenario;
+      accepted(scenario, "");
+    });
+  }
+  if (isTyped()) accepted(draft.value!, "");
+  return true;
+}
+
+/** Opens a whole text in the place of the present one, which becomes a step of undo with all that waits. */
+export async function open(whole: string, file = ""): Promise<boolean> {
+  if (!(await leave())) return false;
+  replace(whole, "", file);
+  return true;
+}
+
+/** Whether something waits that is no step of undo yet. */
+export const isNew = computed(
+  () => pending.value.length > 0 || (draft.value !== null && draft.value !== history.value.present),
+);
+
+/** One step back; from what was refused, or is being opened, to the design that computes. */
+export async function undo(): Promise<void> {
+  const refusedEdits = pending.value.length > 0 && !running && problems.value.length > 0;
+  if (refusedEdits || (isNew.value && pending.value.length === 0 && !typed)) return putBack();
+  if (await leave()) step(undone());
+}
+
+export function redo(): void {
+  if (!isNew.value) step(redone());
+}
+
+const step = (whole: string | null): void => {
+  if (whole !== null) replace(whole);
+};
+
+/** Goes on where a tab, or an earlier visit, ended. */
+export function resume(work: Kept): void {
+  typed = work.typed;
+  batch(() => {
+    text.value = work.text;
+    draft.value = work.draft;
+    draftName.value = work.draftName;
+    pending.value = work.pending;
+    held.value = null;
+    problems.value = [];
+  });
+  gesture = "";
+  refused = [];
   kick();
 }
 
 /** Asks again, nothing having changed here: after a file came back, say. */
 export function kick(): void {
   dirty = true;
-  if (!running) void run();
+  if (!running) running = run();
   else if (flight && performance.now() - flight.since > patience()) flight.abort.abort();
 }
 
 const patience = (): number => Math.max(PATIENCE_MS, 2 * lastTook);
 
 async function run(): Promise<void> {
-  running = true;
-  while (dirty) {
-    dirty = false;
-    await once();
+  try {
+    while (dirty) {
+      dirty = false;
+      await once();
+    }
+  } finally {
+    running = null;
   }
-  running = false;
 }
 
 async function once(): Promise<void> {

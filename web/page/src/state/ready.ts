@@ -1,0 +1,46 @@
+// Before a design leaves the page (saved, linked, exported, walked, pinned), all changes must be in it.
+
+import type { Edit } from "../api/types.ts";
+import { at, type Json } from "../model/json.ts";
+import { words } from "../model/words.ts";
+import { answer, draft, draftName, pending, problems } from "./design.ts";
+import { settled } from "./live.ts";
+import { said } from "./said.ts";
+
+/** Waiting longer than this is said, ms. */
+const SAID_MS = 400;
+/** So many refused values are named. */
+const NAMED = 2;
+
+/** A value in a few letters. */
+const short = (value: unknown): string => {
+  const text = JSON.stringify(value) ?? "nothing";
+  return text.length > 40 ? `${text.slice(0, 39)}…` : text;
+};
+
+/** What an edit wants, and what the design holds instead. */
+function instead(edit: Edit): string {
+  if (edit.op !== "set") return `a change of ${edit.path}`;
+  const now = at((answer.value?.fields ?? null) as Json, edit.path);
+  return `${edit.path} = ${short(edit.value)} (the design that computes holds ${now === undefined ? "none" : short(now)})`;
+}
+
+/** Why what waits is not in the design: the words of the refusal, and what it concerns. */
+export function refusal(): string {
+  const why = problems.value[0] ? words(problems.value[0]) : "It does not compute.";
+  if (draft.value !== null) return `${draftName.value || "the text as it was typed"} does not compute: ${why}`;
+  const named = pending.value.slice(-NAMED).map(instead).join(", ");
+  return `not taken: ${named}. ${why}`;
+}
+
+/**
+ * Waits until everything that was changed is in the text; otherwise says why it is not, and that nothing was
+ * `done` (saved, linked).
+ */
+export async function ready(done: string): Promise<boolean> {
+  const slow = setTimeout(() => (said.value = "Waiting for the last change, which is being computed…"), SAID_MS);
+  const all = await settled();
+  clearTimeout(slow);
+  if (!all) said.value = `Not ${done}; ${refusal()} Mend it or put it back, then try again.`;
+  return all;
+}
