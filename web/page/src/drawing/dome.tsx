@@ -328,12 +328,7 @@ export function Dome() {
           <g key={i}>
             {now && <path class="sight" d={`M${CENTRE.x} ${CENTRE.y}L${x} ${y}`} />}
             {path ? (
-              <Handle
-                path={path}
-                select="viewer"
-                {...here}
-                name={viewers.length > 1 ? `Viewer ${i + 1}` : "Viewer"}
-              >
+              <Handle path={path} select="viewer" {...here} name={viewers.length > 1 ? `Viewer ${i + 1}` : "Viewer"}>
                 <Eye />
               </Handle>
             ) : (

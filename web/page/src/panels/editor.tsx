@@ -79,7 +79,13 @@ function enter(room: string): void {
 export function Room() {
   const now = /^\s*preset\s*=\s*"([^"]+)"/m.exec(text.value)?.[1] ?? "";
   return (
-    <Menu class="room" label={now ? `Room preset: ${now}` : undefined} items={PRESETS.value} chosen={now} choose={enter}>
+    <Menu
+      class="room"
+      label={now ? `Room preset: ${now}` : undefined}
+      items={PRESETS.value}
+      chosen={now}
+      choose={enter}
+    >
       {now || "Room or standard"}
     </Menu>
   );

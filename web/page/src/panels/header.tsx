@@ -67,7 +67,13 @@ async function openExample(name: string): Promise<void> {
 
 /** When a design was last changed, for a list. */
 const when = (at: number): string =>
-  new Date(at).toLocaleString(undefined, { weekday: "short", day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+  new Date(at).toLocaleString(undefined, {
+    weekday: "short",
+    day: "numeric",
+    month: "short",
+    hour: "2-digit",
+    minute: "2-digit",
+  });
 
 /** What a design is exported as: the command line's own files. */
 const EXPORTS = [
@@ -128,7 +134,12 @@ export function Header() {
         spellcheck={false}
       />
       <div class="tools">
-        <button type="button" disabled={!canUndo.value && !isNew.value} onClick={() => void undo()} title="Undo (Ctrl+Z)">
+        <button
+          type="button"
+          disabled={!canUndo.value && !isNew.value}
+          onClick={() => void undo()}
+          title="Undo (Ctrl+Z)"
+        >
           Undo
         </button>
         <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">
@@ -157,7 +168,11 @@ export function Header() {
         <button type="button" onClick={() => void copyLink()}>
           Link
         </button>
-        <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : void pin())}>
+        <button
+          type="button"
+          aria-pressed={pinned.value !== null}
+          onClick={() => (pinned.value ? unpin() : void pin())}
+        >
           {pinned.value ? "Unpin" : "Pin"}
         </button>
         <button type="button" class="run" onClick={runWalk}>

@@ -74,7 +74,8 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
     if (!isOpen || !menu.current || !button.current) return undefined;
     place(menu.current, button.current);
     const all = itemsOf(menu.current);
-    const start = all.find((item) => item.getAttribute("aria-checked") === "true") ?? all.at(open.value === "last" ? -1 : 0);
+    const start =
+      all.find((item) => item.getAttribute("aria-checked") === "true") ?? all.at(open.value === "last" ? -1 : 0);
     start?.focus();
     const away = (event: Event) => {
       const to = event.target as Element;
@@ -129,7 +130,13 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
         {children}
       </button>
       {isOpen && (
-        <ul ref={menu} class="menu" role="menu" aria-label={label ?? (typeof children === "string" ? children : undefined)} onKeyDown={pressMenu}>
+        <ul
+          ref={menu}
+          class="menu"
+          role="menu"
+          aria-label={label ?? (typeof children === "string" ? children : undefined)}
+          onKeyDown={pressMenu}
+        >
           {items.map(({ name, label: words, summary }) => (
             <li key={name} role="none">
               <button

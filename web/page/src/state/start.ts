@@ -11,10 +11,11 @@ import { merged } from "./edits.ts";
 import { adopt, keptIds, recallFiles, recallFormer } from "./files.ts";
 import { forgetUnused } from "./keep.ts";
 import { isTyped, open, resume } from "./live.ts";
+import { mirrored } from "./mirror.ts";
 import { pinned, repin, unpin } from "./pin.ts";
 import { said } from "./said.ts";
 import { history, resume as resumeSteps } from "./undo.ts";
-import { keeper, type Earlier, type Now, type Steps, type Work } from "./works.ts";
+import { keeper, STEPS, WORK, type Earlier, type Keeper, type Now, type Steps, type Work } from "./works.ts";
 
 /** A storage of the browser, or null where it gives none. */
 function place(which: "localStorage" | "sessionStorage"): Storage | null {
@@ -25,7 +26,14 @@ function place(which: "localStorage" | "sessionStorage"): Storage | null {
   }
 }
 
-const works = keeper(place("sessionStorage"), place("localStorage"), (words) => (said.value = words));
+let works: Keeper;
+
+/** Takes the browser's storages into use. */
+async function openWorks(): Promise<void> {
+  const all = place("localStorage");
+  const say = (words: string): void => void (said.value = words);
+  works = keeper(place("sessionStorage"), all && (await mirrored(all, WORK, STEPS)), say);
+}
 
 /** The scenario that the server was started with when this tab last asked. */
 let started = "";
@@ -114,7 +122,7 @@ async function follow(scenario: string): Promise<void> {
 
 /** A link's scenario; or that of the command line, where it is a new one; or that of the last visit. */
 export async function begin(): Promise<void> {
-  const [link, first] = await Promise.all([linked(), api.get<Start>("start")]);
+  const [link, first] = await Promise.all([linked(), api.get<Start>("start"), openWorks()]);
   const loaded = works.load();
   const isNew = loaded?.work.started !== first.name;
   started = first.name;
@@ -141,13 +149,17 @@ export async function begin(): Promise<void> {
 
 /** Looks for links that are opened here, and for designs of other tabs as they come and go. */
 function watch(): void {
-  addEventListener("hashchange", () => void linked().then((scenario) => (scenario === null ? undefined : follow(scenario))));
+  addEventListener(
+    "hashchange",
+    () => void linked().then((scenario) => (scenario === null ? undefined : follow(scenario))),
+  );
   addEventListener("storage", ({ oldValue, newValue }) => (oldValue === null || newValue === null) && lookForEarlier());
   lookForEarlier();
 }
 
 /** Goes on with an earlier design; what was open is among them then. */
 export async function takeUp(id: string): Promise<void> {
+  const others = works.earlier().length;
   const work = works.take(id);
   if (work === null) return lookForEarlier();
   await recallFiles(work.files);
@@ -157,6 +169,7 @@ export async function takeUp(id: string): Promise<void> {
   // A reload goes on with it, too.
   works.keep(now(), history.value, false);
   lookForEarlier();
-  said.value = `“${work.title}” is open again, as it was left; the design before it is under Earlier.`;
+  const isThere = earlier.value.length === others;
+  said.value = `“${work.title}” is open again, as it was left${isThere ? "; the design before it is under Earlier" : ""}.`;
   await pinAgain();
 }

@@ -58,8 +58,8 @@ export type Place = Pick<Storage, "getItem" | "setItem" | "removeItem" | "key" |
 
 const OWN = "papilio.tab";
 const OWN_STEPS = "papilio.tab.steps";
-const WORK = "papilio.work.";
-const STEPS = "papilio.steps.";
+export const WORK = "papilio.work.";
+export const STEPS = "papilio.steps.";
 /** Where all tabs had one record together. */
 const FORMER = "papilio.design";
 
@@ -189,7 +189,10 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
 
   /** Room for what is new: the oldest steps of designs that are not open here go first. */
   const room = (whole: boolean): boolean => {
-    const last = all === null ? undefined : heads().findLast((kept) => kept.id !== id && (whole || all.getItem(STEPS + kept.id) !== null));
+    const last =
+      all === null
+        ? undefined
+        : heads().findLast((kept) => kept.id !== id && (whole || all.getItem(STEPS + kept.id) !== null));
     if (!last) return false;
     if (whole) drop(last.id);
     else all!.removeItem(STEPS + last.id);
@@ -202,7 +205,13 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
   };
 
   /** Writes both parts, the steps first: where a crash parts them, a step stands twice and none is missing. */
-  const put = (place: Place, [head, tail]: readonly [string, string], now: Kept, of: Steps, before: Steps | null): void => {
+  const put = (
+    place: Place,
+    [head, tail]: readonly [string, string],
+    now: Kept,
+    of: Steps,
+    before: Steps | null,
+  ): void => {
     let left = of;
     // Another tab may have taken the steps away with a record that it went on from.
     let same = before?.past === of.past && before.future === of.future && place.getItem(tail) !== null;
@@ -228,7 +237,8 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     if (tab !== null) put(tab, [OWN, OWN_STEPS], own, of, steps);
     steps = of;
     if (all === null || !changed) {
-      if (tab === null && all === null) tell("This browser keeps nothing: a reload begins anew. Save what you want to keep.");
+      if (tab === null && all === null)
+        tell("This browser keeps nothing: a reload begins anew. Save what you want to keep.");
       return;
     }
     put(all, [WORK + id, STEPS + id], kept, of, shared);

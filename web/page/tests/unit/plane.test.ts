@@ -37,7 +37,10 @@ test("outside the plane of drawing a lamp stands within the half circle", () => 
   assert.ok(x > 0 && x < 0.35 && Math.hypot(x, y) < 1);
   // A mirror turns the direction half around the normal.
   const [mx, my, mz] = vector(mirrored({ theta: 40, phi: 60 }));
-  close([mx, my, mz], [-1, -1, 1].map((sign, i) => sign * vector({ theta: 40, phi: 60 })[i]!));
+  close(
+    [mx, my, mz],
+    [-1, -1, 1].map((sign, i) => sign * vector({ theta: 40, phi: 60 })[i]!),
+  );
 });
 
 test("which directions lie in the plane", () => {

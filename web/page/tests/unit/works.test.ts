@@ -242,6 +242,11 @@ test("a record of a former version, and one that is broken", () => {
   const all = new Room(new Map([["papilio.design", JSON.stringify({ text: "old", past: ["older"], pinned: null })]]));
   const { work, own } = opened(new Room(), all).load()!;
   assert.deepEqual([work.text, work.past, own], ["old", ["older"], false]);
-  const broken = new Room(new Map([["papilio.work.x", "{"], ["papilio.work.y", '{"id":"y"}']]));
+  const broken = new Room(
+    new Map([
+      ["papilio.work.x", "{"],
+      ["papilio.work.y", '{"id":"y"}'],
+    ]),
+  );
   assert.equal(opened(new Room(new Map([["papilio.tab", "[1"]])), broken).load(), null);
 });
