@@ -28,6 +28,9 @@ let running: Promise<void> | null = null;
 let dirty = false;
 let gesture = "";
 let lastTook = 0;
+/** Whether the server gave no answer at all, last. */
+let isGone = false;
+export const isUnanswered = (): boolean => isGone;
 /** The edits that were refused last. */
 let refused: readonly Edit[] = [];
 let flight: { abort: AbortController; since: number } | null = null;
@@ -202,6 +205,7 @@ async function once(): Promise<void> {
   try {
     const live = await api.live({ scenario: base ?? text.value, files: fileIds.value }, sent, abort.signal);
     lastTook = performance.now() - since;
+    isGone = false;
     if (draft.value !== base) return;
     batch(() => {
       text.value = live.scenario;
@@ -215,6 +219,7 @@ async function once(): Promise<void> {
   } catch (why) {
     if (abort.signal.aborted) return;
     const refusal = why instanceof api.Refused ? why : new api.Refused(0, [{ message: String(why) }]);
+    isGone = refusal.status === 0;
     if (refusal.status === BUSY) dirty = await pause();
     else if ((await sendAgain(refusal)) || dropRefused(sent)) dirty = true;
     else problems.value = refusal.problems;

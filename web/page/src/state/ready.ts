@@ -4,7 +4,7 @@ import type { Edit } from "../api/types.ts";
 import { at, type Json } from "../model/json.ts";
 import { words } from "../model/words.ts";
 import { answer, draft, draftName, pending, problems } from "./design.ts";
-import { settled } from "./live.ts";
+import { isUnanswered, settled } from "./live.ts";
 import { said } from "./said.ts";
 
 /** Waiting longer than this is said, ms. */
@@ -26,7 +26,7 @@ function instead(edit: Edit): string {
 }
 
 /** Why what waits is not in the design: the words of the refusal, and what it concerns. */
-export function refusal(): string {
+function refusal(): string {
   const why = problems.value[0] ? words(problems.value[0]) : "It does not compute.";
   if (draft.value !== null) return `${draftName.value || "the text as it was typed"} does not compute: ${why}`;
   const named = pending.value.slice(-NAMED).map(instead).join(", ");
@@ -41,6 +41,9 @@ export async function ready(done: string): Promise<boolean> {
   const slow = setTimeout(() => (said.value = "Waiting for the last change, which is being computed…"), SAID_MS);
   const all = await settled();
   clearTimeout(slow);
-  if (!all) said.value = `Not ${done}; ${refusal()} Mend it or put it back, then try again.`;
+  if (!all)
+    said.value = isUnanswered()
+      ? `Not ${done}: Papilio does not answer, and the last change waits for it. It is kept here.`
+      : `Not ${done}; ${refusal()} Mend it or put it back, then try again.`;
   return all;
 }

@@ -159,6 +159,12 @@ for (const [width, height] of [
 ] as const) {
   test(`nothing is cut off at ${width} x ${height}`, async () => {
     const page = await on.visit({ viewport: { width, height } });
+    // The head is fullest with a design of another tab.
+    await page.evaluate(() => {
+      localStorage.setItem("papilio.work.x", JSON.stringify({ id: "x", text: "", title: "Another one" }));
+      dispatchEvent(new StorageEvent("storage"));
+    });
+    await page.getByRole("button", { name: "Earlier" }).waitFor();
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(wide <= width, `${wide} px wide`);
     const cut = await page.evaluate(() =>
