@@ -40,6 +40,9 @@ function place(menu: HTMLElement, button: HTMLElement): void {
   menu.style.top = up ? `${at.top - Math.min(menu.scrollHeight + 2, above)}px` : `${at.bottom + 2}px`;
 }
 
+/** A summary without the marks of code and emphasis. */
+const plain = (summary: string): string => summary.replace(/[`*]/g, "");
+
 const itemsOf = (menu: HTMLElement | null): HTMLElement[] => [
   ...(menu?.querySelectorAll<HTMLElement>("[role^=menuitem]") ?? []),
 ];
@@ -148,7 +151,7 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
                 onClick={() => take(name)}
               >
                 <span>{words ?? name}</span>
-                {summary && <small>{summary}</small>}
+                {summary && <small>{plain(summary)}</small>}
               </button>
             </li>
           ))}

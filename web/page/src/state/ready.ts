@@ -18,19 +18,25 @@ const short = (value: unknown): string => {
   return text.length > 40 ? `${text.slice(0, 39)}…` : text;
 };
 
-/** What an edit wants, and what the design holds instead. */
-function instead(edit: Edit): string {
-  if (edit.op !== "set") return `a change of ${edit.path}`;
-  const now = at((answer.value?.fields ?? null) as Json, edit.path);
-  return `${edit.path} = ${short(edit.value)} (the design that computes holds ${now === undefined ? "none" : short(now)})`;
+/** What an edit wants. */
+const wanted = (edit: Edit): string =>
+  edit.op === "set" ? `${edit.path} = ${short(edit.value)}` : `a change of ${edit.path}`;
+
+/** What the design holds instead of what an edit wants. */
+function instead({ path }: Edit): string {
+  const now = at((answer.value?.fields ?? null) as Json, path);
+  return now === undefined ? `no ${path}` : `${path} = ${short(now)}`;
 }
 
-/** Why what waits is not in the design: the words of the refusal, and what it concerns. */
+const sentence = (text: string): string => (/[.!?]$/.test(text) ? text : `${text}.`);
+
+/** What was refused and why, and what the design holds instead. */
 function refusal(): string {
-  const why = problems.value[0] ? words(problems.value[0]) : "It does not compute.";
-  if (draft.value !== null) return `${draftName.value || "the text as it was typed"} does not compute: ${why}`;
-  const named = pending.value.slice(-NAMED).map(instead).join(", ");
-  return `not taken: ${named}. ${why}`;
+  const why = sentence(problems.value[0] ? words(problems.value[0]) : "It does not compute");
+  if (draft.value !== null) return `${draftName.value || "the text as it was typed"} does not compute. ${why}`;
+  const last = pending.value.slice(-NAMED);
+  const holds = last.map(instead).join(", ");
+  return `${last.map(wanted).join(", ")} was refused. ${why} The design that is shown holds ${holds}.`;
 }
 
 /**
@@ -44,6 +50,6 @@ export async function ready(done: string): Promise<boolean> {
   if (!all)
     said.value = isUnanswered()
       ? `Not ${done}: Papilio does not answer, and the last change waits for it. It is kept here.`
-      : `Not ${done}; ${refusal()} Mend it or put it back, then try again.`;
+      : `Not ${done}: ${refusal()} Mend it or put it back, then try again.`;
   return all;
 }

@@ -121,10 +121,11 @@ test("menus: nothing is done by moving through them, and the focus comes back", 
   const room = await focused();
   assert.match(room, /^s/);
   await page.keyboard.press("Space");
-  await settled(page);
-  assert.match(await saved(page), new RegExp(`preset = "${room}"`));
   const chosen = page.getByRole("button", { name: `Room preset: ${room}` });
+  await chosen.waitFor();
   assert.ok(await chosen.evaluate((e) => e === document.activeElement), "the focus is at the menu's button again");
+  assert.match(await saved(page), new RegExp(`preset = "${room}"`));
+  await chosen.focus();
   await page.keyboard.press("ArrowDown");
   assert.equal(await focused(), room, "the one that is in use has the focus");
   await page.mouse.click(700, 500);
