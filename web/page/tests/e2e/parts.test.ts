@@ -64,8 +64,8 @@ test("every model of diffuser and pixel, every room", { timeout: 120_000 }, asyn
     await page.locator('[id="f-display.pixel-model"]').selectOption(model);
     await computes(page, model);
   }
-  for (const room of await itemsOf(page, /^Room /)) {
-    await choose(page, /^Room /, room);
+  for (const room of await itemsOf(page, /^Room (or|preset)/)) {
+    await choose(page, /^Room (or|preset)/, room);
     await computes(page, room);
   }
   // A light that only the room's preset gives is moved like any other.
