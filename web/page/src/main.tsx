@@ -7,7 +7,7 @@ import { App } from "./app.tsx";
 import { Schema, type Node } from "./model/schema.ts";
 import { acceptDrops } from "./panels/drop.tsx";
 import { schema, startProblems } from "./state/design.ts";
-import { redo, undo } from "./state/live.ts";
+import { redo, undo } from "./state/open.ts";
 import { fillShelf } from "./state/shelf.ts";
 import { begin } from "./state/start.ts";
 import { followTheme } from "./state/theme.ts";

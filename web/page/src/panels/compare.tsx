@@ -9,7 +9,7 @@ import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
 import { result, selected, states, text, title, view } from "../state/design.ts";
-import { open } from "../state/live.ts";
+import { open } from "../state/open.ts";
 import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
 
 const shown = (value: Json | undefined): string =>

@@ -1,7 +1,7 @@
 // Files that come onto the page: scenarios are opened, everything else is sent to be audited.
 
 import { add } from "../state/files.ts";
-import { open } from "../state/live.ts";
+import { open } from "../state/open.ts";
 import { openTab } from "../state/tab.ts";
 
 /** A scenario longer than this is none, bytes. */

@@ -1,7 +1,7 @@
 // From a movement to a new picture: one request is on its way, the newest value waits, nothing queues.
 // A request that has become slow is dropped as soon as something newer waits; the server then stops its work.
 
-import { batch, computed } from "@preact/signals";
+import { batch } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit } from "../api/types.ts";
@@ -9,7 +9,7 @@ import { answer, busy, draft, draftName, held, pending, problems, text } from ".
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { said } from "./said.ts";
-import { accepted, history, redone, undone } from "./undo.ts";
+import { accepted, undone } from "./undo.ts";
 import type { Work as Kept } from "./works.ts";
 
 /** A request older than this, and than twice what the last one took, gives way to a newer value, ms. */
@@ -18,7 +18,7 @@ const PATIENCE_MS = 250;
 const SHOWN_MS = 300;
 
 /** All places are taken: the server asks to come again. */
-const BUSY = 503;
+export const BUSY = 503;
 /** It is asked again after so many ms. */
 const AGAIN_MS = 700;
 const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => resolve(true), AGAIN_MS));
@@ -54,8 +54,8 @@ export const isTyped = (): boolean => draft.value !== null && typed;
 /** A whole text that is being typed. */
 export const retype = (whole: string): void => replace(whole, "source", "", true);
 
-/** Puts a whole text in the place of the present one. */
-function replace(whole: string, name = "", file = "", isTyped = false): void {
+/** Puts a whole text in the place of the present one, and of all that waits. */
+export function replace(whole: string, name = "", file = "", isTyped = false): void {
   typed = isTyped;
   batch(() => {
     pending.value = [];
@@ -78,8 +78,15 @@ function dropRefused(sent: readonly Edit[]): boolean {
   return true;
 }
 
-/** Drops what was refused. */
+/** Whether edits wait because they were refused. */
+export const isRefused = (): boolean => pending.value.length > 0 && !running && problems.value.length > 0;
+
+/** Drops what was refused; a text that was typed comes back with redo. */
 export function putBack(): void {
+  if (isTyped()) {
+    accepted(draft.value!, "");
+    undone();
+  }
   batch(() => {
     pending.value = [];
     held.value = null;
@@ -98,64 +105,6 @@ export async function settled(): Promise<boolean> {
 }
 
 const isWaiting = (): boolean => pending.value.length > 0 || draft.value !== null;
-
-/**
- * Makes a step of undo of what waits, before another text takes its place: edits are put into the text by the
- * server, whether or not it computes then. False if there is no server to do it.
- */
-async function leave(): Promise<boolean> {
-  if (held.value !== null) edit([held.value]);
-  while (pending.value.length > 0) {
-    const [base, sent] = [draft.value, pending.value];
-    const whole = base ?? text.value;
-    let scenario = whole;
-    try {
-      ({ scenario } = await api.post<{ scenario: string }>("edit", { scenario: whole, edits: sent }));
-    } catch (why) {
-      if (!(why instanceof api.Refused) || why.status === 0 || why.status === BUSY) {
-        said.value = "The last change waits for Papilio, which does not answer: nothing else is opened before.";
-        return false;
-      }
-      said.value = `A change that does not fit was put back: ${why.message}`;
-    }
-    // An answer may have taken the edits meanwhile.
-    if (draft.value !== base || (base === null && text.value !== whole)) continue;
-    batch(() => {
-      pending.value = pending.value.filter((edit) => !sent.includes(edit));
-      draft.value = scenario;
-      accepted(scenario, "");
-    });
-  }
-  if (isTyped()) accepted(draft.value!, "");
-  return true;
-}
-
-/** Opens a whole text in the place of the present one, which becomes a step of undo with all that waits. */
-export async function open(whole: string, file = ""): Promise<boolean> {
-  if (!(await leave())) return false;
-  replace(whole, "", file);
-  return true;
-}
-
-/** Whether something waits that is no step of undo yet. */
-export const isNew = computed(
-  () => pending.value.length > 0 || (draft.value !== null && draft.value !== history.value.present),
-);
-
-/** One step back; from what was refused, or is being opened, to the design that computes. */
-export async function undo(): Promise<void> {
-  const refusedEdits = pending.value.length > 0 && !running && problems.value.length > 0;
-  if (refusedEdits || (isNew.value && pending.value.length === 0 && !typed)) return putBack();
-  if (await leave()) step(undone());
-}
-
-export function redo(): void {
-  if (!isNew.value) step(redone());
-}
-
-const step = (whole: string | null): void => {
-  if (whole !== null) replace(whole);
-};
 
 /** Goes on where a tab, or an earlier visit, ended. */
 export function resume(work: Kept): void {

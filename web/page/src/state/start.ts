@@ -10,8 +10,9 @@ import { answer, draft, draftName, held, pending, text, title } from "./design.t
 import { merged } from "./edits.ts";
 import { adopt, keptIds, recallFiles, recallFormer } from "./files.ts";
 import { forgetUnused } from "./keep.ts";
-import { isTyped, open, resume } from "./live.ts";
+import { isTyped, resume } from "./live.ts";
 import { mirrored } from "./mirror.ts";
+import { open } from "./open.ts";
 import { pinned, repin, unpin } from "./pin.ts";
 import { said } from "./said.ts";
 import { history, resume as resumeSteps } from "./undo.ts";

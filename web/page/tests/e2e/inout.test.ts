@@ -161,6 +161,26 @@ test("after a refused value Save, Link, Export, Pin and Run say so, and take not
   );
 });
 
+test("a change on its way is in the text that is typed; a typed text that was put back comes again", async () => {
+  const page = await on.visit();
+  await slow(page, 700);
+  await type(page, "display.diffuser.haze", "0.66");
+  await page.getByRole("button", { name: "TOML" }).click();
+  const source = page.locator("#source");
+  await page.waitForFunction(() => /haze = 0\.66/.test(document.querySelector<HTMLTextAreaElement>("#source")!.value));
+  await source.fill(`# mine\n${await source.inputValue()}`);
+  assert.match(await saved(page), /^# mine\n[\s\S]*haze = 0\.66/);
+  await source.fill("broken =");
+  await page.locator("#source-errors .error").first().waitFor();
+  await page.getByRole("button", { name: "Drawing" }).click();
+  await page.getByRole("button", { name: "Put it back" }).click();
+  assert.match(await saved(page), /^# mine\n/);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.getByRole("button", { name: "TOML" }).click();
+  await page.waitForFunction(() => document.querySelector<HTMLTextAreaElement>("#source")?.value === "broken =");
+  on.complaints.splice(0);
+});
+
 test("undo and redo survive a reload", async () => {
   const page = await on.visit();
   await type(page, "display.diffuser.haze", "0.61");
