@@ -41,6 +41,8 @@ let started = "";
 /** What the address or the command line opened: nothing is lost with it. */
 let given: string | null = null;
 let isTouched = false;
+/** Files of the scenario that the server was started with. */
+let adopted: Readonly<Record<string, string>> = {};
 /** The design as it was last written: its title stands until there is an answer. */
 let last: Work | null = null;
 
@@ -76,8 +78,9 @@ const isSame = (a: Now & Steps, b: Now & Steps): boolean =>
 /** Whether there is anything to lose: more than what was opened for the reader. */
 function isChanged(work: Work): boolean {
   const waits = work.pending.length > 0 || (work.draft !== null && work.draft !== given);
+  const hasFiles = Object.keys(work.files).some((name) => !(name in adopted));
   const isGiven = given !== null && (work.text === given || work.draft === given);
-  isTouched ||= waits || work.pinned !== null || (!isGiven && work.past.length + work.future.length > 0);
+  isTouched ||= waits || hasFiles || work.pinned !== null || (!isGiven && work.past.length + work.future.length > 0);
   return isTouched;
 }
 
@@ -127,7 +130,8 @@ export async function begin(): Promise<void> {
   const loaded = works.load();
   const isNew = loaded?.work.started !== first.name;
   started = first.name;
-  adopt(first.files);
+  adopted = first.files;
+  adopt(adopted);
   await recallFormer();
   if (loaded !== null) {
     await recallFiles(loaded.work.files);

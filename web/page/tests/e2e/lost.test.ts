@@ -50,9 +50,11 @@ async function launched(profile: string): Promise<{ page: Page; kill(): Promise<
 
 test("a browser that is killed has lost nothing that it had a moment to write", { timeout: 120_000 }, async () => {
   const profile = mkdtempSync(join(tmpdir(), "papilio-browser-"));
+  const open: { kill(): Promise<void> }[] = [];
   try {
     for (const haze of ["0.61", "0.62", "0.63"]) {
       const first = await launched(profile);
+      open.push(first);
       await first.page.goto(on.url);
       await first.page.locator(".bench").waitFor();
       await type(first.page, "display.diffuser.haze", haze);
@@ -60,9 +62,10 @@ test("a browser that is killed has lost nothing that it had a moment to write", 
       on.halt(true);
       await first.page.locator(".title").fill(`Half typed ${haze}`);
       await first.page.waitForTimeout(300);
-      await first.kill();
+      await open.pop()!.kill();
       on.halt(false);
       const second = await launched(profile);
+      open.push(second);
       await second.page.goto(on.url);
       await second.page.locator(".bench").waitFor();
       await settled(second.page);
@@ -72,9 +75,11 @@ test("a browser that is killed has lost nothing that it had a moment to write", 
       assert.match(text, new RegExp(`haze = ${haze}`));
       assert.match(text, new RegExp(`title = "Half typed ${haze}"`));
       await second.page.getByRole("button", { name: "Undo" }).click();
-      await second.kill();
+      await open.pop()!.kill();
     }
   } finally {
-    rmSync(profile, { recursive: true, force: true });
+    on.halt(false);
+    for (const browser of open) await browser.kill();
+    rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
   }
 });
