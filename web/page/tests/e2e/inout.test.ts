@@ -178,7 +178,12 @@ test("a change on its way is in the text that is typed; a typed text that was pu
   await page.getByRole("button", { name: "Redo" }).click();
   await page.getByRole("button", { name: "TOML" }).click();
   await page.waitForFunction(() => document.querySelector<HTMLTextAreaElement>("#source")?.value === "broken =");
-  on.complaints.splice(0);
+  await page.locator("#source-errors .error").first().waitFor();
+  const refusals = on.complaints.splice(0);
+  assert.ok(
+    refusals.every((words) => /status of 422/.test(words)),
+    refusals.join(),
+  );
 });
 
 test("undo and redo survive a reload", async () => {
