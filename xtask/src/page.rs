@@ -12,7 +12,7 @@ const NPM: Needs = Needs { tool: &["npm"], install: "install Node.js 20 or later
 /// Names of the browser that the end-to-end tests drive; the variable `CHROMIUM` names another one.
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// Which end-to-end tests: the one flow of every day, or all of them.
+/// Which end-to-end tests: the flow of every day with one mishap of each kind, or all of them, with fifty mishaps.
 pub(crate) const EVERYDAY: &str = "flow";
 /// All of them.
 pub(crate) const ALL: &str = "full";

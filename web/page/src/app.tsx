@@ -25,7 +25,8 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy, problems, startProblems } from "./state/design.ts";
+import { answer, busy, draft, problems, startProblems, text } from "./state/design.ts";
+import { putBack } from "./state/live.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
@@ -91,6 +92,11 @@ function Broken() {
     <main class="broken" aria-label="A scenario that does not compute">
       <h2>This scenario does not compute yet</h2>
       <Source />
+      {text.value !== "" && draft.value !== null && (
+        <button type="button" onClick={putBack}>
+          Back to what was open before
+        </button>
+      )}
     </main>
   );
 }

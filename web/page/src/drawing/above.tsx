@@ -6,6 +6,7 @@ import type { ComponentChildren } from "preact";
 import { degrees } from "../model/format.ts";
 import { at, isTable, listAt, numberAt, type Json } from "../model/json.ts";
 import { fields, selected } from "../state/design.ts";
+import { mirrored, type Direction } from "../model/plane.ts";
 import { edit } from "../state/live.ts";
 import { CENTRE } from "./dome.tsx";
 import { Eye, Sun } from "./glyphs.tsx";
@@ -15,11 +16,6 @@ const MIDDLE = { x: CENTRE.x, y: 90 } as const;
 const STEEPEST = 89;
 /** Within so many degrees of the plane of drawing, azimuth 0, a direction is taken to lie in it. */
 const IN_PLANE_DEG = 3;
-
-interface Direction {
-  readonly theta: number;
-  readonly phi: number;
-}
 
 function point({ theta, phi }: Direction): [number, number] {
   const angle = (phi * Math.PI) / 180;
@@ -138,7 +134,7 @@ export function Above() {
       <Rings />
       {listAt(fields.value, "lighting.directed").map((source, i) => {
         const from = { theta: numberAt(source, "theta_deg") ?? 0, phi: numberAt(source, "phi_deg") ?? 0 };
-        const [mx, my] = point({ theta: -from.theta, phi: from.phi });
+        const [mx, my] = point(mirrored(from));
         return (
           isTable(source) && (
             <g key={i}>

@@ -1,10 +1,11 @@
-// The room as the display sees it: the half circle of directions in the plane of view, with the lights and
-// the viewer on it. They are dragged along it, or moved by arrow keys.
+// The room as the display sees it: the half circle of directions in the plane of azimuth 0, with the lights and
+// the viewer on it, or within it where they lie outside this plane. They are dragged along, or moved by arrow keys.
 
 import { type ComponentChildren } from "preact";
 
 import { degrees, plain } from "../model/format.ts";
 import { at, isTable, listAt, numberAt, textAt, type Json, type Table } from "../model/json.ts";
+import { inPlane, mirrored, nearest, seen, sense, type Direction } from "../model/plane.ts";
 import { fields, selected, view } from "../state/design.ts";
 import { set } from "../state/live.ts";
 import { Eye, Sun } from "./glyphs.tsx";
@@ -18,62 +19,77 @@ const point = (theta: number, radius = RADIUS): [number, number] => {
   return [CENTRE.x + radius * Math.sin(angle), CENTRE.y - radius * Math.cos(angle)];
 };
 
+/** Where a direction is seen on the half circle. */
+function place(direction: Direction, radius = RADIUS): [number, number] {
+  const [right, up] = seen(direction);
+  return [CENTRE.x + radius * right, CENTRE.y - radius * up];
+}
+
+/** A lamp's disc, from edge to edge along its inclination. */
+function across({ theta, phi }: Direction, radius: number): string {
+  const [from, to] = [Math.max(-90, theta - radius), Math.min(90, theta + radius)];
+  const steps = Math.max(2, Math.ceil(to - from));
+  const points = Array.from({ length: steps + 1 }, (_, i) => place({ theta: from + ((to - from) * i) / steps, phi }));
+  return `M${points.map(([x, y]) => `${x.toFixed(2)} ${y.toFixed(2)}`).join("L")}`;
+}
+
 const arc = (from: number, to: number, radius = RADIUS): string => {
   const [x0, y0] = point(from, radius);
   const [x1, y1] = point(to, radius);
   return `M${x0.toFixed(2)} ${y0.toFixed(2)}A${radius} ${radius} 0 0 1 ${x1.toFixed(2)} ${y1.toFixed(2)}`;
 };
 
-/** The inclination under the pointer, in steps of half a degree (Alt: of a tenth). */
-function under(event: PointerEvent): number {
+/** Lights and viewers are not moved further than this from the normal, deg. */
+const STEEPEST = 89;
+
+/** The inclination under the pointer at an azimuth, in steps of half a degree (Alt: of a tenth). */
+function under(event: PointerEvent, from: Direction): number {
   const svg = (event.currentTarget as SVGElement).ownerSVGElement!;
   const to = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM()!.inverse());
-  const angle = (Math.atan2(to.x - CENTRE.x, CENTRE.y - to.y) * 180) / Math.PI;
-  const step = event.altKey ? 0.1 : 0.5;
-  return Math.min(89, Math.max(-89, Number((Math.round(angle / step) * step).toFixed(1))));
+  // From far away and from near by: what counts is the direction of the pointer.
+  const far = Math.hypot(to.x - CENTRE.x, to.y - CENTRE.y) || 1;
+  const radius = inPlane(from) ? far : Math.max(far, RADIUS);
+  const point = [(to.x - CENTRE.x) / radius, (CENTRE.y - to.y) / radius] as const;
+  return nearest(point, from, event.altKey ? 0.1 : 0.5, STEEPEST);
 }
 
-const KEYS: Record<string, number> = {
-  ArrowLeft: -1,
-  ArrowDown: -1,
-  ArrowRight: 1,
-  ArrowUp: 1,
-  PageUp: 10,
-  PageDown: -10,
-};
+const KEYS: Record<string, number> = { ArrowDown: -1, ArrowUp: 1, PageUp: 10, PageDown: -10 };
+/** To the left and to the right, whichever way the inclination grows. */
+const SIDEWAYS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1 };
 
 /** Something that is dragged along the half circle. */
 function Handle({
   path,
   theta,
+  phi,
   name,
   children,
   select,
-}: {
+}: Direction & {
   path: string;
-  theta: number;
   name: string;
   children: ComponentChildren;
   select: string;
 }) {
-  const move = (to: number) => set(path, Math.min(89, Math.max(-89, Number(to.toFixed(1)))));
+  const move = (to: number) => set(path, Math.min(STEEPEST, Math.max(-STEEPEST, Number(to.toFixed(1)))));
   const drag = (event: PointerEvent) => {
-    if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) move(under(event));
+    if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) move(under(event, { theta, phi }));
   };
   const grab = (event: PointerEvent) => {
     selected.value = select;
     (event.currentTarget as Element).setPointerCapture(event.pointerId);
   };
   const press = (event: KeyboardEvent) => {
-    const by = KEYS[event.key];
+    const sideways = SIDEWAYS[event.key];
+    const by = sideways === undefined ? KEYS[event.key] : sideways * sense(phi);
     if (event.key === "Enter" || event.key === " ") selected.value = select;
-    else if (event.key === "Home") move(-89);
-    else if (event.key === "End") move(89);
+    else if (event.key === "Home") move(-STEEPEST);
+    else if (event.key === "End") move(STEEPEST);
     else if (by !== undefined) move(theta + by * (event.shiftKey ? 5 : 1));
     else return;
     event.preventDefault();
   };
-  const [x, y] = point(theta);
+  const [x, y] = place({ theta, phi });
   return (
     <g
       class={selected.value === select ? "handle chosen" : "handle"}
@@ -81,8 +97,8 @@ function Handle({
       role="slider"
       tabindex={0}
       aria-label={`${name}, inclination`}
-      aria-valuemin={-89}
-      aria-valuemax={89}
+      aria-valuemin={-STEEPEST}
+      aria-valuemax={STEEPEST}
       aria-valuenow={theta}
       aria-valuetext={`${theta} degrees`}
       data-handle={path}
@@ -97,27 +113,38 @@ function Handle({
   );
 }
 
-/** The label of a handle, outside the half circle. */
-function Tag({ theta, text, radius = RADIUS + 21 }: { theta: number; text: string; radius?: number }) {
-  const [x, y] = point(theta, radius);
-  const anchor = theta < -20 ? "end" : theta > 20 ? "start" : "middle";
+/** How far beside a handle its label stands. */
+const BESIDE = 21;
+/** Labels of what is drawn further to a side than this start or end there. */
+const ASIDE = Math.sin((20 * Math.PI) / 180);
+
+/** The label of a handle, outside the half circle: its inclination, and its azimuth where that is not 0. */
+function Tag({ theta, phi }: Direction) {
+  const [right, up] = seen({ theta, phi });
+  const far = 1 + BESIDE / RADIUS / (Math.hypot(right, up) || 1);
+  const anchor = right < -ASIDE ? "end" : right > ASIDE ? "start" : "middle";
   return (
-    <text class="tag" x={x} y={y + 4} text-anchor={anchor}>
-      {text}
+    <text class="tag" x={CENTRE.x + RADIUS * right * far} y={CENTRE.y - RADIUS * up * far + 4} text-anchor={anchor}>
+      {degrees(theta)}
+      {phi % 360 !== 0 && `, φ ${degrees(phi)}`}
     </text>
   );
 }
 
-/** A source in its own plane; the plane of drawing is phi = 0. */
+/** What is said of a mirror image. */
+const imageOf = (direction: Direction): string =>
+  `Its mirror image is seen from here${inPlane(direction) ? "" : ", before or behind the plane of drawing"}`;
+
+/** A source where it is seen from the side. */
 function Directed({ source, index }: { source: Table; index: number }) {
   const theta = Number(source["theta_deg"] ?? 0);
   const phi = Number(source["phi_deg"] ?? 0);
   const radius = Number(source["radius_deg"] ?? 0);
   const path = `lighting.directed.${index}`;
   const strength = Math.sqrt(Number(source["share"] ?? 0));
-  const turned = phi % 360 === 0 ? "" : `, φ ${degrees(phi)}`;
-  const [x, y] = point(theta, RADIUS - 18);
-  const [mx, my] = point(-theta);
+  const here = { theta, phi };
+  const [x, y] = place(here, RADIUS - 18);
+  const [mx, my] = place(mirrored(here));
   return (
     <>
       <path
@@ -126,13 +153,13 @@ function Directed({ source, index }: { source: Table; index: number }) {
         ref={(p) => p?.style.setProperty("opacity", String(0.25 + 0.75 * strength))}
       />
       <circle class="mirror" cx={mx} cy={my} r="5">
-        <title>Its mirror image is seen from here</title>
+        <title>{imageOf(here)}</title>
       </circle>
-      {radius > 0 && <path class="disc" d={arc(Math.max(-90, theta - radius), Math.min(90, theta + radius))} />}
-      <Handle path={`${path}.theta_deg`} select={path} theta={theta} name={`Light ${index + 1}`}>
+      {radius > 0 && <path class="disc" d={across(here, radius)} />}
+      <Handle path={`${path}.theta_deg`} select={path} {...here} name={`Light ${index + 1}`}>
         <Sun />
       </Handle>
-      <Tag theta={theta} text={`${degrees(theta)}${turned}`} />
+      <Tag {...here} />
     </>
   );
 }
@@ -167,17 +194,18 @@ function discOf(source: Table): { theta: number; phi: number } | null {
 function Disc({ source }: { source: Table }) {
   const disc = discOf(source);
   if (!disc || disc.theta > 90) return null;
-  const theta = Math.abs(disc.phi) > 90 ? -disc.theta : disc.theta;
-  const [x, y] = point(theta);
-  const [bx, by] = point(theta, RADIUS - 18);
-  const inPlane = Math.abs(Math.sin((disc.phi * Math.PI) / 180)) < 0.02;
+  // In the plane of drawing a signed inclination says it all.
+  const toLeft = sense(disc.phi) < 0;
+  const here = inPlane(disc) ? { theta: toLeft ? -disc.theta : disc.theta, phi: 0 } : disc;
+  const [x, y] = place(here);
+  const [bx, by] = place(here, RADIUS - 18);
   return (
     <>
       <path class="beam" d={`M${bx} ${by}L${CENTRE.x} ${CENTRE.y}`} />
       <g class="fixed" transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}>
         <Sun />
       </g>
-      <Tag theta={theta} text={`${degrees(theta)}${inPlane ? "" : `, φ ${degrees(disc.phi)}`}`} />
+      <Tag {...here} />
     </>
   );
 }
@@ -219,14 +247,25 @@ function Environment({ source, index }: { source: Table; index: number }) {
   );
 }
 
-/** The viewer's inclinations: one, a list, or those of a range. */
-function inclinations(viewer: Json | undefined): { path: string | null; theta: number }[] {
-  const theta = at(viewer, "theta_deg");
-  if (Array.isArray(theta)) return theta.map((value, i) => ({ path: `viewer.theta_deg.${i}`, theta: Number(value) }));
-  if (!isTable(theta)) return [{ path: "viewer.theta_deg", theta: Number(theta ?? 0) }];
-  const [from, to, step] = ["from", "to", "step"].map((key) => Number(theta[key])) as [number, number, number];
-  const count = step > 0 ? Math.min(200, Math.floor((to - from) / step + 1e-9)) + 1 : 1;
-  return Array.from({ length: count }, (_, i) => ({ path: null, theta: from + i * step }));
+/** More angles of a range than this are not drawn. */
+const MOST_ANGLES = 200;
+
+/** Angles at a key of the viewer, with the path of those that can be dragged: one, a list, or those of a range. */
+function anglesAt(viewer: Json | undefined, key: string): { path: string | null; angle: number }[] {
+  const angle = at(viewer, key);
+  if (Array.isArray(angle)) return angle.map((value, i) => ({ path: `viewer.${key}.${i}`, angle: Number(value) }));
+  if (!isTable(angle)) return [{ path: `viewer.${key}`, angle: Number(angle ?? 0) }];
+  const [from, to, step] = ["from", "to", "step"].map((part) => Number(angle[part])) as [number, number, number];
+  const count = step > 0 ? Math.min(MOST_ANGLES, Math.floor((to - from) / step + 1e-9)) + 1 : 1;
+  return Array.from({ length: count }, (_, i) => ({ path: null, angle: from + i * step }));
+}
+
+/** The viewer's directions; those at the first azimuth can be dragged. */
+function viewersOf(viewer: Json | undefined): (Direction & { path: string | null })[] {
+  const inclinations = anglesAt(viewer, "theta_deg");
+  return anglesAt(viewer, "phi_deg").flatMap(({ angle: phi }, turn) =>
+    inclinations.map(({ path, angle: theta }) => ({ path: turn === 0 ? path : null, theta, phi })),
+  );
 }
 
 /** Rings of 30 deg, and the angles of the half circle. */
@@ -255,8 +294,11 @@ function Scale() {
 export function Dome() {
   const all = fields.value;
   const diffuse = lightShares(all).get("lighting.diffuse") ?? 0;
-  const viewers = inclinations(at(all, "viewer"));
-  const shown = view.value?.theta_deg;
+  const viewers = viewersOf(at(all, "viewer"));
+  const isShown = ({ theta, phi }: Direction): boolean =>
+    view.value !== null &&
+    Math.abs(theta - view.value.theta_deg) < 1e-6 &&
+    Math.abs(phi - (view.value.phi_deg ?? phi)) < 1e-6;
   const choose = () => (selected.value = "lighting");
   return (
     <g class="dome">
@@ -278,31 +320,27 @@ export function Dome() {
       {listAt(all, "lighting.directed").map((source, i) => (
         <Directed key={i} source={source as Table} index={i} />
       ))}
-      {viewers.map(({ path, theta }, i) => {
-        const [x, y] = point(theta, RADIUS - 16);
-        const now = shown !== undefined && Math.abs(theta - shown) < 1e-6;
+      {viewers.map(({ path, ...here }, i) => {
+        const [x, y] = place(here, RADIUS - 16);
+        const [dotX, dotY] = place(here);
+        const now = isShown(here);
         return (
           <g key={i}>
             {now && <path class="sight" d={`M${CENTRE.x} ${CENTRE.y}L${x} ${y}`} />}
             {path ? (
-              <Handle
-                path={path}
-                select="viewer"
-                theta={theta}
-                name={viewers.length > 1 ? `Viewer ${i + 1}` : "Viewer"}
-              >
+              <Handle path={path} select="viewer" {...here} name={viewers.length > 1 ? `Viewer ${i + 1}` : "Viewer"}>
                 <Eye />
               </Handle>
             ) : (
               <circle
                 class={now ? "seen now" : "seen"}
-                cx={point(theta)[0]}
-                cy={point(theta)[1]}
+                cx={dotX}
+                cy={dotY}
                 r={now ? 5 : 3}
                 onClick={() => (selected.value = "viewer")}
               />
             )}
-            {path && <Tag theta={theta} text={degrees(theta)} />}
+            {path && <Tag {...here} />}
           </g>
         );
       })}

@@ -3,6 +3,7 @@
 import { listAt, type Json } from "../model/json.ts";
 import type { Found } from "../model/schema.ts";
 import { files } from "../state/files.ts";
+import { held } from "../state/design.ts";
 import { set } from "../state/live.ts";
 
 /** What a control is told about its field. */
@@ -16,14 +17,31 @@ export interface Props {
   invalid: boolean;
 }
 
+/** A box whose value is entered when it is left; until then it is held, so that it is not lost with the page. */
+function entered(path: string, meant: (text: string) => Json | undefined) {
+  type Of = { currentTarget: HTMLInputElement };
+  const of = (event: Of) => meant(event.currentTarget.value);
+  return {
+    onInput: (event: Of) => {
+      const value = of(event);
+      held.value = value === undefined ? null : { op: "set", path, value };
+    },
+    onChange: (event: Of) => {
+      const value = of(event);
+      if (value !== undefined) set(path, value);
+    },
+    onBlur: () => void (held.value = null),
+  };
+}
+
 /** Free text with suggestions: names that are known, files that were dropped. */
 export function Text({ id, path, value, invalid, found, options = [] }: Props & { options?: string[] }) {
   const names = [...options, ...files.value.filter((file) => file.audit).map((file) => file.name)];
   const list = `${id}-list`;
-  const take = (text: string) => {
+  const meant = (text: string): Json | undefined => {
     const number = Number(text);
     const wantsNumber = found.def !== "" && text.trim() !== "" && Number.isFinite(number);
-    if (text !== "") set(path, wantsNumber ? number : text);
+    return text === "" ? undefined : wantsNumber ? number : text;
   };
   return (
     <span class="box wide">
@@ -35,7 +53,7 @@ export function Text({ id, path, value, invalid, found, options = [] }: Props & 
         aria-describedby={`${id}-help`}
         autocomplete="off"
         spellcheck={false}
-        onChange={(event) => take(event.currentTarget.value)}
+        {...entered(path, meant)}
       />
       <datalist id={list}>
         {names.map((name) => (
@@ -48,12 +66,12 @@ export function Text({ id, path, value, invalid, found, options = [] }: Props & 
 
 /** Numbers, parted by commas. */
 export function List({ id, path, value, invalid }: Props) {
-  const take = (text: string) => {
+  const meant = (text: string): Json | undefined => {
     const numbers = text
       .split(/[,;\s]+/)
       .filter(Boolean)
       .map(Number);
-    if (numbers.length > 0 && numbers.every(Number.isFinite)) set(path, numbers);
+    return numbers.length > 0 && numbers.every(Number.isFinite) ? numbers : undefined;
   };
   const numbers = Array.isArray(value) ? value : listAt(value ?? null, "");
   return (
@@ -64,7 +82,7 @@ export function List({ id, path, value, invalid }: Props) {
         aria-invalid={invalid}
         aria-describedby={`${id}-help`}
         autocomplete="off"
-        onChange={(event) => take(event.currentTarget.value)}
+        {...entered(path, meant)}
       />
     </span>
   );

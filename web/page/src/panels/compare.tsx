@@ -9,7 +9,7 @@ import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
 import { result, selected, states, text, title, view } from "../state/design.ts";
-import { replace } from "../state/live.ts";
+import { open } from "../state/open.ts";
 import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
 
 const shown = (value: Json | undefined): string =>
@@ -82,11 +82,9 @@ function Colours() {
   );
 }
 
-function swap(): void {
+async function swap(): Promise<void> {
   const before = pinned.value;
-  if (!before) return;
-  pin();
-  replace(before.text);
+  if (before && (await pin())) await open(before.text);
 }
 
 export function ComparePanel() {

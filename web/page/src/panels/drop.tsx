@@ -1,7 +1,7 @@
 // Files that come onto the page: scenarios are opened, everything else is sent to be audited.
 
 import { add } from "../state/files.ts";
-import { replace } from "../state/live.ts";
+import { open } from "../state/open.ts";
 import { openTab } from "../state/tab.ts";
 
 /** A scenario longer than this is none, bytes. */
@@ -9,7 +9,7 @@ const LONGEST = 256 * 1024;
 
 export async function take(given: readonly File[]): Promise<void> {
   for (const file of given) {
-    if (file.name.endsWith(".toml") && file.size <= LONGEST) replace(await file.text(), "", file.name);
+    if (file.name.endsWith(".toml") && file.size <= LONGEST) await open(await file.text(), file.name);
     else {
       openTab.value = "files";
       requestAnimationFrame(() => document.getElementById("tab-files")?.scrollIntoView({ block: "start" }));

@@ -6,6 +6,7 @@ import { films, layers, STARTERS } from "../model/stack.ts";
 import { draft, draftName, fields, pending, problems, selected, text } from "../state/design.ts";
 import { edit, putBack } from "../state/live.ts";
 import { at, listAt, textAt } from "../model/json.ts";
+import { Menu } from "./menu.tsx";
 import { StatesEditor } from "./states.tsx";
 import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
@@ -41,7 +42,7 @@ const LAYER_NAMES: Record<string, string> = {
   fresnel: "bare face",
 };
 
-/** A menu of things to add; it shows its own name. */
+/** A menu of things to add. */
 function Add({
   name,
   options,
@@ -54,22 +55,9 @@ function Add({
   add: (what: string) => void;
 }) {
   return (
-    <select
-      class="add"
-      aria-label={name}
-      value=""
-      onChange={(event) => {
-        add(event.currentTarget.value);
-        event.currentTarget.value = "";
-      }}
-    >
-      <option value="">{name}</option>
-      {options.map((option) => (
-        <option key={option} value={option}>
-          {names[option] ?? option}
-        </option>
-      ))}
-    </select>
+    <Menu items={options.map((option) => ({ name: option, label: names[option] ?? option }))} choose={add}>
+      {name}
+    </Menu>
   );
 }
 
@@ -91,19 +79,15 @@ function enter(room: string): void {
 export function Room() {
   const now = /^\s*preset\s*=\s*"([^"]+)"/m.exec(text.value)?.[1] ?? "";
   return (
-    <select
+    <Menu
       class="room"
-      aria-label="Room preset"
-      value={now}
-      onChange={(event) => event.currentTarget.value && enter(event.currentTarget.value)}
+      label={now ? `Room preset: ${now}` : undefined}
+      items={PRESETS.value}
+      chosen={now}
+      choose={enter}
     >
-      <option value="">Room or standard</option>
-      {PRESETS.value.map(({ name, summary }) => (
-        <option key={name} value={name} title={summary}>
-          {name}
-        </option>
-      ))}
-    </select>
+      {now || "Room or standard"}
+    </Menu>
   );
 }
 

@@ -52,7 +52,7 @@ function File({ file }: { file: Dropped }) {
           {audit ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}
           {size(file.bytes)}
         </small>
-        <button type="button" onClick={() => void forget(file.name)} aria-label={`Forget ${file.name}`}>
+        <button type="button" onClick={() => forget(file.name)} aria-label={`Forget ${file.name}`}>
           Forget
         </button>
       </header>

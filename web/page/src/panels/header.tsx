@@ -1,26 +1,25 @@
 // What is done with the design as a whole: its name, undo, examples, open, save, link, pin, run.
 
 import { named, postForBlob, Refused } from "../api/client.ts";
-import { fields, text, title } from "../state/design.ts";
+import { addressOf, show } from "../state/address.ts";
+import { fields, held, text, title } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
-import { edit, replace, set } from "../state/live.ts";
-import { packed } from "../state/link.ts";
+import { edit } from "../state/live.ts";
+import { isNew, open, redo, undo } from "../state/open.ts";
 import { pin, pinned, unpin } from "../state/pin.ts";
+import { ready } from "../state/ready.ts";
 import { said } from "../state/said.ts";
 import { EXAMPLES } from "../state/shelf.ts";
+import { earlier, lookForEarlier, takeUp } from "../state/start.ts";
 import { openTab } from "../state/tab.ts";
 import { theme, type Theme } from "../state/theme.ts";
 import { run, walk } from "../state/walk.ts";
-import { canRedo, canUndo, redone, undone } from "../state/undo.ts";
+import { canRedo, canUndo } from "../state/undo.ts";
+import type { Edit } from "../api/types.ts";
 import { at } from "../model/json.ts";
-import { FileButton, Menu } from "./choose.tsx";
+import { FileButton } from "./choose.tsx";
+import { Menu } from "./menu.tsx";
 import { save } from "./save.ts";
-
-const step = (whole: string | null): void => {
-  if (whole !== null) replace(whole);
-};
-export const undo = (): void => step(undone());
-export const redo = (): void => step(redone());
 
 /** A file's name for the design. */
 export const fileName = (): string =>
@@ -35,7 +34,8 @@ function without(): string {
   return left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
 }
 
-function saveText(): void {
+async function saveText(): Promise<void> {
+  if (!(await ready("saved"))) return;
   save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }));
   if (without()) said.value = `The scenario is saved${without()}. Keep them beside it.`;
 }
@@ -46,19 +46,35 @@ function runWalk(): void {
 }
 
 async function copyLink(): Promise<void> {
-  const fragment = await packed(text.value);
-  history.replaceState(null, "", `#${fragment}`);
+  if (!(await ready("linked"))) return;
+  const scenario = text.value;
+  const address = await addressOf(scenario);
   try {
-    await navigator.clipboard.writeText(location.href);
+    await navigator.clipboard.writeText(address);
     said.value = `The link is copied; it holds the whole scenario${without()}.`;
   } catch {
+    show(address, scenario);
     said.value = `The address now holds the whole scenario${without()}.`;
   }
 }
 
 async function openExample(name: string): Promise<void> {
-  if (name) replace((await named("examples", name)).scenario);
+  try {
+    await open((await named("examples", name)).scenario);
+  } catch (why) {
+    said.value = why instanceof Refused ? why.message : String(why);
+  }
 }
+
+/** When a design was last changed, for a list. */
+const when = (at: number): string =>
+  new Date(at).toLocaleString(undefined, {
+    weekday: "short",
+    day: "numeric",
+    month: "short",
+    hour: "2-digit",
+    minute: "2-digit",
+  });
 
 /** What a design is exported as: the command line's own files. */
 const EXPORTS = [
@@ -75,7 +91,7 @@ const EXPORTS = [
 ];
 
 async function exportAs(what: string): Promise<void> {
-  if (!what) return;
+  if (!(await ready("exported"))) return;
   said.value = `Making ${what}…`;
   try {
     save(`${fileName()}-${what}`, await postForBlob("export", { scenario: text.value, files: fileIds.value, what }));
@@ -96,11 +112,13 @@ function Mark() {
 
 const THEMES: readonly Theme[] = ["system", "light", "dark"];
 
+/** A new title; none takes the key away. */
+const titled = (name: string): Edit =>
+  name === "" && at(fields.value, "title") !== undefined
+    ? { op: "remove", path: "title" }
+    : { op: "set", path: "title", value: name };
+
 export function Header() {
-  const retitle = (name: string) =>
-    name === "" && at(fields.value, "title") !== undefined
-      ? edit([{ op: "remove", path: "title" }])
-      : set("title", name);
   return (
     <header class="head">
       <h1>
@@ -111,26 +129,51 @@ export function Header() {
         class="title"
         aria-label="Title of the design"
         value={title.value}
-        onChange={(event) => retitle(event.currentTarget.value)}
+        onInput={(event) => (held.value = titled(event.currentTarget.value))}
+        onChange={(event) => edit([titled(event.currentTarget.value)], "title")}
+        onBlur={() => (held.value = null)}
         spellcheck={false}
       />
       <div class="tools">
-        <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">
+        <button
+          type="button"
+          disabled={!canUndo.value && !isNew.value}
+          onClick={() => void undo()}
+          title="Undo (Ctrl+Z)"
+        >
           Undo
         </button>
         <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">
           Redo
         </button>
-        <Menu label="Examples" class="examples" items={EXAMPLES.value} choose={openExample} />
+        <Menu items={EXAMPLES.value} choose={openExample}>
+          Examples
+        </Menu>
+        {earlier.value.length > 0 && (
+          <Menu
+            title="Designs of other tabs and of earlier visits"
+            items={earlier.value.map(({ id, title, at }) => ({ name: id, label: title, summary: when(at) }))}
+            choose={takeUp}
+            opens={lookForEarlier}
+          >
+            Earlier
+          </Menu>
+        )}
         <FileButton label="Open" title="A scenario, or a measured file" />
-        <button type="button" onClick={saveText}>
+        <button type="button" onClick={() => void saveText()}>
           Save
         </button>
-        <Menu label="Export" class="export" items={EXPORTS.map((name) => ({ name }))} choose={exportAs} />
+        <Menu items={EXPORTS.map((name) => ({ name }))} choose={exportAs}>
+          Export
+        </Menu>
         <button type="button" onClick={() => void copyLink()}>
           Link
         </button>
-        <button type="button" aria-pressed={pinned.value !== null} onClick={() => (pinned.value ? unpin() : pin())}>
+        <button
+          type="button"
+          aria-pressed={pinned.value !== null}
+          onClick={() => (pinned.value ? unpin() : void pin())}
+        >
           {pinned.value ? "Unpin" : "Pin"}
         </button>
         <button type="button" class="run" onClick={runWalk}>

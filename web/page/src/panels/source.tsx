@@ -3,12 +3,15 @@
 import { useEffect, useRef } from "preact/hooks";
 
 import { Elsewhere } from "../fields/form.tsx";
-import { draft, problems, text } from "../state/design.ts";
-import { replace } from "../state/live.ts";
+import { draft, pending, problems, text } from "../state/design.ts";
+import { retype } from "../state/live.ts";
+import { writeOut } from "../state/open.ts";
 
 export function Source() {
   const area = useRef<HTMLTextAreaElement>(null);
   const shown = draft.value ?? text.value;
+  // Edits that wait are not in the text yet: what is typed into it would be without them.
+  useEffect(() => void writeOut(), []);
   useEffect(() => {
     if (area.current && area.current.value !== shown && document.activeElement !== area.current)
       area.current.value = shown;
@@ -22,10 +25,11 @@ export function Source() {
         id="source"
         ref={area}
         spellcheck={false}
+        readOnly={pending.value.length > 0}
         defaultValue={shown}
         aria-invalid={problems.value.length > 0}
         aria-describedby="source-errors"
-        onInput={(event) => replace(event.currentTarget.value, "source")}
+        onInput={(event) => retype(event.currentTarget.value)}
       />
       <div id="source-errors">
         <Elsewhere />

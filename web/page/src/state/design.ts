@@ -19,6 +19,8 @@ export const draft = signal<string | null>(null);
 export const draftName = signal("");
 /** Edits that are not in the text yet. */
 export const pending = signal<readonly Edit[]>([]);
+/** What stands in a box and is not entered yet: an edit of its own as soon as the box is left, or the page is lost. */
+export const held = signal<Edit | null>(null);
 /** The latest answer of the server. */
 export const answer = signal<Live | null>(null);
 /** Why the pending edits or the draft were refused. */

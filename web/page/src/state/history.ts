@@ -13,14 +13,17 @@ export interface History {
   readonly at: number;
 }
 
-export const begin = (present: string): History => ({ past: [], present, future: [], gesture: "", at: 0 });
+/** One list for all that have nothing to redo: what keeps the steps sees that it is the same. */
+const NONE: readonly string[] = [];
+
+export const begin = (present: string): History => ({ past: NONE, present, future: NONE, gesture: "", at: 0 });
 
 /** After a change; `gesture` names what was moved, "" for a change that stands for itself. */
 export function record(history: History, text: string, gesture: string, now: number): History {
   if (text === history.present) return history;
   const same = gesture !== "" && gesture === history.gesture && now - history.at < PAUSE_MS && history.past.length > 0;
   const past = same ? history.past : [...history.past, history.present].slice(-LIMIT);
-  return { past, present: text, future: [], gesture, at: now };
+  return { past, present: text, future: NONE, gesture, at: now };
 }
 
 export function undo(history: History): History {

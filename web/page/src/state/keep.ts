@@ -1,7 +1,9 @@
-// What survives a reload, on this machine alone: the design in localStorage, dropped files in IndexedDB.
+// What survives a reload, on this machine alone, beside the designs: small values in localStorage, dropped files
+// in IndexedDB, by the SHA-256 of their bytes, so that tabs may have different files of one name.
 
-const DESIGN = "papilio.design";
 const STORE = "files";
+/** A file that no design names any more is kept for so long, ms. */
+const UNUSED_MS = 7 * 24 * 3600 * 1000;
 
 /** A small value under a name; null where there is none, or where the browser keeps nothing. */
 export function recall<T>(key: string): T | null {
@@ -20,15 +22,6 @@ export function remember(key: string, value: unknown): void {
     // A browser that keeps nothing (private, full) still works; a reload then starts anew.
   }
 }
-
-export interface Kept {
-  readonly text: string;
-  readonly past: readonly string[];
-  readonly pinned: string | null;
-}
-
-export const recallDesign = (): Kept | null => recall<Kept>(DESIGN);
-export const rememberDesign = (kept: Kept): void => remember(DESIGN, kept);
 
 function database(): Promise<IDBDatabase> {
   return new Promise((resolve, reject) => {
@@ -52,10 +45,22 @@ async function ask<T>(mode: IDBTransactionMode, request: (store: IDBObjectStore)
   }
 }
 
-export const keepFile = (name: string, bytes: Blob): Promise<unknown> =>
-  ask("readwrite", (store) => store.put(bytes, name));
-export const keptFile = (name: string): Promise<Blob | null> =>
-  ask("readonly", (store) => store.get(name) as IDBRequest<Blob>);
-export const dropFile = (name: string): Promise<unknown> => ask("readwrite", (store) => store.delete(name));
-export const keptNames = async (): Promise<string[]> =>
+export const keepFile = (id: string, bytes: Blob): Promise<unknown> =>
+  ask("readwrite", (store) => store.put(new File([bytes], id, { lastModified: Date.now() }), id));
+export const keptFile = (id: string): Promise<Blob | null> =>
+  ask("readonly", (store) => store.get(id) as IDBRequest<Blob>);
+const dropFile = (id: string): Promise<unknown> => ask("readwrite", (store) => store.delete(id));
+const keptIds = async (): Promise<string[]> =>
   ((await ask("readonly", (store) => store.getAllKeys())) ?? []).map(String);
+
+/** Files that a former version kept by their names, for all tabs together. */
+export const formerFiles = async (): Promise<string[]> => (await keptIds()).filter((id) => !/^[0-9a-f]{64}$/.test(id));
+export const dropFormer = dropFile;
+
+/** Forgets files that no design has named for some days. */
+export async function forgetUnused(named: ReadonlySet<string>): Promise<void> {
+  for (const id of await keptIds()) {
+    const file = named.has(id) ? null : await keptFile(id);
+    if (file instanceof File && Date.now() - file.lastModified > UNUSED_MS) await dropFile(id);
+  }
+}

@@ -5,11 +5,12 @@ import { batch } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit } from "../api/types.ts";
-import { answer, busy, draft, draftName, pending, problems, text } from "./design.ts";
+import { answer, busy, draft, draftName, held, pending, problems, text } from "./design.ts";
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { said } from "./said.ts";
-import { accepted } from "./undo.ts";
+import { accepted, undone } from "./undo.ts";
+import type { Work as Kept } from "./works.ts";
 
 /** A request older than this, and than twice what the last one took, gives way to a newer value, ms. */
 const PATIENCE_MS = 250;
@@ -17,30 +18,45 @@ const PATIENCE_MS = 250;
 const SHOWN_MS = 300;
 
 /** All places are taken: the server asks to come again. */
-const BUSY = 503;
+export const BUSY = 503;
 /** It is asked again after so many ms. */
 const AGAIN_MS = 700;
 const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => resolve(true), AGAIN_MS));
 
-let running = false;
+/** The requests that are on their way, one after the other, or null. */
+let running: Promise<void> | null = null;
 let dirty = false;
 let gesture = "";
 let lastTook = 0;
+/** Whether the server gave no answer at all, last. */
+let isGone = false;
+export const isUnanswered = (): boolean => isGone;
 /** The edits that were refused last. */
 let refused: readonly Edit[] = [];
 let flight: { abort: AbortController; since: number } | null = null;
 
 /** Changes keys; `name` is the gesture that undo takes as one step. */
 export function edit(edits: readonly Edit[], name = ""): void {
-  pending.value = merged(pending.value, edits);
+  batch(() => {
+    pending.value = merged(pending.value, edits);
+    held.value = null;
+  });
   gesture = name;
   kick();
 }
 
 export const set = (path: string, value: unknown, name = path): void => edit([{ op: "set", path, value }], name);
 
-/** Puts a whole text in the place of the present one. */
-export function replace(whole: string, name = "", file = ""): void {
+/** Whether the draft is typed here, and is nowhere else. */
+let typed = false;
+export const isTyped = (): boolean => draft.value !== null && typed;
+
+/** A whole text that is being typed. */
+export const retype = (whole: string): void => replace(whole, "source", "", true);
+
+/** Puts a whole text in the place of the present one, and of all that waits. */
+export function replace(whole: string, name = "", file = "", isTyped = false): void {
+  typed = isTyped;
   batch(() => {
     pending.value = [];
     draft.value = whole;
@@ -62,32 +78,68 @@ function dropRefused(sent: readonly Edit[]): boolean {
   return true;
 }
 
-/** Drops what was refused. */
+/** Whether edits wait because they were refused. */
+export const isRefused = (): boolean => pending.value.length > 0 && !running && problems.value.length > 0;
+
+/** Drops what was refused; a text that was typed comes back with redo. */
 export function putBack(): void {
+  if (isTyped()) {
+    accepted(draft.value!, "");
+    undone();
+  }
   batch(() => {
     pending.value = [];
+    held.value = null;
     draft.value = null;
     problems.value = [];
   });
+  flight?.abort.abort();
+  kick();
+}
+
+/** Whether all changes are in the text; false if what waits was refused, or the server is gone. */
+export async function settled(): Promise<boolean> {
+  if (isWaiting() && !running) kick();
+  while (running) await running;
+  return !isWaiting();
+}
+
+const isWaiting = (): boolean => pending.value.length > 0 || draft.value !== null;
+
+/** Goes on where a tab, or an earlier visit, ended. */
+export function resume(work: Kept): void {
+  typed = work.typed;
+  batch(() => {
+    text.value = work.text;
+    draft.value = work.draft;
+    draftName.value = work.draftName;
+    pending.value = work.pending;
+    held.value = null;
+    problems.value = [];
+  });
+  gesture = "";
+  refused = [];
   kick();
 }
 
 /** Asks again, nothing having changed here: after a file came back, say. */
 export function kick(): void {
   dirty = true;
-  if (!running) void run();
+  if (!running) running = run();
   else if (flight && performance.now() - flight.since > patience()) flight.abort.abort();
 }
 
 const patience = (): number => Math.max(PATIENCE_MS, 2 * lastTook);
 
 async function run(): Promise<void> {
-  running = true;
-  while (dirty) {
-    dirty = false;
-    await once();
+  try {
+    while (dirty) {
+      dirty = false;
+      await once();
+    }
+  } finally {
+    running = null;
   }
-  running = false;
 }
 
 async function once(): Promise<void> {
@@ -102,6 +154,7 @@ async function once(): Promise<void> {
   try {
     const live = await api.live({ scenario: base ?? text.value, files: fileIds.value }, sent, abort.signal);
     lastTook = performance.now() - since;
+    isGone = false;
     if (draft.value !== base) return;
     batch(() => {
       text.value = live.scenario;
@@ -115,6 +168,7 @@ async function once(): Promise<void> {
   } catch (why) {
     if (abort.signal.aborted) return;
     const refusal = why instanceof api.Refused ? why : new api.Refused(0, [{ message: String(why) }]);
+    isGone = refusal.status === 0;
     if (refusal.status === BUSY) dirty = await pause();
     else if ((await sendAgain(refusal)) || dropRefused(sent)) dirty = true;
     else problems.value = refusal.problems;

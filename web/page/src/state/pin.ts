@@ -7,6 +7,7 @@ import type { Result, View } from "../api/types.ts";
 import { textAt, type Json } from "../model/json.ts";
 import { answer, text, title, viewIndex } from "./design.ts";
 import { fileIds } from "./files.ts";
+import { ready } from "./ready.ts";
 
 export interface Pinned {
   readonly title: string;
@@ -19,9 +20,12 @@ export const pinnedView = computed<View | null>(
   () => pinned.value?.result.views[Math.min(viewIndex.value, pinned.value.result.views.length - 1)] ?? null,
 );
 
-export function pin(): void {
-  const result = answer.value?.result;
-  if (result) pinned.value = { title: title.value, text: text.value, result };
+/** Pins the design on the bench, once all changes are in it. */
+export async function pin(): Promise<boolean> {
+  const result = (await ready("pinned")) && answer.value?.result;
+  if (!result) return false;
+  pinned.value = { title: title.value, text: text.value, result };
+  return true;
 }
 
 /** Pins the design of an earlier visit, computed anew. */

@@ -6,6 +6,7 @@ import type { Edit, SweepPoint } from "../api/types.ts";
 import { numbers } from "../model/keys.ts";
 import { fields, text } from "./design.ts";
 import { fileIds } from "./files.ts";
+import { ready } from "./ready.ts";
 import { long } from "./work.ts";
 
 export interface Axis {
@@ -45,6 +46,7 @@ export function asEdits(): Edit[] {
 }
 
 export async function run(): Promise<void> {
+  if (!(await ready("swept"))) return;
   swept.value = axes.value;
   points.value = [];
   await sweep.start("sweep", { scenario: text.value, files: fileIds.value }, asEdits(), (event, data) => {

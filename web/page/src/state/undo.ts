@@ -8,7 +8,12 @@ export const history = signal<History>(begin(""));
 export const canUndo = computed(() => history.value.past.length > 0);
 export const canRedo = computed(() => history.value.future.length > 0);
 
-/** A text that the server took; the first one is where undo ends. */
+/** Goes on where an earlier load of the page ended. */
+export function resume(past: readonly string[], present: string, future: readonly string[]): void {
+  history.value = { ...begin(present), past, future };
+}
+
+/** A text that the server took, or that gives way to another one; the first is where undo ends. */
 export function accepted(text: string, gesture: string): void {
   const first = history.value.present === "";
   history.value = first ? begin(text) : record(history.value, text, gesture, Date.now());

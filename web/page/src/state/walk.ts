@@ -5,6 +5,7 @@ import { computed, signal } from "@preact/signals";
 import type { Edit, WalkProgress } from "../api/types.ts";
 import { fileIds } from "./files.ts";
 import { text } from "./design.ts";
+import { ready } from "./ready.ts";
 import { long } from "./work.ts";
 
 export const walk = long();
@@ -20,6 +21,7 @@ export const stale = computed(() => walked.value !== "" && walked.value !== text
 export const aim = signal<number | null>(null);
 
 export async function run(): Promise<void> {
+  if (!(await ready("walked"))) return;
   walked.value = text.value;
   progress.value = null;
   course.value = [];

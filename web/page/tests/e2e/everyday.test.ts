@@ -1,8 +1,10 @@
-// Every day: open, drag a light, edit a film, and the gamut is the number of the command line.
+// Every day: open, drag a light, edit a film, and the gamut is the number of the command line; and one mishap of each
+// kind, which lose nothing.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
+import { play } from "./lost.ts";
 import { changed, commandLine, drag, figure, saved, settled, stage, type, type Stage } from "./stage.ts";
 
 let on: Stage;
@@ -31,3 +33,15 @@ test("drag a light, edit a film: the gamut becomes the number of papilio run", a
   assert.equal(await figure(page, "Contrast : 1"), run.contrast_ratio.toFixed(2));
   assert.deepEqual(on.complaints, []);
 });
+
+test(
+  "a change that is on its way is saved, and one mishap of each kind loses nothing",
+  { timeout: 180_000 },
+  async () => {
+    const page = await on.visit();
+    await type(page, "display.diffuser.haze", "0.61");
+    assert.match(await saved(page), /haze = 0\.61\b/);
+    await page.close();
+    await play(on, 1, 8);
+  },
+);

@@ -71,6 +71,29 @@ test("a huge file is refused before it is sent", async () => {
   await page.locator(".file .error", { hasText: "too large" }).waitFor();
 });
 
+test("two tabs have different files of one name, and keep them", async () => {
+  const one = await on.visit();
+  const two = await one.context().newPage();
+  await two.goto(on.url);
+  await two.locator(".bench").waitFor();
+  const dropped: [Page, string, string][] = [
+    [one, "rgb-led.csv", "spectrum"],
+    [two, "synthetic-pixel.csv", "table of a pixel"],
+  ];
+  for (const [page, file, kind] of dropped) {
+    await drop(page, "mine.csv", data(file));
+    await page.locator(".file .uses button").first().waitFor();
+    assert.match(await page.locator(".file").innerText(), new RegExp(kind));
+  }
+  for (const [page, , kind] of dropped) {
+    await page.reload();
+    await page.locator(".bench").waitFor();
+    await page.locator("#tab-files").click();
+    await page.locator(".file .uses button").first().waitFor();
+    assert.match(await page.locator(".file").innerText(), new RegExp(kind));
+  }
+});
+
 test("other files are told by their content", async () => {
   const page = await on.visit();
   const kinds = [

@@ -3,7 +3,23 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { changed, commandLine, downloaded, drag, figure, saved, settled, stage, type, type Stage } from "./stage.ts";
+import type { Page } from "playwright-core";
+
+import { unpacked } from "../../src/state/link.ts";
+import {
+  changed,
+  choose,
+  commandLine,
+  downloaded,
+  drag,
+  figure,
+  itemsOf,
+  saved,
+  settled,
+  stage,
+  type,
+  type Stage,
+} from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -29,16 +45,192 @@ test("what is saved and opened again is the same, to the byte", async () => {
 });
 
 test("a link holds the whole scenario", async () => {
-  const page = await on.visit();
+  const page = await on.visit(CLIPBOARD);
   await type(page, "display.diffuser.haze", "0.44");
   const then = await changed(page, GAMUT, await figure(page, GAMUT));
-  await settled(page);
-  await page.getByRole("button", { name: "Link" }).click();
-  await page.waitForFunction(() => location.hash.startsWith("#s="));
-  const other = await on.visit({}, new URL(page.url()).hash);
+  const other = await on.visit({}, new URL(await copied(page)).hash);
   await settled(other);
   assert.equal(await figure(other, GAMUT), then);
   assert.equal(await saved(other), await saved(page));
+  assert.equal(new URL(page.url()).hash, "", "the address stays as it is where the clipboard has the link");
+});
+
+const CLIPBOARD = { permissions: ["clipboard-read", "clipboard-write"] };
+
+/** The link that Link copies. */
+async function copied(page: Page): Promise<string> {
+  await page.getByRole("button", { name: "Link" }).click();
+  await page.getByText("The link is copied").waitFor();
+  return page.evaluate(() => navigator.clipboard.readText());
+}
+
+test("a change after a link survives a reload, and undo leads back over the link", async () => {
+  const page = await on.visit();
+  await type(page, "display.diffuser.haze", "0.7");
+  await page.evaluate('Object.defineProperty(navigator, "clipboard", { value: undefined })');
+  await page.getByRole("button", { name: "Link" }).click();
+  await page.waitForFunction(() => location.hash.startsWith("#s="));
+  const { hash } = new URL(page.url());
+  // The link itself survives a reload without a step.
+  await page.reload();
+  await page.locator(".bench").waitFor();
+  assert.equal(new URL(page.url()).hash, hash);
+  await type(page, "display.diffuser.haze", "0.55");
+  await page.waitForFunction(() => location.hash === "");
+  await page.reload();
+  await page.locator(".bench").waitFor();
+  assert.match(await saved(page), /haze = 0\.55/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  assert.match(await saved(page), /haze = 0\.7\b/);
+
+  // The same link, opened over other work.
+  await type(page, "display.diffuser.haze", "0.6");
+  await settled(page);
+  await page.goto("about:blank");
+  await page.goto(on.url + hash);
+  await page.getByText("Undo brings back").waitFor();
+  assert.match(await saved(page), /haze = 0\.7\b/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  assert.match(await saved(page), /haze = 0\.6\b/);
+});
+
+/** Holds answers back for so long. */
+async function slow(page: Page, ms: number): Promise<void> {
+  await page.route("**/api/v1/live", async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, ms));
+    await route.continue();
+  });
+}
+
+test("Save, Link, Export, Pin and Run take the change that is on its way", async () => {
+  const page = await on.visit(CLIPBOARD);
+  await slow(page, 700);
+  const haze = (value: string) => type(page, "display.diffuser.haze", value);
+  await haze("0.51");
+  assert.match(await saved(page), /haze = 0\.51\b/);
+  await haze("0.52");
+  assert.match((await unpacked(new URL(await copied(page)).hash)) ?? "", /haze = 0\.52\b/);
+  await haze("0.53");
+  const result = (await downloaded(page, () => choose(page, "Export", "result.json"))).text;
+  assert.equal(
+    (JSON.parse(result) as { scenario: { display: { diffuser: { haze: number } } } }).scenario.display.diffuser.haze,
+    0.53,
+  );
+  await haze("0.54");
+  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await page.getByRole("button", { name: "Unpin" }).waitFor();
+  const kept = await page.evaluate(() => JSON.parse(sessionStorage.getItem("papilio.tab")!) as { pinned: string });
+  assert.match(kept.pinned, /haze = 0\.54\b/);
+  await haze("0.55");
+  const asked = page.waitForRequest("**/api/v1/walk");
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  assert.match((await asked).postData() ?? "", /haze = 0\.55\b/);
+  await page.getByRole("button", { name: "Cancel" }).click();
+});
+
+test("after a refused value Save, Link, Export, Pin and Run say so, and take nothing", async () => {
+  const page = await on.visit(CLIPBOARD);
+  await type(page, "display.diffuser.haze", "7");
+  await page.locator(".field .error").waitFor();
+  let taken = 0;
+  page.on("download", () => (taken += 1));
+  page.on("request", (request) => /export|walk/.test(request.url()) && (taken += 1));
+  for (const [button, done] of [
+    ["Save", "saved"],
+    ["Link", "linked"],
+    ["Pin", "pinned"],
+    ["Run", "walked"],
+  ] as const) {
+    await page.getByRole("button", { name: button, exact: true }).click();
+    await page.locator(".said", { hasText: `Not ${done}` }).waitFor();
+  }
+  await choose(page, "Export", "report.html");
+  const said = page.locator(".said", { hasText: "Not exported" });
+  await said.waitFor();
+  assert.match(
+    await said.innerText(),
+    /haze = 7 was refused[\s\S]*out of range[\s\S]*holds display\.diffuser\.haze = 0\.78/,
+  );
+  assert.equal(taken, 0);
+  await page.getByRole("button", { name: "Put it back" }).click();
+  assert.match(await saved(page), /haze = 0\.78/);
+  const refusals = on.complaints.splice(0);
+  assert.ok(
+    refusals.every((words) => /status of 422/.test(words)),
+    refusals.join(),
+  );
+});
+
+test("a change on its way is in the text that is typed; a typed text that was put back comes again", async () => {
+  const page = await on.visit();
+  await slow(page, 700);
+  await type(page, "display.diffuser.haze", "0.66");
+  await page.getByRole("button", { name: "TOML" }).click();
+  const source = page.locator("#source");
+  await page.waitForFunction(() => /haze = 0\.66/.test(document.querySelector<HTMLTextAreaElement>("#source")!.value));
+  await source.fill(`# mine\n${await source.inputValue()}`);
+  assert.match(await saved(page), /^# mine\n[\s\S]*haze = 0\.66/);
+  await source.fill("broken =");
+  await page.locator("#source-errors .error").first().waitFor();
+  await page.getByRole("button", { name: "Drawing" }).click();
+  await page.getByRole("button", { name: "Put it back" }).click();
+  assert.match(await saved(page), /^# mine\n/);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.getByRole("button", { name: "TOML" }).click();
+  await page.waitForFunction(() => document.querySelector<HTMLTextAreaElement>("#source")?.value === "broken =");
+  await page.locator("#source-errors .error").first().waitFor();
+  const refusals = on.complaints.splice(0);
+  assert.ok(
+    refusals.every((words) => /status of 422/.test(words)),
+    refusals.join(),
+  );
+});
+
+test("undo and redo survive a reload", async () => {
+  const page = await on.visit();
+  await type(page, "display.diffuser.haze", "0.61");
+  await settled(page);
+  await type(page, "display.diffuser.total_transmittance", "0.8");
+  await settled(page);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await settled(page);
+  await page.reload();
+  await page.locator(".bench").waitFor();
+  assert.match(await saved(page), /haze = 0\.61/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  assert.match(await saved(page), /haze = 0\.78/);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.getByRole("button", { name: "Redo" }).click();
+  assert.match(await saved(page), /total_transmittance = 0\.8\b/);
+  assert.ok(await page.getByRole("button", { name: "Redo" }).isDisabled());
+});
+
+test("two tabs keep two designs, and what was closed is found under Earlier", async () => {
+  const one = await on.visit();
+  const two = await one.context().newPage();
+  await two.goto(on.url);
+  await two.locator(".bench").waitFor();
+  await type(one, "display.diffuser.haze", "0.6");
+  await settled(one);
+  await two.locator(".title").fill("The other one");
+  await type(two, "display.diffuser.haze", "0.82");
+  await settled(two);
+  await one.reload();
+  await one.locator(".bench").waitFor();
+  assert.match(await saved(one), /haze = 0\.6\b/);
+  await two.close();
+  await one.getByRole("button", { name: "Earlier" }).click();
+  await one.locator(".menu [data-item]", { hasText: "The other one" }).click();
+  await one.getByText("is open again").waitFor();
+  assert.match(await saved(one), /haze = 0\.82/);
+  await one.getByRole("button", { name: "Undo" }).click();
+  await settled(one);
+  assert.doesNotMatch(await saved(one), /haze = 0\.82/);
+  // Undo made it a design of its own; the first one is an earlier one now.
+  await one.reload();
+  await one.locator(".bench").waitFor();
+  assert.equal((await itemsOf(one, "Earlier")).length, 1);
+  assert.deepEqual(on.complaints, []);
 });
 
 test("undo and redo: a drag is one step", async () => {
@@ -79,7 +271,7 @@ test("what was on screen survives a reload, and a server that was killed", async
 test("exports are the command line's", async () => {
   const page = await on.visit();
   const scenario = await saved(page);
-  const take = (what: string) => downloaded(page, () => page.getByLabel("Export").selectOption(what));
+  const take = (what: string) => downloaded(page, () => choose(page, "Export", what));
   const result = JSON.parse((await take("result.json")).text) as { views: unknown };
   assert.deepEqual(result.views, commandLine(scenario).views);
   assert.match((await take("states.csv")).text, /^theta_deg,phi_deg,state,/);
@@ -94,10 +286,10 @@ test("exports are the command line's", async () => {
 test("layers are added, moved and taken away, and the text follows", async () => {
   const page = await on.visit();
   await page.locator('[data-part="display.front.0"]').click();
-  await page.getByLabel("Add layer").selectOption("sheet");
+  await choose(page, "Add layer", "sheet");
   await page.locator('[data-part="display.front.1"]').waitFor();
   await page.locator('[data-part="display.glass"]').click();
-  await page.getByLabel("Add layer").selectOption("coating");
+  await choose(page, "Add layer", "coating");
   await page.locator('[data-part="display.layers.4"]').waitFor();
   await settled(page);
   assert.match(await saved(page), /kind = "coating"/);

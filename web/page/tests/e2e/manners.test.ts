@@ -7,7 +7,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, figure, saved, settled, stage, type, type Stage } from "./stage.ts";
+import { changed, choose, figure, itemsOf, saved, settled, stage, type, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -78,6 +78,60 @@ test("the keyboard alone: light, layer, field, tab", async () => {
   assert.deepEqual(on.complaints, []);
 });
 
+test("menus: nothing is done by moving through them, and the focus comes back", async () => {
+  const page = await on.visit();
+  const scenario = await saved(page);
+  const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset["item"] ?? "");
+  let downloads = 0;
+  page.on("download", () => (downloads += 1));
+  for (const name of ["Examples", "Export", "Room or standard", "Add layer", "Add light"]) {
+    const button = page.getByRole("button", { name });
+    const items = await itemsOf(page, name);
+    await button.focus();
+    await page.keyboard.press("ArrowDown");
+    assert.equal(await button.getAttribute("aria-expanded"), "true", name);
+    assert.equal(await focused(), items[0]);
+    assert.deepEqual(await violations(page), [], name);
+    await page.keyboard.press("ArrowDown");
+    assert.equal(await focused(), items[1]);
+    await page.keyboard.press("End");
+    assert.equal(await focused(), items.at(-1));
+    await page.keyboard.press("ArrowDown");
+    assert.equal(await focused(), items[0]);
+    await page.keyboard.press("ArrowUp");
+    assert.equal(await focused(), items.at(-1));
+    await page.keyboard.press("s");
+    await page.keyboard.press("Escape");
+    assert.equal(await page.getByRole("menu").count(), 0);
+    assert.ok(await button.evaluate((e) => e === document.activeElement), name);
+    // Letters and arrows on the button itself choose nothing either.
+    await page.keyboard.press("s");
+    await page.keyboard.press("ArrowUp");
+    assert.equal(await focused(), items.at(-1));
+    await page.keyboard.press("Tab");
+    assert.equal(await page.getByRole("menu").count(), 0);
+  }
+  assert.equal(downloads, 0);
+  assert.equal(await saved(page), scenario);
+
+  // Enter and Space act.
+  await page.getByRole("button", { name: "Room or standard" }).focus();
+  await page.keyboard.press("Enter");
+  await page.keyboard.press("s");
+  const room = await focused();
+  assert.match(room, /^s/);
+  await page.keyboard.press("Space");
+  const chosen = page.getByRole("button", { name: `Room preset: ${room}` });
+  await chosen.waitFor();
+  assert.ok(await chosen.evaluate((e) => e === document.activeElement), "the focus is at the menu's button again");
+  assert.match(await saved(page), new RegExp(`preset = "${room}"`));
+  await chosen.focus();
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await focused(), room, "the one that is in use has the focus");
+  await page.mouse.click(700, 500);
+  assert.equal(await page.getByRole("menu").count(), 0, "a click elsewhere closes it");
+});
+
 test("an error stands at its field, with the hint, and is put back", async () => {
   const page = await on.visit();
   const first = await figure(page, "Gamut % sRGB");
@@ -106,6 +160,12 @@ for (const [width, height] of [
 ] as const) {
   test(`nothing is cut off at ${width} x ${height}`, async () => {
     const page = await on.visit({ viewport: { width, height } });
+    // The head is fullest with a design of another tab.
+    await page.evaluate(() => {
+      localStorage.setItem("papilio.work.x", JSON.stringify({ id: "x", text: "", title: "Another one" }));
+      dispatchEvent(new StorageEvent("storage"));
+    });
+    await page.getByRole("button", { name: "Earlier" }).waitFor();
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(wide <= width, `${wide} px wide`);
     const cut = await page.evaluate(() =>
@@ -122,15 +182,10 @@ for (const [width, height] of [
 
 test("all examples open, each with a picture or with words", async () => {
   const page = await on.visit();
-  const names = (
-    await page
-      .getByLabel("Examples")
-      .locator("option")
-      .evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value))
-  ).filter(Boolean);
+  const names = await itemsOf(page, "Examples");
   assert.ok(names.length > 20);
   for (const name of names) {
-    await page.getByLabel("Examples").selectOption(name);
+    await choose(page, "Examples", name);
     await page.waitForTimeout(100);
     await page.waitForFunction(() => document.querySelector('.picture[aria-busy="false"]') !== null, undefined, {
       timeout: 60_000,

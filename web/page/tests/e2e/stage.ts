@@ -23,7 +23,7 @@ const PAPILIO = found(
   [process.env["PAPILIO"], join(ROOT, "target/release/papilio"), join(ROOT, "target/debug/papilio")],
   "papilio",
 );
-const CHROMIUM = found(
+export const CHROMIUM = found(
   [process.env["CHROMIUM"], "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"],
   "Chromium",
 );
@@ -35,6 +35,12 @@ export interface Stage {
   readonly complaints: string[];
   /** Ends the server at once and starts it again at the same port. */
   restart(): Promise<void>;
+  /** Ends the server at once. */
+  kill(): Promise<void>;
+  /** Starts it again at the same port. */
+  revive(): Promise<void>;
+  /** Has it answer nothing, or go on. */
+  halt(isHalted: boolean): void;
   close(): Promise<void>;
 }
 
@@ -51,6 +57,13 @@ export async function stage(): Promise<Stage> {
   let { url, child } = await serve(0);
   const browser: Browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", "--disable-gpu"] });
   const complaints: string[] = [];
+  const kill = async (): Promise<void> => {
+    child.kill("SIGKILL");
+    await new Promise((resolve) => child.once("exit", resolve));
+  };
+  const revive = async (): Promise<void> => {
+    ({ child } = await serve(Number(new URL(url).port)));
+  };
   return {
     url,
     complaints,
@@ -77,10 +90,12 @@ export async function stage(): Promise<Stage> {
       await page.locator(".bench").waitFor();
       return page;
     },
+    kill,
+    revive,
+    halt: (isHalted) => void child.kill(isHalted ? "SIGSTOP" : "SIGCONT"),
     async restart() {
-      child.kill("SIGKILL");
-      await new Promise((resolve) => child.once("exit", resolve));
-      ({ child } = await serve(Number(new URL(url).port)));
+      await kill();
+      await revive();
     },
     async close() {
       await browser.close();
@@ -147,6 +162,22 @@ export async function drag(page: Page, handle: string, dx: number, dy: number): 
   await page.mouse.down();
   for (let i = 1; i <= 8; i++) await page.mouse.move(x + (dx * i) / 8, y + (dy * i) / 8);
   await page.mouse.up();
+}
+
+/** Does what an item of a menu says. */
+export async function choose(page: Page, menu: string | RegExp, item: string): Promise<void> {
+  await page.getByRole("button", { name: menu }).click();
+  await page.locator(`.menu [data-item="${item}"]`).click();
+}
+
+/** All items of a menu. */
+export async function itemsOf(page: Page, menu: string | RegExp): Promise<string[]> {
+  await page.getByRole("button", { name: menu }).click();
+  const items = await page
+    .locator(".menu [data-item]")
+    .evaluateAll((all) => all.map((one) => (one as HTMLElement).dataset["item"]!));
+  await page.keyboard.press("Escape");
+  return items;
 }
 
 /** Types a value into a field. */

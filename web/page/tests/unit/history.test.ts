@@ -24,6 +24,9 @@ test("a drag is one step, a second drag after a pause another", () => {
   for (let i = 1; i <= 50; i++) history = record(history, String(i), "haze", 10 * i);
   history = record(history, "51", "haze", 10_000);
   assert.deepEqual(history.past, ["0", "50"]);
+  // Steps that did not change are the same lists: they are not written anew with each movement of a drag.
+  const next = record(history, "52", "haze", 10_010);
+  assert.ok(next.past === history.past && next.future === history.future);
 });
 
 test("after an undo the same slider starts a step of its own", () => {

@@ -1,0 +1,33 @@
+// A list of texts of which each differs little from the one before it, written small: the first one whole, the
+// others as what changed. Two hundred steps of undo take some kilobytes then, instead of a megabyte.
+
+/** What makes a text of the one before: so many letters of it stay at its start and its end, others come between. */
+type Change = readonly [start: number, end: number, between: string];
+
+export type Chain = readonly (string | Change)[];
+
+function change(from: string, to: string): Change {
+  const most = Math.min(from.length, to.length);
+  let start = 0;
+  while (start < most && from[start] === to[start]) start++;
+  let end = 0;
+  while (end < most - start && from[from.length - 1 - end] === to[to.length - 1 - end]) end++;
+  return [start, end, to.slice(start, to.length - end)];
+}
+
+export const chained = (texts: readonly string[]): Chain =>
+  texts.map((text, i) => (i === 0 ? text : change(texts[i - 1]!, text)));
+
+/** The texts of a chain; none of what is no chain. */
+export function unchained(chain: unknown): string[] {
+  const texts: string[] = [];
+  for (const link of Array.isArray(chain) ? (chain as Chain) : []) {
+    const before = texts.at(-1) ?? "";
+    if (typeof link === "string") texts.push(link);
+    else if (Array.isArray(link)) {
+      const [start, end, between] = link as Change;
+      texts.push(before.slice(0, start) + between + before.slice(before.length - end));
+    } else return [];
+  }
+  return texts;
+}

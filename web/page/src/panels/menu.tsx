@@ -1,0 +1,162 @@
+// A button that opens a menu, after the ARIA pattern: arrow keys, Home, End and letters move in it, Enter and Space
+// act, Escape and Tab close it. Nothing is done by merely moving through it.
+
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useLayoutEffect, useRef } from "preact/hooks";
+
+export interface Item {
+  readonly name: string;
+  /** What is shown, if not its name. */
+  readonly label?: string;
+  readonly summary?: string;
+}
+
+interface Props {
+  /** What stands on the button. */
+  children: ComponentChildren;
+  /** What it is called, where that is not what stands on it. */
+  label?: string | undefined;
+  title?: string;
+  class?: string;
+  items: readonly Item[];
+  /** The item that is in use, where the menu chooses one. */
+  chosen?: string;
+  choose: (name: string) => unknown;
+  /** Called before it opens. */
+  opens?: () => void;
+}
+
+/** Between the menu and the window's edge, px. */
+const MARGIN = 8;
+
+/** Puts a menu below its button, or above it where there is more room, inside the window. */
+function place(menu: HTMLElement, button: HTMLElement): void {
+  const at = button.getBoundingClientRect();
+  const [above, below] = [at.top - MARGIN, innerHeight - at.bottom - MARGIN];
+  const up = below < Math.min(menu.scrollHeight, 240) && above > below;
+  menu.style.maxHeight = `${up ? above : below}px`;
+  menu.style.left = `${Math.max(MARGIN, Math.min(at.left, innerWidth - menu.offsetWidth - MARGIN))}px`;
+  menu.style.top = up ? `${at.top - Math.min(menu.scrollHeight + 2, above)}px` : `${at.bottom + 2}px`;
+}
+
+/** A summary without the marks of code and emphasis. */
+const plain = (summary: string): string => summary.replace(/[`*]/g, "");
+
+const itemsOf = (menu: HTMLElement | null): HTMLElement[] => [
+  ...(menu?.querySelectorAll<HTMLElement>("[role^=menuitem]") ?? []),
+];
+
+/** Where a key moves to from item `at` of several; null for one that does not move. */
+function moved(key: string, at: number, items: readonly HTMLElement[]): number | null {
+  const count = items.length;
+  if (key === "ArrowDown") return (at + 1) % count;
+  if (key === "ArrowUp") return (at + count - 1) % count;
+  if (key === "Home") return 0;
+  if (key === "End") return count - 1;
+  if (key.length !== 1 || key === " ") return null;
+  const order = items.map((_, i) => (at + 1 + i) % count);
+  return order.find((i) => items[i]!.textContent?.trim().toLowerCase().startsWith(key.toLowerCase())) ?? null;
+}
+
+export function Menu({ children, label, title, class: of = "", items, chosen, choose, opens }: Props) {
+  const open = useSignal<"closed" | "first" | "last">("closed");
+  const button = useRef<HTMLButtonElement>(null);
+  const menu = useRef<HTMLUListElement>(null);
+  const isOpen = open.value !== "closed";
+
+  const close = (withFocus: boolean) => {
+    open.value = "closed";
+    if (withFocus) button.current?.focus();
+  };
+  const show = (which: "first" | "last") => {
+    opens?.();
+    open.value = which;
+  };
+  useLayoutEffect(() => {
+    if (!isOpen || !menu.current || !button.current) return undefined;
+    place(menu.current, button.current);
+    const all = itemsOf(menu.current);
+    const start =
+      all.find((item) => item.getAttribute("aria-checked") === "true") ?? all.at(open.value === "last" ? -1 : 0);
+    start?.focus();
+    const away = (event: Event) => {
+      const to = event.target as Element;
+      if (!menu.current?.contains(to) && !button.current?.contains(to)) close(false);
+    };
+    const lost = () => close(false);
+    addEventListener("pointerdown", away);
+    addEventListener("scroll", away, true);
+    addEventListener("resize", lost);
+    return () => {
+      removeEventListener("pointerdown", away);
+      removeEventListener("scroll", away, true);
+      removeEventListener("resize", lost);
+    };
+  }, [isOpen]);
+
+  const pressButton = (event: KeyboardEvent) => {
+    if (event.key !== "ArrowDown" && event.key !== "ArrowUp") return;
+    show(event.key === "ArrowDown" ? "first" : "last");
+    event.preventDefault();
+  };
+  const pressMenu = (event: KeyboardEvent) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === "Tab") return close(true);
+    if (event.key === "Escape") close(true);
+    else {
+      const all = itemsOf(menu.current);
+      const to = moved(event.key, all.indexOf(document.activeElement as HTMLElement), all);
+      if (to === null) return;
+      all[to]?.focus();
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  const take = (name: string) => {
+    close(true);
+    void choose(name);
+  };
+  return (
+    <>
+      <button
+        ref={button}
+        type="button"
+        class={`opens ${of}`}
+        aria-haspopup="menu"
+        aria-expanded={isOpen}
+        aria-label={label}
+        title={title}
+        onClick={() => (isOpen ? close(true) : show("first"))}
+        onKeyDown={pressButton}
+      >
+        {children}
+      </button>
+      {isOpen && (
+        <ul
+          ref={menu}
+          class="menu"
+          role="menu"
+          aria-label={label ?? (typeof children === "string" ? children : undefined)}
+          onKeyDown={pressMenu}
+        >
+          {items.map(({ name, label: words, summary }) => (
+            <li key={name} role="none">
+              <button
+                type="button"
+                role={chosen === undefined ? "menuitem" : "menuitemradio"}
+                aria-checked={chosen === undefined ? undefined : name === chosen}
+                tabindex={-1}
+                data-item={name}
+                onClick={() => take(name)}
+              >
+                <span>{words ?? name}</span>
+                {summary && <small>{plain(summary)}</small>}
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,180 @@
+// What is open when the page starts, and that it is kept from then on: written at once with every change, be it
+// taken by the server, refused, on its way or half typed.
+
+import { batch, effect, signal } from "@preact/signals";
+
+import * as api from "../api/client.ts";
+import type { Start } from "../api/types.ts";
+import { followDesign, linked, opening } from "./address.ts";
+import { answer, draft, draftName, held, pending, text, title } from "./design.ts";
+import { merged } from "./edits.ts";
+import { adopt, keptIds, recallFiles, recallFormer } from "./files.ts";
+import { forgetUnused } from "./keep.ts";
+import { isTyped, resume } from "./live.ts";
+import { mirrored } from "./mirror.ts";
+import { open } from "./open.ts";
+import { pinned, repin, unpin } from "./pin.ts";
+import { said } from "./said.ts";
+import { history, resume as resumeSteps } from "./undo.ts";
+import { keeper, STEPS, WORK, type Earlier, type Keeper, type Now, type Steps, type Work } from "./works.ts";
+
+/** A storage of the browser, or null where it gives none. */
+function place(which: "localStorage" | "sessionStorage"): Storage | null {
+  try {
+    return window[which];
+  } catch {
+    return null;
+  }
+}
+
+let works: Keeper;
+
+/** Takes the browser's storages into use. */
+async function openWorks(): Promise<void> {
+  const all = place("localStorage");
+  const say = (words: string): void => void (said.value = words);
+  works = keeper(place("sessionStorage"), all && (await mirrored(all, WORK, STEPS)), say);
+}
+
+/** The scenario that the server was started with when this tab last asked. */
+let started = "";
+/** What the address or the command line opened: nothing is lost with it. */
+let given: string | null = null;
+let isTouched = false;
+/** Files of the scenario that the server was started with. */
+let adopted: Readonly<Record<string, string>> = {};
+/** The design as it was last written: its title stands until there is an answer. */
+let last: Work | null = null;
+
+/** Earlier designs, and those of other tabs, newest first. */
+export const earlier = signal<readonly Earlier[]>([]);
+export const lookForEarlier = (): void => void (earlier.value = works.earlier());
+
+const now = (): Now => ({
+  text: text.value,
+  draft: draft.value,
+  draftName: draftName.value,
+  typed: isTyped(),
+  pending: held.value === null ? pending.value : merged(pending.value, [held.value]),
+  present: history.value.present === text.value ? null : history.value.present,
+  pinned: pinned.value?.text ?? waitingPin.value,
+  started,
+  files: keptIds.value,
+  title: answer.value === null ? (last?.title ?? "Untitled") : title.value,
+});
+
+/** A pinned text that is being computed anew. */
+const waitingPin = signal<string | null>(null);
+
+const isSame = (a: Now & Steps, b: Now & Steps): boolean =>
+  a.text === b.text &&
+  a.draft === b.draft &&
+  a.present === b.present &&
+  a.pinned === b.pinned &&
+  a.past === b.past &&
+  a.future === b.future &&
+  JSON.stringify([a.pending, a.files]) === JSON.stringify([b.pending, b.files]);
+
+/** Whether there is anything to lose: more than what was opened for the reader. */
+function isChanged(work: Work): boolean {
+  const waits = work.pending.length > 0 || (work.draft !== null && work.draft !== given);
+  const hasFiles = Object.keys(work.files).some((name) => !(name in adopted));
+  const isGiven = given !== null && (work.text === given || work.draft === given);
+  isTouched ||= waits || hasFiles || work.pinned !== null || (!isGiven && work.past.length + work.future.length > 0);
+  return isTouched;
+}
+
+/** Keeps the design from here on. */
+function keepOn(): void {
+  effect(() => {
+    const [all, { past, future }] = [now(), history.value];
+    const work: Work = { ...all, past, future };
+    if (work.text === "" && work.draft === null) return;
+    if (last !== null && isSame(work, last)) return;
+    last = work;
+    works.keep(all, { past, future }, isChanged(work));
+  });
+}
+
+/** Puts a kept design on the bench, as it was left. */
+function restore(work: Work): void {
+  batch(() => {
+    unpin();
+    waitingPin.value = work.pinned;
+    resumeSteps(work.past, work.present ?? work.text, work.future);
+    resume(work);
+    last = { ...work, ...now(), past: history.value.past, future: history.value.future, title: work.title };
+  });
+}
+
+async function pinAgain(): Promise<void> {
+  if (waitingPin.value !== null) await repin(waitingPin.value);
+  waitingPin.value = null;
+}
+
+const BACK = "Undo brings back what was open before.";
+
+/** Opens the scenario of the address in the place of what is open. */
+async function follow(scenario: string): Promise<void> {
+  const before = text.value;
+  if (scenario === (draft.value ?? before)) return opening(scenario);
+  given = isTouched ? null : scenario;
+  if (!(await open(scenario))) return;
+  opening(scenario);
+  if (before !== "") said.value = `The link's scenario is open. ${BACK}`;
+}
+
+/** A link's scenario; or that of the command line, where it is a new one; or that of the last visit. */
+export async function begin(): Promise<void> {
+  const [link, first] = await Promise.all([linked(), api.get<Start>("start"), openWorks()]);
+  const loaded = works.load();
+  const isNew = loaded?.work.started !== first.name;
+  started = first.name;
+  adopted = first.files;
+  adopt(adopted);
+  await recallFormer();
+  if (loaded !== null) {
+    await recallFiles(loaded.work.files);
+    // In a new tab other scenarios than those of the last visit stand beside them.
+    if (!loaded.own && (link !== null || isNew)) works.part();
+    restore(loaded.work);
+  }
+  keepOn();
+  if (link !== null) await follow(link);
+  else if (isNew) {
+    given = first.scenario;
+    await open(first.scenario);
+    if (loaded !== null) said.value = `${first.name} is open, with which the program was started. ${BACK}`;
+  }
+  followDesign();
+  watch();
+  await pinAgain();
+  await forgetUnused(new Set([...works.files(), ...Object.values(keptIds.value)]));
+}
+
+/** Looks for links that are opened here, and for designs of other tabs as they come and go. */
+function watch(): void {
+  addEventListener(
+    "hashchange",
+    () => void linked().then((scenario) => (scenario === null ? undefined : follow(scenario))),
+  );
+  addEventListener("storage", ({ oldValue, newValue }) => (oldValue === null || newValue === null) && lookForEarlier());
+  lookForEarlier();
+}
+
+/** Goes on with an earlier design; what was open is among them then. */
+export async function takeUp(id: string): Promise<void> {
+  const others = works.earlier().length;
+  const work = works.take(id);
+  if (work === null) return lookForEarlier();
+  await recallFiles(work.files);
+  restore(work);
+  given = null;
+  isTouched = false;
+  // A reload goes on with it, too.
+  works.keep(now(), history.value, false);
+  lookForEarlier();
+  const isThere = earlier.value.length === others;
+  said.value = `“${work.title}” is open again, as it was left${isThere ? "; the design before it is under Earlier" : ""}.`;
+  await pinAgain();
+}
