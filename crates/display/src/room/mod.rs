@@ -12,6 +12,7 @@
 mod cap;
 mod map;
 mod pose;
+mod profile;
 mod sky;
 
 use papilio_transport::Field;
@@ -19,32 +20,8 @@ use papilio_transport::Field;
 pub use cap::cap;
 pub use map::{Cells, Panorama};
 pub use pose::Pose;
+pub use profile::profile;
 pub use sky::Sky;
-
-/// Inclination steps in which a profile is taken, degrees.
-const STEP_DEG: f64 = 0.5;
-
-/// A field that is alike at all azimuths, its radiance linear between the points of a table: inclinations in
-/// degrees, ascending from 0 or more to 90 or less, and relative radiances. It is dark before the first and beyond
-/// the last; `None` if it is dark throughout.
-pub fn profile(points: &[(f64, f64)]) -> Option<Field> {
-    let mut edges = vec![points.first()?.0];
-    let mut radiance = Vec::new();
-    for pair in points.windows(2) {
-        let [(from, at_start), (to, at_end)] = [pair[0], pair[1]];
-        let steps = ((to - from) / STEP_DEG).ceil().max(1.0);
-        for step in 0..steps as usize {
-            let along = (step as f64 + 0.5) / steps;
-            radiance.push(at_start + along * (at_end - at_start));
-            edges.push(if step as f64 + 1.0 < steps {
-                from + (to - from) * (step as f64 + 1.0) / steps
-            } else {
-                to
-            });
-        }
-    }
-    Some(Field::new(&edges, 1, radiance)?.0)
-}
 
 /// Rows and columns in which a sheet's light is taken.
 const SHEET: [usize; 2] = [180, 180];
@@ -92,14 +69,5 @@ mod tests {
         assert!(to_the_right.radiance(Beta::from_source(30.0, 180.0, 1.0)) > 0.1);
         assert_eq!(to_the_right.radiance(Beta::from_source(30.0, 0.0, 1.0)), 0.0);
         assert!(luminous_sheet(|_, _| 0.0).is_none());
-    }
-
-    #[test]
-    fn a_profile_is_linear_between_its_points() {
-        let field = profile(&[(10.0, 0.0), (20.0, 2.0), (60.0, 2.0)]).unwrap();
-        let at = |theta| field.radiance(Beta::from_source(theta, 77.0, 1.0));
-        assert_eq!((at(9.0), at(61.0)), (0.0, 0.0));
-        assert!((at(15.2) / at(40.0) - 0.525).abs() < 1e-12);
-        assert!(profile(&[(10.0, 0.0), (20.0, 0.0)]).is_none() && profile(&[]).is_none());
     }
 }
