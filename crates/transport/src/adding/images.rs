@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use papilio_optics::Beta;
 
-use super::quadrature::{Point, cone_points, gauss};
+use super::quadrature::{Point, cone_points, gauss, smooth_at};
 use crate::field::Light;
 use crate::formula::{Formula, Polar};
 use crate::{Cone, Field, Source};
@@ -55,15 +55,26 @@ fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
 
 /// By a rule that knows where the formula is not smooth.
 fn of_formula(view: &Cone, formula: &Formula, scale: f64, digits: f64) -> Vec<Point> {
-    let mut parts = Parts::new(view, digits);
+    let mut points = Vec::new();
     for ring in formula.over_angle(0.0, view.half_angle(), digits, digits) {
         for spoke in formula.around(ring.x, digits, digits as usize) {
             let light = scale * ring.weight * ring.x.sin() * spoke.weight * formula.seen_at(ring.x, spoke.x);
-            parts.add(ring.x / view.half_angle(), spoke.x, view.around(ring.x, spoke.x), light);
+            points.push((ring.x, spoke.x, light));
         }
+    }
+    let mut parts = Parts::new(view, digits);
+    if points.len() <= parts.sums.len() {
+        let point = |(angle, turn, weight)| Point { beta: view.around(angle, turn), weight };
+        return points.into_iter().map(point).filter(|point| point.weight > 0.0).collect();
+    }
+    for (angle, turn, light) in points {
+        parts.add(angle / view.half_angle(), turn, view.around(angle, turn), light);
     }
     parts.points()
 }
+
+/// Of parts of a view.
+const MOST_RINGS: f64 = 64.0;
 
 /// Light of parts of a view, by its first moments.
 struct Parts {
@@ -74,7 +85,8 @@ struct Parts {
 
 impl Parts {
     fn new(view: &Cone, digits: f64) -> Self {
-        let rings = 1.0 + (3.0 * digits * view.half_angle() / SMOOTH).ceil();
+        let size = view.half_angle() / smooth_at(view, SMOOTH);
+        let rings = (1.0 + (3.0 * digits * size).ceil()).min(MOST_RINGS);
         let sectors = 4.0 * rings;
         Self { rings, sectors, sums: vec![[0.0; 3]; (rings * sectors) as usize] }
     }
