@@ -107,8 +107,12 @@ impl Field {
         match &self.formula {
             None => self.cells.at(beta),
             Some(OfUnit { formula, scale }) => {
-                let z = (1.0 - beta.squared()).max(0.0).sqrt();
-                scale * formula.radiance([-beta.x, -beta.y, z])
+                let square = 1.0 - beta.squared();
+                // Light of no angle in the air comes from nowhere.
+                if square < -1e-12 {
+                    return 0.0;
+                }
+                scale * formula.radiance([-beta.x, -beta.y, square.max(0.0).sqrt()])
             }
         }
     }

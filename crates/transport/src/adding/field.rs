@@ -73,7 +73,7 @@ pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     }
     let mut rings = Vec::new();
     panels(from, to, &[], &poles, &mut |from, to, ellipse: f64| {
-        let panel = Panel::new(from, to, points_for(digits, ellipse.ln()).max(LEAST_NODES));
+        let panel = Panel::new(from, to, points_for(digits, ellipse.ln()) + MORE_NODES);
         let radii = || panel.nodes.iter().map(|angle| angle.sin());
         let orders: Vec<usize> =
             radii().map(|radius| orders(radius, &centres, peaks.width, digits)).collect();
@@ -90,8 +90,8 @@ pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     rings
 }
 
-/// Nodes of the smallest rule.
-const LEAST_NODES: usize = 4;
+/// Nodes beside those that the digits ask for: of rules that do not grow from level to level nobody knows how wrong they are.
+const MORE_NODES: usize = 2;
 
 /// `|beta|` of a view's field, from its inner to its outer rim, as densely as peaks are wide.
 fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {

@@ -33,18 +33,19 @@ pub(super) struct Directions {
 impl Directions {
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
+        let of_cones = digits + MORE_DIGITS_OF_CONES;
         // Layers that scatter, and flat ones.
         let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
         let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };
         for view in views {
-            let rays = directions.rays(&cone_points(view, at(view), digits));
+            let rays = directions.rays(&cone_points(view, at(view), of_cones));
             directions.views.push(rays);
         }
         for source in sources {
             let rays = match source {
                 Source::Diffuse => Vec::new(),
                 Source::Beam(beta) => directions.rays(&[Point { beta: *beta, weight: 1.0 }]),
-                Source::Disc(cone) => directions.rays(&disc_points(cone, at(cone), digits)),
+                Source::Disc(cone) => directions.rays(&disc_points(cone, at(cone), of_cones)),
                 Source::Field(field) => {
                     let rings = rings(field, Peaks { views, width: scale }, digits);
                     directions.of_field(&rings, field.is_ring())
@@ -90,6 +91,10 @@ impl Directions {
 
 /// Films and faces change over angles of this size, whatever scatters.
 const SMOOTH: f64 = 0.3;
+
+/// Natural digits that cones have more than lobes: small ones are a single direction at one level and not at the next, or nobody knows what
+/// that costs.
+const MORE_DIGITS_OF_CONES: f64 = 6.0;
 
 /// The distance in direction cosines over which what is seen changes.
 fn smoothness(stack: &Layered) -> f64 {
