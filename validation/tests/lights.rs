@@ -1,6 +1,9 @@
 //! Every kind of room's light, from scenario to result.
 #![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
 
+#[path = "lights/third_road.rs"]
+mod third_road;
+
 use std::path::Path;
 
 use papilio_display::result::RunResult;
@@ -47,8 +50,11 @@ fn text(display: &str, environment: &str, solver: &str) -> String {
 }
 
 fn run(text: &str) -> RunResult {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
-    let scenario = Scenario::from_text(text, "light.toml", &folder, &[]).unwrap();
+    run_in(text, &Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios"))
+}
+
+fn run_in(text: &str, folder: &Path) -> RunResult {
+    let scenario = Scenario::from_text(text, "light.toml", folder, &[]).unwrap();
     papilio_validation::run(&scenario.resolve().unwrap().scene).unwrap()
 }
 

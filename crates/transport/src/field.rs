@@ -1,21 +1,49 @@
-//! Light from all over the sky: a radiance for each cell of the air's hemisphere.
+//! Light from all over the sky: a radiance for each direction of the air's hemisphere.
 //!
 //! # Model
-//! Cells are rows of inclination times equal columns of azimuth; the radiance is the same within
-//! a cell. It is kept for unit irradiance in the display plane: the integral of radiance over direction
-//! cosines is 1, so that it is also the density with which [`Field::sample`] draws (inverse cumulative
-//! distributions of rows, then of columns; uniform in direction cosines within a cell).
+//! Either cells, rows of inclination times equal columns of azimuth with the same radiance within each (exact for
+//! rings; a map is resampled to them by its reader), or a formula ([`Radiance`]), which is evaluated where
+//! light is looked up and integrated where it is summed. Radiance is kept for unit irradiance in the display plane: its integral
+//! over direction cosines is 1.
 //!
-//! Rows and columns are exact for rings and caps; a map is resampled to them by its reader. One column
-//! is a field that is alike at all azimuths.
+//! [`Field::sample`] draws directions (inverse cumulative distributions of rows, then of columns; uniform in direction cosines
+//! within a cell) with the density [`Field::density`]. Of cells that is the radiance itself; a formula has
+//! cells beside it that are about as bright, and nowhere dark where it is bright.
+//!
+//! One column is a field that is alike at all azimuths.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
 
 use papilio_optics::Beta;
 
+use crate::formula::{Formula, Polar, Radiance};
+
 /// Radiance by direction, zero outside its rows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Field {
+    cells: Cells,
+    formula: Option<OfUnit>,
+}
+
+/// A formula, and what makes its irradiance one.
+#[derive(Debug, Clone)]
+struct OfUnit {
+    formula: Formula,
+    scale: f64,
+}
+
+/// What is summed of a field.
+#[derive(Debug)]
+pub(crate) enum Light<'a> {
+    /// The lit rows: the inclinations they lie between, radians, and their radiances.
+    Cells(Vec<([f64; 2], &'a [f64])>),
+    /// A formula, and the factor of its radiances.
+    Formula(&'a Formula, f64),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Cells {
     /// Inclinations between which the rows lie, radians, and the squares of their sines.
     edges: Vec<f64>,
     squares: Vec<f64>,
@@ -28,6 +56,17 @@ pub struct Field {
     up_to_column: Vec<f64>,
 }
 
+/// Of the mean over all cells, what is drawn even where a formula seems dark: a cell that holds an edge may do so.
+const WHEREVER: f64 = 0.01;
+
+impl PartialEq for Field {
+    /// Formulas are alike where their irradiances and the cells beside them are, to the last digit.
+    fn eq(&self, other: &Self) -> bool {
+        let scale = |field: &Self| field.formula.as_ref().map(|formula| formula.scale);
+        self.cells == other.cells && scale(self) == scale(other)
+    }
+}
+
 impl Field {
     /// Of these radiances, shape `[row][column]`, and the irradiance that they make in the display plane.
     ///
@@ -35,6 +74,77 @@ impl Field {
     /// holds azimuths from k to k + 1 of `columns` parts of the circle. `None` if the numbers do not fit
     /// together, if a radiance is negative or no number, or if there is no light.
     pub fn new(edges_deg: &[f64], columns: usize, radiance: Vec<f64>) -> Option<(Self, f64)> {
+        let (cells, irradiance) = Cells::new(edges_deg, columns, radiance)?;
+        Some((Self { cells, formula: None }, irradiance))
+    }
+
+    /// Of a formula, and its irradiance. Directions are drawn from cells as of [`Field::new`] whose radiances are about those of the formula,
+    /// at any scale; they hold all that is lit. One column says that the formula is alike at all azimuths.
+    pub fn of(
+        radiance: Arc<dyn Radiance>,
+        edges_deg: &[f64],
+        columns: usize,
+        mut about: Vec<f64>,
+    ) -> Option<(Self, f64)> {
+        let mean = about.iter().sum::<f64>() / about.len() as f64;
+        about.iter_mut().for_each(|value| *value += WHEREVER * mean);
+        let (cells, _) = Cells::new(edges_deg, columns, about)?;
+        let formula = Formula::new(radiance, Polar::NORMAL);
+        debug_assert!(columns > 1 || formula.is_round(), "one column has no azimuths");
+        let irradiance = formula.irradiance();
+        let formula = Some(OfUnit { formula, scale: 1.0 / irradiance });
+        (irradiance > 0.0 && irradiance.is_finite()).then_some((Self { cells, formula }, irradiance))
+    }
+
+    /// Even light from a ring around the normal, or from a cap where it begins at 0, degrees.
+    pub fn ring(from_deg: f64, to_deg: f64) -> Option<Self> {
+        Some(Self::new(&[from_deg, to_deg], 1, vec![1.0])?.0)
+    }
+
+    /// Radiance over irradiance, 1/sr, of the light that propagates with `beta`.
+    #[inline]
+    pub fn radiance(&self, beta: Beta) -> f64 {
+        match &self.formula {
+            None => self.cells.at(beta),
+            Some(OfUnit { formula, scale }) => {
+                let square = 1.0 - beta.squared();
+                // Light of no angle in the air comes from nowhere.
+                if square < -1e-12 {
+                    return 0.0;
+                }
+                scale * formula.radiance([-beta.x, -beta.y, square.max(0.0).sqrt()])
+            }
+        }
+    }
+
+    /// The density over direction cosines with which [`Self::sample`] draws this direction.
+    #[inline]
+    pub fn density(&self, beta: Beta) -> f64 {
+        self.cells.at(beta)
+    }
+
+    /// A direction drawn about by radiance: the direction cosines of its light, and [`Self::density`] there.
+    #[inline]
+    pub fn sample(&self, u: [f64; 2]) -> (Beta, f64) {
+        self.cells.sample(u)
+    }
+
+    /// True if it is alike at all azimuths.
+    pub fn is_ring(&self) -> bool {
+        self.cells.columns == 1
+    }
+
+    /// What there is to be summed.
+    pub(crate) fn light(&self) -> Light<'_> {
+        match &self.formula {
+            None => Light::Cells(self.cells.lit_rows().collect()),
+            Some(OfUnit { formula, scale }) => Light::Formula(formula, *scale),
+        }
+    }
+}
+
+impl Cells {
+    fn new(edges_deg: &[f64], columns: usize, radiance: Vec<f64>) -> Option<(Self, f64)> {
         let rows = edges_deg.len().checked_sub(1)?;
         let ascend = edges_deg.windows(2).all(|pair| pair[0] < pair[1]);
         let within = *edges_deg.first()? >= 0.0 && *edges_deg.last()? <= 90.0;
@@ -66,14 +176,8 @@ impl Field {
         Some((Self { edges, squares, columns, radiance, up_to_row, up_to_column }, irradiance))
     }
 
-    /// Even light from a ring around the normal, or from a cap where it begins at 0, degrees.
-    pub fn ring(from_deg: f64, to_deg: f64) -> Option<Self> {
-        Some(Self::new(&[from_deg, to_deg], 1, vec![1.0])?.0)
-    }
-
-    /// Radiance over irradiance, 1/sr, of the light that propagates with `beta`.
     #[inline]
-    pub fn radiance(&self, beta: Beta) -> f64 {
+    fn at(&self, beta: Beta) -> f64 {
         let square = beta.squared();
         let row = match self.squares.partition_point(|edge| *edge <= square) {
             0 => return 0.0,
@@ -95,10 +199,8 @@ impl Field {
         ((turn * self.columns as f64) as usize).min(self.columns - 1)
     }
 
-    /// A direction drawn by radiance: the direction cosines of its light, and [`Self::radiance`] there,
-    /// which is the density.
     #[inline]
-    pub fn sample(&self, u: [f64; 2]) -> (Beta, f64) {
+    fn sample(&self, u: [f64; 2]) -> (Beta, f64) {
         let (row, along) = pick(&self.up_to_row, u[0]);
         let (column, turn) = pick(&self.up_to_column[row * self.columns..][..self.columns], u[1]);
         let square = self.squares[row] + along * (self.squares[row + 1] - self.squares[row]);
@@ -107,13 +209,8 @@ impl Field {
         (Beta { x: radius * cos, y: radius * sin }, self.row(row)[column])
     }
 
-    /// True if it is alike at all azimuths.
-    pub fn is_ring(&self) -> bool {
-        self.columns == 1
-    }
-
     /// The lit rows: the inclinations they lie between, radians, and their radiances.
-    pub(crate) fn lit_rows(&self) -> impl Iterator<Item = ([f64; 2], &[f64])> {
+    fn lit_rows(&self) -> impl Iterator<Item = ([f64; 2], &[f64])> {
         let rows = self.edges.windows(2).zip(self.radiance.chunks_exact(self.columns));
         let lit = rows.filter(|(_, row)| row.iter().any(|value| *value > 0.0));
         lit.map(|(edges, row)| ([edges[0], edges[1]], row))
@@ -158,12 +255,13 @@ mod tests {
             let u = numbers.block(path, 0);
             let (beta, density) = field.sample([u[0], u[1]]);
             assert_eq!(density, field.radiance(beta));
-            let row = field.squares.partition_point(|square| *square <= beta.squared()) - 1;
-            counts[row * 4 + field.column(beta)] += 1.0;
+            let row = field.cells.squares.partition_point(|square| *square <= beta.squared()) - 1;
+            counts[row * 4 + field.cells.column(beta)] += 1.0;
         }
         let mut chi_square = 0.0;
         for (cell, count) in counts.iter().enumerate() {
-            let expected = field.radiance[cell] * cell_area(&field.squares[cell / 4..], 4) * samples as f64;
+            let expected =
+                field.cells.radiance[cell] * cell_area(&field.cells.squares[cell / 4..], 4) * samples as f64;
             if expected == 0.0 {
                 assert_eq!(*count, 0.0);
             } else {

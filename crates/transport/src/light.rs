@@ -83,6 +83,17 @@ impl Cone {
         [[z * cos_phi, z * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
     }
 
+    /// What [`Self::around`] turns in: azimuths 0 and 90 deg, and the axis.
+    pub(crate) fn frame(&self) -> [[f64; 3]; 3] {
+        let [out, side] = self.across();
+        [out, side, self.axis]
+    }
+
+    /// True if its angles are those in the air.
+    pub(crate) fn is_in_air(&self) -> bool {
+        self.index == 1.0
+    }
+
     /// The direction cosines of light that leaves at this angle from the axis, `turn` around
     /// it from its plane of incidence (radians).
     pub(crate) fn around(&self, angle: f64, turn: f64) -> Beta {

@@ -6,12 +6,15 @@
 //!
 //! `cos a <= cos(theta) cos(theta_0) + sin(theta) sin(theta_0) cos(phi - phi_0)`.
 //!
-//! A cell has the part of it that is lit: exact over azimuth, and by a Gauss rule over inclination, by projected solid angle. Rows end
-//! where the region's edges are highest and lowest.
+//! That is what is looked up and integrated. The walk draws directions from cells that have the part of them which is lit: exact over
+//! azimuth, and by a Gauss rule over inclination, by projected solid angle. Rows end where the region's edges are highest and lowest.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
-use papilio_transport::Field;
+use papilio_transport::{Edge, Field, Radiance};
+
+use super::pose::by_inclination;
 
 /// Rows are no higher than this, degrees.
 const ROW_DEG: f64 = 0.25;
@@ -46,7 +49,41 @@ pub fn cap(theta_deg: f64, phi_deg: f64, from_deg: f64, to_deg: f64) -> Option<F
             }
         }
     }
-    Some(Field::new(&edges, COLUMNS, radiance)?.0)
+    let region = Region { axis: by_inclination(axis, turn), angles: [from_deg, to_deg].map(f64::to_radians) };
+    Some(Field::of(Arc::new(region), &edges, COLUMNS, radiance)?.0)
+}
+
+/// Where the angle from an axis is between two.
+#[derive(Debug)]
+struct Region {
+    axis: [f64; 3],
+    angles: [f64; 2],
+}
+
+impl Radiance for Region {
+    fn at(&self, direction: [f64; 3]) -> f64 {
+        // By half the chord, which is exact for the smallest angles.
+        let apart = direction.iter().zip(self.axis).map(|(x, y)| (x - y).powi(2));
+        let square = 0.25 * apart.sum::<f64>();
+        let [from, to] = self.angles.map(|angle| (0.5 * angle).sin().powi(2));
+        if (from..=to).contains(&square) { 1.0 } else { 0.0 }
+    }
+
+    fn edges(&self) -> Vec<Edge> {
+        let edge = |radius| Edge { centre: self.axis, radius, scale: f64::INFINITY };
+        self.angles.into_iter().filter(|angle| (1e-9..PI - 1e-9).contains(angle)).map(edge).collect()
+    }
+
+    fn span(&self) -> [f64; 2] {
+        let axis = self.axis[0].hypot(self.axis[1]).atan2(self.axis[2]);
+        let [from, to] = self.angles;
+        let inner = if axis < from { from - axis } else { axis - to };
+        [inner.clamp(0.0, FRAC_PI_2), (axis + to).min(FRAC_PI_2)]
+    }
+
+    fn is_even(&self) -> bool {
+        true
+    }
 }
 
 /// Points and weights over a row, from 0 to 1. Where a row ends at an edge of the region, azimuths begin as a square root: the

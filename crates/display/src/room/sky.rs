@@ -10,14 +10,18 @@
 //! The sun itself is no part of it. The ground below the horizon has the luminance of a Lambertian plane
 //! under the sky, times its reflectance.
 //!
+//! Directions are looked up in the formula itself. It is not smooth at the sun, nor at the horizon, next to which the gradation
+//! levels off as `exp(b/cos Z)`: integrals are graded there.
+//!
 //! # Source
 //! ISO 15469:2004 / CIE S 011/E:2003, *Spatial distribution of daylight: CIE standard general sky*, eqs. 1-7 and
 //! table 1; R. Kittler, R. Perez, S. Darula, *A new generation of sky standards*, Lux Europa 1997; the numbers are
 //! those of S. Darula, R. Kittler, *CIE general sky standard defining luminance distributions*, eSim 2002.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
-use papilio_transport::Field;
+use papilio_transport::{Edge, Field, Radiance};
 
 use super::pose::{Pose, by_elevation, by_inclination};
 
@@ -43,7 +47,7 @@ const TYPES: [[f64; 5]; 15] = [
 /// The traditional overcast sky.
 const TRADITIONAL: u8 = 16;
 
-/// Rows and columns of a sky over the display.
+/// Rows and columns of the cells by which the walk draws directions.
 const ROWS: usize = 90;
 const COLUMNS: usize = 180;
 
@@ -66,63 +70,104 @@ impl Sky {
 
     /// Relative luminance of a direction, a unit vector with z up; 1 at the zenith.
     pub fn luminance(&self, direction: [f64; 3]) -> f64 {
-        self.above(direction) / self.above([0.0, 0.0, 1.0])
-    }
-
-    fn above(&self, direction: [f64; 3]) -> f64 {
-        let sin = direction[2].clamp(0.0, 1.0);
-        let Some([a, b, c, d, e]) = usize::from(self.number).checked_sub(1).and_then(|i| TYPES.get(i)) else {
-            return if self.number == TRADITIONAL { (1.0 + 2.0 * sin) / 3.0 } else { 1.0 };
-        };
-        // b < 0: the exponential goes to 0 at the horizon.
-        let gradation = 1.0 + a * (b / sin).exp();
-        let [elevation, azimuth] = self.sun.unwrap_or([90.0, 0.0]);
-        let apart = direction.iter().zip(by_elevation(elevation, azimuth)).map(|(x, y)| (x - y).powi(2));
-        // By half the chord: an arc cosine loses half of the digits next to the sun.
-        let chi = 2.0 * (0.5 * apart.sum::<f64>().sqrt()).min(1.0).asin();
-        gradation * (1.0 + c * ((d * chi).exp() - (d * FRAC_PI_2).exp()) + e * chi.cos().powi(2))
+        Formula::new(self).luminance(direction)
     }
 
     /// Illuminance of the horizontal ground, for a luminance of 1 at the zenith.
     pub fn horizontal_illuminance(&self) -> f64 {
-        let rows = 2 * ROWS;
-        let edge = |row: usize| FRAC_PI_2 * row as f64 / rows as f64;
-        let mut sum = 0.0;
-        for row in 0..rows {
-            // A ring's share of all direction cosines.
-            let share = edge(row + 1).sin().powi(2) - edge(row).sin().powi(2);
-            let theta = 0.5 * (edge(row) + edge(row + 1));
-            for column in 0..COLUMNS {
-                let phi = 2.0 * PI * (column as f64 + 0.5) / COLUMNS as f64;
-                sum += share * self.luminance(by_inclination(theta, phi));
-            }
-        }
-        PI * sum / COLUMNS as f64
+        Sky { ground: 0.0, ..*self }.over(Pose::default()).map_or(0.0, |(_, illuminance)| illuminance)
     }
 
     /// What a display sees of sky and ground; `None` if that is dark.
     pub fn field(&self, pose: Pose) -> Option<Field> {
+        Some(self.over(pose)?.0)
+    }
+
+    /// The same, and what it makes on the display, for a luminance of 1 at the zenith.
+    fn over(&self, pose: Pose) -> Option<(Field, f64)> {
         let is_round = pose.tilt_deg == 0.0 && !Self::has_sun(self.number);
         let columns = if is_round { 1 } else { COLUMNS };
         let ground = if self.ground > 0.0 { self.ground * self.horizontal_illuminance() / PI } else { 0.0 };
-        let at = |theta: f64, phi: f64| {
-            let world = pose.to_world(by_inclination(theta, phi));
-            if world[2] > 0.0 { self.luminance(world) } else { ground }
-        };
+        let over = Over { sky: Formula::new(self), pose, ground };
         let edges: Vec<f64> = (0..=ROWS).map(|row| row as f64).collect();
-        let mut radiance = Vec::with_capacity(ROWS * columns);
+        let mut about = Vec::with_capacity(ROWS * columns);
         for row in 0..ROWS {
             for column in 0..columns {
                 // Four points of each cell.
                 let points = [(0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)];
                 let mean = points.iter().map(|(along, turn)| {
                     let theta = (row as f64 + along).to_radians();
-                    at(theta, 2.0 * PI * (column as f64 + turn) / columns as f64)
+                    over.at(by_inclination(theta, 2.0 * PI * (column as f64 + turn) / columns as f64))
                 });
-                radiance.push(mean.sum::<f64>() / 4.0);
+                about.push(mean.sum::<f64>() / 4.0);
             }
         }
-        Some(Field::new(&edges, columns, radiance)?.0)
+        Field::of(Arc::new(over), &edges, columns, about)
+    }
+}
+
+/// A sky with what it needs of its number and its sun.
+#[derive(Debug)]
+struct Formula {
+    number: u8,
+    sky: Option<[f64; 5]>,
+    /// `exp(d pi/2)`.
+    across: f64,
+    sun: [f64; 3],
+    zenith: f64,
+}
+
+impl Formula {
+    fn new(sky: &Sky) -> Self {
+        let of_type = usize::from(sky.number).checked_sub(1).and_then(|i| TYPES.get(i)).copied();
+        let [elevation, azimuth] = sky.sun.unwrap_or([90.0, 0.0]);
+        let across = of_type.map_or(0.0, |[_, _, _, d, _]| (d * FRAC_PI_2).exp());
+        let sun = by_elevation(elevation, azimuth);
+        let formula = Self { number: sky.number, sky: of_type, across, sun, zenith: 1.0 };
+        Self { zenith: formula.luminance([0.0, 0.0, 1.0]), ..formula }
+    }
+
+    fn luminance(&self, direction: [f64; 3]) -> f64 {
+        let sin = direction[2].clamp(0.0, 1.0);
+        let Some([a, b, c, d, e]) = self.sky else {
+            return if self.number == TRADITIONAL { (1.0 + 2.0 * sin) / 3.0 } else { 1.0 };
+        };
+        // b < 0: the exponential goes to 0 at the horizon.
+        let gradation = if a == 0.0 { 1.0 } else { 1.0 + a * (b / sin).exp() };
+        if c == 0.0 {
+            return gradation / self.zenith;
+        }
+        let apart = direction.iter().zip(self.sun).map(|(x, y)| (x - y).powi(2));
+        // By half the chord: an arc cosine loses half of the digits next to the sun.
+        let half_chord = (0.5 * apart.sum::<f64>().sqrt()).min(1.0);
+        let (chi, cosine) = (2.0 * half_chord.asin(), 1.0 - 2.0 * half_chord * half_chord);
+        gradation * (1.0 + c * ((d * chi).exp() - self.across) + e * cosine * cosine) / self.zenith
+    }
+}
+
+/// What a display sees of a sky, and of the ground below.
+#[derive(Debug)]
+struct Over {
+    sky: Formula,
+    pose: Pose,
+    ground: f64,
+}
+
+/// The gradation changes over this part of `b` next to the horizon, whose essential singularity it is.
+const OF_GRADATION: f64 = 0.1;
+
+impl Radiance for Over {
+    fn at(&self, direction: [f64; 3]) -> f64 {
+        let world = self.pose.to_world(direction);
+        if world[2] > 0.0 { self.sky.luminance(world) } else { self.ground }
+    }
+
+    fn edges(&self) -> Vec<Edge> {
+        let [a, b, c, ..] = self.sky.sky.unwrap_or_default();
+        let scale = if a == 0.0 { f64::INFINITY } else { OF_GRADATION * b.abs() };
+        let horizon = Edge { centre: self.pose.to_display([0.0, 0.0, 1.0]), radius: FRAC_PI_2, scale };
+        let sun = Edge { centre: self.pose.to_display(self.sky.sun), radius: 0.0, scale: 0.0 };
+        if c == 0.0 { vec![horizon] } else { vec![horizon, sun] }
     }
 }
 

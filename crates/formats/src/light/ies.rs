@@ -53,6 +53,20 @@ impl Luminaire {
         (1.0 - around) * on(h) + around * on(h + 1)
     }
 
+    /// Angles between which intensity is smooth, degrees: from the nadir, and around it (or opposite to that), those that
+    /// symmetry adds among them.
+    pub fn angles_deg(&self) -> [Vec<f64>; 2] {
+        let symmetric = self.horizontal_deg.last().is_none_or(|last| *last <= 180.0);
+        let turns = self.horizontal_deg.iter().flat_map(|turn| [Some(*turn), symmetric.then_some(-turn)]);
+        let mut turns: Vec<f64> = turns.flatten().map(|turn| turn.rem_euclid(180.0)).collect();
+        turns.sort_by(f64::total_cmp);
+        turns.dedup_by(|a, b| *a - *b < 1e-9);
+        if self.horizontal_deg.len() < 2 {
+            turns.clear();
+        }
+        [self.vertical_deg.clone(), turns]
+    }
+
     /// Area of the opening, m2.
     pub fn opening_m2(&self) -> f64 {
         let [a, b] = self.opening_m;

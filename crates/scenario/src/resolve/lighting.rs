@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use papilio_display::room::{luminous_sheet, profile};
+use papilio_display::room::{Sheet, luminous_sheet, profile};
 use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
-use papilio_formats::{read_ies, read_profile};
+use papilio_formats::{Luminaire, read_ies, read_profile};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -104,7 +104,7 @@ impl Resolver<'_> {
                     "lighting.front_light: what {name} sends up is left out; upward_leak says how much there is of it"
                 ));
             }
-            luminous_sheet(|theta_deg, phi_deg| light.intensity(theta_deg, phi_deg))
+            luminous_sheet(Guide(light))
         } else {
             profile(&self.data(name, origin, read_profile)?)
         };
@@ -181,6 +181,20 @@ impl Resolver<'_> {
         let mends = others.chain([wrong]).find(|&i| (0.0..=1.0).contains(&needed(i))).unwrap_or(wrong);
         let (remedy, value) = (shares[mends].0.clone(), needed(mends));
         self.errors.push(shares[wrong].2, Problem::LightShares { sum, remedy, value });
+    }
+}
+
+/// A luminaire as a sheet over the display, its nadir the normal.
+#[derive(Debug)]
+struct Guide(Luminaire);
+
+impl Sheet for Guide {
+    fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64 {
+        self.0.intensity(theta_deg, phi_deg)
+    }
+
+    fn angles_deg(&self) -> [Vec<f64>; 2] {
+        self.0.angles_deg()
     }
 }
 

@@ -3,7 +3,8 @@
 //! What a view sees of a direction is smooth, but for a peak in the view's mirror direction whose
 //! width is known; a field is rough, down to its cells. So it is the view's side that is interpolated
 //! (product integration): over inclination by polynomials on panels graded around the peaks, over azimuth by
-//! trigonometric polynomials, and the weights of their nodes are exact integrals of the field. The number
+//! trigonometric polynomials, and the weights of their nodes are integrals of the field: of cells exact ones, of a formula
+//! by rules that know where it is not smooth ([`Formula`]). The number
 //! of directions is that of the smooth side, however many cells there are; weights may be negative.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -11,6 +12,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use papilio_optics::Beta;
 
 use super::quadrature::{Point, Pole, gauss, legendre, panels, points_for};
+use crate::field::Light;
+use crate::formula::Formula;
 use crate::{Cone, Field};
 
 /// Where what is seen of light by its direction changes fast.
@@ -55,8 +58,12 @@ impl Ring {
 
 /// The field's rings: for functions without peaks where there is no view.
 pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
-    let lit: Vec<([f64; 2], &[f64])> = field.lit_rows().collect();
-    let (Some(first), Some(last)) = (lit.first(), lit.last()) else { return Vec::new() };
+    let light = field.light();
+    let span = match &light {
+        Light::Cells(lit) => lit.first().zip(lit.last()).map(|(first, last)| [first.0[0], last.0[1]]),
+        Light::Formula(formula, _) => Some(formula.span()),
+    };
+    let Some([from, to]) = span else { return Vec::new() };
     let centres: Vec<f64> = peaks.views.iter().flat_map(|view| radii(view, peaks.width)).collect();
     let mut poles: Vec<Pole> = Vec::new();
     for pole in centres.iter().map(|at| Pole { at: *at, off: peaks.width }.in_arc(1.0)) {
@@ -65,19 +72,26 @@ pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
         }
     }
     let mut rings = Vec::new();
-    panels(first.0[0], last.0[1], &[], &poles, &mut |from, to, ellipse: f64| {
-        let panel = Panel::new(from, to, points_for(digits, ellipse.ln()).max(LEAST_NODES));
-        for (angle, columns) in panel.nodes.iter().zip(panel.columns(&lit)) {
-            let radius = angle.sin();
-            let orders = orders(radius, &centres, peaks.width, digits);
-            rings.push(Ring { radius, weights: around(&columns, orders) });
+    panels(from, to, &[], &poles, &mut |from, to, ellipse: f64| {
+        let panel = Panel::new(from, to, points_for(digits, ellipse.ln()) + MORE_NODES);
+        let radii = || panel.nodes.iter().map(|angle| angle.sin());
+        let orders: Vec<usize> =
+            radii().map(|radius| orders(radius, &centres, peaks.width, digits)).collect();
+        let harmonics = match &light {
+            Light::Cells(lit) => {
+                panel.columns(lit).iter().zip(&orders).map(|(columns, m)| of_columns(columns, *m)).collect()
+            }
+            Light::Formula(formula, scale) => panel.harmonics(formula, *scale, &orders, digits),
+        };
+        for ((radius, harmonics), orders) in radii().zip(harmonics).zip(orders) {
+            rings.push(Ring { radius, weights: around(&harmonics, orders) });
         }
     });
     rings
 }
 
-/// Nodes of the smallest rule.
-const LEAST_NODES: usize = 4;
+/// Nodes beside those that the digits ask for: of rules that do not grow from level to level nobody knows how wrong they are.
+const MORE_NODES: usize = 2;
 
 /// `|beta|` of a view's field, from its inner to its outer rim, as densely as peaks are wide.
 fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
@@ -145,6 +159,37 @@ impl Panel {
         sums
     }
 
+    /// For each node the harmonics, up to its orders of azimuth, of the light that counts there.
+    fn harmonics(&self, formula: &Formula, scale: f64, orders: &[usize], digits: f64) -> Vec<Vec<[f64; 2]>> {
+        let most = orders.iter().copied().max().unwrap_or(0);
+        let mut sums = vec![vec![[0.0; 2]; most + 1]; self.nodes.len()];
+        for node in formula.over_angle(self.from, self.to, digits, self.nodes.len() as f64) {
+            let light = formula.harmonics(node.x, digits, most);
+            let area = scale * node.weight * node.x.sin() * node.x.cos();
+            for (sum, value) in sums.iter_mut().zip(self.values(node.x)) {
+                for (sum, light) in sum.iter_mut().zip(&light) {
+                    sum[0] += value * area * light[0];
+                    sum[1] += value * area * light[1];
+                }
+            }
+        }
+        sums
+    }
+
+    /// Each node's polynomial at this angle.
+    fn values(&self, angle: f64) -> Vec<f64> {
+        let mut terms: Vec<f64> =
+            self.nodes.iter().zip(&self.scales).map(|(at, scale)| scale / (angle - at)).collect();
+        if let Some(hit) = terms.iter().position(|term| !term.is_finite()) {
+            terms.fill(0.0);
+            terms[hit] = 1.0;
+            return terms;
+        }
+        let all: f64 = terms.iter().sum();
+        terms.iter_mut().for_each(|term| *term /= all);
+        terms
+    }
+
     /// The integrals of each node's polynomial over a part of the panel, by area of direction cosines.
     fn moments(&self, from: f64, to: f64) -> Vec<f64> {
         let share = (to - from) / (self.to - self.from);
@@ -152,33 +197,23 @@ impl Panel {
         let mut sums = vec![0.0; self.nodes.len()];
         for node in gauss(from, to, count) {
             let area = node.weight * node.x.sin() * node.x.cos();
-            let terms: Vec<f64> =
-                self.nodes.iter().zip(&self.scales).map(|(at, scale)| scale / (node.x - at)).collect();
-            if let Some(hit) = terms.iter().position(|term| !term.is_finite()) {
-                sums[hit] += area;
-                continue;
-            }
-            let all: f64 = terms.iter().sum();
-            sums.iter_mut().zip(&terms).for_each(|(sum, term)| *sum += area * term / all);
+            sums.iter_mut().zip(self.values(node.x)).for_each(|(sum, value)| *sum += area * value);
         }
         sums
     }
 }
 
-/// Weights of `2 orders + 1` azimuths that stand for light that is even within columns, exact for functions of
-/// no more orders.
-fn around(columns: &[f64], orders: usize) -> Vec<f64> {
-    let count = 2 * orders + 1;
+/// The integrals of `exp(-i m phi)`, real and imaginary parts, up to these orders, of light that is even within
+/// columns.
+fn of_columns(columns: &[f64], orders: usize) -> Vec<[f64; 2]> {
     let parts = columns.len();
     let whole: f64 = columns.iter().sum();
-    let mut weights = vec![whole / count as f64; count];
     if parts == 1 {
-        return weights;
+        return vec![[whole, 0.0]];
     }
     let half_steps = circle(2 * parts);
-    let steps = circle(count);
-    for m in 1..=orders {
-        // Mean over a column of exp(-i m phi).
+    let of = |m: usize| {
+        // Mean over a column.
         let half_width = PI * m as f64 / parts as f64;
         let mean = half_width.sin() / half_width;
         let (mut cos, mut sin) = (0.0, 0.0);
@@ -187,10 +222,20 @@ fn around(columns: &[f64], orders: usize) -> Vec<f64> {
             cos += column * c;
             sin += column * s;
         }
-        let scale = 2.0 * mean / count as f64;
+        [mean * cos, -mean * sin]
+    };
+    std::iter::once([whole, 0.0]).chain((1..=orders).map(of)).collect()
+}
+
+/// Weights of `2 orders + 1` azimuths that stand for light of these harmonics, exact for functions of no more orders.
+fn around(harmonics: &[[f64; 2]], orders: usize) -> Vec<f64> {
+    let count = 2 * orders + 1;
+    let mut weights = vec![harmonics[0][0] / count as f64; count];
+    let steps = circle(count);
+    for (m, [re, im]) in harmonics.iter().enumerate().take(orders + 1).skip(1) {
         for (k, weight) in weights.iter_mut().enumerate() {
             let [c, s] = steps[m * k % count];
-            *weight += scale * (cos * c + sin * s);
+            *weight += 2.0 / count as f64 * (re * c - im * s);
         }
     }
     weights
@@ -221,7 +266,8 @@ mod tests {
         let width = 0.1;
         let lobe = |beta: Beta| width / (width * width + (beta + centre).squared()).powf(1.5);
         let mut truth = 0.0;
-        for ([from, to], row) in field.lit_rows() {
+        let Light::Cells(lit) = field.light() else { unreachable!("these are cells") };
+        for ([from, to], row) in lit {
             for (column, value) in row.iter().enumerate() {
                 let step = TAU / columns as f64;
                 for theta in gauss(from, to, 8) {

@@ -5,11 +5,13 @@
 //! of a circle that lies within the other cone is known in closed form (half-side formula of
 //! spherical trigonometry), and a square root ends the range of radii where arcs begin.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use papilio_optics::Beta;
 
-use super::quadrature::{Point, cone_points, gauss};
+use super::quadrature::{Point, cone_points, gauss, smooth_at};
+use crate::field::Light;
+use crate::formula::{Formula, Polar};
 use crate::{Cone, Field, Source};
 
 /// The points of a source's image that a view sees: `rho` is the sum of weights times
@@ -33,10 +35,81 @@ pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64) -> Vec<
     sources.iter().enumerate().filter_map(seen).collect()
 }
 
-/// The mean over the view of a field's radiance: light that is even within the view needs few points.
-/// Across edges of cells radiances are summed at many, by parts of the view so small that what mirrors
-/// them is alike, each at its centre of light.
+/// The mean over the view of a field's radiance: light that is even within the view needs few points. Other light is summed at many, by parts
+/// of the view so small that what mirrors them is alike, each at its centre of light.
 fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
+    match field.light() {
+        Light::Formula(..) if view.is_point() => {
+            let beta = view.axis_towards();
+            let weight = PI * field.radiance(beta);
+            if weight > 0.0 { vec![Point { beta, weight }] } else { Vec::new() }
+        }
+        // In a medium angles are not those of the formula.
+        Light::Formula(formula, scale) if view.is_in_air() => {
+            let formula = formula.about(Polar::mirrored(view));
+            of_formula(view, &formula, PI * scale / view.solid_angle(), digits)
+        }
+        _ => of_cells(view, field, digits),
+    }
+}
+
+/// By a rule that knows where the formula is not smooth.
+fn of_formula(view: &Cone, formula: &Formula, scale: f64, digits: f64) -> Vec<Point> {
+    let mut points = Vec::new();
+    for ring in formula.over_angle(0.0, view.half_angle(), digits, digits) {
+        for spoke in formula.around(ring.x, digits, digits as usize) {
+            let light = scale * ring.weight * ring.x.sin() * spoke.weight * formula.seen_at(ring.x, spoke.x);
+            points.push((ring.x, spoke.x, light));
+        }
+    }
+    let mut parts = Parts::new(view, digits);
+    if points.len() <= parts.sums.len() {
+        let point = |(angle, turn, weight)| Point { beta: view.around(angle, turn), weight };
+        return points.into_iter().map(point).filter(|point| point.weight > 0.0).collect();
+    }
+    for (angle, turn, light) in points {
+        parts.add(angle / view.half_angle(), turn, view.around(angle, turn), light);
+    }
+    parts.points()
+}
+
+/// Of parts of a view.
+const MOST_RINGS: f64 = 64.0;
+
+/// Light of parts of a view, by its first moments.
+struct Parts {
+    rings: f64,
+    sectors: f64,
+    sums: Vec<[f64; 3]>,
+}
+
+impl Parts {
+    fn new(view: &Cone, digits: f64) -> Self {
+        let size = view.half_angle() / smooth_at(view, SMOOTH);
+        let rings = (1.0 + (3.0 * digits * size).ceil()).min(MOST_RINGS);
+        let sectors = 4.0 * rings;
+        Self { rings, sectors, sums: vec![[0.0; 3]; (rings * sectors) as usize] }
+    }
+
+    /// `along`: part of the way from the axis to the rim; `turn` around it, radians.
+    fn add(&mut self, along: f64, turn: f64, beta: Beta, light: f64) {
+        let turn = (turn / TAU).rem_euclid(1.0);
+        let (ring, sector) = ((along * self.rings).floor(), (turn * self.sectors).floor());
+        let part = ring.min(self.rings - 1.0) * self.sectors + sector.min(self.sectors - 1.0);
+        let sums = self.sums[part as usize].iter_mut().zip([1.0, beta.x, beta.y]);
+        sums.for_each(|(sum, moment)| *sum += light * moment);
+    }
+
+    fn points(self) -> Vec<Point> {
+        let lit = self.sums.into_iter().filter(|part| part[0] > 0.0);
+        let at_centre =
+            |[light, x, y]: [f64; 3]| Point { beta: Beta { x: x / light, y: y / light }, weight: light };
+        lit.map(at_centre).collect()
+    }
+}
+
+/// Of cells, whose edges may be anywhere, by chance.
+fn of_cells(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
     let seen = |p: Point| Point { weight: PI * p.weight * field.radiance(p.beta), ..p };
     let few = cone_points(view, SMOOTH, digits);
     let (half, mut many) = (view.half_angle(), cone_points(view, view.half_angle() / digits, digits));
@@ -44,26 +117,17 @@ fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
     if view.is_point() || many.iter().all(|point| point.weight == many[0].weight) {
         return few.into_iter().map(seen).filter(|point| point.weight > 0.0).collect();
     }
-    let rings = 1.0 + (3.0 * digits * half / SMOOTH).ceil();
-    let sectors = 4.0 * rings;
-    let mut parts = vec![[0.0; 3]; (rings * sectors) as usize];
+    let mut parts = Parts::new(view, digits);
     let count = seeds(&many, digits);
     let whole = 2.0 * (0.5 * half).sin();
     for k in 0..count {
         // A sunflower's seeds: even in solid angle.
-        let (along, turn) = ((k as f64 + 0.5) / count as f64, (k as f64 * GOLDEN).fract());
+        let (along, turn) = ((k as f64 + 0.5) / count as f64, TAU * (k as f64 * GOLDEN).fract());
         let angle = 2.0 * (0.5 * along.sqrt() * whole).asin();
-        let beta = view.around(angle, 2.0 * PI * turn);
-        let radiance = field.radiance(beta);
-        let part = (along.sqrt() * rings).floor() * sectors + (turn * sectors).floor();
-        let sums = parts[part as usize].iter_mut().zip([1.0, beta.x, beta.y]);
-        sums.for_each(|(sum, moment)| *sum += radiance * moment);
+        let beta = view.around(angle, turn);
+        parts.add(along.sqrt(), turn, beta, PI * field.radiance(beta) / count as f64);
     }
-    let at_centre = |[light, x, y]: [f64; 3]| {
-        let weight = PI * light / count as f64;
-        Point { beta: Beta { x: x / light, y: y / light }, weight }
-    };
-    parts.into_iter().filter(|part| part[0] > 0.0).map(at_centre).collect()
+    parts.points()
 }
 
 /// How many seeds edges take, from radiances in the view: their error is that of an edge's step over the mean and falls as

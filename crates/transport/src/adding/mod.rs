@@ -12,7 +12,7 @@ mod gradient;
 mod images;
 mod layered;
 mod panel;
-mod quadrature;
+pub(crate) mod quadrature;
 
 use crate::{Cone, Estimate, Interface, Layer, Rho, Source, Stack};
 pub use gradient::TableGradient;

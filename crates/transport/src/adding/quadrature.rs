@@ -17,9 +17,9 @@ use crate::Cone;
 
 /// A node of a rule and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Node {
-    pub(super) x: f64,
-    pub(super) weight: f64,
+pub(crate) struct Node {
+    pub(crate) x: f64,
+    pub(crate) weight: f64,
 }
 
 /// A direction of a rule and its weight.
@@ -29,7 +29,8 @@ pub(super) struct Point {
     pub(super) weight: f64,
 }
 
-const MOST_POINTS: usize = 40;
+/// Of one panel.
+pub(crate) const MOST_POINTS: usize = 40;
 
 static RULES: LazyLock<Vec<Vec<Node>>> = LazyLock::new(|| (0..=MOST_POINTS).map(legendre).collect());
 
@@ -59,7 +60,7 @@ pub(super) fn legendre(points: usize) -> Vec<Node> {
 }
 
 /// Gauss and Legendre's rule on an interval.
-pub(super) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = Node> {
+pub(crate) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = Node> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     RULES[points.clamp(1, MOST_POINTS)]
         .iter()
@@ -68,9 +69,9 @@ pub(super) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = N
 
 /// A pair of singularities of the integrand at `at +- i off`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pole {
-    pub(super) at: f64,
-    pub(super) off: f64,
+pub(crate) struct Pole {
+    pub(crate) at: f64,
+    pub(crate) off: f64,
 }
 
 impl Pole {
@@ -107,7 +108,7 @@ pub(super) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits:
 }
 
 /// The panels of such a rule: `each` gets both ends and the size of the ellipse in which there is no pole.
-pub(super) fn panels(
+pub(crate) fn panels(
     from: f64,
     to: f64,
     breaks: &[f64],
@@ -153,8 +154,17 @@ pub(super) const MULTIPLE_POLES: f64 = 3.0;
 const LARGEST_ELLIPSE: f64 = 6.0;
 
 /// Points for this many digits at so many digits for each.
-pub(super) fn points_for(digits: f64, each: f64) -> usize {
+pub(crate) fn points_for(digits: f64, each: f64) -> usize {
     (digits / each).ceil().clamp(1.0, MOST_POINTS as f64) as usize
+}
+
+/// The scale over a cone, for [`cone_points`], of what changes over `scale` in direction cosines and over angles of the same size: flat parts
+/// are smooth functions of the cosine of inclination, which vanish with it at the horizon, so that their mean over a cone
+/// asks for steps that are small beside it.
+pub(super) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
+    let cosine = (1.0 - cone.axis_towards().squared()).max(0.0).sqrt();
+    // A cone of any width reaches beyond the smallest cosines.
+    scale * cosine.max(cone.half_angle()).max(1e-9)
 }
 
 /// Points of a cone, their weights uniform in solid angle and one in sum, for functions that

@@ -281,8 +281,8 @@ impl Target {
             Source::Beam(beta) => Some(Self::beam(*beta)),
             Source::Disc(cone) => Some(Self::on_disc(cone, -cone.sample_towards(u))),
             Source::Field(field) => {
-                let (beta, radiance) = field.sample(u);
-                Some(Self::in_field(beta, radiance))
+                let (beta, density) = field.sample(u);
+                Some(Self::in_field(beta, field.radiance(beta), density))
             }
         }
     }
@@ -296,7 +296,7 @@ impl Target {
             Source::Disc(cone) => cone.sends(beta).then(|| Self::on_disc(cone, beta)),
             Source::Field(field) => {
                 let radiance = field.radiance(beta);
-                (radiance > 0.0).then(|| Self::in_field(beta, radiance))
+                (radiance > 0.0).then(|| Self::in_field(beta, radiance, field.density(beta)))
             }
         }
     }
@@ -313,8 +313,8 @@ impl Target {
     }
 
     #[inline]
-    fn in_field(beta: Beta, radiance: f64) -> Self {
-        Self { beta, density: radiance, strength: std::f64::consts::PI * radiance }
+    fn in_field(beta: Beta, radiance: f64, density: f64) -> Self {
+        Self { beta, density, strength: std::f64::consts::PI * radiance }
     }
 
     /// What one sample adds to `rho` where this connection is the only technique.

@@ -6,7 +6,7 @@ use papilio_optics::lobe::Lobe;
 use super::precision::Precision;
 use super::rough;
 use crate::adding::field::{Peaks, Ring, rings};
-use crate::adding::quadrature::{Point, cone_points, disc_points};
+use crate::adding::quadrature::{Point, cone_points, disc_points, smooth_at};
 use crate::{Cone, Interface, Layered, Source};
 
 /// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
@@ -33,16 +33,19 @@ pub(super) struct Directions {
 impl Directions {
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
+        let of_cones = digits + MORE_DIGITS_OF_CONES;
+        // Layers that scatter, and flat ones.
+        let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
         let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };
         for view in views {
-            let rays = directions.rays(&cone_points(view, scale, digits));
+            let rays = directions.rays(&cone_points(view, at(view), of_cones));
             directions.views.push(rays);
         }
         for source in sources {
             let rays = match source {
                 Source::Diffuse => Vec::new(),
                 Source::Beam(beta) => directions.rays(&[Point { beta: *beta, weight: 1.0 }]),
-                Source::Disc(cone) => directions.rays(&disc_points(cone, scale, digits)),
+                Source::Disc(cone) => directions.rays(&disc_points(cone, at(cone), of_cones)),
                 Source::Field(field) => {
                     let rings = rings(field, Peaks { views, width: scale }, digits);
                     directions.of_field(&rings, field.is_ring())
@@ -86,10 +89,16 @@ impl Directions {
     }
 }
 
+/// Films and faces change over angles of this size, whatever scatters.
+const SMOOTH: f64 = 0.3;
+
+/// Natural digits that cones have more than lobes: small ones are a single direction at one level and not at the next, or nobody knows what
+/// that costs.
+const MORE_DIGITS_OF_CONES: f64 = 6.0;
+
 /// The distance in direction cosines over which what is seen changes.
 fn smoothness(stack: &Layered) -> f64 {
-    // Films and faces, whatever scatters.
-    let mut scale = 0.3_f64;
+    let mut scale = SMOOTH;
     for layer in &stack.layers {
         match &layer.interface {
             Interface::Diffuser(diffuser) => {

@@ -11,7 +11,7 @@ use papilio_optics::Beta;
 
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
-use super::super::quadrature::{Node, Point, Pole, cone_points, disc_points, graded};
+use super::super::quadrature::{Node, Point, Pole, cone_points, disc_points, graded, smooth_at};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
 use crate::{Cone, Estimate, Ledger, Panel, Reflector, Rho, Source, Top};
@@ -54,13 +54,13 @@ struct Fate {
 impl Kernel {
     pub(super) fn new(views: &[Cone], sources: &[Source], digits: f64) -> Self {
         let view = |cone: &Cone| View {
-            points: cone_points(cone, smooth_at(cone), digits),
+            points: cone_points(cone, smooth_at(cone, SMOOTH), digits),
             images: image_points(cone, sources, digits),
         };
         let light = |source: &Source| match source {
             Source::Diffuse => Light::Diffuse,
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
-            Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone), digits)),
+            Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
             Source::Field(field) => {
                 // Over inclination all is smooth, and alike at all azimuths.
                 let rings = rings(field, Peaks { views: &[], width: SMOOTH }, digits);
@@ -185,11 +185,6 @@ fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
 fn dark(stack: &Panel) -> Rho {
     let base = &stack.base;
     Rho { base: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
-}
-
-fn smooth_at(cone: &Cone) -> f64 {
-    let grazing = (1.0 - cone.axis_towards().squared()).max(1e-6).sqrt();
-    SMOOTH * grazing
 }
 
 impl Fate {

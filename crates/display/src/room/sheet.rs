@@ -1,0 +1,121 @@
+//! A luminous sheet over the display: what it sends down by direction.
+//!
+//! A sheet looks smaller from aslant: its radiance is its intensity over the cosine.
+
+use std::f64::consts::FRAC_PI_2;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use papilio_transport::{Edge, Field, Radiance};
+
+use super::pose::by_inclination;
+
+/// Intensity by direction.
+pub trait Sheet: Debug + Send + Sync + 'static {
+    /// By the angle from the normal and the azimuth *towards* which light goes, degrees.
+    fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64;
+
+    /// Angles and azimuths between which it is smooth.
+    fn angles_deg(&self) -> [Vec<f64>; 2];
+}
+
+/// Rows and columns of the cells by which the walk draws directions.
+const CELLS: [usize; 2] = [180, 180];
+/// Of a table with more angles, integrals are not graded at each.
+const MOST_ANGLES: usize = 90;
+
+/// What a luminous sheet over the display sends down; `None` if it is dark.
+pub fn luminous_sheet(sheet: impl Sheet) -> Option<Field> {
+    let [rows, columns] = CELLS;
+    let [thetas, phis] = sheet.angles_deg().map(thinned);
+    let mut down = Down { sheet, thetas, phis };
+    let edges: Vec<f64> = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
+    let turn = |column: usize| 360.0 * (column as f64 + 0.5) / columns as f64;
+    let about: Vec<f64> = edges
+        .windows(2)
+        .flat_map(|edge| (0..columns).map(move |column| (0.5 * (edge[0] + edge[1]), turn(column))))
+        .map(|(theta, phi)| down.at(by_inclination(theta.to_radians(), phi.to_radians())))
+        .collect();
+    let alike = |row: &[f64]| row.iter().all(|value| (value - row[0]).abs() <= 1e-12 * row[0]);
+    if about.chunks_exact(columns).all(alike) {
+        down.phis.clear();
+        let about = about.into_iter().step_by(columns).collect();
+        return Some(Field::of(Arc::new(down), &edges, 1, about)?.0);
+    }
+    Some(Field::of(Arc::new(down), &edges, columns, about)?.0)
+}
+
+/// Some of these angles, if there are many.
+fn thinned(angles: Vec<f64>) -> Vec<f64> {
+    let step = angles.len().div_ceil(MOST_ANGLES).max(1);
+    angles.into_iter().step_by(step).collect()
+}
+
+#[derive(Debug)]
+struct Down<S> {
+    sheet: S,
+    thetas: Vec<f64>,
+    phis: Vec<f64>,
+}
+
+impl<S: Sheet> Radiance for Down<S> {
+    fn at(&self, [x, y, z]: [f64; 3]) -> f64 {
+        // Light that goes towards an azimuth comes from the opposite one.
+        let towards = (-y).atan2(-x).to_degrees();
+        self.sheet.intensity(x.hypot(y).atan2(z).to_degrees(), towards) / z.max(1e-9)
+    }
+
+    fn edges(&self) -> Vec<Edge> {
+        let edge = |centre, radius| Edge { centre, radius, scale: f64::INFINITY };
+        let rows = self.thetas.iter().map(|theta| edge([0.0, 0.0, 1.0], theta.to_radians()));
+        // Half a turn between two azimuths is a great circle about what lies across.
+        let columns = self
+            .phis
+            .iter()
+            .map(|phi| edge(by_inclination(FRAC_PI_2, phi.to_radians() + FRAC_PI_2), FRAC_PI_2));
+        rows.chain(columns).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use papilio_optics::Beta;
+
+    struct Of<F>(F);
+
+    impl<F> std::fmt::Debug for Of<F> {
+        fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("Of")
+        }
+    }
+
+    impl<F: Fn(f64, f64) -> f64 + Send + Sync + 'static> Sheet for Of<F> {
+        fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64 {
+            self.0(theta_deg, phi_deg)
+        }
+
+        fn angles_deg(&self) -> [Vec<f64>; 2] {
+            [vec![0.0, 90.0], vec![90.0]]
+        }
+    }
+
+    fn sheet(of: impl Fn(f64, f64) -> f64 + Send + Sync + 'static) -> Option<Field> {
+        luminous_sheet(Of(of))
+    }
+
+    /// Lambert's cosine law is even radiance; light towards +x comes from -x.
+    #[test]
+    fn a_sheet_of_cosine_intensity_is_even() {
+        let even = sheet(|theta, _| theta.to_radians().cos()).unwrap();
+        assert!(even.is_ring());
+        for theta in [1.0, 30.0, 60.0, 85.0] {
+            let radiance = std::f64::consts::PI * even.radiance(Beta::from_source(theta, 10.0, 1.0));
+            assert!((radiance - 1.0).abs() < 1e-4, "{theta}: {radiance}");
+        }
+        let to_the_right = sheet(|_, phi| phi.to_radians().cos().max(0.0)).unwrap();
+        assert!(to_the_right.radiance(Beta::from_source(30.0, 180.0, 1.0)) > 0.1);
+        assert_eq!(to_the_right.radiance(Beta::from_source(30.0, 0.0, 1.0)), 0.0);
+        assert!(sheet(|_, _| 0.0).is_none());
+    }
+}

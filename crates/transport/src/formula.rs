@@ -1,0 +1,322 @@
+//! Light by a formula: the radiance is known in every direction, and where it is not smooth.
+//!
+//! # Method
+//! What is summed over directions is summed in polar coordinates about an axis: the display's normal, or that of a field of view.
+//! A formula tells on which circles of the sphere it is not smooth: edges, tables' angles, a horizon, or
+//! (circles of no radius) a sun. On a circle about the axis, the distance to such a circle is a
+//! cosine of the azimuth, so that it is known where they cross, or how far off the real line they do, and rules
+//! are graded there ([`quadrature`](crate::adding::quadrature)). Over inclination they end where circles touch.
+//!
+//! `digits` are natural ones: an error of `exp(-digits)` is asked for.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::Cone;
+use crate::adding::quadrature::{MOST_POINTS, Node, Pole, gauss, panels, points_for};
+
+/// Radiance by direction.
+pub trait Radiance: Debug + Send + Sync {
+    /// That of light which comes from this direction: a unit vector away from the display, z its normal.
+    fn at(&self, direction: [f64; 3]) -> f64;
+
+    /// Where it is not smooth.
+    fn edges(&self) -> Vec<Edge>;
+
+    /// Inclinations beyond which it is dark, radians.
+    fn span(&self) -> [f64; 2] {
+        [0.0, FRAC_PI_2]
+    }
+
+    /// True if it is the same everywhere between its edges.
+    fn is_even(&self) -> bool {
+        false
+    }
+}
+
+/// A circle on the sphere of directions at which a radiance is not smooth; of no radius it is a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// Its centre, a unit vector.
+    pub centre: [f64; 3],
+    /// Its angular radius.
+    pub radius: f64,
+    /// How far from it the radiance changes fast, radians; infinite if it is smooth on either side.
+    pub scale: f64,
+}
+
+/// Polar coordinates: the axis, and the azimuths 0 and 90 deg.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Polar([[f64; 3]; 3]);
+
+impl Polar {
+    /// About the display's normal.
+    pub(crate) const NORMAL: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+
+    /// About what a mirror shows in the middle of this field of view.
+    pub(crate) fn mirrored(view: &Cone) -> Self {
+        Self(view.frame().map(|[x, y, z]| [-x, -y, z]))
+    }
+
+    fn at(&self, angle: f64, turn: f64) -> [f64; 3] {
+        let ((sin, cos), (sin_turn, cos_turn)) = (angle.sin_cos(), turn.sin_cos());
+        let Self([out, side, axis]) = self;
+        std::array::from_fn(|i| sin * (cos_turn * out[i] + sin_turn * side[i]) + cos * axis[i])
+    }
+
+    fn sees(&self, edge: &Edge) -> Seen {
+        let dot = |a: &[f64; 3]| a.iter().zip(&edge.centre).map(|(a, b)| a * b).sum::<f64>();
+        let [out, side, along] = [dot(&self.0[0]), dot(&self.0[1]), dot(&self.0[2])];
+        Seen {
+            distance: out.hypot(side).atan2(along),
+            turn: side.atan2(out),
+            radius: edge.radius,
+            scale: edge.scale,
+        }
+    }
+}
+
+/// A circle in polar coordinates.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// Of its centre from the axis.
+    distance: f64,
+    turn: f64,
+    radius: f64,
+    scale: f64,
+}
+
+/// Circles whose centre is no farther from the axis lie about it.
+const CONCENTRIC: f64 = 1e-9;
+
+impl Seen {
+    fn is_concentric(&self) -> bool {
+        self.distance < CONCENTRIC || self.distance > PI - CONCENTRIC
+    }
+
+    /// The angles from the axis at which it begins and ends.
+    fn ends(&self) -> [f64; 2] {
+        let sum = self.distance + self.radius;
+        [(self.distance - self.radius).abs(), if sum > PI { TAU - sum } else { sum }]
+    }
+
+    /// Poles of what is seen on circles about the axis, by their angle, and breaks.
+    fn over_angle(&self, finest: f64) -> impl Iterator<Item = (f64, Option<f64>)> {
+        let off = if self.is_concentric() {
+            // From a point on the axis all is smooth.
+            (self.radius > 0.0 && self.scale.is_finite()).then_some(self.scale.max(finest))
+        } else {
+            // Where circles touch there is a square root; about a point, a logarithm.
+            Some(finest)
+        };
+        self.ends().into_iter().map(move |at| (at, off))
+    }
+
+    /// The same on a circle about the axis: azimuths that end panels, and poles.
+    fn around(&self, angle: f64, finest: f64, breaks: &mut Vec<f64>, poles: &mut Vec<Pole>) {
+        let product = angle.sin() * self.distance.sin();
+        if self.is_concentric() || product <= 0.0 {
+            return;
+        }
+        let cosine = (self.radius.cos() - angle.cos() * self.distance.cos()) / product;
+        let pole = |at: f64, off: f64| Pole { at, off: off.max(finest) };
+        if self.radius == 0.0 {
+            // By half angles: 1 + this.
+            let excess = 2.0 * (0.5 * (angle - self.distance)).sin().powi(2) / product;
+            poles.push(pole(self.turn, 2.0 * (0.5 * excess).sqrt().asinh()));
+        } else if cosine.abs() < 1.0 {
+            let half = cosine.acos();
+            let slope = product * half.sin() / self.radius.sin();
+            for at in [self.turn - half, self.turn + half] {
+                breaks.push(at);
+                if self.scale.is_finite() {
+                    poles.push(pole(at, self.scale / slope));
+                }
+            }
+        } else if self.scale.is_finite() {
+            let at = if cosine > 0.0 { self.turn } else { self.turn + PI };
+            poles.push(pole(at, cosine.abs().acosh()));
+        }
+    }
+}
+
+/// A formula in polar coordinates.
+#[derive(Debug, Clone)]
+pub(crate) struct Formula {
+    radiance: Arc<dyn Radiance>,
+    polar: Polar,
+    seen: Vec<Seen>,
+}
+
+/// Natural digits that rules over formulas have more than what they serve: they cost little beside it.
+const MORE_DIGITS: f64 = 3.0;
+/// Beyond this many points on a circle, or where there are edges, they are graded.
+const MOST_EVEN: f64 = 96.0;
+
+impl Formula {
+    pub(crate) fn new(radiance: Arc<dyn Radiance>, polar: Polar) -> Self {
+        let seen = radiance.edges().iter().map(|edge| polar.sees(edge)).collect();
+        Self { radiance, polar, seen }
+    }
+
+    /// The same in other coordinates.
+    pub(crate) fn about(&self, polar: Polar) -> Self {
+        Self::new(self.radiance.clone(), polar)
+    }
+
+    pub(crate) fn radiance(&self, direction: [f64; 3]) -> f64 {
+        self.radiance.at(direction)
+    }
+
+    pub(crate) fn span(&self) -> [f64; 2] {
+        self.radiance.span()
+    }
+
+    /// True if its edges are alike at all azimuths.
+    pub(crate) fn is_round(&self) -> bool {
+        self.seen.iter().all(Seen::is_concentric)
+    }
+
+    /// What there is on the whole hemisphere by area of direction cosines.
+    pub(crate) fn irradiance(&self) -> f64 {
+        let [from, to] = self.span();
+        let nodes = self.over_angle(from, to, DIGITS_OF_WHOLE, 0.0);
+        let ring = |node: &Node| self.harmonics(node.x, DIGITS_OF_WHOLE, 0)[0][0];
+        nodes.iter().map(|node| node.weight * node.x.sin() * node.x.cos() * ring(node)).sum()
+    }
+
+    /// A rule over angles from the axis for products with polynomials of this degree.
+    pub(crate) fn over_angle(&self, from: f64, to: f64, digits: f64, degree: f64) -> Vec<Node> {
+        let finest = (-0.5 * digits).exp();
+        let (mut breaks, mut poles) = (Vec::new(), Vec::new());
+        // What lies farther off is not felt, and a table has many rows.
+        let near = (from - 2.0 * (to - from))..=(to + 2.0 * (to - from));
+        let ends = self.seen.iter().flat_map(|seen| seen.over_angle(finest));
+        for (at, off) in ends.filter(|(at, _)| near.contains(at)) {
+            breaks.push(at);
+            poles.extend(off.map(|off| Pole { at, off }));
+        }
+        let mut nodes = Vec::new();
+        panels(from, to, &breaks, &poles, &mut |start, end, ellipse: f64| {
+            let own = points_for(digits + MORE_DIGITS, 2.0 * ellipse.ln());
+            let others = (0.5 * degree * (end - start) / (to - from)).ceil() as usize;
+            nodes.extend(gauss(start, end, own + others));
+        });
+        nodes
+    }
+
+    /// A rule over a circle about the axis for products with this many orders of azimuth.
+    pub(crate) fn around(&self, angle: f64, digits: f64, orders: usize) -> Vec<Node> {
+        let finest = (-digits / 3.0).exp();
+        let (mut breaks, mut poles) = (Vec::new(), Vec::new());
+        self.seen.iter().for_each(|seen| seen.around(angle, finest, &mut breaks, &mut poles));
+        let nearest = poles.iter().map(|pole| pole.off).fold(LEAST_SMOOTH, f64::min);
+        let even = ((digits + MORE_DIGITS) / nearest).ceil();
+        if breaks.is_empty() && even <= MOST_EVEN {
+            let count = orders + even as usize + 1;
+            let step = TAU / count as f64;
+            return (0..count).map(|k| Node { x: k as f64 * step, weight: step }).collect();
+        }
+        let start = breaks.first().or(poles.first().map(|pole| &pole.at)).copied().unwrap_or(0.0);
+        let turn = |at: f64| start + (at - start).rem_euclid(TAU);
+        breaks.iter_mut().for_each(|at| *at = turn(*at));
+        let again = poles.iter().flat_map(|pole| {
+            let at = turn(pole.at);
+            [at - TAU, at, at + TAU].map(|at| Pole { at, ..*pole })
+        });
+        let mut nodes = Vec::new();
+        panels(start, start + TAU, &breaks, &again.collect::<Vec<_>>(), &mut |from, to, ellipse: f64| {
+            let own = points_for(digits + MORE_DIGITS, 2.0 * ellipse.ln());
+            let waves = 0.25 * orders as f64 * (to - from);
+            let pieces = (waves / (MOST_POINTS - own.min(MOST_POINTS - 8)) as f64).ceil().max(1.0);
+            let step = (to - from) / pieces;
+            for piece in 0..pieces as usize {
+                let from = from + piece as f64 * step;
+                nodes.extend(gauss(from, from + step, own + (waves / pieces).ceil() as usize));
+            }
+        });
+        nodes
+    }
+
+    /// Integrals of radiance times `exp(-i m turn)` over a circle about the axis, real and imaginary parts, for m = 0 and on, up to these
+    /// orders or to where they are no more than is asked for.
+    pub(crate) fn harmonics(&self, angle: f64, digits: f64, orders: usize) -> Vec<[f64; 2]> {
+        if self.is_round() {
+            return vec![[TAU * self.radiance.at(self.polar.at(angle, 0.0)), 0.0]];
+        }
+        if self.radiance.is_even() {
+            return self.harmonics_of_arcs(angle, orders);
+        }
+        let mut up_to = orders.min(FEW_ORDERS);
+        loop {
+            let harmonics = self.harmonics_up_to(angle, digits, up_to);
+            let least = (-digits - MORE_DIGITS).exp() * harmonics[0][0];
+            let last = &harmonics[harmonics.len() - harmonics.len() / 4..];
+            if up_to == orders || last.iter().all(|[re, im]| re.hypot(*im) <= least) {
+                return harmonics;
+            }
+            up_to = (2 * up_to).min(orders);
+        }
+    }
+
+    fn harmonics_up_to(&self, angle: f64, digits: f64, orders: usize) -> Vec<[f64; 2]> {
+        let mut sums = vec![[0.0; 2]; orders + 1];
+        // The turn of each point, step by step of order.
+        let points = self.around(angle, digits, orders).into_iter().map(|node| {
+            let (sin, cos) = node.x.sin_cos();
+            (node.weight * self.radiance.at(self.polar.at(angle, node.x)), [cos, -sin])
+        });
+        let (mut now, steps): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
+            points.map(|(light, step)| ([light, 0.0], step)).unzip();
+        for sum in &mut sums {
+            for (now, [cos, sin]) in now.iter_mut().zip(&steps) {
+                let [re, im] = *now;
+                sum[0] += re;
+                sum[1] += im;
+                *now = [re * cos - im * sin, re * sin + im * cos];
+            }
+        }
+        sums
+    }
+
+    /// The same in closed form for light that is even between edges.
+    fn harmonics_of_arcs(&self, angle: f64, orders: usize) -> Vec<[f64; 2]> {
+        let mut breaks = Vec::new();
+        self.seen.iter().for_each(|seen| seen.around(angle, 0.0, &mut breaks, &mut Vec::new()));
+        breaks.iter_mut().for_each(|at| *at = at.rem_euclid(TAU));
+        breaks.sort_by(f64::total_cmp);
+        let Some(first) = breaks.first().copied() else {
+            return vec![[TAU * self.radiance.at(self.polar.at(angle, 0.0)), 0.0]];
+        };
+        breaks.push(first + TAU);
+        let mut sums = vec![[0.0; 2]; orders + 1];
+        for ends in breaks.windows(2) {
+            let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+            let light = self.radiance.at(self.polar.at(angle, middle));
+            if light == 0.0 {
+                continue;
+            }
+            for (m, sum) in sums.iter_mut().enumerate() {
+                let m = m as f64;
+                let width = if m > 0.0 { 2.0 * (m * half).sin() / m } else { 2.0 * half };
+                let (sin, cos) = (m * middle).sin_cos();
+                sum[0] += light * width * cos;
+                sum[1] -= light * width * sin;
+            }
+        }
+        sums
+    }
+
+    /// Radiance in these coordinates.
+    pub(crate) fn seen_at(&self, angle: f64, turn: f64) -> f64 {
+        self.radiance.at(self.polar.at(angle, turn))
+    }
+}
+
+/// Natural digits of what lights the display: all else is relative to it.
+const DIGITS_OF_WHOLE: f64 = 24.0;
+/// Orders of azimuth that are looked at first.
+const FEW_ORDERS: usize = 32;
+/// No radiance is taken for smoother than this over azimuth, radians.
+const LEAST_SMOOTH: f64 = 0.7;
