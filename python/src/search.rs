@@ -100,7 +100,7 @@ impl Search {
         let mut kept = Kept::default();
         let opened = folder.map(|folder| {
             HeldJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
-                Record::parse(line).map(|record| kept.add(record)).is_ok()
+                Record::parse(line).is_ok_and(|record| kept.add(record))
             })
         });
         let journal = opened.transpose().map_err(|error| errors::format(py, &error))?;
@@ -174,7 +174,7 @@ impl Search {
             let found = course.found();
             let chosen = self.of.chosen(&found, &mut evaluator)?;
             if let Some(journal) = journal {
-                journal.finish(&self.head(), found.iter()).map_err(Failure::Journal)?;
+                journal.put(&self.head(), found.iter()).map_err(Failure::Journal)?;
             }
             let mut said = said_of(&self.of, &found, &chosen);
             said["table"] = search_table(&self.of, &found).into();

@@ -34,6 +34,9 @@ pub struct Found {
 pub struct Batch {
     /// The task.
     pub population: usize,
+    /// How many designs of the population were told before; none in journals of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<usize>,
     /// The quantities of each design.
     #[serde(with = "exact::rows")]
     pub rows: Vec<Vec<Option<f64>>>,
@@ -67,12 +70,21 @@ impl Record {
 }
 
 impl Kept {
-    /// Takes a record.
-    pub fn add(&mut self, record: Record) {
+    /// Takes a record; false if there is a gap before it.
+    pub fn add(&mut self, record: Record) -> bool {
         match record {
-            Record::Found(found) => drop(self.found.insert(found.task, found)),
-            Record::Batch(batch) => self.batches.entry(batch.population).or_default().extend(batch.rows),
+            Record::Found(found) => {
+                self.found.insert(found.task, found);
+            }
+            Record::Batch(batch) => {
+                let known = self.batches.entry(batch.population).or_default();
+                if batch.from.is_some_and(|from| from != known.len()) {
+                    return false;
+                }
+                known.extend(batch.rows);
+            }
         }
+        true
     }
 
     /// Takes what another journal of the same search had told: of a population, that of the one which came farther.
@@ -99,5 +111,25 @@ impl Found {
             trace_at: vec![],
             trace: vec![],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A generation goes on from those before; one that is missing would give its values to other designs.
+    #[test]
+    fn a_missing_generation_is_found() {
+        let batch = |from: Option<usize>| {
+            Record::Batch(Batch { population: 3, from, rows: vec![vec![Some(1.0)], vec![None]] })
+        };
+        let mut kept = Kept::default();
+        assert!(kept.add(batch(Some(0))) && kept.add(batch(Some(2))));
+        assert!(!kept.add(batch(Some(6))));
+        // As written by versions that did not say.
+        assert!(kept.add(batch(None)) && kept.add(batch(Some(6))));
+        let line = serde_json::to_string(&batch(Some(4))).unwrap();
+        assert_eq!(Record::parse(&line).unwrap(), batch(Some(4)));
     }
 }
