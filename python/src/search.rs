@@ -100,7 +100,7 @@ impl Search {
         let mut kept = Kept::default();
         let opened = folder.map(|folder| {
             HeldJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
-                Record::parse(line).is_ok_and(|record| kept.add(record))
+                Record::parse(line).map(|record| kept.add(record)).is_ok()
             })
         });
         let journal = opened.transpose().map_err(|error| errors::format(py, &error))?;

@@ -41,7 +41,7 @@ pub(super) fn open(
     Ok((held, kept))
 }
 
-/// Takes a line; false if it is no record, or does not go on from those before.
+/// Takes a line; false if it is no record.
 fn keep(kept: &mut Kept, line: &str) -> bool {
-    Record::parse(line).is_ok_and(|record| kept.add(record))
+    Record::parse(line).map(|record| kept.add(record)).is_ok()
 }

@@ -70,21 +70,19 @@ impl Record {
 }
 
 impl Kept {
-    /// Takes a record; false if there is a gap before it.
-    pub fn add(&mut self, record: Record) -> bool {
+    /// Takes a record. Of a population, values that are known already are passed over, and so are those after a gap: they would be
+    /// taken for those of other designs, and are found again.
+    pub fn add(&mut self, record: Record) {
         match record {
-            Record::Found(found) => {
-                self.found.insert(found.task, found);
-            }
+            Record::Found(found) => drop(self.found.insert(found.task, found)),
             Record::Batch(batch) => {
                 let known = self.batches.entry(batch.population).or_default();
-                if batch.from.is_some_and(|from| from != known.len()) {
-                    return false;
+                let from = batch.from.unwrap_or(known.len());
+                if let Some(twice) = known.len().checked_sub(from) {
+                    known.extend(batch.rows.into_iter().skip(twice));
                 }
-                known.extend(batch.rows);
             }
         }
-        true
     }
 
     /// Takes what another journal of the same search had told: of a population, that of the one which came farther.
@@ -120,16 +118,24 @@ mod tests {
 
     /// A generation goes on from those before; one that is missing would give its values to other designs.
     #[test]
-    fn a_missing_generation_is_found() {
-        let batch = |from: Option<usize>| {
-            Record::Batch(Batch { population: 3, from, rows: vec![vec![Some(1.0)], vec![None]] })
+    fn a_generation_after_a_gap_is_passed_over() {
+        let batch = |from: Option<usize>, value: f64| {
+            Record::Batch(Batch { population: 3, from, rows: vec![vec![Some(value)], vec![None]] })
         };
         let mut kept = Kept::default();
-        assert!(kept.add(batch(Some(0))) && kept.add(batch(Some(2))));
-        assert!(!kept.add(batch(Some(6))));
+        for (from, value) in [(0, 1.0), (4, 9.0), (2, 2.0)] {
+            kept.add(batch(Some(from), value));
+        }
+        let firsts = |kept: &Kept| -> Vec<Option<f64>> {
+            kept.batches[&3].iter().step_by(2).map(|row| row[0]).collect()
+        };
+        assert_eq!(firsts(&kept), [Some(1.0), Some(2.0)]);
+        // Told by two journals: once.
+        kept.add(batch(Some(2), 2.0));
         // As written by versions that did not say.
-        assert!(kept.add(batch(None)) && kept.add(batch(Some(6))));
-        let line = serde_json::to_string(&batch(Some(4))).unwrap();
-        assert_eq!(Record::parse(&line).unwrap(), batch(Some(4)));
+        kept.add(batch(None, 3.0));
+        assert_eq!(firsts(&kept), [Some(1.0), Some(2.0), Some(3.0)]);
+        let line = serde_json::to_string(&batch(Some(4), 1.0)).unwrap();
+        assert_eq!(Record::parse(&line).unwrap(), batch(Some(4), 1.0));
     }
 }

@@ -104,7 +104,7 @@ pub fn trusted_lines<H: PartialEq + DeserializeOwned>(
         } else {
             line.check()?;
             if !take(&String::from_utf8_lossy(line.bytes)) {
-                return Err(line.broken("it does not go on from the lines before it".to_owned()));
+                return Err(line.broken("it is no record of what was done".to_owned()));
             }
         }
         whole += line.bytes.len();
