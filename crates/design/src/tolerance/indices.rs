@@ -204,38 +204,52 @@ impl Samples {
         let far =
             known.iter().flat_map(|(_, row)| row).map(|value| (value - centre).powi(2)).fold(0.0, f64::max);
         let one_row = far / known.len() as f64 / plain.variance(None);
-        // No row tells of the group, or each tells of nothing else.
         let is_inert = known.iter().all(|(_, [a, _, m])| a == m);
         let is_alone = known.iter().all(|(_, [_, b, m])| b == m);
-        let best = |of: fn(&Estimators, Option<usize>) -> f64, is_certain: bool| {
-            let mut plain_one = Estimate::jackknife(|left_out| of(&plain, left_out));
-            if !is_certain {
-                plain_one.standard_error = plain_one.standard_error.max(one_row);
-            }
-            let with_fit = controlled.as_ref().map(|all| Estimate::jackknife(|left_out| of(all, left_out)));
-            // A fit that is of no use adds its own errors. Not the smaller of two unsure errors: that would be too small.
-            match with_fit {
-                Some(one) if plain_one.standard_error >= 0.5 * one.standard_error => {
-                    (controlled.as_ref().unwrap_or(&plain), one.standard_error.max(LEAST_ERROR))
-                }
-                _ => (&plain, plain_one.standard_error),
-            }
-        };
-        let little = best(Estimators::of_little, is_inert);
-        let much = best(Estimators::of_much, is_alone);
-        let [of_little_varies, of_much_varies] = [little.1, much.1].map(|error| error * error);
+        Some(Roads { plain, controlled, one_row, is_inert, is_alone }.indices())
+    }
+}
+
+/// The rows of a group as they are, and as differences from a fit.
+struct Roads {
+    plain: Estimators,
+    controlled: Option<Estimators>,
+    /// What a row more or less makes of an index.
+    one_row: f64,
+    /// No row tells of the group.
+    is_inert: bool,
+    /// No row tells of anything else.
+    is_alone: bool,
+}
+
+impl Roads {
+    /// The better one for an index, and its error. If it `is_certain`, rows say all that there is to say.
+    fn better(&self, of: fn(&Estimators, Option<usize>) -> f64, is_certain: bool) -> (&Estimators, f64) {
+        let error = |all: &Estimators| Estimate::jackknife(|left_out| of(all, left_out)).standard_error;
+        let plain = error(&self.plain).max(if is_certain { 0.0 } else { self.one_row });
+        // A fit that is of no use adds its own errors. Not the smaller of two unsure errors: that would be too small.
+        match self.controlled.as_ref().map(|all| (all, error(all))) {
+            Some((all, controlled)) if plain >= 0.5 * controlled => (all, controlled.max(LEAST_ERROR)),
+            _ => (&self.plain, plain),
+        }
+    }
+
+    fn indices(&self) -> Indices {
+        let (little, little_error) = self.better(Estimators::of_little, self.is_inert);
+        let (much, much_error) = self.better(Estimators::of_much, self.is_alone);
+        let (all, all_error) = self.better(Estimators::total, self.is_inert);
+        let [little_varies, much_varies] = [little_error, much_error].map(|error| error * error);
         // The whole of the weight to one that has no error.
-        let weight = of_much_varies / (of_little_varies + of_much_varies).max(f64::MIN_POSITIVE);
+        let weight = much_varies / (little_varies + much_varies).max(f64::MIN_POSITIVE);
         let mut first = Estimate::jackknife(|left_out| {
-            weight * little.0.of_little(left_out) + (1.0 - weight) * much.0.of_much(left_out)
+            weight * little.of_little(left_out) + (1.0 - weight) * much.of_much(left_out)
         });
-        let all = best(Estimators::total, is_inert);
-        let mut total = Estimate::jackknife(|left_out| all.0.total(left_out));
-        // Neither is surer than the surer of its parts, by more than their mean is.
-        let least = little.1.min(much.1) * std::f64::consts::FRAC_1_SQRT_2;
+        let mut total = Estimate::jackknife(|left_out| all.total(left_out));
+        // A mean of two is no surer than two independent ones make it.
+        let least = little_error.min(much_error) * std::f64::consts::FRAC_1_SQRT_2;
         first.standard_error = first.standard_error.max(least);
-        total.standard_error = total.standard_error.max(all.1);
-        Some(Indices { first, total })
+        total.standard_error = total.standard_error.max(all_error);
+        Indices { first, total }
     }
 }
 
