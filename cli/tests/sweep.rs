@@ -222,7 +222,7 @@ fn a_torn_line_is_no_loss() {
 /// A digit that was changed in a line that stays JSON is found, in whole sweeps and in light ones; nothing is written then.
 #[test]
 fn a_damaged_line_is_found() {
-    let light = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\"]\n");
+    let light = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
     for (text, name, before) in
         [(SCENARIO, "sweep.jsonl", "\"rows\":[[\""), (light.as_str(), "sweep-light.jsonl", "\"values\":[")]
     {
