@@ -10,7 +10,7 @@ use papilio_scenario::Scenario;
 
 use crate::arguments::Brdf;
 use crate::run::with_progress;
-use crate::{Failure, interrupt, output, report, say};
+use crate::{Failure, folder, interrupt, output, report, say};
 
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
@@ -18,8 +18,7 @@ const SPLIT: &str = "reflection.csv";
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     let grid = grid(arguments.step, &resolved.scene)?;
-    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
-    output::check(&folder)?;
+    let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let table = with_progress(arguments.workers.threads, |control| {
         papilio_display::brdf(&resolved.scene, grid, control)
     })?;
@@ -29,7 +28,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     })?;
     let split = split.ok_or(Failure::Interrupted("nothing is written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     stdout.write_all(report::brdf(&title, &table).as_bytes())?;
     stdout.write_all(report::reflection(&split).as_bytes())?;
     stdout.flush()?;
@@ -37,9 +36,10 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     interrupt::whole(|| {
         output::make_folder(&folder)?;
         write_file(&folder.join(FILE), |out| write_bsdf(out, &source, &table))?;
-        Ok::<_, Failure>(write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?)
+        write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
+        folder::sign(&folder, &title, &resolved.hash)
     })?;
-    output::announce(&folder, &[FILE, SPLIT].map(str::to_owned));
+    output::announce(&folder, &[FILE, SPLIT, folder::ABOUT].map(str::to_owned));
     let target = match resolved.scene.solver.stop {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,

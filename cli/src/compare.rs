@@ -33,16 +33,18 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         let help = meant
             .clone()
             .unwrap_or_else(|| "names and angles must be those of the result, to within a degree".to_owned());
-        Failure::Input(format!("{error}\n  = help: {help}"))
+        let (result, measured) = (result.display(), arguments.measured.display());
+        Failure::Input(format!("{result} and {measured}: {error}\n  = help: {help}"))
     })?;
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
+    let of = named(&title, read.hash.as_deref(), &result, &arguments.measured);
     let written =
         out.as_deref().map(|folder| interrupt::whole(|| write(folder, &all, &title))).transpose()?;
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         write_json(&mut stdout, &all)?;
     } else {
-        stdout.write_all(told(&title, &all).as_bytes())?;
+        stdout.write_all(told(&of, &all).as_bytes())?;
     }
     stdout.flush()?;
     if let (Some(folder), Some(names)) = (out, written) {
@@ -111,9 +113,17 @@ fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Fa
     Ok(names)
 }
 
-/// A table for each direction.
-fn told(title: &str, all: &Comparison) -> String {
-    let mut text = format!("{}\n", report::plain(title));
+/// What is held to what: a folder may hold the result of another scenario than one thinks.
+fn named(title: &str, hash: Option<&str>, result: &Path, measured: &Path) -> String {
+    let hash =
+        hash.map_or(String::new(), |hash| format!(" (hash {})", hash.chars().take(12).collect::<String>()));
+    let title = report::plain(title);
+    format!("{title}\nsimulated: {}{hash}\nmeasured: {}\n", result.display(), measured.display())
+}
+
+/// A table for each direction, below what is compared.
+fn told(of: &str, all: &Comparison) -> String {
+    let mut text = of.to_owned();
     for view in &all.views {
         let _ = write!(text, "\nseen from {} deg", view.theta_deg);
         if view.phi_deg != 0.0 {

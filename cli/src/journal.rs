@@ -4,7 +4,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use papilio_formats::{FormatError, JournalRows, Journals, Problem, RowsHead, read_journals};
+use papilio_formats::{JournalRows, Journals, RowsHead, read_journals};
 use serde::de::DeserializeOwned;
 
 use crate::{Failure, say};
@@ -16,7 +16,7 @@ pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
     wanted: impl Fn(&H) -> bool,
 ) -> Result<Journals<H, L>, Failure> {
     check_folder(folder, stem)?;
-    read_journals(folder, stem, wanted).map_err(failed)
+    Ok(read_journals(folder, stem, wanted)?)
 }
 
 /// Whether a folder can have journals of this stem.
@@ -45,7 +45,7 @@ pub(crate) fn open_rows<H: RowsHead>(
     others: &[PathBuf],
 ) -> Result<JournalRows<H>, Failure> {
     others.iter().try_for_each(|other| check_folder(other, stem))?;
-    let rows = JournalRows::open(folder, stem, part, head, others).map_err(failed)?;
+    let rows = JournalRows::open(folder, stem, part, head, others)?;
     tell_of(rows.set_aside());
     Ok(rows)
 }
@@ -57,13 +57,5 @@ pub(crate) fn tell_of(set_aside: Option<&Path>) {
             "what was done here before this scenario was changed is kept as {}: the scenario as it was goes on from there",
             path.display()
         ));
-    }
-}
-
-/// A journal that cannot be written is the system's fault, any other the user's.
-pub(crate) fn failed(error: FormatError) -> Failure {
-    match error.problem {
-        Problem::Unwritable { .. } => Failure::Write(error),
-        _ => Failure::Data(error),
     }
 }

@@ -1,12 +1,13 @@
 //! Papilio on the command line: a thin face over `scenario`, `display`, `formats` and `figures`.
 //!
-//! Exit codes: 0 done; 2 the user's input is wrong; 1 an internal fault; 130 interrupted,
-//! what is done is saved. Results go to standard output, all else to standard error.
+//! Exit codes: 0 done; 2 the user's input is wrong; 1 an internal fault; 3 a search without a feasible design; 130
+//! interrupted, what is done is saved. Results go to standard output, all else to standard error.
 
 mod arguments;
 mod brdf;
 mod compare;
 mod diffuser;
+mod folder;
 mod interrupt;
 mod journal;
 mod new;
@@ -20,15 +21,18 @@ mod serve;
 mod side_by_side;
 mod study;
 mod sweep;
+mod terminal;
 mod tolerance;
 mod validate;
 
-use std::io::Write;
+use std::borrow::Cow;
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use arguments::{Arguments, Command, Study};
+use papilio_formats::words::visible;
+use terminal::say;
 
 /// Small vectors come and go in every evaluation of a prepared display, which takes 5 to 8 % longer with the
 /// system's allocator.
@@ -49,7 +53,7 @@ enum Failure {
     Data(papilio_formats::FormatError),
     /// A file could not be written.
     #[error(transparent)]
-    Write(#[from] papilio_formats::FormatError),
+    Write(papilio_formats::FormatError),
     /// A figure could not be made a picture.
     #[error("error: {0}")]
     Png(#[from] papilio_figures::PngError),
@@ -68,6 +72,9 @@ enum Failure {
     /// Standard output went away, or the like.
     #[error("error: standard output cannot be written: {0}")]
     Io(#[from] std::io::Error),
+    /// A search ended, and found nothing that meets all limits.
+    #[error("no feasible design: {0}")]
+    Infeasible(&'static str),
     /// Ctrl-C; what is done is saved.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),
@@ -91,13 +98,44 @@ impl Failure {
             | Self::Design(_)
             | Self::Serve(_) => 2,
             Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
+            Self::Infeasible(_) => 3,
             Self::Interrupted(_) => 130,
         }
     }
 }
 
+impl From<papilio_formats::FormatError> for Failure {
+    /// A file that cannot be written is the system's fault, any other the user's.
+    fn from(error: papilio_formats::FormatError) -> Self {
+        match error.problem {
+            papilio_formats::Problem::Unwritable { .. } => Self::Write(error),
+            _ => Self::Data(error),
+        }
+    }
+}
+
+/// Says what is wrong with the arguments, as clap does it: which quotes them as they are. So one that a terminal would obey is
+/// itself what is wrong.
+fn refused(error: &clap::Error) -> ExitCode {
+    let mut arguments = std::env::args_os().map(|one| one.to_string_lossy().into_owned());
+    let obeyed = arguments.find(|one| matches!(visible(one), Cow::Owned(_)));
+    match obeyed.filter(|_| error.use_stderr()) {
+        Some(one) => {
+            say(&format!(
+                "error: the argument `{one}` holds control characters, and the command cannot be understood"
+            ));
+            ExitCode::from(2)
+        }
+        None => error.exit(),
+    }
+}
+
 fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return refused(&error),
+    };
+    let done = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
@@ -121,9 +159,4 @@ fn main() -> ExitCode {
             ExitCode::from(failure.exit_code())
         }
     }
-}
-
-/// Prints on standard error, where nobody may listen.
-fn say(text: &dyn std::fmt::Display) {
-    let _ = writeln!(anstream::stderr(), "{text}");
 }

@@ -15,7 +15,7 @@ pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
         Failure::Input(format!("there is no preset `{name}`\n  = help: the presets are {known}"))
     })?;
     let Some(file) = &arguments.file else {
-        let mut stdout = anstream::stdout().lock();
+        let mut stdout = crate::terminal::stdout();
         stdout.write_all(text.as_bytes())?;
         return Ok(stdout.flush()?);
     };

@@ -28,6 +28,15 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
             "results cannot be written to {folder}: {there} {reason}\n  = help: choose another folder with --out DIR"
         ))
     };
+    // A link that leads nowhere, or to itself, is there and does not exist.
+    if let Some(link) = folder.ancestors().find(|path| path.is_symlink() && !path.exists()) {
+        let where_to = link.display();
+        return Err(Failure::Input(format!(
+            "results cannot be written to {}: {where_to} is a link that leads to nothing\n  = help: remove the link, or choose \
+             another folder with --out DIR",
+            folder.display()
+        )));
+    }
     if !there.is_dir() {
         return Err(why("is not a folder"));
     }
@@ -39,7 +48,12 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
 
 /// Makes the folder for results.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let why = |error| Failure::Input(format!("cannot make the folder {}: {error}", folder.display()));
+    let why = |error| {
+        let folder = folder.display();
+        Failure::Input(format!(
+            "cannot make the folder {folder}: {error}\n  = help: choose another folder with --out DIR"
+        ))
+    };
     std::fs::create_dir_all(folder).map_err(why)
 }
 

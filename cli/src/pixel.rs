@@ -11,7 +11,7 @@ use papilio_formats::{PixelTable, write_file};
 use papilio_scenario::Scenario;
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, interrupt, output, report};
+use crate::{Failure, folder, interrupt, output, report};
 
 /// A larger scan is a mistake, and a file that nothing opens.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -28,17 +28,19 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         Some(Angles::Glass) => scene.solver.angle_medium = AngleMedium::Glass,
     }
     let theta_deg = angles(arguments.step, &scene)?;
-    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
-    output::check(&folder)?;
+    let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let scan = scan(&scene, &theta_deg)?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
     stdout.flush()?;
     interrupt::heed();
-    interrupt::whole(|| write(&folder, scan, &title, medium))?;
-    output::announce(&folder, &["pixel.csv".to_owned(), "pixel.svg".to_owned()]);
+    interrupt::whole(|| {
+        write(&folder, scan, &title, medium)?;
+        folder::sign(&folder, &title, &resolved.hash)
+    })?;
+    output::announce(&folder, &["pixel.csv", "pixel.svg", folder::ABOUT].map(str::to_owned));
     Ok(())
 }
 

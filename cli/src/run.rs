@@ -13,11 +13,11 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::progress::in_log;
-use crate::{Failure, interrupt, output, report, say};
+use crate::{Failure, folder, interrupt, output, report, say};
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
-    let out = folder(arguments)?;
+    let out = out_folder(arguments, &resolved.hash)?;
     let started = Instant::now();
     let mut result = compute(&resolved, arguments.workers.threads)?;
     let seconds = started.elapsed().as_secs_f64();
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     };
     let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &files)));
     // What was computed is shown even if it cannot be written.
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
@@ -75,18 +75,15 @@ fn light(scene: &Scene) -> Result<Option<RoomLight>, Failure> {
 }
 
 /// Where files go, if they do.
-fn folder(arguments: &Run) -> Result<Option<PathBuf>, Failure> {
-    let out = match (&arguments.scenario.out, arguments.json) {
-        (Some(folder), _) => Some(folder.clone()),
-        (None, true) => None,
-        (None, false) => Some(arguments.scenario.default_out()),
-    };
-    if out.is_none() && (arguments.cone || arguments.png) {
+fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
+    if arguments.scenario.out.is_some() || !arguments.json {
+        return folder::choose(&arguments.scenario, hash).map(Some);
+    }
+    if arguments.cone || arguments.png {
         let message = "--json writes no files by itself, and --cone and --png are about files\n  = help: name a folder with --out DIR";
         return Err(Failure::Input(message.to_owned()));
     }
-    out.as_deref().map_or(Ok(()), output::check)?;
-    Ok(out)
+    Ok(None)
 }
 
 /// What belongs on standard error.

@@ -12,7 +12,7 @@ use papilio_sampling::table_4_1::Way;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
-use crate::{Failure, interrupt, output, report, run};
+use crate::{Failure, folder, interrupt, output, report, run};
 
 /// The first number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -22,8 +22,7 @@ const POINTS: u64 = 256;
 
 pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
-    let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
-    output::check(&folder)?;
+    let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let paths: Vec<u64> =
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();
     let started = Instant::now();
@@ -31,10 +30,15 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
     let curves = run::with_progress(None, |control| study(&resolved.scene, &paths, &clock, control))?
         .ok_or(Failure::Interrupted("the study is not complete, nothing is written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;
     stdout.flush()?;
-    let names = interrupt::whole(|| write(&folder, &curves, &title))?;
+    let names = interrupt::whole(|| {
+        let mut names = write(&folder, &curves, &title)?;
+        folder::sign(&folder, &title, &resolved.hash)?;
+        names.push(folder::ABOUT.to_owned());
+        Ok::<_, Failure>(names)
+    })?;
     output::announce(&folder, &names);
     Ok(())
 }

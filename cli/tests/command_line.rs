@@ -124,7 +124,7 @@ fn a_pixel_scan_is_a_pixel_table() {
     let out = folder.path().to_str().unwrap();
     let output = papilio().arg("pixel").arg(scenario("indoor")).args(["--out", out]).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
-    assert_eq!(names(folder.path()), ["pixel.csv", "pixel.svg"]);
+    assert_eq!(names(folder.path()), ["about.json", "pixel.csv", "pixel.svg"]);
     let csv = fs::read_to_string(folder.path().join("pixel.csv")).unwrap();
     assert_eq!(csv.lines().next().unwrap(), "state,theta_deg,wavelength_nm,reflectance");
     assert_eq!(csv.lines().count(), 1 + 8 * 91 * 81);
@@ -377,7 +377,7 @@ fn a_display_has_a_bsdf_file() {
     let output = brdf(&["--step", "10"]);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(String::from_utf8(output.stdout).unwrap().contains("share of a beam that leaves"));
-    assert_eq!(names(folder.path()), ["display-bsdf.npz", "reflection.csv"]);
+    assert_eq!(names(folder.path()), ["about.json", "display-bsdf.npz", "reflection.csv"]);
     // 8 states, 9 x 9 x 19 directions, 21 wavelengths, 4 bytes each.
     let bytes = fs::metadata(folder.path().join("display-bsdf.npz")).unwrap().len();
     let table = 8 * 9 * 9 * 19 * 21 * 4;
@@ -399,4 +399,122 @@ fn a_run_under_a_ring_draws_its_light() {
     // It goes with the other figures of an earlier run.
     assert!(run("indoor", &["--out", out]).status.success());
     assert!(!names(folder.path()).contains(&"light.svg".to_owned()));
+}
+
+/// What names and cells hold is shown and not sent to the terminal, and a pipe has the whole message.
+#[test]
+fn what_is_quoted_never_reaches_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let obeyed = |c: char| {
+        (c.is_control() && c != '\n') || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    let file = scenario("indoor");
+    let indoor = fs::read_to_string(&file).unwrap();
+    fs::write(at("e5.csv"), "300,0\n400,\u{1b}[2J\u{1b}[31mX\n900,0\n").unwrap();
+    fs::write(at("e5.toml"), indoor.replacen("spectrum = \"D65\"", "spectrum = \"e5.csv\"", 1)).unwrap();
+    // An operating system command without its end: a pipe swallowed all that came after.
+    fs::write(at("e3.toml"), format!("\"\\u001b]0;x\\n\\u009bA\\u202e\" = 1\n{indoor}")).unwrap();
+    fs::write(at("e\u{1b}]0;\u{9b}\u{202e}.toml"), "nonsense").unwrap();
+    fs::write(
+        at("state.toml"),
+        indoor.replacen("[lighting]", "[display.pixel.states]\n\"a\u{202e}b\" = { red = 1 }\n[lighting]", 1),
+    )
+    .unwrap();
+    let cases = [
+        ("e5.toml", "`\\u001b[2J\\u001b[31mX` is not a number"),
+        ("e3.toml", "\\u001b]0;x\\n\\u009bA\\u202e"),
+        ("e\u{1b}]0;\u{9b}\u{202e}.toml", "e\\u001b]0;\\u009b\\u202e.toml:1"),
+        ("state.toml", "this is not a name"),
+        ("none\u{1b}[2J.toml", "none\\u001b[2J.toml"),
+    ];
+    for (name, said) in cases {
+        let output = papilio().args(["run", &at(name), "--json"]).output().unwrap();
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{name:?}: {text}");
+        assert!(text.contains(said) && text.contains("-->"), "{name:?}: {text}");
+        assert!(!text.chars().any(obeyed), "{name:?}: {text:?}");
+    }
+}
+
+/// A state that a spreadsheet would compute is refused where it is named.
+#[test]
+fn a_state_is_no_formula() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    let indoor = fs::read_to_string(scenario("indoor")).unwrap();
+    for (name, is_good) in [("=HYPERLINK(1)", false), ("@SUM(1)", false), ("-5 V", true)] {
+        let states = format!("[display.pixel.states]\n\"{name}\" = {{ red = 1 }}\n[lighting]");
+        fs::write(&file, indoor.replacen("[lighting]", &states, 1)).unwrap();
+        let output = papilio().args(["run", file.to_str().unwrap(), "--json"]).output().unwrap();
+        assert_eq!(output.status.success(), is_good, "{name}: {}", stderr(&output));
+        assert!(is_good || stderr(&output).contains("formula"), "{name}: {}", stderr(&output));
+    }
+}
+
+/// Where no folder is named, the result of another hash stays, whatever command made it; the same result goes to its own folder.
+#[test]
+fn a_result_of_another_hash_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scenario("indoor").canonicalize().unwrap();
+    let quick = ["--set", "spectrum.step_nm=20", "--set", "solver.relative_error=0.05"];
+    let at = |command: &str, more: &[&str]| {
+        let output = papilio()
+            .current_dir(folder.path())
+            .arg(command)
+            .arg(&file)
+            .args(quick)
+            .args(more)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{command}: {}", stderr(&output));
+        stderr(&output)
+    };
+    let folders = || names(&folder.path().join("out"));
+    let read = |name: &str| fs::read(folder.path().join("out").join(name)).unwrap();
+    let other = ["--set", "viewer.theta_deg=31"];
+    assert!(!at("run", &[]).contains("note: out/indoor"));
+    let first = read("indoor/result.json");
+    let said = at("run", &other);
+    assert!(said.contains("note: out/indoor holds the result of another scenario"), "{said}");
+    assert_eq!(read("indoor/result.json"), first);
+    let hash = |bytes: &[u8]| {
+        let result: serde_json::Value = serde_json::from_slice(bytes).unwrap();
+        result["hash"].as_str().unwrap()[..6].to_owned()
+    };
+    let beside = folders()[1].clone();
+    assert_eq!(beside, format!("indoor-{}", hash(&read(&format!("{beside}/result.json")))));
+    // The same again, and another command of the same scenario: the same folders.
+    at("run", &other);
+    at("pixel", &other);
+    at("pixel", &[]);
+    assert_eq!(folders(), ["indoor".to_owned(), beside.clone()]);
+    assert!(read(&format!("{beside}/about.json")) != read("indoor/about.json"));
+    // A folder that has but the table of another command.
+    fs::remove_file(folder.path().join("out/indoor/result.json")).unwrap();
+    let said = at("brdf", &["--step", "30", "--set", "viewer.theta_deg=32"]);
+    assert!(said.contains("note: out/indoor holds"), "{said}");
+    assert_eq!(folders().len(), 3);
+    // compare says what it compares.
+    let measured = "state,theta_deg,X,Y,Z\nwhite,31,1,1,1\n";
+    fs::write(folder.path().join("m.csv"), measured).unwrap();
+    let result = format!("out/{beside}");
+    let compare = papilio().current_dir(folder.path()).args(["compare", &result, "m.csv"]).output().unwrap();
+    let text = String::from_utf8(compare.stdout).unwrap();
+    assert!(text.contains(&format!("simulated: {result}/result.json (hash {}", &beside[7..])), "{text}");
+    assert!(text.contains("measured: m.csv"), "{text}");
+    // A link to itself.
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("loop", folder.path().join("loop")).unwrap();
+        let looped = papilio()
+            .current_dir(folder.path())
+            .arg("run")
+            .arg(&file)
+            .args(["--out", "loop"])
+            .output()
+            .unwrap();
+        assert_eq!(looped.status.code(), Some(2));
+        assert!(stderr(&looped).contains("is a link that leads to nothing"), "{}", stderr(&looped));
+    }
 }

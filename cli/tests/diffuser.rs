@@ -134,6 +134,12 @@ fn convert_goes_there_and_back() {
     let unknown = refused(&["convert", &npz, &folder.name("raw.dat")]);
     assert!(unknown.contains("--format"), "{unknown}");
     assert!(refused(&["convert", &shipped("indoor.toml"), &back]).contains("indoor.toml"));
+    // What a format cannot hold is said of both files, and nothing is written.
+    let (points, klems) = (folder.name("points.csv"), folder.name("points.xml"));
+    fs::write(&points, "theta_i,phi_i,theta_o,phi_o,bsdf\n0,0,0,0,1\n0,0,10,0,0.9\n0,0,20,37,0.8\n").unwrap();
+    let cannot = refused(&["convert", &points, &klems]);
+    assert!(cannot.contains(&format!("{points} cannot be written as {klems}: Klems")), "{cannot}");
+    assert!(cannot.contains("= help: ") && !Path::new(&klems).exists(), "{cannot}");
 }
 
 #[test]
@@ -209,7 +215,8 @@ fn steps_are_taken_out_one_by_one() {
     let svg = fs::read_to_string(folder.path("steps/step-normalise.svg")).unwrap();
     let words = ["as described", "without k", "The true lobe of H78", "red", "black", "viewed at 8"];
     assert!(words.iter().all(|word| svg.contains(word)));
-    assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 8);
+    assert!(folder.path("steps/about.json").is_file());
+    assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 9);
     let shown = refused(&["steps", &shipped("measured-bare.toml"), "--out", &folder.name("none")]);
     assert!(shown.contains("model = \"measured\""), "{shown}");
 }

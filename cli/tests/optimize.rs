@@ -271,7 +271,46 @@ fn choices_alone_are_tried() {
 /// Limits that nothing meets are told.
 #[test]
 fn limits_that_nothing_meets_are_told() {
-    let (_folder, file, out) = place(&SCENARIO.replace("at_least = 4", "at_least = 400"));
-    let output = search(&file, &out, &[]);
+    let (_folder, file, out) = place(SCENARIO);
+    search(&file, &out, &[]);
+    assert!(Path::new(&out).join("best.toml").is_file());
+    // A script goes on after exit code 0, with the best.toml of a search before.
+    fs::write(&file, SCENARIO.replace("at_least = 4", "at_least = 400")).unwrap();
+    let output = papilio(&["optimize", &file, "--out", &out, "--no-check", "--json"]);
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(stderr(&output).contains("no design was found that meets all limits"), "{}", stderr(&output));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["designs"][0]["meets_limits"], false);
+    let names: Vec<String> =
+        files(Path::new(&out)).into_keys().filter(|name| name.ends_with(".toml")).collect();
+    assert_eq!(names, ["closest.toml"]);
+    // And back.
+    fs::write(&file, SCENARIO).unwrap();
+    search(&file, &out, &[]);
+    let names: Vec<String> =
+        files(Path::new(&out)).into_keys().filter(|name| name.ends_with(".toml")).collect();
+    assert_eq!(names, ["best.toml"]);
+}
+
+/// A digit that was changed in a line, and a generation of a population that is missing, are found and not gone on from.
+#[test]
+fn a_damaged_journal_is_refused() {
+    let (_folder, file, out) = place(&SCENARIO.replace("[optimize]", "[optimize]\nmethod = \"both\""));
+    search(&file, &out, &[]);
+    let journal = Path::new(&out).join("optimize.jsonl");
+    let whole = fs::read_to_string(&journal).unwrap();
+    let refused = |text: &str, words: &[&str]| {
+        fs::write(&journal, text).unwrap();
+        let output = papilio(&["optimize", &file, "--out", &out, "--no-check"]);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        words.iter().for_each(|word| assert!(stderr(&output).contains(word), "{word}: {}", stderr(&output)));
+        assert_eq!(fs::read_to_string(&journal).unwrap(), text, "what was kept stays");
+    };
+    let lines: Vec<&str> = whole.lines().collect();
+    let digit = lines[2].rfind(",\"crc\"").unwrap() - 2;
+    let other = if lines[2].as_bytes()[digit] == b'1' { "2" } else { "1" };
+    let changed = [&lines[2][..digit], other, &lines[2][digit + 1..]].concat();
+    let text = whole.replace(lines[2], &changed);
+    refused(&text, &["optimize.jsonl:3:1", "checksum", "take the line out"]);
+    refused(&whole.replacen("papilio", "papilip", 1), &["optimize.jsonl:1:1", "the first line"]);
 }

@@ -219,6 +219,32 @@ fn a_torn_line_is_no_loss() {
     same(&files(Path::new(&out)), &expected);
 }
 
+/// A digit that was changed in a line that stays JSON is found, in whole sweeps and in light ones; nothing is written then.
+#[test]
+fn a_damaged_line_is_found() {
+    let light = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
+    for (text, name, before) in
+        [(SCENARIO, "sweep.jsonl", "\"rows\":[[\""), (light.as_str(), "sweep-light.jsonl", "\"values\":[")]
+    {
+        let (_folder, file, out) = place(text);
+        let arguments = ["sweep", &file, "--out", &out];
+        assert!(papilio(&arguments).status.success());
+        let journal = Path::new(&out).join(name);
+        let whole = fs::read_to_string(&journal).unwrap();
+        let line = whole.lines().nth(2).unwrap();
+        fs::write(&journal, whole.replace(line, &line.replacen(before, &format!("{before}1"), 1))).unwrap();
+        fs::remove_file(Path::new(&out).join("sweep.csv")).unwrap();
+        let output = papilio(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        for words in
+            [&format!("{name}:3:1"), "this line of a journal is damaged", "= help: take the line out"]
+        {
+            assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
+        }
+        assert!(!Path::new(&out).join("sweep.csv").exists());
+    }
+}
+
 /// Parts on many machines, joined, are the whole.
 #[test]
 fn parts_make_the_whole() {

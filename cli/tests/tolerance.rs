@@ -308,3 +308,60 @@ fn the_docs_say_what_is_found() {
     let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();
     assert!(docs.contains(&said), "{said}");
 }
+
+/// A digit that was changed in a line that stays JSON is found; the line taken out, what was in it is computed again.
+#[test]
+fn a_damaged_journal_is_refused() {
+    let (_folder, file, out) = place(SCENARIO);
+    let arguments = ["tolerance", &file, "--out", &out];
+    assert!(papilio(&arguments).status.success());
+    let done = files(Path::new(&out));
+    let journal = Path::new(&out).join("tolerance.jsonl");
+    let whole = fs::read_to_string(&journal).unwrap();
+    let line = whole.lines().nth(4).unwrap();
+    let changed = line.replacen("\"values\":[", "\"values\":[1", 1);
+    fs::write(&journal, whole.replace(line, &changed)).unwrap();
+    let output = papilio(&arguments);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    for words in ["tolerance.jsonl:5:1", "its checksum is that of another line", "take the line out"] {
+        assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
+    }
+    assert!(!stderr(&output).contains("sweep"), "{}", stderr(&output));
+    fs::write(&journal, whole.replace(&format!("{line}\n"), "")).unwrap();
+    let output = papilio(&arguments);
+    assert!(stderr(&output).contains(" 1 computed in "), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &done);
+    // A journal of a version without checksums goes on, and has them at the end.
+    let old: String =
+        whole.lines().map(|line| format!("{}}}\n", &line[..line.rfind(",\"crc\"").unwrap()])).collect();
+    fs::write(&journal, old).unwrap();
+    let output = papilio(&arguments);
+    assert!(stderr(&output).contains(" 0 computed in "), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &done);
+}
+
+/// No index by itself is shown above its total, each has its error, and both come from the displays that stand in the table.
+#[test]
+fn sensitivities_do_not_contradict_themselves() {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    let table = &text[text.find("where the variance comes from").unwrap()..];
+    let number = |cell: &str| cell.split('(').next().unwrap().parse::<f64>().unwrap();
+    let mut pairs = 0;
+    for line in table.lines().skip(2).take_while(|line| !line.is_empty()) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        for at in (0..words.len()).filter(|at| words[*at] == "/") {
+            assert!(words[at - 1].contains('(') && words[at + 1].contains('('), "{line}");
+            assert!(number(words[at - 1]) <= number(words[at + 1]), "{line}");
+            pairs += 1;
+        }
+    }
+    assert!(pairs >= 2, "{table}");
+    let found: Value =
+        serde_json::from_slice(&fs::read(Path::new(&out).join("tolerance.json")).unwrap()).unwrap();
+    let metric = &found["metrics"][0];
+    assert!(metric["surrogate"]["terms"].as_u64().unwrap() > 1, "{metric:#}");
+    assert!(metric["surrogate"]["unexplained"].as_f64().unwrap() < 0.01, "{metric:#}");
+}

@@ -182,7 +182,7 @@ impl Production {
     /// The numbers of all rows, one after the other, once they are known. Puts the journal in order, and lets it go.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = 0..self.of.rows();
-        if let Known::Kept(journal) = &*self.known() {
+        if let Known::Kept(journal) = &mut *self.known() {
             journal.finish(rows.clone()).map_err(|error| errors::format(py, &error))?;
         }
         let mut numbers = Vec::new();

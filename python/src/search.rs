@@ -174,7 +174,7 @@ impl Search {
             let found = course.found();
             let chosen = self.of.chosen(&found, &mut evaluator)?;
             if let Some(journal) = journal {
-                journal.finish(&self.head(), found.iter()).map_err(Failure::Journal)?;
+                journal.put(&self.head(), found.iter()).map_err(Failure::Journal)?;
             }
             let mut said = said_of(&self.of, &found, &chosen);
             said["table"] = search_table(&self.of, &found).into();

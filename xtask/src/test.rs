@@ -13,7 +13,7 @@ use crate::shell::{self, Needs, Outcome, cargo, command};
 /// Seeds over which the statistical tests run by default.
 pub(crate) const SEEDS: u64 = 48;
 
-/// `PAPILIO_SEEDS` is read by the statistical tests of `crates/transport`.
+/// `PAPILIO_SEEDS` is read by the statistical tests of `crates/transport`, and by that of sensitivities in `crates/design`.
 const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 
 /// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.

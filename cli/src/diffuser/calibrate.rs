@@ -32,5 +32,5 @@ pub(crate) fn calibrate(arguments: &Calibrate) -> Result<(), Failure> {
             ));
         }
     }
-    write(&calibrated.measurement, format, &arguments.output)
+    write(&arguments.sample, &calibrated.measurement, format, &arguments.output)
 }

@@ -23,7 +23,7 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let options = FitOptions { straight_width: arguments.straight_width, ..FitOptions::default() };
     let fits = fitted(part, channel, arguments.model.map(LobeModel::kind), &options)
         .map_err(|error| Failure::Input(error.to_string()))?;
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         write_json(&mut stdout, &FitFile::new(part, channel, &fits))?;
     } else {

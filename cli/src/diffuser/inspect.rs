@@ -18,7 +18,7 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     // Of the luminous channels.
     let audits: Vec<Option<Audit>> =
         measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         let every = |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
         let all: Vec<(&Part, Vec<Audit>)> =

@@ -16,5 +16,5 @@ pub(crate) fn measure(arguments: &Measure) -> Result<(), Failure> {
     })?;
     found.notes.iter().for_each(|note| say(&format!("note: {note}")));
     found.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
-    write(&measurement, format, &arguments.output)
+    write(&arguments.scenario, &measurement, format, &arguments.output)
 }

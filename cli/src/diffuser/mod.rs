@@ -11,7 +11,9 @@ mod steps;
 
 use std::path::Path;
 
-use papilio_formats::{BsdfFormat, DataFile, LARGEST_BSDF_FILE, read_bsdf, write_file, write_measurement};
+use papilio_formats::{
+    BsdfFormat, DataFile, LARGEST_BSDF_FILE, WriteError, read_bsdf, write_file, write_measurement,
+};
 use papilio_goniometry::Measurement;
 
 use crate::arguments::{Diffuser, Format};
@@ -49,14 +51,21 @@ fn spare(inputs: &[&Path], output: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes a measurement, and says what the format does not hold.
-fn write(measurement: &Measurement, format: BsdfFormat, output: &Path) -> Result<(), Failure> {
+/// Writes a measurement that comes from a file, and says what the format does not hold.
+fn write(input: &Path, measurement: &Measurement, format: BsdfFormat, output: &Path) -> Result<(), Failure> {
     let mut lost = Ok(Vec::new());
-    write_file(output, |out| {
+    let written = write_file(output, |out| {
         lost = write_measurement(out, format, measurement);
         lost.as_ref().map(|_| ()).map_err(|error| std::io::Error::other(error.to_string()))
-    })
-    .map_err(Failure::Data)?;
+    });
+    if let Err(WriteError::CannotHold { format, what }) = &lost {
+        return Err(Failure::Input(format!(
+            "{} cannot be written as {}: {format} cannot hold {what}\n  = help: .npz (Papilio) holds every measurement",
+            input.display(),
+            output.display()
+        )));
+    }
+    written.map_err(Failure::Data)?;
     lost.unwrap_or_default().iter().for_each(|lost| say(&format!("note: {lost}")));
     say(&format!("wrote {}", output.display()));
     Ok(())

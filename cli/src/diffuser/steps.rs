@@ -7,7 +7,7 @@ use papilio_figures::spectra_over;
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
-use crate::{Failure, output, report, run, say};
+use crate::{Failure, folder, output, report, run, say};
 
 /// A key of `[display.diffuser]`, the value with which it does nothing, and what the display is then.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -29,9 +29,8 @@ struct Variant {
 
 pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let scenario = &arguments.scenario;
-    let out = scenario.out.clone().unwrap_or_else(|| scenario.default_out());
-    output::check(&out)?;
     let base = Scenario::load(&scenario.file, &scenario.set)?.resolve()?;
+    let out = folder::choose(scenario, &base.hash)?;
     let compute = |resolved: &Resolved| run::compute(resolved, arguments.workers.threads);
     let mut variants = vec![Variant { name: "as described".to_owned(), key: None, result: compute(&base)? }];
     for (key, off, name) in taken(&base)? {
@@ -46,7 +45,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     }
     base.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     stdout.write_all(told(&title, &variants).as_bytes())?;
     stdout.flush()?;
     output::make_folder(&out)?;
@@ -61,6 +60,8 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
             .collect();
         names.extend(output::write_figure(&out, &format!("step-{key}"), &spectra_over(&shown, &title))?);
     }
+    folder::sign(&out, &title, &base.hash)?;
+    names.push(folder::ABOUT.to_owned());
     output::announce(&out, &names);
     Ok(())
 }

@@ -6,7 +6,7 @@ use papilio_design::search::{Kept, Record};
 use papilio_formats::{HeldJournal, SearchHead, foreign, journal_name, journal_paths, trusted_lines};
 
 use crate::Failure;
-use crate::journal::{check_folder, failed, tell_of};
+use crate::journal::{check_folder, tell_of};
 
 /// Journals are called so.
 const STEM: &str = "optimize";
@@ -23,20 +23,20 @@ pub(super) fn open(
     let own = folder.join(journal_name(STEM, part));
     for (other, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
         check_folder(folder, STEM)?;
-        let paths = journal_paths(folder, STEM).map_err(failed)?;
+        let paths = journal_paths(folder, STEM)?;
         let mut ours = 0;
         for path in paths.iter().filter(|path| **path != own) {
             let mut told = Kept::default();
-            ours += trusted_lines(path, head, |line| keep(&mut told, line)).map_err(failed)?;
+            ours += trusted_lines(path, head, |line| keep(&mut told, line))?;
             kept.join(told);
         }
         match paths.first() {
-            Some(path) if other > 0 && ours == 0 => return Err(failed(foreign(path))),
+            Some(path) if other > 0 && ours == 0 => return Err(foreign(path).into()),
             _ => {}
         }
     }
     // Last: a journal of another search is set aside.
-    let held = HeldJournal::open(own, head, |line| keep(&mut kept, line)).map_err(failed)?;
+    let held = HeldJournal::open(own, head, |line| keep(&mut kept, line))?;
     tell_of(held.set_aside());
     Ok((held, kept))
 }

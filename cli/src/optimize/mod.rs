@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let of_them = if new < all { format!(", {new} of them now,") } else { String::new() };
     let evaluated = format!("{all} designs were evaluated{of_them} in {seconds:.2} s");
     if let Some((k, n)) = arguments.shard {
-        interrupt::whole(|| journal.finish(&head, found.iter()))?;
+        interrupt::whole(|| journal.put(&head, found.iter()))?;
         say(&evaluated);
         say(&format!(
             "part {k} of {n} is done; when all are: the same command without --shard, here or with --merge DIR"
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         }
         _ => Vec::new(),
     };
-    interrupt::whole(|| journal.finish(&head, found.iter()))?;
+    interrupt::whole(|| journal.put(&head, found.iter()))?;
     finish(arguments, &folder, &search, &found, &chosen, &checked)
 }
 
@@ -142,7 +142,7 @@ fn finish(
     let title =
         search.said().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
     let names = interrupt::whole(|| write(arguments, folder, &title, search, found, chosen))?;
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         let all = report::json(&title, search, chosen, found, checked);
         serde_json::to_writer_pretty(&mut stdout, &all).map_err(std::io::Error::from)?;
@@ -159,9 +159,14 @@ fn finish(
     stdout.flush()?;
     output::announce(folder, &names);
     if chosen.is_empty() {
-        say(&"warning: no design could be evaluated: what is asked is not defined anywhere");
-    } else if !chosen.iter().all(Chosen::meets_limits) {
-        say(&"warning: no design was found that meets all limits; this one misses them least");
+        return Err(Failure::Infeasible(
+            "no design could be evaluated: what is asked is not defined anywhere",
+        ));
+    }
+    if !chosen.iter().any(Chosen::meets_limits) {
+        return Err(Failure::Infeasible(
+            "no design was found that meets all limits; closest.toml holds the one that misses them least",
+        ));
     }
     Ok(())
 }
@@ -176,7 +181,9 @@ fn write(
 ) -> Result<Vec<String>, Failure> {
     let mut names = vec!["optimize.csv".to_owned()];
     write_file(&folder.join("optimize.csv"), |out| out.write_all(search_table(search, found).as_bytes()))?;
-    output::remove(folder, |name| name == "best.toml" || name.starts_with("front"))?;
+    output::remove(folder, |name| {
+        ["best.toml", "closest.toml"].contains(&name) || name.starts_with("front")
+    })?;
     for (name, text) in designs(arguments, folder, search, chosen)? {
         write_file(&folder.join(&name), |out| out.write_all(text.as_bytes()))?;
         names.push(name);

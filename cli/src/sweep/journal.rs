@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use papilio_formats::{HeldJournal, SweepHead, SweepJournal, SweepPoint, open_journal, tidy_journals};
 
 use crate::Failure;
-use crate::journal::{self, failed};
+use crate::journal;
 
 /// Points by the hash of their scenario, and where new ones go.
 #[derive(Debug)]
@@ -25,14 +25,14 @@ pub(super) fn read_all(folder: &Path) -> Result<Vec<(PathBuf, SweepJournal)>, Fa
 }
 
 fn read(path: &Path) -> Result<SweepJournal, Failure> {
-    open_journal(path, |_: &SweepHead| true).map_err(failed)
+    Ok(open_journal(path, |_: &SweepHead| true)?)
 }
 
 impl Journal {
     /// Opens a sweep's journal in a folder, or begins one. Points of other journals there, and of other forms of
     /// the sweep, are known, too.
     pub(super) fn open(folder: &Path, name: &str, head: SweepHead) -> Result<Self, Failure> {
-        let mut journal = HeldJournal::hold(folder.join(name)).map_err(failed)?;
+        let mut journal = HeldJournal::hold(folder.join(name))?;
         tidy_journals(folder, &[name, "sweep.csv.", "sweep_"]);
         let mut known = HashMap::new();
         for (_, other) in read_all(folder)? {
@@ -45,7 +45,7 @@ impl Journal {
         } else {
             // An earlier form of the sweep, or nothing yet. Points stay, but their numbers mean nothing now.
             let kept = mine.lines.into_iter().map(|point| SweepPoint { point: None, ..point });
-            journal.begin(&head, kept)?;
+            journal.put(&head, kept)?;
         }
         Ok(Self { journal, head, known })
     }
@@ -68,7 +68,7 @@ impl Journal {
     }
 
     /// Puts the journal in order: the points of the sweep first, by their numbers; then what else is known from it.
-    pub(super) fn finish(self, points: &[(usize, String)]) -> Result<(), Failure> {
+    pub(super) fn finish(mut self, points: &[(usize, String)]) -> Result<(), Failure> {
         let in_order = points.iter().filter_map(|(number, hash)| {
             self.known.get(hash).map(|point| SweepPoint { point: Some(*number), ..point.clone() })
         });
@@ -77,6 +77,6 @@ impl Journal {
         others.sort_by(|a, b| a.hash.cmp(&b.hash));
         others.dedup_by(|a, b| a.hash == b.hash);
         let others = others.into_iter().map(|point| SweepPoint { point: None, ..point });
-        self.journal.finish(&self.head, in_order.chain(others)).map_err(failed)
+        Ok(self.journal.put(&self.head, in_order.chain(others))?)
     }
 }

@@ -106,7 +106,7 @@ fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], wanted: SweepWanted)
         names.extend(output::write_figures(folder, svgs, wanted.png)?);
         Ok(names)
     })?;
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if wanted.json {
         write_light_json(&mut stdout, head, rows)?;
     } else {

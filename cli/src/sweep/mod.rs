@@ -88,7 +88,7 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], wanted: Wante
         names.extend(output::write_figures(folder, of_sweep(head, points), wanted.png)?);
         Ok(names)
     })?;
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if wanted.json {
         write_sweep_json(&mut stdout, head, points)?;
     } else {

@@ -1,6 +1,6 @@
 //! A tolerance analysis on the terminal.
 
-use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
+use papilio_design::tolerance::{Estimate, Indices, MetricReport, PERCENTILES, Production, Report};
 use papilio_formats::sweep_value;
 
 use crate::report;
@@ -22,12 +22,9 @@ pub(super) fn listed(title: &str, production: &Production, found: &Report) -> St
     text.push('\n');
     text.push_str(&report::table(&spreads(found)));
     if found.sensitivity_samples > 0 {
-        let errors = found.metrics.iter().flat_map(|metric| metric.indices.iter().flatten());
-        let errors = errors.flat_map(|one| [one.first.standard_error, one.total.standard_error]);
-        let largest = 100.0 * errors.fold(0.0, f64::max);
-        text.push_str(&format!(
-            "\nwhere the variance comes from: by itself / with others, % (standard errors up to {largest:.1})\n"
-        ));
+        text.push_str(
+            "\nwhere the variance comes from: by itself / with others, %; 12.3(4) means 12.3 with a standard error of 0.4\n",
+        );
         text.push_str(&report::table(&sensitivities(found)));
     }
     if !found.worst.is_empty() {
@@ -96,14 +93,26 @@ fn sensitivities(found: &Report) -> Vec<Vec<String>> {
     let groups = found.groups.iter().map(|group| group.join(" + "));
     let mut rows = vec![["metric".to_owned()].into_iter().chain(groups).collect::<Vec<_>>()];
     for metric in &found.metrics {
-        let of = |one: &papilio_design::tolerance::Indices| {
-            let share = |one: Estimate| report::unsigned_zero(format!("{:.0}", 100.0 * one.value));
-            format!("{} / {}", share(one.first), share(one.total))
+        let of = |one: &Indices| {
+            let [first, total] = both(one);
+            format!("{first} / {total}")
         };
         let cells = metric.indices.iter().map(|one| one.as_ref().map_or("-".to_owned(), of));
         rows.push([metric.name.clone()].into_iter().chain(cells).collect());
     }
     rows
+}
+
+/// Both indices in %, each with its standard error in units of the last digit, to the same digits: rounded alike, what is no more
+/// than the other is shown as no more.
+fn both(one: &Indices) -> [String; 2] {
+    let errors = [one.first, one.total].map(|one| 100.0 * one.standard_error);
+    let decimals = usize::from(errors[0].max(errors[1]) < 5.0);
+    [one.first, one.total].map(|one| {
+        let units = 10_f64.powi(decimals as i32);
+        let last = (100.0 * one.standard_error * units).ceil();
+        report::unsigned_zero(format!("{:.decimals$}({last})", 100.0 * one.value))
+    })
 }
 
 fn worst(production: &Production, found: &Report) -> Vec<Vec<String>> {

@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         names.extend(output::write_figures(&folder, drawn, arguments.png)?);
         Ok::<_, Failure>(names)
     })?;
-    let mut stdout = anstream::stdout().lock();
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         write_json(&mut stdout, &found)?;
     } else {

@@ -6,8 +6,8 @@ use papilio_design::DesignError;
 use papilio_design::search::{Chosen, Search};
 use papilio_scenario::{Edit, edit};
 
-/// Names of files, and the scenario that was searched with each of these designs: `best.toml`, or `front-01.toml` and so on. The
-/// text is from one folder, and is to stand in another.
+/// Names of files, and the scenario that was searched with each of these designs: `best.toml`, or `front-01.toml` and so on; of a
+/// design that misses its limits `closest.toml`. The text is from one folder, and is to stand in another.
 ///
 /// # Errors
 /// If it is not the text that was searched.
@@ -18,8 +18,11 @@ pub fn design_texts(
     chosen: &[Chosen],
 ) -> Result<Vec<(String, String)>, DesignError> {
     let one = |(at, one): (usize, &Chosen)| {
-        let name =
-            if chosen.len() == 1 { "best.toml".to_owned() } else { format!("front-{:02}.toml", at + 1) };
+        let name = match chosen.len() {
+            1 if one.meets_limits() => "best.toml".to_owned(),
+            1 => "closest.toml".to_owned(),
+            _ => format!("front-{:02}.toml", at + 1),
+        };
         let set = |(path, value): (&str, serde_json::Value)| Edit::Set { path: path.to_owned(), value };
         let edits: Vec<Edit> = search.study().settings(&one.design)?.into_iter().map(set).collect();
         Ok((name, moved(&edit(text, &edits)?, from, to)))

@@ -4,7 +4,7 @@ use std::io;
 
 use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
 use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sensitivities};
-use papilio_formats::{sweep_value, write_json, write_table};
+use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance};
 
 /// Names of files, and their bytes: every display, every metric, and the whole report.
@@ -41,7 +41,8 @@ fn samples<'a>(
     let metrics = tolerance.metrics.iter().map(|metric| metric.name.clone());
     let columns = ["sample".to_owned()].into_iter().chain(keys).chain(metrics).chain(["good".to_owned()]);
     let row = |(number, row): (usize, &&[f64])| {
-        let keys = production.values(number).iter().map(sweep_value).collect::<Vec<_>>();
+        let keys = production.values(number);
+        let keys = keys.iter().map(|value| words::text_cell(sweep_value(value)));
         let metrics = row.iter().take(tolerance.metrics.len()).map(|value| cell(*value));
         let good = u8::from(is_good(tolerance, row)).to_string();
         [number.to_string()].into_iter().chain(keys).chain(metrics).chain([good]).collect()

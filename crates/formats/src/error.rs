@@ -129,10 +129,16 @@ pub enum Problem {
         /// The range in words.
         expected: &'static str,
     },
-    /// A line of a sweep's journal that no sweep wrote.
-    #[error("this is not a line of a sweep's journal: {reason}")]
-    NotAJournal {
-        /// What the parser says.
+    /// A line of a journal that is not as it was written.
+    #[error("this line of a journal is damaged: {reason}")]
+    BrokenLine {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The first line of a journal, which says what the others are of, is not as it was written.
+    #[error("the first line of this journal is damaged: {reason}")]
+    BrokenHead {
+        /// What is wrong with it.
         reason: String,
     },
     /// Wavelengths that look like micrometres.
@@ -217,7 +223,8 @@ impl From<BsdfProblem> for Problem {
 }
 
 /// What [`is_name`](crate::is_name) takes.
-const GOOD_NAME: &str = "expected 1 to 64 characters, no control characters, no blanks at the ends";
+const GOOD_NAME: &str = "expected 1 to 64 characters, no control characters, no blanks at the ends, nothing that a spreadsheet takes for a \
+                         formula (`=` or `@` at the beginning)";
 
 /// What a negative k usually means.
 const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
@@ -269,7 +276,23 @@ impl Problem {
             Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {
                 "decimal commas are not read: write decimals with a point, and part all columns alike"
             }
-            Self::NotAJournal { .. } => "take the line out of the file: its point is computed again",
+            Self::BrokenLine { .. } => {
+                "take the line out of the file (of a search, optimize.jsonl, all lines after it, too), and give the same command again: \
+                 what was in it is computed again, all else is kept"
+            }
+            Self::BrokenHead { .. } => {
+                "it says what all others are of: put it back from a copy, or move the file to another place, and all is computed again"
+            }
+            Self::NotANumber { .. } => {
+                "numbers are written as 0.5 or 1.2e-3; a line that begins with `#` is a comment"
+            }
+            Self::EmptyCell => "give its value, or take the row out",
+            Self::TooLarge { .. } => "take out of it what is not needed: fewer rows, or a coarser grid",
+            Self::MeasuredTwice { .. } | Self::Duplicate { .. } => "take one of the two rows out",
+            Self::Hole { .. } => "add the row, or take the wavelength or the angle out of all states",
+            Self::TooFew { .. } | Self::TooFewAngles { .. } | Self::EmptyPanel => {
+                "is this the file that was meant, and is it whole? Lines that begin with `#` are comments"
+            }
             Self::NotAResult { .. } => {
                 "name a result.json that `papilio run` wrote, or the folder that holds it"
             }

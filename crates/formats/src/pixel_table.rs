@@ -12,6 +12,7 @@ use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::rows::{Cell, Row, Table};
+use crate::words::{is_formula, is_override};
 
 /// The columns of `pixel.csv`.
 pub const PIXEL_COLUMNS: [&str; 4] = ["state", "theta_deg", "wavelength_nm", "reflectance"];
@@ -81,10 +82,11 @@ pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
 }
 
 /// True if a state or sub-pixel may be called so: 1 to 64 characters, none of them
-/// control characters, no blanks at the ends.
+/// control characters or ones that turn the direction of a text, no blanks at the ends, nothing that a spreadsheet takes for a formula.
 pub fn is_name(text: &str) -> bool {
     let length = text.chars().count();
-    (1..=64).contains(&length) && text.trim() == text && !text.chars().any(char::is_control)
+    let spoils = |c: char| c.is_control() || is_override(c);
+    (1..=64).contains(&length) && text.trim() == text && !text.chars().any(spoils) && !is_formula(text)
 }
 
 /// A state may be called `#1`: a row that begins so is a comment unless it could be a point.

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::words::{in_one_line, is_override, visible};
+
 /// A place in a named text, or the text as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -84,9 +86,10 @@ impl Remark<'_> {
     /// # Errors
     /// Those of the formatter.
     pub fn show(&self, place: &Place, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.message)?;
+        // What is quoted may hold anything.
+        write!(f, "error: {}", in_one_line(self.message))?;
         let margin = place.spot.as_ref().map_or(1, |spot| spot.line.to_string().len());
-        write!(f, "\n{:margin$}--> {place}", "")?;
+        write!(f, "\n{:margin$}--> {}", "", in_one_line(&place.to_string()))?;
         match &place.spot {
             Some(spot) => spot.show(margin, self.expected, f)?,
             None => line("", self.expected, margin, f)?,
@@ -98,7 +101,7 @@ impl Remark<'_> {
 
 /// A line below the text.
 fn line(word: &str, text: Option<&str>, margin: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    text.map_or(Ok(()), |text| write!(f, "\n{:margin$} = {word}{text}", ""))
+    text.map_or(Ok(()), |text| write!(f, "\n{:margin$} = {word}{}", "", visible(text)))
 }
 
 impl Spot {
@@ -106,12 +109,12 @@ impl Spot {
         // A very long line is shown from a little before the spot.
         let hidden = if self.column > LONGEST_LINE_SHOWN { self.column - 20 } else { 0 };
         let shown = self.text.chars().skip(hidden).take(LONGEST_LINE_SHOWN);
-        let shown: String = shown.map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let shown: String = shown.map(|c| if c.is_control() || is_override(c) { ' ' } else { c }).collect();
         let indent = self.column - 1 - hidden;
         let carets = "^".repeat(self.width.min(LONGEST_LINE_SHOWN.saturating_sub(indent)).max(1));
         write!(f, "\n{:margin$} |\n{:margin$} | {shown}", "", self.line)?;
         write!(f, "\n{:margin$} | {:indent$}{carets}", "", "")?;
-        label.map_or(Ok(()), |label| write!(f, " {label}"))
+        label.map_or(Ok(()), |label| write!(f, " {}", visible(label)))
     }
 }
 

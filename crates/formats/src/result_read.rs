@@ -16,6 +16,8 @@ use crate::place::Place;
 pub struct ReadResult {
     /// The scenario's title, if it has one.
     pub title: Option<String>,
+    /// SHA-256 of the scenario and its files; none in what another program wrote.
+    pub hash: Option<String>,
     /// What can be compared.
     pub simulated: Simulated,
 }
@@ -24,6 +26,7 @@ pub struct ReadResult {
 struct File {
     #[serde(default)]
     scenario: Scenario,
+    hash: Option<String>,
     wavelength_nm: Vec<f64>,
     illuminant: Illuminant,
     views: Vec<View>,
@@ -131,7 +134,7 @@ fn simulated(read: File) -> Result<ReadResult, &'static str> {
         observer,
         views: views.collect(),
     };
-    Ok(ReadResult { title: read.scenario.title, simulated })
+    Ok(ReadResult { title: read.scenario.title, hash: read.hash, simulated })
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use crate::journal::Journal;
 use crate::result::state_table;
+use crate::words::text_cell;
 
 /// What a sweep is: the first line of its journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -175,7 +176,7 @@ pub fn write_sweep_csv(out: impl Write, head: &SweepHead, points: &[&SweepPoint]
         let places: Vec<Option<usize>> =
             columns.iter().map(|name| point.columns.iter().position(|own| own == name)).collect();
         let start: Vec<String> = std::iter::once(number.to_string())
-            .chain(head.swept(number).map(|(_, value)| sweep_value(value)))
+            .chain(head.swept(number).map(|(_, value)| text_cell(sweep_value(value))))
             .collect();
         for row in &point.rows {
             let cells = places.iter().map(|at| at.and_then(|at| row.get(at)).map_or("", String::as_str));

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use crate::json::write_json;
 use crate::sweep::{SweepHead, SweepPoint, sweep_value};
 use crate::tolerance::write_table;
+use crate::words::text_cell;
 
 /// Writes `sweep.csv` of a light sweep: for every point the swept keys, then its metrics, empty where undefined.
 /// `rows` are those of all points, in order.
@@ -19,7 +20,7 @@ pub fn write_light_csv(out: impl Write, head: &SweepHead, rows: &[&[f64]]) -> io
     let metrics = head.light.iter().flat_map(|light| &light.metrics).cloned();
     let columns: Vec<String> = ["point".to_owned()].into_iter().chain(keys).chain(metrics).collect();
     let row = |(point, row): (usize, &&[f64])| {
-        let swept = head.swept(point).map(|(_, value)| sweep_value(value)).collect::<Vec<_>>();
+        let swept = head.swept(point).map(|(_, value)| text_cell(sweep_value(value))).collect::<Vec<_>>();
         [point.to_string()].into_iter().chain(swept).chain(row.iter().map(|value| cell(*value))).collect()
     };
     write_table(out, &columns, rows.iter().enumerate().map(row))

@@ -244,7 +244,11 @@ impl Course {
         let known = growing.values.range(first..first + growing.designs.len()).count();
         if known == growing.designs.len() {
             let rows: Vec<_> = std::mem::take(&mut growing.values).into_values().collect();
-            self.news.push(Record::Batch(Batch { population: number, rows: rows.clone() }));
+            self.news.push(Record::Batch(Batch {
+                population: number,
+                from: Some(first),
+                rows: rows.clone(),
+            }));
             growing.learn(&self.search, rows);
             if growing.is_over() {
                 self.end(growing.best.found, true);

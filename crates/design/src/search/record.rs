@@ -34,6 +34,9 @@ pub struct Found {
 pub struct Batch {
     /// The task.
     pub population: usize,
+    /// How many designs of the population were told before; none in journals of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<usize>,
     /// The quantities of each design.
     #[serde(with = "exact::rows")]
     pub rows: Vec<Vec<Option<f64>>>,
@@ -67,11 +70,18 @@ impl Record {
 }
 
 impl Kept {
-    /// Takes a record.
+    /// Takes a record. Of a population, values that are known already are passed over, and so are those after a gap: they would be
+    /// taken for those of other designs, and are found again.
     pub fn add(&mut self, record: Record) {
         match record {
             Record::Found(found) => drop(self.found.insert(found.task, found)),
-            Record::Batch(batch) => self.batches.entry(batch.population).or_default().extend(batch.rows),
+            Record::Batch(batch) => {
+                let known = self.batches.entry(batch.population).or_default();
+                let from = batch.from.unwrap_or(known.len());
+                if let Some(twice) = known.len().checked_sub(from) {
+                    known.extend(batch.rows.into_iter().skip(twice));
+                }
+            }
         }
     }
 
@@ -99,5 +109,33 @@ impl Found {
             trace_at: vec![],
             trace: vec![],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A generation goes on from those before; one that is missing would give its values to other designs.
+    #[test]
+    fn a_generation_after_a_gap_is_passed_over() {
+        let batch = |from: Option<usize>, value: f64| {
+            Record::Batch(Batch { population: 3, from, rows: vec![vec![Some(value)], vec![None]] })
+        };
+        let mut kept = Kept::default();
+        for (from, value) in [(0, 1.0), (4, 9.0), (2, 2.0)] {
+            kept.add(batch(Some(from), value));
+        }
+        let firsts = |kept: &Kept| -> Vec<Option<f64>> {
+            kept.batches[&3].iter().step_by(2).map(|row| row[0]).collect()
+        };
+        assert_eq!(firsts(&kept), [Some(1.0), Some(2.0)]);
+        // Told by two journals: once.
+        kept.add(batch(Some(2), 2.0));
+        // As written by versions that did not say.
+        kept.add(batch(None, 3.0));
+        assert_eq!(firsts(&kept), [Some(1.0), Some(2.0), Some(3.0)]);
+        let line = serde_json::to_string(&batch(Some(4), 1.0)).unwrap();
+        assert_eq!(Record::parse(&line).unwrap(), batch(Some(4), 1.0));
     }
 }

@@ -11,6 +11,8 @@
 
 use papilio_sampling::{Correlation, Distribution, Numbers, Sampler};
 
+use super::polynomials::{Coordinate, Polynomials};
+
 /// Independent replicates, which give every number its error.
 pub const REPLICATES: usize = 16;
 
@@ -47,6 +49,13 @@ impl Plan {
 
     /// A number of each key; of a choice its place in its list.
     pub fn piece(&self, row: u64, draw: Draw) -> Vec<f64> {
+        let mut even = self.even(row, draw);
+        self.correlation.apply(&mut even);
+        self.distributions.iter().zip(even).map(|(one, u)| one.quantile(u)).collect()
+    }
+
+    /// The independent even numbers that a piece is made of.
+    fn even(&self, row: u64, draw: Draw) -> Vec<f64> {
         let count = self.distributions.len();
         let replicates = REPLICATES as u64;
         let numbers = Numbers::new(Sampler::Sobol, self.seed, row % replicates);
@@ -56,10 +65,25 @@ impl Plan {
             Draw::Other => true,
             Draw::Mixed(group) => self.groups.get(group).is_some_and(|group| group.contains(k)),
         };
-        let mut even: Vec<f64> =
-            (0..count).map(|k| number(if of_other(&k) { count + k } else { k })).collect();
-        self.correlation.apply(&mut even);
-        self.distributions.iter().zip(even).map(|(one, u)| one.quantile(u)).collect()
+        (0..count).map(|k| number(if of_other(&k) { count + k } else { k })).collect()
+    }
+
+    /// Whether a key is correlated with none.
+    fn coordinate(&self, key: usize) -> Coordinate {
+        let is_alone = self.groups.iter().any(|group| *group == [key]);
+        Coordinate::of(&self.distributions[key], is_alone)
+    }
+
+    /// A piece's coordinates, which are independent of each other: one for each key.
+    pub(super) fn coordinates(&self, row: u64, draw: Draw) -> Vec<f64> {
+        let even = self.even(row, draw).into_iter().zip(&self.distributions).enumerate();
+        even.map(|(key, (u, distribution))| self.coordinate(key).at(distribution, u)).collect()
+    }
+
+    /// The polynomials of each key's coordinate.
+    pub(super) fn polynomials(&self) -> Vec<Polynomials> {
+        let of = |(key, one)| Polynomials::of(one, self.coordinate(key));
+        self.distributions.iter().enumerate().map(of).collect()
     }
 }
 

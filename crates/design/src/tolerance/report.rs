@@ -4,7 +4,7 @@ use papilio_scenario::Tolerance;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::indices::{Indices, indices};
+use super::indices::{Indices, Samples, Sensitivities, Surrogate};
 use super::production::Production;
 use super::spread::Spread;
 use super::verdict::{Limit, Verdict};
@@ -40,6 +40,8 @@ pub struct MetricReport {
     pub spread: Option<Spread>,
     /// For each group of keys how much of its variance comes from it; null where it does not scatter or none were sought.
     pub indices: Vec<Option<Indices>>,
+    /// The polynomials that the indices rest on; null without any.
+    pub surrogate: Option<Surrogate>,
 }
 
 /// A limit as it was given.
@@ -79,15 +81,20 @@ impl Report {
         let columns: Vec<Vec<f64>> = (0..count).map(|metric| column(0, metric, rows)).collect();
         let sought = &rows[..production.sensitivity_rows().min(rows.len())];
         let groups = production.plan().groups();
-        let metrics: Vec<MetricReport> = (0..count)
-            .map(|metric| {
-                let [own, other] = [0, 1].map(|draw| column(draw, metric, sought));
-                let of_group = |group: usize| indices(&own, &other, &column(2 + group, metric, sought));
-                MetricReport {
-                    name: tolerance.metrics[metric].name.clone(),
-                    spread: Spread::of(&columns[metric]),
-                    indices: (0..groups.len()).map(of_group).collect(),
-                }
+        let samples: Vec<Samples> = (0..count)
+            .map(|metric| Samples {
+                own: columns[metric].clone(),
+                other: column(1, metric, sought),
+                mixed: (0..groups.len()).map(|group| column(2 + group, metric, sought)).collect(),
+            })
+            .collect();
+        let sensitivities = Sensitivities::of(production.plan(), &samples);
+        let metrics: Vec<MetricReport> = (columns.iter().zip(sensitivities).zip(&tolerance.metrics))
+            .map(|((column, found), metric)| MetricReport {
+                name: metric.name.clone(),
+                spread: Spread::of(column),
+                indices: found.indices,
+                surrogate: found.surrogate,
             })
             .collect();
         let limits = tolerance.limits.iter();

@@ -1,9 +1,12 @@
 //! What is done, kept line by line: a journal is JSON, a line each, first its head and then what is done as it is done.
 //!
-//! A line without its end was cut off when the program was killed, and counts for nothing.
+//! A line without its end was cut off when the program was killed, and counts for nothing. Any other line that is not as it was
+//! written is an error: see [`seal`].
 
 mod folder;
+mod held;
 mod rows;
+mod seal;
 
 use std::io::{self, Write};
 
@@ -16,10 +19,12 @@ use crate::file::DataFile;
 use crate::place::Place;
 
 pub use folder::{
-    HeldJournal, Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals,
-    trusted_lines,
+    Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals, trusted_lines,
 };
+pub use held::HeldJournal;
 pub use rows::{JournalRows, RowsHead};
+
+use seal::Seal;
 
 /// No journal may be larger, in bytes.
 pub const LARGEST_JOURNAL: u64 = 4 << 30;
@@ -44,30 +49,91 @@ pub fn read_journal<H: DeserializeOwned, L: DeserializeOwned>(
     wanted: impl Fn(&H) -> bool,
 ) -> Result<Journal<H, L>, FormatError> {
     let mut journal = Journal { head: None, lines: Vec::new(), whole: 0 };
-    for line in file.bytes.split_inclusive(|byte| *byte == b'\n').take_while(|line| line.ends_with(b"\n")) {
-        let at = journal.whole..journal.whole + line.len();
-        let wrong = |error: serde_json::Error| {
-            let text = String::from_utf8_lossy(&file.bytes[..at.end]);
-            let problem = Problem::NotAJournal { reason: error.to_string() };
-            FormatError { place: Place::in_text(&file.name, &text, at.start..at.end), problem }
-        };
+    for line in Lines::of(file) {
         match &journal.head {
-            None => journal.head = Some(serde_json::from_slice(line).map_err(wrong)?),
+            None => journal.head = Some(line.read()?),
             Some(head) if !wanted(head) => break,
-            Some(_) => journal.lines.push(serde_json::from_slice(line).map_err(wrong)?),
+            Some(_) => journal.lines.push(line.read()?),
         }
-        journal.whole += line.len();
+        journal.whole += line.bytes.len();
     }
     Ok(journal)
 }
 
-/// Writes a line of a journal, its end included.
+/// The whole lines of a journal, one after the other.
+struct Lines<'a> {
+    file: &'a DataFile,
+    next: usize,
+    /// Whether the first line has a checksum: then all have one.
+    sealed: bool,
+}
+
+/// A whole line of a journal, its end included.
+struct Line<'a> {
+    file: &'a DataFile,
+    bytes: &'a [u8],
+    from: usize,
+    /// Whether it has to have a checksum.
+    sealed: bool,
+}
+
+impl<'a> Lines<'a> {
+    fn of(file: &'a DataFile) -> Self {
+        Self { file, next: 0, sealed: false }
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = Line<'a>;
+
+    fn next(&mut self) -> Option<Line<'a>> {
+        let from = self.next;
+        let length = self.file.bytes[from..].iter().position(|byte| *byte == b'\n')? + 1;
+        let bytes = &self.file.bytes[from..from + length];
+        self.next += length;
+        if from == 0 {
+            self.sealed = seal::seal(bytes) != Seal::None;
+        }
+        Some(Line { file: self.file, bytes, from, sealed: self.sealed })
+    }
+}
+
+impl Line<'_> {
+    /// What it holds.
+    fn read<T: DeserializeOwned>(&self) -> Result<T, FormatError> {
+        self.check()?;
+        serde_json::from_slice(self.bytes).map_err(|error| self.broken(error.to_string()))
+    }
+
+    /// Nothing, if it is as it was written.
+    fn check(&self) -> Result<(), FormatError> {
+        match seal::seal(self.bytes) {
+            Seal::Broken => Err(self.broken("its checksum is that of another line".to_owned())),
+            Seal::None if self.sealed => {
+                Err(self.broken("it has no checksum, as the first line has".to_owned()))
+            }
+            Seal::Good | Seal::None => Ok(()),
+        }
+    }
+
+    /// What is wrong with it, and where it is.
+    fn broken(&self, reason: String) -> FormatError {
+        let text = String::from_utf8_lossy(&self.file.bytes[..self.from + self.bytes.len()]);
+        // What is not UTF-8 is longer as text: the line is the last one of it.
+        let from = text.trim_end_matches('\n').rfind('\n').map_or(0, |end| end + 1);
+        let problem =
+            if self.from == 0 { Problem::BrokenHead { reason } } else { Problem::BrokenLine { reason } };
+        FormatError { place: Place::in_text(&self.file.name, &text, from..from + 1), problem }
+    }
+}
+
+/// Writes a line of a journal, its checksum and its end included.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_journal_line(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
     // In one piece: another program's reader sees all of a line or nothing.
-    let mut text = serde_json::to_vec(line)?;
+    let mut text = seal::sealed(serde_json::to_vec(line)?);
     text.push(b'\n');
     out.write_all(&text)
 }
@@ -133,5 +199,45 @@ mod tests {
             read_journal(&DataFile { name: "j".to_owned(), bytes }, |_| true).unwrap();
         let bits = |row: &JournalRow| -> Vec<u64> { row.values.iter().map(|one| one.0.to_bits()).collect() };
         assert_eq!(bits(&read.lines[0]), bits(&row));
+    }
+
+    fn read(text: &str) -> Result<Journal<serde_json::Value, JournalRow>, FormatError> {
+        read_journal(&DataFile { name: "j".to_owned(), bytes: text.as_bytes().to_vec() }, |_| true)
+    }
+
+    /// A digit that was changed in a line that stays JSON is found, with its line; a line that was cut off is not missed.
+    #[test]
+    fn a_changed_line_is_found_and_a_cut_one_left_out() {
+        let mut bytes = Vec::new();
+        write_journal_line(&mut bytes, &serde_json::json!({ "of": "this" })).unwrap();
+        for row in 0..3 {
+            let values = vec![JournalNumber(0.5 + row as f64)];
+            write_journal_line(&mut bytes, &JournalRow { row, values }).unwrap();
+        }
+        let text = String::from_utf8(bytes).unwrap();
+        assert_eq!(read(&text).unwrap().lines.len(), 3);
+        assert_eq!(read(&text[..text.len() - 1]).unwrap().lines.len(), 2);
+        let error = read(&text.replace("[1.5]", "[1.7]")).unwrap_err();
+        assert_eq!(error.place.line_column(), Some((3, 1)));
+        assert!(matches!(error.problem, Problem::BrokenLine { .. }), "{error}");
+        assert!(error.to_string().contains("take the line out"), "{error}");
+        let error = read(&text.replace("this", "that")).unwrap_err();
+        assert!(matches!(error.problem, Problem::BrokenHead { .. }), "{error}");
+        // A line that lost its checksum with what it held.
+        let from = text.find("\"values\":[1.5]").unwrap();
+        let end = from + text[from..].find('\n').unwrap();
+        let error = read(&[&text[..from], "\"values\":[9]}", &text[end..]].concat()).unwrap_err();
+        assert_eq!(error.place.line_column(), Some((3, 1)));
+    }
+
+    /// A journal of a version that wrote no checksums is read, and may go on with lines that have one.
+    #[test]
+    fn a_journal_without_checksums_goes_on() {
+        let old = "{\"of\":\"this\"}\n{\"row\":0,\"values\":[1]}\n";
+        let mut bytes = old.as_bytes().to_vec();
+        write_journal_line(&mut bytes, &JournalRow { row: 1, values: vec![JournalNumber(2.0)] }).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert_eq!(read(&text).unwrap().lines.len(), 2);
+        assert!(read(&text.replace("[2.0]", "[2.5]")).is_err());
     }
 }

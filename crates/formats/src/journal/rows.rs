@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::folder::{HeldJournal, foreign, journal_name, open_journal, read_journals, tidy_journals};
-use super::{Journal, JournalNumber, JournalRow};
+use super::folder::{foreign, journal_name, open_journal, read_journals, tidy_journals};
+use super::{HeldJournal, Journal, JournalNumber, JournalRow};
 use crate::error::FormatError;
 use crate::sweep::SweepHead;
 use crate::tolerance::ToleranceHead;
@@ -77,7 +77,7 @@ impl<H: RowsHead> JournalRows<H> {
         if mine.head.as_ref().is_some_and(|own| head.is_of(own)) {
             journal.cut(mine.whole)?;
         } else {
-            journal.begin(&head, std::iter::empty::<JournalRow>())?;
+            journal.put(&head, std::iter::empty::<JournalRow>())?;
         }
         Ok(Self { journal, head, known })
     }
@@ -106,9 +106,10 @@ impl<H: RowsHead> JournalRows<H> {
     ///
     /// # Errors
     /// Those of the system; the old one stays then.
-    pub fn finish(&self, rows: impl Iterator<Item = usize>) -> Result<(), FormatError> {
-        let lines = rows.filter_map(|row| self.get(row).map(|values| line(row, values)));
-        self.journal.finish(&self.head, lines)
+    pub fn finish(&mut self, rows: impl Iterator<Item = usize>) -> Result<(), FormatError> {
+        let known = &self.known;
+        let lines = rows.filter_map(|row| known.get(&row).map(|values| line(row, values)));
+        self.journal.put(&self.head, lines)
     }
 }
 

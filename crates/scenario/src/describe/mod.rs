@@ -19,6 +19,8 @@ pub(crate) mod sweep;
 pub(crate) mod tolerance;
 pub(crate) mod viewer;
 
+use papilio_formats::words::{is_formula, is_override};
+
 use crate::error::Errors;
 use crate::grammar::table;
 use crate::problem::Problem;
@@ -75,11 +77,42 @@ impl Read for Title {
 
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let text = String::read(node, errors)?;
-        if text.chars().any(char::is_control) {
+        if text.chars().any(|c| c.is_control() || is_override(c)) {
             errors.push(node.origin, Problem::ControlCharacters);
             return None;
         }
         Some(Self(text))
+    }
+}
+
+/// A line of text that stands in tables.
+#[derive(Debug, Clone, serde::Serialize)]
+pub(crate) struct Label(pub(crate) String);
+
+impl Read for Label {
+    fn in_words() -> String {
+        Title::in_words()
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        let Title(text) = Title::read(node, errors)?;
+        if is_formula(&text) {
+            errors.push(node.origin, papilio_formats::Problem::BadName);
+            return None;
+        }
+        Some(Self(text))
+    }
+}
+
+impl schemars::JsonSchema for Label {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Label".into()
+    }
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        Title::json_schema(generator)
+    }
+    fn inline_schema() -> bool {
+        true
     }
 }
 

@@ -1,6 +1,6 @@
 //! `[tolerance]`: how production scatters the keys of a scenario, and which limits its displays have to meet.
 
-use super::Title;
+use super::Label;
 use super::limits::{Limit, MetricName};
 use super::numbers::{Count, Seed};
 use super::sweep::Any;
@@ -42,7 +42,7 @@ table! {
         /// Several that deviate alike; or give `key`.
         keys: Option<Vec<At<String>>>,
         /// What tables and figures call it, one line. Default: its path.
-        name: Option<Title>,
+        name: Option<Label>,
         /// True: the distribution's numbers are multiples of what the key is. Default false.
         relative: bool = false,
         /// Bell-shaped.
