@@ -7,20 +7,26 @@ Filters", 4th ed., chapter 2.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from os import PathLike, fspath
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments, _papilio
+from ._dims import check_places
 from .errors import ArgumentError
+from .running import checked_threads
 
-__all__ = ["Power", "index", "material_names", "power", "reflectance", "transmittance"]
+__all__ = ["Material", "Polarisation", "Power", "index", "material_names", "power", "reflectance", "transmittance"]
 
 #: A name ("SiO2"), a number or array n + 1j k, or the path of an n-k file.
 Material = str | PathLike[str] | complex | ArrayLike
+
+#: One of both polarisations, or the mean of them.
+Polarisation = Literal["s", "p", "mean"]
 
 
 class Power(NamedTuple):
@@ -37,7 +43,7 @@ class Power(NamedTuple):
 
 
 def material_names() -> list[str]:
-    """The names of materials; docs/materials says where their numbers come from."""
+    """The names of materials; docs/films.md says where their numbers come from."""
     return _papilio.material_names()
 
 
@@ -68,11 +74,13 @@ def power(
     *,
     incidence: ArrayLike = 1.0,
     substrate: Material = "Al",
-    polarisation: str = "mean",
+    polarisation: Polarisation = "mean",
+    threads: int | None = None,
 ) -> Power:
-    """Reflectance and transmittance of films.
+    """Reflectance and transmittance of films, in SIMD registers and on threads, without the interpreter.
 
-    Wavelengths, angles, thicknesses, indices and media broadcast as numpy does; the answers have their common shape::
+    Wavelengths, angles, thicknesses, indices and media broadcast as numpy does; the answers have their common shape.
+    (By place: xarray's arrays with other dimensions are refused.) ::
 
         d = np.linspace(0, 200, 101)                  # designs
         nm = np.arange(380, 781, 5)
@@ -86,11 +94,29 @@ def power(
         incidence: index of that (transparent) medium.
         substrate: semi-infinite, behind the layers.
         polarisation: "s", "p", or "mean" of both.
+        threads: how many; None: one for each processor. They change no number.
 
     Raises:
         ArgumentError: names what is wrong.
+        KeyboardInterrupt: on Ctrl-C.
     """
+    found, shape = _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, True, threads)
+    return Power(*(_in_place(flat, shape) for flat in found))
+
+
+def _computed(
+    layers: Sequence[tuple[Material, ArrayLike]],
+    wavelength_nm: ArrayLike,
+    theta_deg: ArrayLike,
+    incidence: ArrayLike,
+    substrate: Material,
+    polarisation: Polarisation,
+    both: bool,
+    threads: int | None,
+) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], tuple[int, ...]]:
+    """Reflectance and, if ``both``, transmittance, flat, with the longest axis last; and their shape."""
     _arguments.one_of("polarisation", polarisation, ("s", "p", "mean"))
+    given: dict[str, Any] = {"wavelength_nm": wavelength_nm, "theta_deg": theta_deg, "incidence": incidence, "substrate": substrate}
     arrays: dict[str, NDArray[np.float64]] = {
         "wavelength_nm": _arguments.reals("wavelength_nm", wavelength_nm, least=1.0, most=1e6),
         "theta_deg": _arguments.reals("theta_deg", theta_deg, least=0.0, most=np.nextafter(90.0, 0.0)),
@@ -103,22 +129,56 @@ def power(
         if not isinstance(layer, (tuple, list)) or len(layer) != 2:
             raise ArgumentError(f"{name}: expected (material, thickness in nm), not {_arguments.described(layer)}")
         material, thickness = layer
+        given |= {name: material, f"{name} thickness": thickness}
         media[name] = index(material, wavelength_nm, name=name)
         arrays[f"{name} thickness"] = _arguments.reals(f"{name} thickness", thickness, least=0.0)
+    check_places({name: one for name, one in given.items() if not isinstance(one, (str, PathLike))})
     shape = _arguments.common_shape({**arrays, **media})
+    axis = _longest(shape)
+    sine = np.sin(np.radians(arrays["theta_deg"]))
+    around = np.broadcast_arrays(arrays["incidence"] * sine, arrays["incidence"])
+    beta, index_0 = (_spread(one, shape, axis) for one in around)
 
-    def at(name: str) -> NDArray[np.float64]:
-        return np.broadcast_to(arrays[name], shape)
+    def medium(name: str) -> tuple[_Spread, _Spread]:
+        return _spread(media[name].real, shape, axis), _spread(media[name].imag, shape, axis)
 
-    def medium(name: str) -> NDArray[np.complex128]:
-        return np.broadcast_to(media[name], shape)
+    stack = [
+        (*medium(f"layers[{i}]"), _spread(arrays[f"layers[{i}] thickness"], shape, axis)) for i in range(count)
+    ]
+    workers = checked_threads(threads) or os.cpu_count() or 1
+    moved = [*shape[:axis], *shape[axis + 1 :], shape[axis]] if shape else []
+    if 0 in shape:
+        return (np.zeros(0), np.zeros(0)), shape
+    nm = _spread(arrays["wavelength_nm"], shape, axis)
+    found = _papilio.film(moved, nm, beta, index_0, stack, medium("substrate"), polarisation, both, workers)
+    return found, shape
 
-    beta = arrays["incidence"] * np.sin(np.radians(arrays["theta_deg"]))
-    stack = [(medium(f"layers[{i}]"), at(f"layers[{i}] thickness")) for i in range(count)]
-    of = _papilio.film(
-        at("wavelength_nm"), np.broadcast_to(beta, shape), at("incidence"), stack, medium("substrate"), polarisation
-    )
-    return Power(of[0].reshape(shape), of[1].reshape(shape))
+
+#: Numbers, and how far apart they are along each axis of a call.
+_Spread = tuple[NDArray[np.float64], list[int]]
+
+
+def _longest(shape: tuple[int, ...]) -> int:
+    """The axis whose points stand side by side."""
+    return max(range(len(shape)), key=lambda axis: (shape[axis], axis), default=0)
+
+
+def _spread(array: NDArray[np.float64], shape: tuple[int, ...], axis: int) -> _Spread:
+    """The numbers of an array that broadcasts to ``shape``, each once, with ``axis`` as the last."""
+    padded = array.reshape((1,) * (len(shape) - array.ndim) + array.shape)
+    once = padded[tuple(slice(0, 1) if stride == 0 else slice(None) for stride in padded.strides)]
+    last = np.ascontiguousarray(np.moveaxis(once, axis, -1) if shape else once)
+    steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
+    return last.reshape(-1), steps if shape else []
+
+
+def _in_place(flat: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Numbers with the longest axis last, as an array of ``shape``."""
+    if not shape or not flat.size:
+        return flat.reshape(shape)
+    axis = _longest(shape)
+    moved = flat.reshape(*shape[:axis], *shape[axis + 1 :], shape[axis])
+    return np.ascontiguousarray(np.moveaxis(moved, -1, axis))
 
 
 def reflectance(
@@ -128,12 +188,12 @@ def reflectance(
     *,
     incidence: ArrayLike = 1.0,
     substrate: Material = "Al",
-    polarisation: str = "mean",
+    polarisation: Polarisation = "mean",
+    threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """The share of the power that is reflected; see `power`."""
-    return power(
-        layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation
-    ).reflectance
+    """The share of the power that is reflected; arguments and errors are those of `power`."""
+    (found, _), shape = _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)
+    return _in_place(found, shape)
 
 
 def transmittance(
@@ -143,11 +203,12 @@ def transmittance(
     *,
     incidence: ArrayLike = 1.0,
     substrate: Material = "Al",
-    polarisation: str = "mean",
+    polarisation: Polarisation = "mean",
+    threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """The share of the power that enters the substrate; see `power`."""
+    """The share of the power that enters the substrate; arguments and errors are those of `power`."""
     return power(
-        layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation
+        layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation, threads=threads
     ).transmittance
 
 

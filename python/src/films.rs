@@ -1,83 +1,224 @@
 //! Coherent films, one stack at each point of arrays that numpy has broadcast together.
 
 use std::path::PathBuf;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use numpy::{Complex64, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
+use numpy::{Complex64, PyArray1, PyReadonlyArray1};
 use papilio_formats::{DataFile, read_index};
 use papilio_optics::OpticsError;
-use papilio_optics::film::{Film, Layer, Polarisation, coherent};
+use papilio_optics::film::{Along, FilmRow, IndexAlong, LayerAlong, Polarisation, SimdLevel};
 use papilio_spectra::{SpectraError, material};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::errors;
 use crate::watch::watched;
 
-/// Films between two looks for Ctrl-C.
-const BLOCK: usize = 1024;
+/// Points that a thread takes at once, about: some hundred microseconds.
+const BLOCK: usize = 4096;
 
-type Reals<'py> = PyReadonlyArrayDyn<'py, f64>;
-type Complexes<'py> = PyReadonlyArrayDyn<'py, Complex64>;
+type Reals<'py> = PyReadonlyArray1<'py, f64>;
+type Answer<'py> = Bound<'py, PyArray1<f64>>;
 
-/// Reflectance and transmittance at every point: `beta` is n0 sin(theta), `layers` from the light's side down.
-///
-/// All arrays have one shape; the answers are flat, in its C order.
-#[pyfunction]
-#[allow(clippy::type_complexity, reason = "the arrays of one call")]
-pub(crate) fn film<'py>(
-    py: Python<'py>,
-    wavelength_nm: Reals<'py>,
-    beta: Reals<'py>,
-    incidence: Reals<'py>,
-    layers: Vec<(Complexes<'py>, Reals<'py>)>,
-    substrate: Complexes<'py>,
-    polarisation: &str,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
-    let polarisations: &[Polarisation] = match polarisation {
-        "s" => &[Polarisation::S],
-        "p" => &[Polarisation::P],
-        _ => &[Polarisation::S, Polarisation::P],
-    };
-    let (wavelength_nm, beta, incidence) = (wavelength_nm.as_array(), beta.as_array(), incidence.as_array());
-    let substrate = substrate.as_array();
-    let layers: Vec<_> = layers.iter().map(|(index, nm)| (index.as_array(), nm.as_array())).collect();
-    let shape = wavelength_nm.shape();
-    let alike = [beta.shape(), incidence.shape(), substrate.shape()].iter().all(|other| *other == shape);
-    if !alike || !layers.iter().all(|(index, nm)| index.shape() == shape && nm.shape() == shape) {
-        return Err(errors::internal("arrays of films are not alike"));
-    }
-    let all = watched(py, &AtomicBool::new(false), None, |watch| {
-        let (mut reflectances, mut transmittances) = (Vec::new(), Vec::new());
-        let mut inside: Vec<_> = layers.iter().map(|(index, nm)| index.iter().zip(nm.iter())).collect();
-        let points = wavelength_nm.iter().zip(beta.iter()).zip(incidence.iter().zip(substrate.iter()));
-        let mut film = Film { incidence: 1.0, layers: Vec::new(), substrate: Complex64::ONE };
-        for (at, ((nm, beta), (incidence, substrate))) in points.enumerate() {
-            if at % BLOCK == 0 && watch.stop.load(Ordering::Relaxed) {
-                break;
-            }
-            film.layers.clear();
-            let layer = |(index, nm): (&Complex64, &f64)| Layer { index: *index, thickness_nm: *nm };
-            film.layers.extend(inside.iter_mut().filter_map(Iterator::next).map(layer));
-            (film.incidence, film.substrate) = (*incidence, *substrate);
-            let (reflectance, transmittance) = mean(&film, *nm, *beta, polarisations)?;
-            reflectances.push(reflectance);
-            transmittances.push(transmittance);
-        }
-        Ok((reflectances, transmittances))
-    })?;
-    let (reflectances, transmittances) =
-        all.map_err(|error: OpticsError| errors::argument(py, &error.to_string()))?;
-    Ok((PyArray1::from_vec(py, reflectances), PyArray1::from_vec(py, transmittances)))
+/// An array over the axes of a call: those along which it does not change have a stride of 0, the last axis one of 0 or 1.
+#[derive(Clone, Copy)]
+struct Spread<'a> {
+    values: &'a [f64],
+    strides: &'a [usize],
 }
 
-fn mean(film: &Film, nm: f64, beta: f64, of: &[Polarisation]) -> Result<(f64, f64), OpticsError> {
-    let (mut reflectance, mut transmittance) = (0.0, 0.0);
-    for polarisation in of {
-        let one = coherent(film, nm, beta, *polarisation)?;
-        reflectance += one.reflectance / of.len() as f64;
-        transmittance += one.transmittance / of.len() as f64;
+impl<'a> Spread<'a> {
+    /// Its numbers along a stretch of the last axis, in the row of these indices.
+    fn along(&self, row: &[usize], start: usize, count: usize) -> Along<'a> {
+        let at: usize = row.iter().zip(self.strides).map(|(index, stride)| index * stride).sum();
+        match self.strides.last() {
+            Some(1) => Along::Each(&self.values[at + start..][..count]),
+            _ => Along::Same(self.values[at]),
+        }
     }
-    Ok((reflectance, transmittance))
+
+    /// Whether all that it can be asked for is there.
+    fn fits(&self, shape: &[usize]) -> bool {
+        let last = shape
+            .iter()
+            .zip(self.strides)
+            .map(|(length, stride)| length.saturating_sub(1) * stride)
+            .sum::<usize>();
+        self.strides.len() == shape.len()
+            && last < self.values.len()
+            && self.strides.last().is_none_or(|one| *one <= 1)
+    }
+}
+
+/// The arrays of a call.
+struct Films<'a> {
+    shape: &'a [usize],
+    wavelength_nm: Spread<'a>,
+    beta: Spread<'a>,
+    incidence: Spread<'a>,
+    /// n, k and thickness of each, from the light's side down.
+    layers: Vec<[Spread<'a>; 3]>,
+    /// n and k.
+    substrate: [Spread<'a>; 2],
+    polarisation: Option<Polarisation>,
+}
+
+impl Films<'_> {
+    /// Whether all numbers can be those of films: each once, however often it is used.
+    fn check(&self) -> Result<(), OpticsError> {
+        let whole = |spread: &Spread<'_>| Along::Each(spread.values);
+        self.row(whole, |row| row.check())
+    }
+
+    /// The powers from point number `start` on, in C order.
+    fn powers(
+        &self,
+        mut start: usize,
+        mut reflectance: &mut [f64],
+        mut transmittance: Option<&mut [f64]>,
+    ) -> Result<(), OpticsError> {
+        let length = self.shape.last().copied().unwrap_or(1);
+        while !reflectance.is_empty() {
+            let count = reflectance.len().min(length - start % length);
+            let (of_row, rest) = reflectance.split_at_mut(count);
+            let (of_row_too, rest_too) = transmittance.map(|all| all.split_at_mut(count)).unzip();
+            self.in_row(start, of_row, of_row_too)?;
+            (start, reflectance, transmittance) = (start + count, rest, rest_too);
+        }
+        Ok(())
+    }
+
+    /// The same of points that stand in one row.
+    fn in_row(
+        &self,
+        start: usize,
+        reflectance: &mut [f64],
+        transmittance: Option<&mut [f64]>,
+    ) -> Result<(), OpticsError> {
+        let (length, count) = (self.shape.last().copied().unwrap_or(1), reflectance.len());
+        let mut row = vec![0; self.shape.len()];
+        let mut left = start / length;
+        for (index, length) in row.iter_mut().zip(self.shape).rev().skip(1) {
+            (*index, left) = (left % length, left / length);
+        }
+        self.row(
+            |spread| spread.along(&row, start % length, count),
+            |row| row.powers(SimdLevel::best(), self.polarisation, reflectance, transmittance),
+        )
+    }
+
+    /// What is made of a row, of which each array gives a part.
+    fn row<'s, T>(
+        &'s self,
+        part: impl Fn(&Spread<'s>) -> Along<'s>,
+        of: impl FnOnce(&FilmRow<'_>) -> T,
+    ) -> T {
+        let index = |[n, k]: [&Spread<'s>; 2]| IndexAlong { n: part(n), k: part(k) };
+        let layers: Vec<_> = (self.layers.iter())
+            .map(|[n, k, nm]| LayerAlong { index: index([n, k]), nm: part(nm) })
+            .collect();
+        of(&FilmRow {
+            wavelength_nm: part(&self.wavelength_nm),
+            beta: part(&self.beta),
+            incidence: part(&self.incidence),
+            layers: &layers,
+            substrate: index(self.substrate.each_ref()),
+        })
+    }
+}
+
+/// Numbers, and their strides.
+type Given<'py> = (Reals<'py>, Vec<usize>);
+
+/// Reflectance and, if `both`, transmittance at every point: `beta` is n0 sin(theta), `layers` (n, k and thickness) from the light's
+/// side down, the substrate n and k. The answers are flat, in C order.
+#[pyfunction]
+#[pyo3(signature = (shape, wavelength_nm, beta, incidence, layers, substrate, polarisation, both, threads))]
+#[allow(clippy::too_many_arguments, reason = "the arrays of one call")]
+pub(crate) fn film<'py>(
+    py: Python<'py>,
+    shape: Vec<usize>,
+    wavelength_nm: Given<'py>,
+    beta: Given<'py>,
+    incidence: Given<'py>,
+    layers: Vec<[Given<'py>; 3]>,
+    substrate: [Given<'py>; 2],
+    polarisation: &str,
+    both: bool,
+    threads: usize,
+) -> PyResult<(Answer<'py>, Answer<'py>)> {
+    let spread = |given: &'_ Given<'py>| spread_of(given, &shape);
+    let films = Films {
+        shape: &shape,
+        wavelength_nm: spread(&wavelength_nm)?,
+        beta: spread(&beta)?,
+        incidence: spread(&incidence)?,
+        layers: layers.iter().map(|layer| all(layer.each_ref().map(spread))).collect::<PyResult<_>>()?,
+        substrate: all(substrate.each_ref().map(spread))?,
+        polarisation: match polarisation {
+            "s" => Some(Polarisation::S),
+            "p" => Some(Polarisation::P),
+            _ => None,
+        },
+    };
+    films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
+    let size: usize = shape.iter().product();
+    let mut found = (vec![0.0; size], vec![0.0; if both { size } else { 0 }]);
+    let outcome = watched(py, &AtomicBool::new(false), None, |watch| {
+        computed(&films, &mut found, threads, watch.stop)
+    })?;
+    match outcome {
+        Ok(true) => Ok((PyArray1::from_vec(py, found.0), PyArray1::from_vec(py, found.1))),
+        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
+        Err(error) => Err(errors::argument(py, &error.to_string())),
+    }
+}
+
+/// Block by block on threads; false if it was stopped.
+fn computed(
+    films: &Films<'_>,
+    (reflectance, transmittance): &mut (Vec<f64>, Vec<f64>),
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<bool, OpticsError> {
+    // Whole rows where some fit.
+    let length = films.shape.last().copied().unwrap_or(1).max(1);
+    let block = (BLOCK / length * length).max(BLOCK.min(length));
+    let blocks = reflectance.len().div_ceil(block);
+    let both = !transmittance.is_empty();
+    let mut others = transmittance.chunks_mut(block);
+    let parts = reflectance.chunks_mut(block).map(|part| (part, others.next())).enumerate();
+    let (parts, failed) = (Mutex::new(parts), Mutex::new(None));
+    let work = || {
+        while !stop.load(Ordering::Relaxed) {
+            let Some((number, (part, other))) = parts.lock().ok().and_then(|mut parts| parts.next()) else {
+                break;
+            };
+            if let Err(error) = films.powers(number * block, part, other.filter(|_| both)) {
+                drop(failed.lock().map(|mut failed| _ = failed.get_or_insert(error)));
+            }
+        }
+    };
+    match threads.min(blocks) {
+        0 | 1 => work(),
+        several => std::thread::scope(|scope| (0..several).for_each(|_| drop(scope.spawn(work)))),
+    }
+    match failed.into_inner().ok().flatten() {
+        Some(error) => Err(error),
+        None => Ok(!stop.load(Ordering::Relaxed)),
+    }
+}
+
+fn spread_of<'a>((values, strides): &'a Given<'_>, shape: &[usize]) -> PyResult<Spread<'a>> {
+    let values = values.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
+    let spread = Spread { values, strides };
+    if spread.fits(shape) { Ok(spread) } else { Err(errors::internal("arrays of films are not alike")) }
+}
+
+fn all<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
+    let found: Vec<T> = results.into_iter().collect::<PyResult<_>>()?;
+    found.try_into().map_err(|_| errors::internal("an array lost some of its items"))
 }
 
 /// n + ik of a named material, or of a file.

@@ -1,7 +1,6 @@
 """docs/python.md, line by line; and what the README shows."""
 
 import doctest
-import os
 import re
 
 import pytest
@@ -15,7 +14,6 @@ def blocks(page):
 @pytest.mark.parametrize(("page", "least"), [("docs/python.md", 6), ("README.md", 1)])
 def test_the_pages_say_what_happens(page, least, monkeypatch):
     monkeypatch.chdir(ROOT)
-    os.makedirs("target", exist_ok=True)
     shown, names = blocks(page), {}
     assert len(shown) >= least
     for block in shown:  # each goes on with the names of the one before
