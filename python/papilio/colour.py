@@ -79,8 +79,9 @@ def xyz(
         scale = float(_papilio.xyz(grid, observer, np.ascontiguousarray(of_light))[1])
         if not scale > 0.0:
             raise ArgumentError("light: it holds no visible light")
+    found = _rows(_papilio.xyz(grid, observer, _flat(numbers)), numbers.shape[:-1], 3) / scale
     _said.warn(_truncated(grid[0], grid[1], light if isinstance(light, str) else None, observer))
-    return _rows(_papilio.xyz(grid, observer, _flat(numbers)), numbers.shape[:-1], 3) / scale
+    return found
 
 
 def lab(colours: ArrayLike, white: ArrayLike | None = None) -> NDArray[np.float64]:
@@ -88,7 +89,7 @@ def lab(colours: ArrayLike, white: ArrayLike | None = None) -> NDArray[np.float6
 
     Both are on one scale, Y = 1 for a perfect white, as of colours that `xyz` gives under a light. Without a white it is the perfect
     white that `xyz` gives under "D65" at 380 to 780 nm in steps of 5 nm, (0.95042, 1, 1.08861): L*, a*, b* of that are exactly 100, 0, 0
-    (within 2e-5 in steps of 1 to 10 nm). For other lights, observers and wavelengths give theirs:
+    (within 5e-5 in steps of 1 to 10 nm). For other lights, observers and wavelengths give theirs:
     ``white=xyz(np.ones(nm.size), nm, light)``.
     """
     pairs, shape = _together(3, colours=colours, white=_white_of_d65() if white is None else white)

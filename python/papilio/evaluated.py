@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from . import _parts, _said, _words
 from ._batches import Grid, Question, as_names
+from ._dims import Dims
 from ._kept import fixed
 from ._mapping import Lookup
 from .prepared import Skipped
@@ -126,7 +127,7 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         import xarray
 
         if self._grid.dims is not None:
-            return self._labelled()
+            return self._labelled(self._grid.dims)
 
         dimensions = [f"design_{at}" for at in range(len(self._grid.shape))]
         if len(dimensions) == 1:
@@ -150,11 +151,11 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         data = {_words.flat(name): (dimensions, self[name].copy(), _words.attributes(name)) for name in self.metrics}
         return xarray.Dataset(data, coordinates, self._about())
 
-    def _labelled(self) -> xarray.Dataset:
+    def _labelled(self, dims: Dims) -> xarray.Dataset:
         """The metrics over the dimensions of variables that were arrays of xarray's."""
         import xarray
 
-        names, coordinates = self._grid.dims.names, dict(self._grid.dims.coordinates)
+        names, coordinates = dims.names, dict(dims.coordinates)
         for name, column in self._variables().items():
             at = [axis for axis in range(column.ndim) if column.shape[axis] > 1 or self._grid.shape[axis] == 1]
             coordinates[name] = ([names[axis] for axis in at], column.reshape([column.shape[axis] for axis in at]))

@@ -67,8 +67,7 @@ struct Films<'a> {
 impl Films<'_> {
     /// Whether all numbers can be those of films: each once, however often it is used.
     fn check(&self) -> Result<(), OpticsError> {
-        let whole = |spread: &Spread<'_>| Along::Each(spread.values);
-        self.row(whole, |row| row.check())
+        self.row(|spread| Along::Each(spread.values), |row| row.check())
     }
 
     /// The powers from point number `start` on, in C order.
@@ -148,14 +147,16 @@ pub(crate) fn film<'py>(
     both: bool,
     threads: usize,
 ) -> PyResult<(Answer<'py>, Answer<'py>)> {
-    let spread = |given: &'_ Given<'py>| spread_of(given, &shape);
     let films = Films {
         shape: &shape,
-        wavelength_nm: spread(&wavelength_nm)?,
-        beta: spread(&beta)?,
-        incidence: spread(&incidence)?,
-        layers: layers.iter().map(|layer| all(layer.each_ref().map(spread))).collect::<PyResult<_>>()?,
-        substrate: all(substrate.each_ref().map(spread))?,
+        wavelength_nm: spread(&wavelength_nm, &shape)?,
+        beta: spread(&beta, &shape)?,
+        incidence: spread(&incidence, &shape)?,
+        layers: layers
+            .iter()
+            .map(|layer| all(layer.each_ref().map(|given| spread(given, &shape))))
+            .collect::<PyResult<_>>()?,
+        substrate: all(substrate.each_ref().map(|given| spread(given, &shape)))?,
         polarisation: match polarisation {
             "s" => Some(Polarisation::S),
             "p" => Some(Polarisation::P),
@@ -210,7 +211,7 @@ fn computed(
     }
 }
 
-fn spread_of<'a>((values, strides): &'a Given<'_>, shape: &[usize]) -> PyResult<Spread<'a>> {
+fn spread<'a>((values, strides): &'a Given<'_>, shape: &[usize]) -> PyResult<Spread<'a>> {
     let values = values.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
     let spread = Spread { values, strides };
     if spread.fits(shape) { Ok(spread) } else { Err(errors::internal("arrays of films are not alike")) }
