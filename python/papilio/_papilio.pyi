@@ -23,6 +23,7 @@ __all__ = [
     "delta_e_2000",
     "edit",
     "film",
+    "film_grid",
     "gamut",
     "illuminant_names",
     "illuminant_spectrum",
@@ -209,6 +210,16 @@ def film(
     both: bool,
     threads: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def film_grid(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    gap: int | None,
+    threads: int,
+) -> NDArray[np.float64]: ...
 def gamut(corners: NDArray[np.float64], of: str, covered: bool) -> NDArray[np.float64]: ...
 def illuminant_names() -> list[str]: ...
 def illuminant_spectrum(name: str, grid: tuple[float, float, float]) -> NDArray[np.float64]: ...

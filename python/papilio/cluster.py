@@ -26,7 +26,7 @@ from ._roads import INSTALL, Failed, OnCluster, Serial, check_client, seconds_ea
 from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
 from ._dims import is_labelled
-from .prepared import Keys, Skipped, Variables, checked_metrics, columns, named
+from .prepared import AnyKeys, Keys, Skipped, checked_metrics, columns, named
 from .running import checked_threads
 from .scenario import Scenario, read
 
@@ -44,7 +44,7 @@ Progress = Callable[[dict[str, Any]], object]
 
 def evaluate_many(
     scenario: Scenario | str | PathLike[str],
-    variables: Variables,
+    variables: Mapping[AnyKeys, ArrayLike],
     metrics: Sequence[str],
     *,
     view: int = 0,
@@ -96,7 +96,7 @@ def evaluate_many(
 
 def sweep(
     scenario: Scenario | str | PathLike[str],
-    axes: Variables,
+    axes: Mapping[AnyKeys, ArrayLike],
     metrics: Sequence[str],
     *,
     view: int = 0,
@@ -114,17 +114,18 @@ def sweep(
     ``axes``: keys, or tuples of keys that move alike, with their values, one dimension each. The options, errors and warnings are
     those of `evaluate_many`.
     """
-    given: dict[Keys, Any] = dict(axes.items()) if isinstance(axes, Mapping) else axes
-    dims = [one.dims for one in given.values() if is_labelled(one)] if isinstance(given, Mapping) else []
+    if not isinstance(axes, Mapping):
+        raise ArgumentError(f"axes: expected a dict of keys and values, not {described(axes)}")
+    given: dict[Keys, Any] = {keys: one for keys, one in axes.items()}
+    dims = [one.dims for one in given.values() if is_labelled(one)]
     if len({name for own in dims for name in own}) < sum(map(len, dims)):
         raise ArgumentError(
             f"axes: two of them have the same dimension ({', '.join(map(str, dims))}): what goes together is for "
             "papilio.cluster.evaluate_many; here every value meets every other"
         )
-    if isinstance(given, Mapping):
-        given = {keys: one.values if is_labelled(one) else one for keys, one in given.items()}
+    plain = {keys: np.asarray(one) if is_labelled(one) else one for keys, one in given.items()}
     open_grid: dict[Keys, ArrayLike] = {}
-    for at, (keys, line) in enumerate(columns(given)[0].items()):
+    for at, (keys, line) in enumerate(columns(plain)[0].items()):
         if line.ndim != 1:
             raise ArgumentError(f"axes: expected the values of {keys!r} in one dimension, not shape {line.shape}")
         open_grid[keys] = line.reshape([-1 if i == at else 1 for i in range(len(axes))])
@@ -147,7 +148,7 @@ def print_progress(state: Mapping[str, Any]) -> None:
 
 def _found(
     scenario: Scenario | str | PathLike[str],
-    variables: Variables,
+    variables: Mapping[AnyKeys, ArrayLike],
     metrics: Sequence[str],
     view: int,
     set: Mapping[str, Any] | None,
@@ -212,7 +213,7 @@ def _evaluated(
     return Evaluated(grid, question, order, found, folder, size, tell.reused)
 
 
-def _grid(variables: Variables) -> Grid:
+def _grid(variables: Mapping[AnyKeys, ArrayLike]) -> Grid:
     arrays, dims = columns(variables)
     if not arrays:
         raise ArgumentError("variables: expected at least one key")

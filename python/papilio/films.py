@@ -100,8 +100,7 @@ def power(
         ArgumentError: names what is wrong.
         KeyboardInterrupt: on Ctrl-C.
     """
-    found, shape = _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, True, threads)
-    return Power(*(_in_place(flat, shape) for flat in found))
+    return Power(*_computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, True, threads))
 
 
 def _computed(
@@ -113,8 +112,8 @@ def _computed(
     polarisation: Polarisation,
     both: bool,
     threads: int | None,
-) -> tuple[tuple[NDArray[np.float64], NDArray[np.float64]], tuple[int, ...]]:
-    """Reflectance and, if ``both``, transmittance, flat, with the longest axis last; and their shape."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Reflectance and, if ``both``, transmittance."""
     _arguments.one_of("polarisation", polarisation, ("s", "p", "mean"))
     given: dict[str, Any] = {"wavelength_nm": wavelength_nm, "theta_deg": theta_deg, "incidence": incidence, "substrate": substrate}
     arrays: dict[str, NDArray[np.float64]] = {
@@ -134,51 +133,97 @@ def _computed(
         arrays[f"{name} thickness"] = _arguments.reals(f"{name} thickness", thickness, least=0.0)
     check_places({name: one for name, one in given.items() if not isinstance(one, (str, PathLike))})
     shape = _arguments.common_shape({**arrays, **media})
-    axis = _longest(shape)
-    sine = np.sin(np.radians(arrays["theta_deg"]))
-    around = np.broadcast_arrays(arrays["incidence"] * sine, arrays["incidence"])
-    beta, index_0 = (_spread(one, shape, axis) for one in around)
-
-    def medium(name: str) -> tuple[_Spread, _Spread]:
-        return _spread(media[name].real, shape, axis), _spread(media[name].imag, shape, axis)
-
-    stack = [
-        (*medium(f"layers[{i}]"), _spread(arrays[f"layers[{i}] thickness"], shape, axis)) for i in range(count)
-    ]
-    workers = checked_threads(threads) or os.cpu_count() or 1
-    moved = [*shape[:axis], *shape[axis + 1 :], shape[axis]] if shape else []
     if 0 in shape:
-        return (np.zeros(0), np.zeros(0)), shape
-    nm = _spread(arrays["wavelength_nm"], shape, axis)
-    found = _papilio.film(moved, nm, beta, index_0, stack, medium("substrate"), polarisation, both, workers)
-    return found, shape
+        return np.zeros(shape), np.zeros(shape)
+    sine = np.sin(np.radians(arrays["theta_deg"]))
+    beta, index_0 = np.broadcast_arrays(arrays["incidence"] * sine, arrays["incidence"])
+    nm = [arrays[f"layers[{i}] thickness"] for i in range(count)]
+    indices = [media[f"layers[{i}]"] for i in range(count)]
+    workers = checked_threads(threads) or os.cpu_count() or 1
+    grid = None if both or polarisation != "mean" else _grid(shape, arrays, [*indices, media["substrate"]], nm)
+    laid, gap = grid or (_in_rows(shape), None)
+    lengths = [laid.shape[axis] for axis in laid.order]
+    stack = [(*laid.parts(index), laid.spread(thickness)) for index, thickness in zip(indices, nm, strict=True)]
+    around = laid.spread(arrays["wavelength_nm"]), laid.spread(beta), laid.spread(index_0)
+    if grid is None:
+        flat, other = _papilio.film(lengths, *around, stack, laid.parts(media["substrate"]), polarisation, both, workers)
+        return laid.back(flat, shape), laid.back(other, shape) if both else other
+    return laid.back(_papilio.film_grid(lengths, *around, stack, laid.parts(media["substrate"]), gap, workers), shape), np.zeros(0)
 
 
 #: Numbers, and how far apart they are along each axis of a call.
 _Spread = tuple[NDArray[np.float64], list[int]]
 
-
-def _longest(shape: tuple[int, ...]) -> int:
-    """The axis whose points stand side by side."""
-    return max(range(len(shape)), key=lambda axis: (shape[axis], axis), default=0)
+#: Wavelengths in a register, and directions and gaps for which the preparation of a grid is worth it.
+_FEW_WAVELENGTHS, _FEW_PAIRS = 4, 16
 
 
-def _spread(array: NDArray[np.float64], shape: tuple[int, ...], axis: int) -> _Spread:
-    """The numbers of an array that broadcasts to ``shape``, each once, with ``axis`` as the last."""
-    padded = array.reshape((1,) * (len(shape) - array.ndim) + array.shape)
-    once = padded[tuple(slice(0, 1) if stride == 0 else slice(None) for stride in padded.strides)]
-    last = np.ascontiguousarray(np.moveaxis(once, axis, -1) if shape else once)
-    steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
-    return last.reshape(-1), steps if shape else []
+class _Laid(NamedTuple):
+    """How arrays are handed over: their common shape, and the order of its axes."""
+
+    shape: tuple[int, ...]
+    order: list[int]
+
+    def spread(self, array: NDArray[np.float64]) -> _Spread:
+        """The numbers of an array that broadcasts to the shape, each once."""
+        last = np.ascontiguousarray(_once(array, len(self.shape)).transpose(self.order))
+        steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
+        return last.reshape(-1), steps
+
+    def parts(self, array: NDArray[np.complex128]) -> tuple[_Spread, _Spread]:
+        """The real and the imaginary one."""
+        return self.spread(array.real), self.spread(array.imag)
+
+    def back(self, flat: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+        """Numbers in this order of axes as an array; axes of length 1 before those of ``shape`` go."""
+        found = flat.reshape([self.shape[axis] for axis in self.order]).transpose(np.argsort(self.order))
+        return np.ascontiguousarray(found.reshape(shape))
 
 
-def _in_place(flat: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Numbers with the longest axis last, as an array of ``shape``."""
-    if not shape or not flat.size:
-        return flat.reshape(shape)
-    axis = _longest(shape)
-    moved = flat.reshape(*shape[:axis], *shape[axis + 1 :], shape[axis])
-    return np.ascontiguousarray(np.moveaxis(moved, -1, axis))
+def _once(array: NDArray[Any], axes: int) -> NDArray[Any]:
+    """An array with so many axes, of length 1 where it does not change."""
+    padded = array.reshape((1,) * (axes - array.ndim) + array.shape)
+    return padded[tuple(slice(0, 1) if stride == 0 else slice(None) for stride in padded.strides)]
+
+
+def _in_rows(shape: tuple[int, ...]) -> _Laid:
+    """The points of the longest axis side by side."""
+    longest = max(range(len(shape)), key=lambda axis: (shape[axis], axis), default=None)
+    return _Laid(shape, [axis for axis in range(len(shape)) if axis != longest] + ([] if longest is None else [longest]))
+
+
+def _grid(
+    shape: tuple[int, ...], arrays: dict[str, NDArray[np.float64]], media: list[NDArray[np.complex128]], nm: list[NDArray[np.float64]]
+) -> tuple[_Laid, int | None] | None:
+    """The grid of directions, gaps and wavelengths that arrays span, if they do.
+
+    That is an axis along which wavelengths and indices change alone, one along which the angle does, and one along which the
+    thickness of a single layer does (its number is given). Two axes of length 1 stand in for those that are not there. Other axes come
+    first; along them anything may change.
+    """
+
+    def along(some: Sequence[NDArray[Any]]) -> list[set[int]]:
+        return [{axis for axis, length in enumerate(_once(one, len(shape)).shape) if length > 1} for one in some]
+
+    spectral = set().union(*along([arrays["wavelength_nm"], *media]))
+    tilted, immersed = along([arrays["theta_deg"], arrays["incidence"]])
+    thick = along(nm)
+    thicknesses = set().union(*thick)
+    colours = spectral - tilted - immersed - thicknesses
+    directions = tilted - spectral - immersed - thicknesses
+    alone = {axis: [i for i, axes in enumerate(thick) if axis in axes] for axis in thicknesses - spectral - tilted - immersed}
+    gaps = {axis: layers[0] for axis, layers in alone.items() if len(layers) == 1}
+
+    def longest(axes: Sequence[int]) -> int | None:
+        return max(axes, key=lambda axis: (shape[axis], axis), default=None)
+
+    colour, direction, gap = longest([*colours]), longest([*directions]), longest([*gaps])
+    many = (1 if direction is None else shape[direction]) * (1 if gap is None else shape[gap])
+    if colour is None or shape[colour] < _FEW_WAVELENGTHS or many < _FEW_PAIRS:
+        return None
+    chosen = [0 if direction is None else direction + 2, 1 if gap is None else gap + 2, colour + 2]
+    others = [axis for axis in range(len(shape) + 2) if axis not in chosen]
+    return _Laid((1, 1, *shape), [*others, *chosen]), None if gap is None else gaps[gap]
 
 
 def reflectance(
@@ -192,8 +237,7 @@ def reflectance(
     threads: int | None = None,
 ) -> NDArray[np.float64]:
     """The share of the power that is reflected; arguments and errors are those of `power`."""
-    (found, _), shape = _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)
-    return _in_place(found, shape)
+    return _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)[0]
 
 
 def transmittance(

@@ -23,15 +23,15 @@ from .scenario import Scenario, read
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Keys", "Prepared", "Variables", "metric_names"]
+__all__ = ["AnyKeys", "Keys", "Prepared", "metric_names"]
 
 _Answer = TypeVar("_Answer")
 
 #: One key of a scenario, or several that move alike.
 Keys = str | tuple[str, ...]
 
-#: Keys with their values. (A mapping takes only the type of key that it was made for: hence three of them.)
-Variables = Mapping[str, ArrayLike] | Mapping[tuple[str, ...], ArrayLike] | Mapping[Keys, ArrayLike]
+#: Whichever of these a dictionary was made for: a mapping's type of keys is taken as it is, and no other.
+AnyKeys = TypeVar("AnyKeys", bound=Keys)
 
 #: Designs that cannot be: the number of each, and why.
 Skipped = list[tuple[int, str]]
@@ -105,7 +105,7 @@ class Prepared:
     @overload
     def evaluate(
         self,
-        variables: Mapping[str, xarray.DataArray] | Mapping[Keys, xarray.DataArray],
+        variables: Mapping[AnyKeys, xarray.DataArray],
         metrics: Sequence[str],
         *,
         view: int = 0,
@@ -115,7 +115,7 @@ class Prepared:
     @overload
     def evaluate(
         self,
-        variables: Variables,
+        variables: Mapping[AnyKeys, ArrayLike],
         metrics: Sequence[str],
         *,
         view: int = 0,
@@ -124,7 +124,7 @@ class Prepared:
     ) -> NDArray[np.float64]: ...
     def evaluate(
         self,
-        variables: Variables,
+        variables: Mapping[AnyKeys, ArrayLike],
         metrics: Sequence[str],
         *,
         view: int = 0,
@@ -154,7 +154,7 @@ class Prepared:
         return found if call.dims is None else call.dims.labelled(found, metric=list(metrics))
 
     def _skipping(
-        self, variables: Variables, metrics: Sequence[str], view: int, threads: int | None
+        self, variables: Mapping[AnyKeys, ArrayLike], metrics: Sequence[str], view: int, threads: int | None
     ) -> tuple[NDArray[np.float64], Skipped]:
         """As `evaluate`; but designs that cannot be are NaN, and stand beside: their number and why."""
         call = self._call(variables, metrics, view, threads, None)
@@ -164,7 +164,7 @@ class Prepared:
     @overload
     def derivatives(
         self,
-        variables: Mapping[str, xarray.DataArray] | Mapping[Keys, xarray.DataArray],
+        variables: Mapping[AnyKeys, xarray.DataArray],
         metrics: Sequence[str],
         *,
         view: int = 0,
@@ -174,7 +174,7 @@ class Prepared:
     @overload
     def derivatives(
         self,
-        variables: Variables,
+        variables: Mapping[AnyKeys, ArrayLike],
         metrics: Sequence[str],
         *,
         view: int = 0,
@@ -183,7 +183,7 @@ class Prepared:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def derivatives(
         self,
-        variables: Variables,
+        variables: Mapping[AnyKeys, ArrayLike],
         metrics: Sequence[str],
         *,
         view: int = 0,
@@ -207,7 +207,7 @@ class Prepared:
 
     def _call(
         self,
-        variables: Variables,
+        variables: Mapping[AnyKeys, ArrayLike],
         metrics: Sequence[str],
         view: int,
         threads: int | None,
@@ -298,7 +298,7 @@ def _keys(keys: Keys) -> tuple[str, ...]:
     return (keys,) if isinstance(keys, str) else tuple(keys)
 
 
-def columns(variables: Variables) -> tuple[dict[Keys, NDArray[Any]], Dims | None]:
+def columns(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[Keys, NDArray[Any]], Dims | None]:
     """The numbers or words of each variable; of arrays of xarray's so that they broadcast, and their dimensions."""
     if not isinstance(variables, Mapping):
         raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
@@ -311,12 +311,12 @@ def columns(variables: Variables) -> tuple[dict[Keys, NDArray[Any]], Dims | None
             if path in varied:
                 raise ArgumentError(f"variables: {path} varies twice")
             varied.add(path)
-    given: dict[Keys, Any] = dict(variables.items())
+    given: dict[Keys, Any] = {keys: values for keys, values in variables.items()}
     plain_ones, dims = crossed(given, {keys: named(keys) for keys in given})
     arrays: dict[Keys, NDArray[Any]] = {}
-    for keys, values in plain_ones.items():
+    for each, values in plain_ones.items():
         words = _words(values)
-        arrays[keys] = _arguments.reals(named(keys), values) if words is None else words
+        arrays[each] = _arguments.reals(named(each), values) if words is None else words
     return arrays, dims
 
 
@@ -325,7 +325,7 @@ def named(keys: Keys) -> str:
     return f"variables[{', '.join(_keys(keys))!r}]"
 
 
-def _split(variables: Variables) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None], Dims | None]:
+def _split(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None], Dims | None]:
     """The numbers of each variable, what they count where its values are words, and the dimensions of arrays of xarray's."""
     arrays: dict[str, NDArray[np.float64]] = {}
     choices: list[list[Any] | None] = []

@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use numpy::{Complex64, PyArray1, PyReadonlyArray1};
 use papilio_formats::{DataFile, read_index};
 use papilio_optics::OpticsError;
-use papilio_optics::film::{Along, FilmRow, IndexAlong, LayerAlong, Polarisation, SimdLevel};
+use papilio_optics::film::{
+    Along, FilmRow, GapFilm, IndexAlong, LayerAlong, Polarisation, SimdLevel, SpectralLayer, Thickness,
+};
 use papilio_spectra::{SpectraError, material};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -29,9 +31,15 @@ struct Spread<'a> {
 }
 
 impl<'a> Spread<'a> {
+    /// Its number at these indices.
+    fn at(&self, place: &[usize]) -> f64 {
+        self.values[place.iter().zip(self.strides).map(|(index, stride)| index * stride).sum::<usize>()]
+    }
+
     /// Its numbers along a stretch of the last axis, in the row of these indices.
     fn along(&self, row: &[usize], start: usize, count: usize) -> Along<'a> {
-        let at: usize = row.iter().zip(self.strides).map(|(index, stride)| index * stride).sum();
+        let but_last = row.len().saturating_sub(1);
+        let at: usize = row[..but_last].iter().zip(self.strides).map(|(index, stride)| index * stride).sum();
         match self.strides.last() {
             Some(1) => Along::Each(&self.values[at + start..][..count]),
             _ => Along::Same(self.values[at]),
@@ -96,15 +104,21 @@ impl Films<'_> {
         transmittance: Option<&mut [f64]>,
     ) -> Result<(), OpticsError> {
         let (length, count) = (self.shape.last().copied().unwrap_or(1), reflectance.len());
-        let mut row = vec![0; self.shape.len()];
-        let mut left = start / length;
-        for (index, length) in row.iter_mut().zip(self.shape).rev().skip(1) {
-            (*index, left) = (left % length, left / length);
-        }
+        let row = self.place(start);
         self.row(
             |spread| spread.along(&row, start % length, count),
             |row| row.powers(SimdLevel::best(), self.polarisation, reflectance, transmittance),
         )
+    }
+
+    /// The indices of point number `start`, in C order.
+    fn place(&self, start: usize) -> Vec<usize> {
+        let mut place = vec![0; self.shape.len()];
+        let mut left = start;
+        for (index, length) in place.iter_mut().zip(self.shape).rev() {
+            (*index, left) = (left % length, left / length);
+        }
+        place
     }
 
     /// What is made of a row, of which each array gives a part.
@@ -176,6 +190,164 @@ pub(crate) fn film<'py>(
     }
 }
 
+/// Mean reflectance of s and p where the arrays have a grid's structure, the last three axes of which are directions (of which only beta
+/// changes), gaps (of which only the thickness of layer number `gap` changes) and wavelengths. Else as [`film`].
+#[pyfunction]
+#[pyo3(signature = (shape, wavelength_nm, beta, incidence, layers, substrate, gap, threads))]
+#[allow(clippy::too_many_arguments, reason = "the arrays of one call")]
+pub(crate) fn film_grid<'py>(
+    py: Python<'py>,
+    shape: Vec<usize>,
+    wavelength_nm: Given<'py>,
+    beta: Given<'py>,
+    incidence: Given<'py>,
+    layers: Vec<[Given<'py>; 3]>,
+    substrate: [Given<'py>; 2],
+    gap: Option<usize>,
+    threads: usize,
+) -> PyResult<Answer<'py>> {
+    let films = Films {
+        shape: &shape,
+        wavelength_nm: spread(&wavelength_nm, &shape)?,
+        beta: spread(&beta, &shape)?,
+        incidence: spread(&incidence, &shape)?,
+        layers: layers
+            .iter()
+            .map(|layer| all(layer.each_ref().map(|given| spread(given, &shape))))
+            .collect::<PyResult<_>>()?,
+        substrate: all(substrate.each_ref().map(|given| spread(given, &shape)))?,
+        polarisation: None,
+    };
+    let [.., directions, gaps, wavelengths] = shape[..] else {
+        return Err(errors::internal("a grid of films has three axes at least"));
+    };
+    let grid = FilmGrid { films, gap, directions, gaps, wavelengths };
+    grid.films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
+    let mut found = vec![0.0; shape.iter().product()];
+    let outcome =
+        watched(py, &AtomicBool::new(false), None, |watch| grid.computed(&mut found, threads, watch.stop))?;
+    match outcome {
+        Ok(true) => Ok(PyArray1::from_vec(py, found)),
+        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
+        Err(error) => Err(errors::argument(py, &error.to_string())),
+    }
+}
+
+/// Directions and gaps of a film, together, that a thread takes at once, about.
+const PAIRS: usize = 256;
+
+/// Films whose arrays have a grid's structure.
+struct FilmGrid<'a> {
+    films: Films<'a>,
+    gap: Option<usize>,
+    directions: usize,
+    gaps: usize,
+    wavelengths: usize,
+}
+
+/// A part of a grid: some directions and gaps of one film.
+struct Part<'o> {
+    /// Which film.
+    film: usize,
+    direction: usize,
+    gap: usize,
+    out: &'o mut [f64],
+}
+
+impl FilmGrid<'_> {
+    /// Part by part on threads; false if it was stopped.
+    fn computed(&self, found: &mut [f64], threads: usize, stop: &AtomicBool) -> Result<bool, OpticsError> {
+        let row = self.gaps * self.wavelengths;
+        // Directions with all their gaps; or of one, some gaps.
+        let directions = (PAIRS / self.gaps).max(1);
+        let gaps = if directions == 1 { PAIRS } else { self.gaps };
+        let films = found.chunks_mut(self.directions * row).enumerate();
+        let rows = films.flat_map(|(film, of_film)| {
+            let rows = of_film.chunks_mut(directions * row).enumerate();
+            rows.map(move |(at, out)| (film, at * directions, out))
+        });
+        let parts = rows.flat_map(|(film, direction, rows)| {
+            let cut = if directions == 1 { gaps * self.wavelengths } else { rows.len() };
+            let parts = rows.chunks_mut(cut).enumerate();
+            parts.map(move |(at, out)| Part { film, direction, gap: at * gaps, out })
+        });
+        on_threads(parts, threads, stop, |part| self.part(part))
+    }
+
+    fn part(&self, part: Part<'_>) -> Result<(), OpticsError> {
+        let Part { film, direction, gap, out } = part;
+        let gaps = (out.len() / self.wavelengths).min(self.gaps - gap);
+        let directions = out.len() / self.wavelengths / gaps;
+        let films = &self.films;
+        let mut at = films.place(film * self.directions * self.gaps * self.wavelengths);
+        let spectrum = |values: &Spread<'_>, at: &[usize]| -> Vec<f64> {
+            match values.along(at, 0, self.wavelengths) {
+                Along::Same(value) => vec![value; self.wavelengths],
+                Along::Each(values) => values.to_vec(),
+            }
+        };
+        let index = |[n, k]: [&Spread<'_>; 2], at: &[usize]| -> Vec<Complex64> {
+            let (n, k) = (spectrum(n, at), spectrum(k, at));
+            n.into_iter().zip(k).map(|(n, k)| Complex64::new(n, k)).collect()
+        };
+        let layers: Vec<SpectralLayer> = (films.layers.iter().enumerate())
+            .map(|(number, [n, k, nm])| SpectralLayer {
+                index: index([n, k], &at),
+                thickness: match Some(number) == self.gap {
+                    true => Thickness::Gap,
+                    false => Thickness::Fixed(nm.at(&at)),
+                },
+            })
+            .collect();
+        let [wavelengths_nm, incidence] =
+            [&films.wavelength_nm, &films.incidence].map(|one| spectrum(one, &at));
+        let substrate = index(films.substrate.each_ref(), &at);
+        let of = GapFilm::new(&wavelengths_nm, &incidence, &layers, &substrate)?;
+        let axes = at.len();
+        let mut along = |axis: usize, start: usize, count: usize, values: &Spread<'_>| -> Vec<f64> {
+            let of_axis = (start..start + count).map(|index| {
+                at[axes - axis] = index;
+                values.at(&at)
+            });
+            let found = of_axis.collect();
+            at[axes - axis] = 0;
+            found
+        };
+        let betas = along(3, direction, directions, &films.beta);
+        let gaps_nm = match self.gap.and_then(|number| films.layers.get(number)) {
+            Some([_, _, nm]) => along(2, gap, gaps, nm),
+            None => vec![0.0; gaps],
+        };
+        of.reflectance(&betas, &gaps_nm, out)
+    }
+}
+
+/// Part by part, each whole; false if it was stopped.
+fn on_threads<T: Send>(
+    parts: impl Iterator<Item = T> + Send,
+    threads: usize,
+    stop: &AtomicBool,
+    compute: impl Fn(T) -> Result<(), OpticsError> + Sync,
+) -> Result<bool, OpticsError> {
+    let (parts, failed) = (Mutex::new(parts), Mutex::new(None));
+    let work = || {
+        while !stop.load(Ordering::Relaxed) {
+            let Some(part) = parts.lock().ok().and_then(|mut parts| parts.next()) else { break };
+            if let Err(error) = compute(part) {
+                drop(failed.lock().map(|mut failed| _ = failed.get_or_insert(error)));
+            }
+        }
+    };
+    match threads {
+        0 | 1 => work(),
+        several => std::thread::scope(|scope| (0..several).for_each(|_| drop(scope.spawn(work)))),
+    }
+    match failed.into_inner().ok().flatten() {
+        Some(error) => Err(error),
+        None => Ok(!stop.load(Ordering::Relaxed)),
+    }
+}
+
 /// Block by block on threads; false if it was stopped.
 fn computed(
     films: &Films<'_>,
@@ -187,28 +359,11 @@ fn computed(
     let length = films.shape.last().copied().unwrap_or(1).max(1);
     let block = (BLOCK / length * length).max(BLOCK.min(length));
     let blocks = reflectance.len().div_ceil(block);
-    let both = !transmittance.is_empty();
     let mut others = transmittance.chunks_mut(block);
     let parts = reflectance.chunks_mut(block).map(|part| (part, others.next())).enumerate();
-    let (parts, failed) = (Mutex::new(parts), Mutex::new(None));
-    let work = || {
-        while !stop.load(Ordering::Relaxed) {
-            let Some((number, (part, other))) = parts.lock().ok().and_then(|mut parts| parts.next()) else {
-                break;
-            };
-            if let Err(error) = films.powers(number * block, part, other.filter(|_| both)) {
-                drop(failed.lock().map(|mut failed| _ = failed.get_or_insert(error)));
-            }
-        }
-    };
-    match threads.min(blocks) {
-        0 | 1 => work(),
-        several => std::thread::scope(|scope| (0..several).for_each(|_| drop(scope.spawn(work)))),
-    }
-    match failed.into_inner().ok().flatten() {
-        Some(error) => Err(error),
-        None => Ok(!stop.load(Ordering::Relaxed)),
-    }
+    on_threads(parts, threads.min(blocks), stop, |(number, (part, other))| {
+        films.powers(number * block, part, other)
+    })
 }
 
 fn spread<'a>((values, strides): &'a Given<'_>, shape: &[usize]) -> PyResult<Spread<'a>> {

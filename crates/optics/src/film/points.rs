@@ -104,8 +104,7 @@ impl FilmRow<'_> {
                 return Err(OpticsError::Length { what: "points of a row", expected: count, found });
             }
         }
-        let travels = self.layers.iter().map(|layer| self.travels(&layer.index)).collect();
-        level.dispatch(Powers { row: *self, travels, polarisation, reflectance, transmittance });
+        level.dispatch(Powers { row: *self, polarisation, reflectance, transmittance });
         Ok(())
     }
 
@@ -196,8 +195,6 @@ fn pairs(
 
 struct Powers<'a> {
     row: FilmRow<'a>,
-    /// Of each layer, whether its q is real all along the row.
-    travels: Vec<bool>,
     polarisation: Option<Polarisation>,
     reflectance: &'a mut [f64],
     transmittance: Option<&'a mut [f64]>,
@@ -208,24 +205,25 @@ impl WithSimd for Powers<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { row, travels, polarisation, reflectance, mut transmittance } = self;
-        let of_s = polarisation != Some(Polarisation::P);
-        let of_p = polarisation != Some(Polarisation::S);
+        let Self { row, polarisation, reflectance, mut transmittance } = self;
+        // How much s counts, and p.
+        let weights = match polarisation {
+            Some(Polarisation::S) => [1.0, 0.0],
+            Some(Polarisation::P) => [0.0, 1.0],
+            None => [0.5, 0.5],
+        };
+        let [of_s, of_p] = [Lanes::new(simd, weights[0]), Lanes::new(simd, weights[1])];
+        let counted = transmittance.is_some();
+        let k0_of = Lanes::new(simd, 2.0 * PI);
+        let known = Known::new(&Points { row: &row, simd, at: 0, k0: k0_of });
         for at in (0..reflectance.len()).step_by(S::F64_LANES) {
-            let points = Points { row: &row, travels: &travels, simd, at };
-            let counted = transmittance.is_some();
-            let (s, p, beyond) = points.carried(counted);
+            let k0 = k0_of.div(row.wavelength_nm.load(simd, at));
+            let (s, p, beyond) = Points { row: &row, simd, at, k0 }.carried(&known, counted);
             let (s, p) = (s.powers(), p.powers());
-            let half = Lanes::new(simd, 0.5);
-            let chosen = |s: Lanes<S>, p: Lanes<S>| match (of_s, of_p) {
-                (true, false) => s,
-                (false, true) => p,
-                _ => (s + p) * half,
-            };
-            chosen(s.reflected, p.reflected).store(&mut reflectance[at..]);
+            s.reflected.mul_add(of_s, p.reflected * of_p).store(&mut reflectance[at..]);
             if let Some(transmittance) = &mut transmittance {
                 let out = &mut transmittance[at..];
-                chosen(s.transmitted, p.transmitted).store(out);
+                s.transmitted.mul_add(of_s, p.transmitted * of_p).store(out);
                 fade(out, beyond);
             }
         }
@@ -235,9 +233,9 @@ impl WithSimd for Powers<'_> {
 /// As many points of a row as a register holds.
 struct Points<'a, S: Simd> {
     row: &'a FilmRow<'a>,
-    travels: &'a [bool],
     simd: S,
     at: usize,
+    k0: Lanes<S>,
 }
 
 /// Fields in one polarisation, up to a factor.
@@ -257,11 +255,46 @@ struct Shares<S: Simd> {
     transmitted: Lanes<S>,
 }
 
-/// What a layer's matrices for s and p are made of: they have one square of their factor.
-struct Step<S: Simd, T> {
-    s: T,
-    p: T,
-    factor: Lanes<S>,
+/// A medium: q, n^2 and their inverses.
+#[derive(Clone, Copy)]
+enum Medium<S: Simd> {
+    /// One in which waves travel, and are not absorbed.
+    Travels {
+        q: Lanes<S>,
+        inverse_q: Lanes<S>,
+        eps: Lanes<S>,
+        inverse_eps: Lanes<S>,
+    },
+    Any {
+        q: Complex<S>,
+        inverse_q: Complex<S>,
+        eps: Complex<S>,
+        inverse_eps: Complex<S>,
+    },
+}
+
+/// What is known of a row before its points.
+struct Known<S: Simd> {
+    /// Of each layer, whether waves travel in it all along the row.
+    travels: Vec<bool>,
+    /// The media that are the same all along the row.
+    layers: Vec<Option<Medium<S>>>,
+    substrate: Option<Medium<S>>,
+}
+
+impl<S: Simd> Known<S> {
+    #[inline(always)]
+    fn new(points: &Points<'_, S>) -> Self {
+        let row = points.row;
+        let mut known = Self { travels: Vec::new(), layers: Vec::new(), substrate: None };
+        for layer in row.layers {
+            let travels = row.travels(&layer.index);
+            known.travels.push(travels);
+            known.layers.push(points.same_medium(&layer.index, travels));
+        }
+        known.substrate = points.same_medium(&row.substrate, false);
+        known
+    }
 }
 
 impl<S: Simd> Points<'_, S> {
@@ -275,11 +308,6 @@ impl<S: Simd> Points<'_, S> {
         Lanes::new(self.simd, value)
     }
 
-    #[inline(always)]
-    fn k0(&self) -> Lanes<S> {
-        self.splat(2.0 * PI).div(self.load(self.row.wavelength_nm))
-    }
-
     /// n^2 - beta^2 of a real n: a product, which keeps its digits where both are close.
     #[inline(always)]
     fn real_q_squared(&self, n: Lanes<S>) -> Lanes<S> {
@@ -287,83 +315,98 @@ impl<S: Simd> Points<'_, S> {
         (n - beta) * (n + beta)
     }
 
-    /// q of a medium, n^2 and 1/n^2.
+    /// A medium, if it is the same all along the row.
     #[inline(always)]
-    fn medium(&self, index: &IndexAlong<'_>) -> [Complex<S>; 3] {
+    fn same_medium(&self, index: &IndexAlong<'_>, travels: bool) -> Option<Medium<S>> {
+        match (index.n, index.k, self.row.beta) {
+            (Along::Same(_), Along::Same(_), Along::Same(_)) => Some(self.medium(index, travels)),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn medium(&self, index: &IndexAlong<'_>, travels: bool) -> Medium<S> {
+        if travels {
+            let n = self.load(index.n);
+            let q = self.real_q_squared(n).max(self.splat(TINY)).sqrt();
+            let eps = n * n;
+            return Medium::Travels { q, inverse_q: q.recip(), eps, inverse_eps: eps.recip() };
+        }
         let (n, k) = (self.load(index.n), self.load(index.k));
         let im = (n + n) * k;
         let re = k.neg_mul_add(k, self.real_q_squared(n));
         let re = (re.abs() + im - self.splat(TINY)).if_positive(re, self.splat(TINY));
         let eps = Complex::new(k.neg_mul_add(k, n * n), im);
-        [Complex::new(re, im).sqrt(), eps, eps.recip()]
+        let q = Complex::new(re, im).sqrt();
+        Medium::Any { q, inverse_q: q.recip(), eps, inverse_eps: eps.recip() }
     }
 
     /// The waves of s and p above all layers, and by how much layers are deeper than the hyperbolic functions reach; `counted`: with
     /// what is transmitted.
     #[inline(always)]
-    fn carried(&self, counted: bool) -> (Wave<S>, Wave<S>, Lanes<S>) {
+    fn carried(&self, known: &Known<S>, counted: bool) -> (Wave<S>, Wave<S>, Lanes<S>) {
         let n0 = self.load(self.row.incidence);
         let q0 = self.real_q_squared(n0).max(self.splat(TINY)).sqrt();
-        let [q, _, inverse_eps] = self.medium(&self.row.substrate);
+        let substrate = match known.substrate {
+            Some(medium) => medium,
+            None => self.medium(&self.row.substrate, false),
+        };
+        let (below_s, below_p) = match substrate {
+            Medium::Travels { q, inverse_eps, .. } => (Complex::real(q), Complex::real(q * inverse_eps)),
+            Medium::Any { q, inverse_eps, .. } => (q, q * inverse_eps),
+        };
         let one = Complex::real(self.splat(1.0));
-        let below_p = q * inverse_eps;
-        let mut s = Wave { u: one, v: q, flux: q.re, eta0: q0 };
+        let mut s = Wave { u: one, v: below_s, flux: below_s.re, eta0: q0 };
         let mut p = Wave { u: one, v: below_p, flux: below_p.re, eta0: q0.div(n0 * n0) };
         let mut beyond = self.splat(0.0);
-        for (layer, travels) in self.row.layers.iter().zip(self.travels).rev() {
-            if *travels {
-                let step = self.travelling(layer);
-                s.pass(step.s, step.factor, counted);
-                p.pass(step.p, step.factor, counted);
-            } else {
-                let (step, depth) = self.any(layer);
-                beyond = beyond + (depth - self.splat(DEEPEST)).max(self.splat(0.0));
-                s.pass(step.s, step.factor, counted);
-                p.pass(step.p, step.factor, counted);
+        for at in (0..self.row.layers.len()).rev() {
+            let layer = &self.row.layers[at];
+            let medium = match known.layers[at] {
+                Some(medium) => medium,
+                None => self.medium(&layer.index, known.travels[at]),
+            };
+            let length = self.k0 * self.load(layer.nm);
+            // Two layers alone do not overflow.
+            let scaled = at.is_multiple_of(2);
+            match medium {
+                Medium::Travels { q, inverse_q, eps, inverse_eps } => {
+                    let (c, sin) = circular(q * length);
+                    let (u, v) = (sin * inverse_q, sin * q);
+                    let factor = c.mul_add(c, sin * sin);
+                    s.pass(Clear { c, u, v }, factor, scaled, counted);
+                    p.pass(Clear { c, u: u * eps, v: v * inverse_eps }, factor, scaled, counted);
+                }
+                Medium::Any { q, inverse_q, eps, inverse_eps } => {
+                    let delta = q.scale(length);
+                    beyond = beyond + (delta.im - self.splat(DEEPEST)).max(self.splat(0.0));
+                    let (cos, sin) = circular(delta.re);
+                    let (cosh, sinh, grown) = hyperbolic_and_factor(delta.im);
+                    let c = Complex::new(cos * cosh, -(sin * sinh));
+                    let factor = cos.mul_add(cos, sin * sin) * grown;
+                    let sin = Complex::new(sin * cosh, cos * sinh).minus_i();
+                    let (u, v) = (sin * inverse_q, sin * q);
+                    s.pass(Absorbing { c, u, v }, factor, scaled, counted);
+                    p.pass(Absorbing { c, u: u * eps, v: v * inverse_eps }, factor, scaled, counted);
+                }
             }
         }
         (s, p, beyond)
     }
-
-    /// A layer in which waves travel, and are not absorbed.
-    #[inline(always)]
-    fn travelling(&self, layer: &LayerAlong<'_>) -> Step<S, Clear<S>> {
-        let n = self.load(layer.index.n);
-        let q = self.real_q_squared(n).max(self.splat(TINY)).sqrt();
-        let (c, sin) = circular(q * (self.k0() * self.load(layer.nm)));
-        let eps = n * n;
-        let (s_u, s_v) = (sin.div(q), sin * q);
-        let (p_u, p_v) = (s_u * eps, s_v.div(eps));
-        let factor = c.mul_add(c, sin * sin);
-        Step { s: Clear { c, u: s_u, v: s_v }, p: Clear { c, u: p_u, v: p_v }, factor }
-    }
-
-    /// Any layer, and its depth: the imaginary part of its phase.
-    #[inline(always)]
-    fn any(&self, layer: &LayerAlong<'_>) -> (Step<S, Absorbing<S>>, Lanes<S>) {
-        let [q, eps, inverse_eps] = self.medium(&layer.index);
-        let delta = q.scale(self.k0() * self.load(layer.nm));
-        let (c, s) = circular(delta.re);
-        let (cosh, sinh, grown) = hyperbolic_and_factor(delta.im);
-        let cos = Complex::new(c * cosh, -(s * sinh));
-        let sin = Complex::new(s * cosh, c * sinh).minus_i();
-        let (s_u, s_v) = (sin * q.recip(), sin * q);
-        let (p_u, p_v) = (s_u * eps, s_v * inverse_eps);
-        let factor = c.mul_add(c, s * s) * grown;
-        let s = Absorbing { c: cos, u: s_u, v: s_v };
-        (Step { s, p: Absorbing { c: cos, u: p_u, v: p_v }, factor }, delta.im)
-    }
 }
 
 impl<S: Simd> Wave<S> {
-    /// Beyond a layer; the fields become of size 1.
+    /// Beyond a layer; `scaled`: the fields become of size 1.
     #[inline(always)]
-    fn pass(&mut self, m: impl Transfer<S>, factor: Lanes<S>, counted: bool) {
+    fn pass(&mut self, m: impl Transfer<S>, factor: Lanes<S>, scaled: bool, counted: bool) {
         let [u, v] = m.on([self.u, self.v]);
-        let scale = (u.size() + v.size()).recip();
-        (self.u, self.v) = (u.scale(scale), v.scale(scale));
+        (self.u, self.v) = (u, v);
         if counted {
-            self.flux = self.flux * (factor * (scale * scale));
+            self.flux = self.flux * factor;
+        }
+        if scaled {
+            let scale = (u.size() + v.size()).recip();
+            (self.u, self.v) = (u.scale(scale), v.scale(scale));
+            self.flux = self.flux * (scale * scale);
         }
     }
 
