@@ -166,7 +166,7 @@ class _Laid(NamedTuple):
 
     def spread(self, array: NDArray[np.float64]) -> _Spread:
         """The numbers of an array that broadcasts to the shape, each once."""
-        last = np.ascontiguousarray(_once(array, len(self.shape)).transpose(self.order))
+        last = np.asarray(_once(array, len(self.shape)).transpose(self.order), order="C")
         steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
         return last.reshape(-1), steps
 
@@ -177,7 +177,7 @@ class _Laid(NamedTuple):
     def back(self, flat: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
         """Numbers in this order of axes as an array; axes of length 1 before those of ``shape`` go."""
         found = flat.reshape([self.shape[axis] for axis in self.order]).transpose(np.argsort(self.order))
-        return np.ascontiguousarray(found.reshape(shape))
+        return np.asarray(found.reshape(shape), order="C")
 
 
 def _once(array: NDArray[Any], axes: int) -> NDArray[Any]:

@@ -20,7 +20,7 @@ LONG = {
     "a walk": 'papilio.run(path, solver="walk", set={"solver.paths": 1_000_000_000})',
     "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 100))",
     "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
-    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 30000000))], 550.0)',
+    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 10000000)), *[("Cr", 1.0)] * 100], 550.0, threads=1)',
 }
 
 
@@ -122,7 +122,7 @@ time.sleep(0.3)
 threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 begun = time.monotonic()
 try:
-    compute(100_000_000)
+    compute(1_000_000)
 except KeyboardInterrupt:
     print("interrupted", time.monotonic() - begun < {LIMIT_S}, flush=True)
 thread.join()
