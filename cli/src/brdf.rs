@@ -2,9 +2,10 @@
 
 use std::io::Write;
 
+use papilio_display::BrdfGrid;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
-use papilio_display::{BrdfGrid, BrdfTable};
+use papilio_findings::brdf_warnings;
 use papilio_formats::{BsdfSource, write_bsdf, write_file, write_reflection};
 use papilio_scenario::Scenario;
 
@@ -44,45 +45,9 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,
     };
-    warn(&table, arguments.step, target);
+    let of_table = brdf_warnings(&table, target, Some(arguments.step), "--step ");
+    resolved.warnings.iter().chain(&of_table).for_each(|warning| say(&format!("warning: {warning}")));
     Ok(())
-}
-
-/// Says so where adding has not reached the scenario's target, and where the table's directions are
-/// too few for what the display does between them.
-fn warn(table: &BrdfTable, step: f64, target: Option<f64>) {
-    if let Some(target) = target.filter(|target| table.discretisation_error > *target) {
-        say(&format!(
-            "warning: relative error {:.2e} instead of {target:.2e} in the worst of the sampled directions (which may \
-             be a faint one): adding's finest level is reached",
-            table.discretisation_error
-        ));
-    }
-    let missed = table.missed();
-    if missed > MISSED {
-        say(&format!(
-            "warning: a sum over the table's directions is {:.0} % off the light that leaves: what the display does \
-             between them is finer\n  = help: {}",
-            100.0 * missed,
-            finer(step, missed)
-        ));
-    }
-}
-
-/// What a user may overlook.
-const MISSED: f64 = 0.02;
-
-/// The step that would do: what a sum misses falls as the square of the step.
-fn finer(step: f64, missed: f64) -> String {
-    const STEPS: [f64; 12] = [4.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.9, 0.5, 0.4, 0.3, 0.2, 0.1];
-    let wanted = step * (MISSED / missed).sqrt();
-    match STEPS.into_iter().find(|finer| *finer <= wanted) {
-        Some(finer) => format!(
-            "--step {finer} would miss about {:.1} %; with a larger spectrum.step_nm the table stays small",
-            100.0 * missed * (finer / step).powi(2)
-        ),
-        None => "a lobe so narrow needs a step below .1 deg: too many directions for a table".to_owned(),
-    }
 }
 
 /// The directions, if the table is of a size that can be held.
@@ -98,14 +63,4 @@ fn grid(step: f64, scene: &Scene) -> Result<BrdfGrid, Failure> {
         )));
     }
     Ok(BrdfGrid::even(step))
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn a_step_that_would_do() {
-        assert!(super::finer(5.0, 0.06).starts_with("--step 2.5 would miss about 1.5 %"));
-        assert!(super::finer(1.0, 0.021).starts_with("--step 0.9 "));
-        assert!(super::finer(0.1, 0.5).contains("too many directions"));
-    }
 }

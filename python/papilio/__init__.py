@@ -30,6 +30,7 @@ from .errors import (
     FileError,
     Mistake,
     PapilioError,
+    PapilioWarning,
     ScenarioError,
 )
 from .figure import Figure
@@ -52,6 +53,7 @@ __all__ = [
     "Mistake",
     "Optimum",
     "PapilioError",
+    "PapilioWarning",
     "Prepared",
     "Reflection",
     "Result",

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _parts
+from ._dims import Dims
 from ._papilio import __version__
 from .errors import ClusterError, DesignError
 from .prepared import Keys, Prepared, Skipped
@@ -80,7 +81,7 @@ class Question:
 
     def made(self) -> tuple[Any, str]:
         """What answers it, and the hash of what that was made of."""
-        return Prepared(self.scenario), self.scenario.hash
+        return Prepared._silent(self.scenario), self.scenario.hash
 
     def kept(self) -> Any:
         """What answers it in this thread. The last one is kept, so memory does not grow with questions."""
@@ -103,6 +104,8 @@ class Grid:
 
     columns: Columns
     shape: tuple[int, ...]
+    #: Of arrays of xarray's.
+    dims: Dims | None = None
 
     @property
     def size(self) -> int:
@@ -168,16 +171,23 @@ def cut(question: Question, grid: Grid, size: int, skips: bool = False) -> Itera
         yield Batch(start, columns, question.address_of(columns), skips)
 
 
-def seconds_each(question: Question, columns: Columns) -> float:
-    """What a design costs here, from a trial of a quarter of a second or all of `columns`."""
+def seconds_each(question: Question, columns: Columns, skips: bool = False) -> float | None:
+    """What a design costs here, from a trial of a quarter of a second or all of `columns`; None if one of them cannot be.
+
+    With ``skips`` such designs are left out, as they will be. (Nothing is raised: a cluster would log it as a failure.)
+    """
     count = len(next(iter(columns.values())))
-    question.answered({keys: column[:1] for keys, column in columns.items()})
+    answered = question.skipping if skips else question.answered
     many, took = 0, 0.0
-    while took < 0.25 and many < count:
-        many = min(max(1, 2 * many), count)
-        before = time.perf_counter()
-        question.answered({keys: column[:many] for keys, column in columns.items()})
-        took = time.perf_counter() - before
+    try:
+        answered({keys: column[:1] for keys, column in columns.items()})
+        while took < 0.25 and many < count:
+            many = min(max(1, 2 * many), count)
+            before = time.perf_counter()
+            answered({keys: column[:many] for keys, column in columns.items()})
+            took = time.perf_counter() - before
+    except DesignError:
+        return None
     return took / many
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "delta_e_2000",
     "edit",
     "film",
+    "film_grid",
     "gamut",
     "illuminant_names",
     "illuminant_spectrum",
@@ -132,6 +133,8 @@ class RunResult:
     def overview(self, title: str) -> str | None: ...
     def states(self) -> list[str]: ...
     def views(self) -> list[tuple[float, float]]: ...
+    def warnings(self) -> list[str]: ...
+    def notes(self) -> list[str]: ...
 
 @final
 class Batch:
@@ -197,13 +200,26 @@ def map(
 ) -> str | None: ...
 def delta_e_2000(pairs: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def film(
-    wavelength_nm: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    incidence: NDArray[np.float64],
-    layers: Sequence[tuple[NDArray[np.complex128], NDArray[np.float64]]],
-    substrate: NDArray[np.complex128],
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
     polarisation: str,
+    both: bool,
+    threads: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def film_grid(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    gap: int | None,
+    threads: int,
+) -> NDArray[np.float64]: ...
 def gamut(corners: NDArray[np.float64], of: str, covered: bool) -> NDArray[np.float64]: ...
 def illuminant_names() -> list[str]: ...
 def illuminant_spectrum(name: str, grid: tuple[float, float, float]) -> NDArray[np.float64]: ...
@@ -223,9 +239,10 @@ def bsdf(
     theta_i_deg: Sequence[float],
     theta_o_deg: Sequence[float],
     dphi_deg: Sequence[float],
+    step_deg: float | None,
     threads: int | None = None,
     progress: Callable[[dict[str, Any]], object] | None = None,
-) -> tuple[bytes, float]: ...
+) -> tuple[bytes, float, list[str], float | None]: ...
 def beams(
     scenario: Resolved,
     theta_deg: Sequence[float],

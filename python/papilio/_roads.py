@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 
+#: How to get what a cluster needs. (Papilio is in no index of packages.)
+INSTALL = 'pip install "./python[cluster]" at the top of the repository, or pip install distributed pyarrow'
+
+
 class Job(Protocol):
     """Work that a thread does at once; it can be pickled. ``str()`` says what it is."""
 
@@ -57,8 +61,9 @@ class Serial:
     def workers(self) -> int | None:
         return None
 
-    def seconds_each(self, question: Question, columns: Columns) -> float:
-        return _batches.seconds_each(question, columns) / self._threads
+    def seconds_each(self, question: Question, columns: Columns, skips: bool) -> float | None:
+        cost = _batches.seconds_each(question, columns, skips)
+        return None if cost is None else cost / self._threads
 
     def each(
         self, question: Question, jobs: Iterator[AnyJob], folder: str | None
@@ -91,13 +96,14 @@ class OnCluster:
                 warnings.warn("client: the cluster has no workers yet; waiting for the first", stacklevel=4)
         return self._threads
 
-    def seconds_each(self, question: Question, columns: Columns) -> float:
+    def seconds_each(self, question: Question, columns: Columns, skips: bool) -> float | None:
         self.workers()
         for _ in range(self._retries + 1):
-            trial = self._submitted(None, _batches.seconds_each, self._question, columns)
+            trial = self._submitted(None, _batches.seconds_each, self._question, columns, skips)
             self._waited()
             try:
-                return float(trial.result())
+                cost: float | None = trial.result()
+                return cost
             except PapilioError:
                 raise
             except Exception as error:
@@ -191,13 +197,12 @@ def _done(question: Question, job: Job, folder: str | None) -> Any:
 _COSTS: dict[tuple[str, type], float] = {}
 
 
-def seconds_each(question: Question, grid: Grid, road: Serial | OnCluster) -> float:
-    """What a design costs on this road."""
+def seconds_each(question: Question, grid: Grid, road: Serial | OnCluster, skips: bool = False) -> float:
+    """What a design costs on this road; with ``skips``, designs that cannot be are left out."""
     known = (question.address, type(road))
     if known not in _COSTS:
-        try:
-            cost = road.seconds_each(question, grid.sample(1024))
-        except DesignError:
+        cost = road.seconds_each(question, grid.sample(1024), skips)
+        if cost is None:
             return 1e-3  # the batch that holds that design will say which it is
         while len(_COSTS) > 100:
             _COSTS.pop(next(iter(_COSTS)))
@@ -214,7 +219,7 @@ def check_client(client: Client) -> None:
     try:
         from distributed import Client as Known
     except ImportError:
-        raise ArgumentError('client: dask.distributed is not installed: pip install "papilio[cluster]"') from None
+        raise ArgumentError(f"client: dask.distributed is not installed: {INSTALL}") from None
     if not isinstance(client, Known):
         raise ArgumentError(f"client: expected a distributed.Client, not {described(client)}")
     if client.asynchronous:

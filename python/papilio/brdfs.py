@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import html
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _papilio
+from . import _papilio, _said
 from ._arguments import ascending, reals
+from ._kept import fixed
+from ._mapping import ByName
 from .errors import ArgumentError
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
@@ -41,13 +44,14 @@ _SHARES = ("returned", "mirror", "haze", "lambertian", "beyond_2_5_deg")
 class Brdf:
     """A display's spectral BSDF in each of its states; what ``papilio brdf`` writes as ``display-bsdf.npz``.
 
-    ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array.
+    ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array. Arrays cannot be
+    written to: ``found.brdf.copy()`` can.
     """
 
-    def __init__(self, content: bytes, missed: float) -> None:
+    def __init__(self, content: bytes, missed: float, warned: Sequence[str] = (), notes: Sequence[str] = ()) -> None:
         self._content = content
         with np.load(io.BytesIO(content)) as arrays:
-            read_in = {name: arrays[name] for name in arrays.files}
+            read_in = {name: fixed(arrays[name]) for name in arrays.files}
         #: The names of the drive states.
         self.states = [str(name) for name in read_in["state"]]
         #: Inclinations of the light, degrees.
@@ -66,8 +70,13 @@ class Brdf:
         self.directional_hemispherical: NDArray[np.float64] = read_in["directional_hemispherical"]
         #: Format, program, scenario, conventions and solver.
         self.about: dict[str, Any] = json.loads(str(read_in["about"]))
-        #: How far a sum over the directions is from the light that leaves, of 1: above .02 they are too few.
+        #: How far a sum over the directions is from the light that leaves, of 1: above 0.02 they are too few, and ``warnings`` say so.
+        #: Of directions that were all given it tells how far they are from a table that can be summed.
         self.missed = missed
+        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        self.warnings = list(warned)
+        #: What the reader may like to know: what was measured, assumed, or scaled.
+        self.notes = list(notes)
 
     def to_xarray(self) -> xarray.Dataset:
         """All arrays as a Dataset over ``state``, ``theta_i_deg``, ``theta_o_deg``, ``dphi_deg`` and ``wavelength_nm``.
@@ -80,36 +89,56 @@ class Brdf:
         inner = {"brdf": tuple(_AXES), "specular": ("theta_i_deg", "wavelength_nm")}
         inner["directional_hemispherical"] = inner["specular"]
         data = {
-            name: (("state", *inner[name]), getattr(self, name), {"units": unit, "long_name": words})
+            name: (("state", *inner[name]), getattr(self, name).copy(), {"units": unit, "long_name": words})
             for name, (unit, words) in _ARRAYS.items()
         }
         coordinates: dict[str, Any] = {
-            name: (name, getattr(self, name), {"units": unit, "long_name": words}) for name, (unit, words) in _AXES.items()
+            name: (name, getattr(self, name).copy(), {"units": unit, "long_name": words}) for name, (unit, words) in _AXES.items()
         }
         coordinates["state"] = ("state", self.states, {"long_name": "drive state"})
         about = {key: self.about[key] for key in ("papilio", "title", "hash")}
-        return xarray.Dataset(data, coordinates, about | {"missed": self.missed})
+        told = _said.attributes(self.warnings, self.notes)
+        return xarray.Dataset(data, coordinates, about | {"missed": self.missed} | told)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes ``display-bsdf.npz``, byte for byte the program's."""
         Path(path).write_bytes(self._content)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._content, self.missed, self.warnings, self.notes)
+
     def __repr__(self) -> str:
         directions = f"{self.theta_i_deg.size} x {self.theta_o_deg.size} x {self.dphi_deg.size} directions"
-        return f"<papilio.Brdf {self.about['title']!r}: {len(self.states)} states, {directions}, {self.wavelength_nm.size} wavelengths>"
+        size = f"{len(self.states)} states, {directions}, {self.wavelength_nm.size} wavelengths"
+        return f"<papilio.Brdf {self.about['title']!r}: {size}{_said.short(self.warnings)}>"
+
+    def _repr_html_(self) -> str:
+        """What it is, warnings and notes."""
+        return f"<p>{html.escape(repr(self))}</p>{_said.listed(self.warnings, self.notes)}"
 
 
-class Reflection:
-    """Mirror, haze and Lambertian parts of what a display reflects, in luminous shares; see `reflection`."""
+class Reflection(ByName[NDArray[np.float64]]):
+    """Mirror, haze and Lambertian parts of what a display reflects, in luminous shares; see `reflection`.
 
-    def __init__(self, text: str) -> None:
+    Arrays cannot be written to.
+    """
+
+    def __init__(self, text: str, warned: Sequence[str] = (), notes: Sequence[str] = ()) -> None:
+        self._text = text
         rows = [line.split(",") for line in text.splitlines()[1:]]
         #: Inclinations of the beam, degrees.
-        self.theta_deg: NDArray[np.float64] = np.array(list(dict.fromkeys(float(row[0]) for row in rows)))
+        self.theta_deg: NDArray[np.float64] = fixed(np.array(list(dict.fromkeys(float(row[0]) for row in rows))))
         #: The names of the drive states.
         self.states = list(dict.fromkeys(row[1] for row in rows))
         numbers = np.array([[float(cell) if cell else np.nan for cell in row[2:]] for row in rows], dtype=np.float64)
-        self._shares = numbers.reshape(self.theta_deg.size, len(self.states), len(_SHARES))
+        self._shares: NDArray[np.float64] = fixed(numbers.reshape(self.theta_deg.size, len(self.states), len(_SHARES)))
+        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        self.warnings = list(warned)
+        #: What the reader may like to know: what was measured, assumed, or scaled.
+        self.notes = list(notes)
+
+    def _names(self) -> Iterable[str]:
+        return _SHARES
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """``returned`` (of the beam: all that leaves), its parts ``mirror``, ``haze`` and ``lambertian``, or ``beyond_2_5_deg`` (of what
@@ -130,18 +159,27 @@ class Reflection:
         """
         import xarray
 
-        data = {name: (("theta_deg", "state"), self[name], {"units": "1"}) for name in _SHARES}
-        theta = ("theta_deg", self.theta_deg, {"units": "degree", "long_name": "inclination of the beam"})
-        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)})
+        data = {name: (("theta_deg", "state"), self[name].copy(), {"units": "1"}) for name in _SHARES}
+        theta = ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the beam"})
+        told = _said.attributes(self.warnings, self.notes)
+        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)}, told)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._text, self.warnings, self.notes)
 
     def __repr__(self) -> str:
-        return f"<papilio.Reflection: {self.theta_deg.size} inclinations, states {', '.join(self.states)}>"
+        size = f"{self.theta_deg.size} inclinations, states {', '.join(self.states)}"
+        return f"<papilio.Reflection: {size}{_said.short(self.warnings)}>"
+
+    def _repr_html_(self) -> str:
+        """What it is, warnings and notes."""
+        return f"<p>{html.escape(repr(self))}</p>{_said.listed(self.warnings, self.notes)}"
 
 
 def brdf(
     scenario: Scenario | str | PathLike[str],
     *,
-    step_deg: float = 5.0,
+    step_deg: float | None = None,
     theta_i_deg: ArrayLike | None = None,
     theta_o_deg: ArrayLike | None = None,
     dphi_deg: ArrayLike | None = None,
@@ -151,9 +189,15 @@ def brdf(
 ) -> Brdf:
     """The finished display as a spectral BSDF, without its room: what ``papilio brdf`` computes, by adding.
 
+    Without a step the directions are as close as the display asks for: from 5 degrees on finer, until a sum over the table's
+    directions misses at most 0.02 of what leaves (``missed``), or a finer table would have more than 1e8 numbers. That may take
+    minutes and hundreds of megabytes; a larger ``spectrum.step_nm`` keeps the table small. With a step that is too coarse, there
+    is a warning.
+
     Args:
         scenario: a `Scenario`, or the path of one; its light and viewer play no part.
-        step_deg: step of all directions that are not given, a divisor of 90 degrees.
+        step_deg: step of all directions that are not given, a divisor of 90 degrees; None: as fine as it has to be (with directions
+            of the viewer that are given: 5).
         theta_i_deg: inclinations of the light, ascending, 0 to less than 90 degrees.
         theta_o_deg: inclinations of the viewer, likewise.
         dphi_deg: azimuths between both, ascending, 0 to 180 degrees.
@@ -164,25 +208,65 @@ def brdf(
     Raises:
         ArgumentError: names the argument that is wrong; more than 1e8 numbers.
         ScenarioError, DisplayError, KeyboardInterrupt: as of `papilio.run`.
+
+    Warns:
+        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
     """
     changed = read(scenario, with_solver(set))
-    step = float(reals("step_deg", step_deg, least=0.01, most=90.0))
-    steps = round(90.0 / step)
-    if abs(90.0 / step - steps) >= 1e-9:
-        raise ArgumentError(f"step_deg: expected a divisor of 90 degrees, not {step_deg!r}")
     below = float(np.nextafter(90.0, 0.0))
-    inclinations = [step * i for i in range(steps)]
-    azimuths = [step * i for i in range(2 * steps + 1)]
-    content, missed = _papilio.bsdf(
-        changed._scene(),
-        changed.title,
-        ascending("theta_i_deg", theta_i_deg, below) or inclinations,
-        ascending("theta_o_deg", theta_o_deg, below) or inclinations,
-        ascending("dphi_deg", dphi_deg, 180.0) or azimuths,
+    asked = _Asked(
+        changed,
+        ascending("theta_i_deg", theta_i_deg, below),
+        ascending("theta_o_deg", theta_o_deg, below),
+        ascending("dphi_deg", dphi_deg, 180.0),
         checked_threads(threads),
         checked_progress(progress),
     )
-    return Brdf(content, missed)
+    found, finer = asked.found(_FIRST_STEP_DEG if step_deg is None else _checked_step(step_deg))
+    while step_deg is None and finer is not None:
+        found, finer = asked.found(finer)
+    _said.warn(found.warnings)
+    return found
+
+
+#: The step of ``papilio brdf``.
+_FIRST_STEP_DEG = 5.0
+
+
+def _checked_step(step_deg: float) -> float:
+    step = float(reals("step_deg", step_deg, least=0.01, most=90.0))
+    if abs(90.0 / step - round(90.0 / step)) >= 1e-9:
+        raise ArgumentError(f"step_deg: expected a divisor of 90 degrees, not {step_deg!r}")
+    return step
+
+
+class _Asked(NamedTuple):
+    """A display, the directions that are given, and how to compute."""
+
+    scenario: Scenario
+    theta_i_deg: list[float] | None
+    theta_o_deg: list[float] | None
+    dphi_deg: list[float] | None
+    threads: int | None
+    progress: Progress | None
+
+    def found(self, step: float) -> tuple[Brdf, float | None]:
+        """The table with all other directions in steps, and the step that would do, if this does not and that one can."""
+        steps = round(90.0 / step)
+        scene = self.scenario._scene()
+        # Of some directions of the viewer, a sum says nothing.
+        is_even = self.theta_o_deg is None and self.dphi_deg is None
+        content, missed, warned, finer = _papilio.bsdf(
+            scene,
+            self.scenario.title,
+            self.theta_i_deg or [step * i for i in range(steps)],
+            self.theta_o_deg or [step * i for i in range(steps)],
+            self.dphi_deg or [step * i for i in range(2 * steps + 1)],
+            step if is_even else None,
+            self.threads,
+            self.progress,
+        )
+        return Brdf(content, missed, _said.both(scene.warnings, warned), scene.notes), finer
 
 
 def reflection(
@@ -206,7 +290,8 @@ def reflection(
         ArgumentError: names the argument that is wrong.
         ScenarioError, DisplayError, KeyboardInterrupt: as of `papilio.run`.
     """
-    changed = read(scenario, with_solver(set))
+    scene = read(scenario, with_solver(set))._scene()
     thetas = ascending("theta_deg", theta_deg, float(np.nextafter(87.0, 0.0))) or []
-    text = _papilio.beams(changed._scene(), thetas, checked_threads(threads), checked_progress(progress))
-    return Reflection(text.decode())
+    text = _papilio.beams(scene, thetas, checked_threads(threads), checked_progress(progress))
+    _said.warn(scene.warnings)
+    return Reflection(text.decode(), scene.warnings, scene.notes)

@@ -14,18 +14,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _batches, _parts
+from . import _batches, _parts, _said
 from ._arguments import common_shape, described, one_of, reals, whole
 from ._batches import Batch, Grid, Question
-from ._roads import Failed, OnCluster, Serial, check_client, seconds_each
+from ._roads import INSTALL, Failed, OnCluster, Serial, check_client, seconds_each
 from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
-from .prepared import Keys, Skipped, checked_metrics, columns, named
+from ._dims import is_labelled
+from .prepared import AnyKeys, Keys, Skipped, checked_metrics, columns, named
 from .running import checked_threads
 from .scenario import Scenario, read
 
@@ -34,13 +35,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
 
+#: What becomes of designs that cannot be.
+OnError = Literal["raise", "nan"]
+
 #: What a ``progress`` function is given: ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
 Progress = Callable[[dict[str, Any]], object]
 
 
 def evaluate_many(
     scenario: Scenario | str | PathLike[str],
-    variables: Mapping[Keys, ArrayLike],
+    variables: Mapping[AnyKeys, ArrayLike],
     metrics: Sequence[str],
     *,
     view: int = 0,
@@ -50,7 +54,7 @@ def evaluate_many(
     batch_seconds: float = 4.0,
     threads: int | None = None,
     retries: int = 3,
-    on_error: str = "raise",
+    on_error: OnError = "raise",
     progress: Progress | bool | None = None,
 ) -> Evaluated:
     """Metrics of very many designs, shape [designs..., metric]; see `Prepared.evaluate`, whose numbers these are.
@@ -81,30 +85,53 @@ def evaluate_many(
         DesignError: names the first design found that cannot be (unless ``on_error="nan"``).
         ScenarioError: a key that no scenario has.
         ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
+
+    Warns:
+        PapilioWarning: what looks wrong about the scenario; ``warnings`` of what is found has it, too.
     """
-    grid = _grid(variables)
-    question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
-    skips = one_of("on_error", on_error, ("raise", "nan")) == "nan"
-    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, skips, progress)
+    found = _found(scenario, variables, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, progress)
+    _said.warn(found.warnings)
+    return found
 
 
 def sweep(
     scenario: Scenario | str | PathLike[str],
-    axes: Mapping[Keys, ArrayLike],
+    axes: Mapping[AnyKeys, ArrayLike],
     metrics: Sequence[str],
-    **options: Any,
+    *,
+    view: int = 0,
+    set: Mapping[str, Any] | None = None,
+    out: str | PathLike[str] | None = None,
+    client: Client | None = None,
+    batch_seconds: float = 4.0,
+    threads: int | None = None,
+    retries: int = 3,
+    on_error: OnError = "raise",
+    progress: Progress | bool | None = None,
 ) -> Evaluated:
     """Metrics at every combination of axes, shape [axes..., metric].
 
-    ``axes``: keys, or tuples of keys that move alike, with their values, one dimension each. The options are those of
-    `evaluate_many`.
+    ``axes``: keys, or tuples of keys that move alike, with their values, one dimension each. The options, errors and warnings are
+    those of `evaluate_many`.
     """
+    if not isinstance(axes, Mapping):
+        raise ArgumentError(f"axes: expected a dict of keys and values, not {described(axes)}")
+    given: dict[Keys, Any] = {keys: one for keys, one in axes.items()}
+    dims = [one.dims for one in given.values() if is_labelled(one)]
+    if len({name for own in dims for name in own}) < sum(map(len, dims)):
+        raise ArgumentError(
+            f"axes: two of them have the same dimension ({', '.join(map(str, dims))}): what goes together is for "
+            "papilio.cluster.evaluate_many; here every value meets every other"
+        )
+    plain = {keys: np.asarray(one) if is_labelled(one) else one for keys, one in given.items()}
     open_grid: dict[Keys, ArrayLike] = {}
-    for at, (keys, line) in enumerate(columns(axes).items()):
+    for at, (keys, line) in enumerate(columns(plain)[0].items()):
         if line.ndim != 1:
             raise ArgumentError(f"axes: expected the values of {keys!r} in one dimension, not shape {line.shape}")
         open_grid[keys] = line.reshape([-1 if i == at else 1 for i in range(len(axes))])
-    return evaluate_many(scenario, open_grid, metrics, **options)
+    found = _found(scenario, open_grid, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, progress)
+    _said.warn(found.warnings)
+    return found
 
 
 def print_progress(state: Mapping[str, Any]) -> None:
@@ -117,6 +144,27 @@ def print_progress(state: Mapping[str, Any]) -> None:
     line = f"{state['done']:,} of {state['of']:,} designs, {rate:,.0f}/s{of_workers}{left}"
     sys.stderr.write(f"\r{line:<79}{end}")
     sys.stderr.flush()
+
+
+def _found(
+    scenario: Scenario | str | PathLike[str],
+    variables: Mapping[AnyKeys, ArrayLike],
+    metrics: Sequence[str],
+    view: int,
+    set: Mapping[str, Any] | None,
+    out: str | PathLike[str] | None,
+    client: Client | None,
+    batch_seconds: float,
+    threads: int | None,
+    retries: int,
+    on_error: OnError,
+    progress: Progress | bool | None,
+) -> Evaluated:
+    """`evaluate_many`, without its warnings."""
+    grid = _grid(variables)
+    question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
+    skips = one_of("on_error", on_error, ("raise", "nan")) == "nan"
+    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, skips, progress)
 
 
 def _evaluated(
@@ -136,7 +184,7 @@ def _evaluated(
     if client is not None:
         check_client(client)
     road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
-    folder, size = _opened(out, question, grid, road, seconds)
+    folder, size = _opened(out, question, grid, road, seconds, skips)
     tell = _Telling(progress, grid.size, road)
     found: dict[str, tuple[NDArray[np.float64], Skipped]] = {}
     order: list[str] = []
@@ -165,11 +213,11 @@ def _evaluated(
     return Evaluated(grid, question, order, found, folder, size, tell.reused)
 
 
-def _grid(variables: Mapping[Keys, ArrayLike]) -> Grid:
-    arrays = columns(variables)
+def _grid(variables: Mapping[AnyKeys, ArrayLike]) -> Grid:
+    arrays, dims = columns(variables)
     if not arrays:
         raise ArgumentError("variables: expected at least one key")
-    return Grid(arrays, common_shape({named(keys): array for keys, array in arrays.items()}))
+    return Grid(arrays, common_shape({named(keys): array for keys, array in arrays.items()}), dims)
 
 
 def _question(scenario: Scenario, variables: tuple[Keys, ...], metrics: Sequence[str], view: int) -> Question:
@@ -180,7 +228,12 @@ def _question(scenario: Scenario, variables: tuple[Keys, ...], metrics: Sequence
 
 
 def _opened(
-    out: str | PathLike[str] | None, question: Question, grid: Grid, road: Serial | OnCluster, batch_seconds: float
+    out: str | PathLike[str] | None,
+    question: Question,
+    grid: Grid,
+    road: Serial | OnCluster,
+    batch_seconds: float,
+    skips: bool,
 ) -> tuple[Path | None, int]:
     """The folder for parts, if there is one, and how many designs make a batch."""
     where = None if out is None else Path(os.path.abspath(out))
@@ -188,10 +241,10 @@ def _opened(
         try:
             import pyarrow  # noqa: F401
         except ImportError:
-            raise ArgumentError('out: results are written by pyarrow, which is not installed: pip install "papilio[cluster]"') from None
+            raise ArgumentError(f"out: results are written by pyarrow, which is not installed: {INSTALL}") from None
     size = None if where is None else _parts.known_size(where, question.address)
     if size is None and grid.size:
-        each = seconds_each(question, grid, road)
+        each = seconds_each(question, grid, road, skips)
         size = _batches.batch_size(each, batch_seconds, grid.size, road.workers() or 1)
     if where is None:
         return None, size or 1

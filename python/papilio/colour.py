@@ -7,15 +7,31 @@ chromaticity of no light) is NaN. Sources: CIE 15:2018; CIEDE2000 as in Sharma, 
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Literal
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arguments, _papilio
+from . import _arguments, _papilio, _said
+from ._dims import check_places, is_labelled
 from .errors import ArgumentError
 
-__all__ = ["coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
+__all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
+
+#: The CIE standard observer of 2 or of 10 degrees.
+Observer = Literal["1931", "1964"]
+
+#: A triangle of primaries.
+Gamut = Literal["srgb", "ebu", "ntsc", "dci-p3"]
 
 _GAMUTS = ("srgb", "ebu", "ntsc", "dci-p3")
+
+#: Where the observer sees, in steps of scenarios, nm.
+_SEEN_NM = np.arange(380.0, 781.0, 5.0)
+
+#: Spectra may leave out as much of X, Y or Z of the light without a word.
+_LEFT_OUT = 1e-3
 
 
 def illuminant_names() -> list[str]:
@@ -30,7 +46,7 @@ def illuminant(name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
 
 
 def xyz(
-    spectra: ArrayLike, wavelength_nm: ArrayLike, light: str | ArrayLike | None = "D65", *, observer: str = "1931"
+    spectra: ArrayLike, wavelength_nm: ArrayLike, light: str | ArrayLike | None = "D65", *, observer: Observer = "1931"
 ) -> NDArray[np.float64]:
     """X, Y, Z of spectra, shape [..., wavelength] to [..., 3].
 
@@ -40,9 +56,16 @@ def xyz(
         light: its name or spectrum; Y is 1 for a perfect white in it. None: X, Y, Z in the spectra's unit times nm.
         observer: "1931" (2 degrees) or "1964" (10 degrees).
 
-    Spectra are interpolated linearly to 1 nm, within 380 to 780 nm.
+    What is seen, the product of spectrum and light at the wavelengths given, is interpolated linearly to 1 nm and summed within 380
+    to 780 nm. Steps of 1 to 10 nm agree within a colour difference (CIEDE2000) of about 0.15 over narrow-band lights, too; steps of 20 nm
+    are up to 1 off. What lies beyond the wavelengths given is left out.
+
+    Warns:
+        PapilioWarning: the wavelengths leave out more than 0.1 % of X, Y or Z of the light.
     """
     _arguments.one_of("observer", observer, ("1931", "1964"))
+    given = {"spectra": spectra, "wavelength_nm": wavelength_nm, "light": light}
+    check_places({name: one for name, one in given.items() if is_labelled(one)})
     grid = _arguments.grid("wavelength_nm", wavelength_nm)
     count = np.asarray(wavelength_nm).size
     numbers = _arguments.reals("spectra", spectra)
@@ -56,15 +79,20 @@ def xyz(
         scale = float(_papilio.xyz(grid, observer, np.ascontiguousarray(of_light))[1])
         if not scale > 0.0:
             raise ArgumentError("light: it holds no visible light")
-    return _rows(_papilio.xyz(grid, observer, _flat(numbers)), numbers.shape[:-1], 3) / scale
+    found = _rows(_papilio.xyz(grid, observer, _flat(numbers)), numbers.shape[:-1], 3) / scale
+    _said.warn(_truncated(grid[0], grid[1], light if isinstance(light, str) else None, observer))
+    return found
 
 
-def lab(colours: ArrayLike, white: ArrayLike = (0.95047, 1.0, 1.08883)) -> NDArray[np.float64]:
+def lab(colours: ArrayLike, white: ArrayLike | None = None) -> NDArray[np.float64]:
     """L*, a*, b* of X, Y, Z against a white's, shape [..., 3].
 
-    Both are on one scale: the default white is D65 with Y = 1, as of colours that `xyz` gives under a light.
+    Both are on one scale, Y = 1 for a perfect white, as of colours that `xyz` gives under a light. Without a white it is the perfect
+    white that `xyz` gives under "D65" at 380 to 780 nm in steps of 5 nm, (0.95042, 1, 1.08861): L*, a*, b* of that are exactly 100, 0, 0
+    (within 5e-5 in steps of 1 to 10 nm). For other lights, observers and wavelengths give theirs:
+    ``white=xyz(np.ones(nm.size), nm, light)``.
     """
-    pairs, shape = _together(3, colours=colours, white=white)
+    pairs, shape = _together(3, colours=colours, white=_white_of_d65() if white is None else white)
     return _rows(_papilio.lab(pairs), shape, 3)
 
 
@@ -75,7 +103,7 @@ def uv_prime(colours: ArrayLike) -> NDArray[np.float64]:
     return _rows(_papilio.uv_prime(_flat(numbers)), numbers.shape[:-1], 2)
 
 
-def gamut_percent(primaries: ArrayLike, reference: str = "srgb") -> NDArray[np.float64]:
+def gamut_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np.float64]:
     """Area of the triangle of red, green and blue in u'v', % of a reference's; shape [..., 3, 2] to [...].
 
     ``reference``: "srgb", "ebu", "ntsc" or "dci-p3".
@@ -83,7 +111,7 @@ def gamut_percent(primaries: ArrayLike, reference: str = "srgb") -> NDArray[np.f
     return _gamut(primaries, reference, False)
 
 
-def coverage_percent(primaries: ArrayLike, reference: str = "srgb") -> NDArray[np.float64]:
+def coverage_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np.float64]:
     """The part of a reference's triangle in u'v' that red, green and blue cover, %; shape [..., 3, 2] to [...]."""
     return _gamut(primaries, reference, True)
 
@@ -92,6 +120,32 @@ def delta_e_2000(one: ArrayLike, other: ArrayLike) -> NDArray[np.float64]:
     """CIEDE2000 difference of L*, a*, b*, all weights 1; shapes [..., 3] to [...]."""
     pairs, shape = _together(3, one=one, other=other)
     return _papilio.delta_e_2000(pairs).reshape(shape)
+
+
+@cache
+def _white_of_d65() -> tuple[float, ...]:
+    return tuple(xyz(np.ones(_SEEN_NM.size), _SEEN_NM, "D65").tolist())
+
+
+@cache
+def _truncated(first_nm: float, last_nm: float, light: str | None, observer: Observer) -> list[str]:
+    """A warning, if wavelengths from ``first_nm`` to ``last_nm`` leave out what the observer sees of a light; None: of equal energy."""
+    if first_nm <= _SEEN_NM[0] and last_nm >= _SEEN_NM[-1]:
+        return []
+    whole = np.ones(_SEEN_NM.size) if light is None else illuminant(light, _SEEN_NM)
+    fine_nm = np.arange(_SEEN_NM[0], _SEEN_NM[-1] + 1.0)
+    fine = np.interp(fine_nm, _SEEN_NM, whole)
+    inside = np.where((fine_nm >= first_nm - 1e-6) & (fine_nm <= last_nm + 1e-6), fine, 0.0)
+    seen, of_all = (_papilio.xyz(_arguments.grid("wavelength_nm", fine_nm), observer, one) for one in (inside, fine))
+    missing = 1.0 - seen / of_all
+    if missing.max() <= _LEFT_OUT:
+        return []
+    shares = ", ".join(f"{100 * share:.2g} % of {name}" for share, name in zip(missing, "XYZ", strict=True))
+    of = "a light of equal energy" if light is None else light
+    return [
+        f"wavelength_nm: {first_nm:g} to {last_nm:g} nm leave out {shares} of {of}, which is seen from 380 to 780 nm; "
+        "of colours against white, take the white of the same wavelengths: lab(colours, white=xyz(np.ones(nm.size), nm, light))"
+    ]
 
 
 def _gamut(primaries: ArrayLike, reference: str, covered: bool) -> NDArray[np.float64]:
@@ -104,6 +158,7 @@ def _gamut(primaries: ArrayLike, reference: str, covered: bool) -> NDArray[np.fl
 
 def _together(length: int, **colours: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     """Colours of two arguments side by side, flat, and the shape of their other axes."""
+    check_places(colours)
     arrays = {name: _arguments.reals(name, values, missing=True) for name, values in colours.items()}
     for name, array in arrays.items():
         _arguments.last_axis(name, array, length, "a colour")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import html
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -10,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _papilio, _words
+from . import _kept, _papilio, _said, _words
 from ._arguments import ascending
+from ._kept import KeptCone, fixed
+from ._mapping import ByName
 from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
@@ -22,27 +25,31 @@ if TYPE_CHECKING:
 __all__ = ["Cone", "cone"]
 
 
-class Cone:
+class Cone(ByName[NDArray[np.float64]]):
     """A viewing cone: numbers of the eye (no spectra) over all directions.
 
     ``cone["contrast_ratio"]`` has the shape [phi, theta], ``cone["Y"]`` the shape [phi, theta, state]; NaN where
-    something is not defined. A notebook shows its maps.
+    something is not defined. Arrays cannot be written to: ``cone[name].copy()`` can. It can be copied and pickled. A notebook shows
+    its maps.
     """
 
-    def __init__(self, core: _papilio.Cone, title: str = "") -> None:
+    def __init__(
+        self, core: _papilio.Cone | KeptCone, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
+    ) -> None:
         self._core = core
+        self._said = _said.both(warned, core.warnings()), list(notes)
         #: The scenario's title.
         self.title = title
 
     @cached_property
     def theta_deg(self) -> NDArray[np.float64]:
         """Inclinations, degrees."""
-        return self._core.theta_deg()
+        return fixed(self._core.theta_deg())
 
     @cached_property
     def phi_deg(self) -> NDArray[np.float64]:
         """Azimuths, degrees."""
-        return self._core.phi_deg()
+        return fixed(self._core.phi_deg())
 
     @property
     def states(self) -> list[str]:
@@ -51,12 +58,21 @@ class Cone:
 
     @property
     def warnings(self) -> list[str]:
-        """What the reader should know."""
-        return self._core.warnings()
+        """What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found."""
+        return list(self._said[0])
+
+    @property
+    def notes(self) -> list[str]:
+        """What the reader may like to know: what was measured, assumed, or scaled."""
+        return list(self._said[1])
 
     @cached_property
     def _arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
-        return self._core.arrays()
+        return _kept.fixed_arrays(self._core.arrays())
+
+    def _names(self) -> Iterable[str]:
+        together, alone = self._arrays
+        return [*together, *alone]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """The numbers of this name; see the class."""
@@ -74,13 +90,13 @@ class Cone:
         data: dict[str, Any] = {}
         for dimensions, arrays in [(("phi_deg", "theta_deg"), together), (("phi_deg", "theta_deg", "state"), alone)]:
             for name, values in arrays.items():
-                data[name] = (dimensions, values, _words.attributes(name))
+                data[name] = (dimensions, values.copy(), _words.attributes(name))
         coordinates: dict[str, Any] = {
-            "theta_deg": ("theta_deg", self.theta_deg, {"units": "degree", "long_name": "inclination of the view"}),
-            "phi_deg": ("phi_deg", self.phi_deg, {"units": "degree", "long_name": "azimuth of the view"}),
+            "theta_deg": ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the view"}),
+            "phi_deg": ("phi_deg", self.phi_deg.copy(), {"units": "degree", "long_name": "azimuth of the view"}),
             "state": ("state", self.states, {"long_name": "drive state"}),
         }
-        return xarray.Dataset(data, coordinates, {"title": self.title})
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _said.attributes(*self._said))
 
     def figure(self) -> Figure | None:
         """Its maps; None where the directions span no area."""
@@ -89,10 +105,25 @@ class Cone:
 
     def _repr_html_(self) -> str:
         figure = self.figure()
-        return repr(self) if figure is None else figure.svg
+        shown = html.escape(repr(self)) if figure is None else figure.svg
+        return shown + _said.listed(*self._said)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (_kept.packed(KeptCone.of(self._core, self.title)), self.title, *self._said)
+
+    def __copy__(self) -> Cone:
+        return Cone(self._core, self.title, *self._said)
+
+    def __deepcopy__(self, memo: object) -> Cone:
+        return self.__copy__()  # nothing in it can be changed
 
     def __repr__(self) -> str:
-        return f"<papilio.Cone {self.title!r}: {self.theta_deg.size} x {self.phi_deg.size} directions>"
+        size = f"{self.theta_deg.size} x {self.phi_deg.size} directions"
+        return f"<papilio.Cone {self.title!r}: {size}{_said.short(self._said[0])}>"
+
+
+def _restored(content: bytes, title: str, warned: list[str], notes: list[str]) -> Cone:
+    return Cone(_kept.unpacked(content), title, warned, notes)
 
 
 def cone(
@@ -113,9 +144,15 @@ def cone(
         set: values put in before, ``{path: value}``.
         threads: how many; None: one for each processor.
         progress: called a few times a second.
+
+    Warns:
+        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
     """
     changed = read(scenario, with_solver(set))
+    scene = changed._scene()
     thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
     phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
-    core = _papilio.Cone(changed._scene(), thetas, phis, checked_threads(threads), checked_progress(progress))
-    return Cone(core, changed.title)
+    core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress))
+    found = Cone(core, changed.title, scene.warnings, scene.notes)
+    _said.warn(found.warnings)
+    return found

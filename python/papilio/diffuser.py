@@ -6,11 +6,11 @@ import json
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from . import _papilio
+from . import _papilio, _said
 from ._arguments import one_of
-from .errors import ArgumentError
+from .errors import ArgumentError, FileError
 from .figure import Figure
 from .scenario import _checked_path
 
@@ -29,11 +29,15 @@ class Diffuser:
 
     Raises:
         FileError: with the place of what is wrong.
+
+    Warns:
+        PapilioWarning: what looked wrong and could be read; ``warnings`` has it, too.
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
         self._path = _checked_path("path", path)
         self._core = _papilio.Diffuser(self._path)
+        _said.warn(self.warnings)
 
     @property
     def warnings(self) -> list[str]:
@@ -66,7 +70,7 @@ class Diffuser:
         at = 0 if part is None else self.parts.index(one_of("part", part, self.parts))
         return dict(json.loads(self._core.fit(at, kind)))
 
-    def convert(self, output: str | PathLike[str], format: str | None = None) -> list[str]:
+    def convert(self, output: str | PathLike[str], format: Literal["bsdf", "csv", "xml", "npz"] | None = None) -> list[str]:
         """Writes it as another file, and tells what that does not hold.
 
         ``format``: "bsdf" (Radiant, Zemax), "csv", "xml" (Klems) or "npz" (papilio's own); by default as the name ends.
@@ -76,6 +80,8 @@ class Diffuser:
         chosen = one_of("format", by_name if format is None else format, _FORMATS)
         if Path(where).exists() and Path(where).samefile(self._path):
             raise ArgumentError(f"output: {where} is read here, and would be overwritten")
+        if not Path(where).parent.is_dir():
+            raise FileError(f"{where}: this file cannot be written: there is no folder {str(Path(where).parent)!r}")
         return self._core.convert(where, chosen)
 
     def __str__(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-__all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "ScenarioError"]
+__all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "PapilioWarning", "ScenarioError"]
 
 
 class Mistake(NamedTuple):
@@ -29,6 +29,10 @@ class Mistake(NamedTuple):
 
 class PapilioError(Exception):
     """What went wrong, in words; every exception of papilio's own is one."""
+
+
+class PapilioWarning(UserWarning):
+    """What the user of a result should know: the warnings that the program prints, which the result has as ``warnings``, too."""
 
 
 class _Placed(PapilioError, ValueError):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _parts, _words
+from . import _parts, _said, _words
 from ._batches import Grid, Question, as_names
+from ._dims import Dims
+from ._kept import fixed
+from ._mapping import Lookup
 from .prepared import Skipped
 
 if TYPE_CHECKING:
@@ -20,8 +25,8 @@ if TYPE_CHECKING:
 __all__ = ["Evaluated"]
 
 
-class Evaluated:
-    """Metrics of designs, from `papilio.cluster`."""
+class Evaluated(Lookup[NDArray[np.float64]]):
+    """Metrics of designs, from `papilio.cluster`. Its arrays cannot be written to: ``found["white.Y"].copy()`` can."""
 
     def __init__(
         self,
@@ -40,6 +45,11 @@ class Evaluated:
         self.designs_per_part = batch
         #: Designs that were there already.
         self.reused = reused
+        scene = question.scenario._scene()
+        #: What looks wrong about the scenario, and yet can be computed; of designs that change it, nothing is known.
+        self.warnings: list[str] = list(scene.warnings)
+        #: What the reader may like to know: what was measured, assumed, or scaled.
+        self.notes: list[str] = list(scene.notes)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -68,7 +78,14 @@ class Evaluated:
             if known is not None:
                 flat[start : start + len(known)] = known
                 start += len(known)
-        return flat.reshape(self.shape)
+        return fixed(flat.reshape(self.shape))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is unpickled can be written to: these are made anew.
+        return {name: one for name, one in self.__dict__.items() if name != "values"}
+
+    def _names(self) -> Iterable[str]:
+        return self.metrics
 
     @cached_property
     def errors(self) -> list[tuple[tuple[int, ...], str]]:
@@ -105,8 +122,12 @@ class Evaluated:
         return pandas.DataFrame({**table, **{name: flat[:, at] for at, name in enumerate(self.metrics)}})
 
     def to_xarray(self) -> xarray.Dataset:
-        """The metrics over the variables. An axis is a variable if that alone varies along it, else ``design``."""
+        """The metrics over the variables. An axis is a variable if that alone varies along it, else ``design``; of variables that
+        were arrays of xarray's it keeps its name."""
         import xarray
+
+        if self._grid.dims is not None:
+            return self._labelled(self._grid.dims)
 
         dimensions = [f"design_{at}" for at in range(len(self._grid.shape))]
         if len(dimensions) == 1:
@@ -127,10 +148,28 @@ class Evaluated:
             name: ([dimensions[at] for at in along[name]], np.squeeze(column, axis=tuple(at for at in range(column.ndim) if at not in along[name])))
             for name, column in padded.items()
         }
-        data = {_words.flat(name): (dimensions, self[name], _words.attributes(name)) for name in self.metrics}
+        data = {_words.flat(name): (dimensions, self[name].copy(), _words.attributes(name)) for name in self.metrics}
+        return xarray.Dataset(data, coordinates, self._about())
+
+    def _labelled(self, dims: Dims) -> xarray.Dataset:
+        """The metrics over the dimensions of variables that were arrays of xarray's."""
+        import xarray
+
+        names, coordinates = dims.names, dict(dims.coordinates)
+        for name, column in self._variables().items():
+            at = [axis for axis in range(column.ndim) if column.shape[axis] > 1 or self._grid.shape[axis] == 1]
+            coordinates[name] = ([names[axis] for axis in at], column.reshape([column.shape[axis] for axis in at]))
+        data = {_words.flat(name): (names, self[name].copy(), _words.attributes(name)) for name in self.metrics}
+        return xarray.Dataset(data, coordinates, self._about())
+
+    def _about(self) -> dict[str, Any]:
         about = {"papilio": self._question.version, "hash": self._question.hash, "view": self._question.view}
-        return xarray.Dataset(data, coordinates, about)
+        return about | _said.attributes(self.warnings, self.notes)
 
     def __repr__(self) -> str:
         where = "in memory" if self.folder is None else f"in {self.folder}"
-        return f"<papilio.Evaluated: {self._grid.size:,} designs, {', '.join(self.metrics)}; {where}>"
+        return f"<papilio.Evaluated: {self._grid.size:,} designs, {', '.join(self.metrics)}; {where}{_said.short(self.warnings)}>"
+
+    def _repr_html_(self) -> str:
+        """What it is, warnings and notes."""
+        return f"<p>{html.escape(repr(self))}</p>{_said.listed(self.warnings, self.notes)}"

@@ -7,20 +7,26 @@ Filters", 4th ed., chapter 2.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from os import PathLike, fspath
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments, _papilio
+from ._dims import check_places
 from .errors import ArgumentError
+from .running import checked_threads
 
-__all__ = ["Power", "index", "material_names", "power", "reflectance", "transmittance"]
+__all__ = ["Material", "Polarisation", "Power", "index", "material_names", "power", "reflectance", "transmittance"]
 
 #: A name ("SiO2"), a number or array n + 1j k, or the path of an n-k file.
 Material = str | PathLike[str] | complex | ArrayLike
+
+#: One of both polarisations, or the mean of them.
+Polarisation = Literal["s", "p", "mean"]
 
 
 class Power(NamedTuple):
@@ -37,7 +43,7 @@ class Power(NamedTuple):
 
 
 def material_names() -> list[str]:
-    """The names of materials; docs/materials says where their numbers come from."""
+    """The names of materials; docs/films.md says where their numbers come from."""
     return _papilio.material_names()
 
 
@@ -68,11 +74,13 @@ def power(
     *,
     incidence: ArrayLike = 1.0,
     substrate: Material = "Al",
-    polarisation: str = "mean",
+    polarisation: Polarisation = "mean",
+    threads: int | None = None,
 ) -> Power:
-    """Reflectance and transmittance of films.
+    """Reflectance and transmittance of films, in SIMD registers and on threads, without the interpreter.
 
-    Wavelengths, angles, thicknesses, indices and media broadcast as numpy does; the answers have their common shape::
+    Wavelengths, angles, thicknesses, indices and media broadcast as numpy does; the answers have their common shape.
+    (By place: xarray's arrays with other dimensions are refused.) ::
 
         d = np.linspace(0, 200, 101)                  # designs
         nm = np.arange(380, 781, 5)
@@ -86,11 +94,28 @@ def power(
         incidence: index of that (transparent) medium.
         substrate: semi-infinite, behind the layers.
         polarisation: "s", "p", or "mean" of both.
+        threads: how many; None: one for each processor. They change no number.
 
     Raises:
         ArgumentError: names what is wrong.
+        KeyboardInterrupt: on Ctrl-C.
     """
+    return Power(*_computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, True, threads))
+
+
+def _computed(
+    layers: Sequence[tuple[Material, ArrayLike]],
+    wavelength_nm: ArrayLike,
+    theta_deg: ArrayLike,
+    incidence: ArrayLike,
+    substrate: Material,
+    polarisation: Polarisation,
+    both: bool,
+    threads: int | None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Reflectance and, if ``both``, transmittance."""
     _arguments.one_of("polarisation", polarisation, ("s", "p", "mean"))
+    given: dict[str, Any] = {"wavelength_nm": wavelength_nm, "theta_deg": theta_deg, "incidence": incidence, "substrate": substrate}
     arrays: dict[str, NDArray[np.float64]] = {
         "wavelength_nm": _arguments.reals("wavelength_nm", wavelength_nm, least=1.0, most=1e6),
         "theta_deg": _arguments.reals("theta_deg", theta_deg, least=0.0, most=np.nextafter(90.0, 0.0)),
@@ -103,22 +128,102 @@ def power(
         if not isinstance(layer, (tuple, list)) or len(layer) != 2:
             raise ArgumentError(f"{name}: expected (material, thickness in nm), not {_arguments.described(layer)}")
         material, thickness = layer
+        given |= {name: material, f"{name} thickness": thickness}
         media[name] = index(material, wavelength_nm, name=name)
         arrays[f"{name} thickness"] = _arguments.reals(f"{name} thickness", thickness, least=0.0)
+    check_places({name: one for name, one in given.items() if not isinstance(one, (str, PathLike))})
     shape = _arguments.common_shape({**arrays, **media})
+    if 0 in shape:
+        return np.zeros(shape), np.zeros(shape)
+    sine = np.sin(np.radians(arrays["theta_deg"]))
+    beta, index_0 = np.broadcast_arrays(arrays["incidence"] * sine, arrays["incidence"])
+    nm = [arrays[f"layers[{i}] thickness"] for i in range(count)]
+    indices = [media[f"layers[{i}]"] for i in range(count)]
+    workers = checked_threads(threads) or os.cpu_count() or 1
+    grid = None if both or polarisation != "mean" else _grid(shape, arrays, [*indices, media["substrate"]], nm)
+    laid, gap = grid or (_in_rows(shape), None)
+    lengths = [laid.shape[axis] for axis in laid.order]
+    stack = [(*laid.parts(index), laid.spread(thickness)) for index, thickness in zip(indices, nm, strict=True)]
+    around = laid.spread(arrays["wavelength_nm"]), laid.spread(beta), laid.spread(index_0)
+    if grid is None:
+        flat, other = _papilio.film(lengths, *around, stack, laid.parts(media["substrate"]), polarisation, both, workers)
+        return laid.back(flat, shape), laid.back(other, shape) if both else other
+    return laid.back(_papilio.film_grid(lengths, *around, stack, laid.parts(media["substrate"]), gap, workers), shape), np.zeros(0)
 
-    def at(name: str) -> NDArray[np.float64]:
-        return np.broadcast_to(arrays[name], shape)
 
-    def medium(name: str) -> NDArray[np.complex128]:
-        return np.broadcast_to(media[name], shape)
+#: Numbers, and how far apart they are along each axis of a call.
+_Spread = tuple[NDArray[np.float64], list[int]]
 
-    beta = arrays["incidence"] * np.sin(np.radians(arrays["theta_deg"]))
-    stack = [(medium(f"layers[{i}]"), at(f"layers[{i}] thickness")) for i in range(count)]
-    of = _papilio.film(
-        at("wavelength_nm"), np.broadcast_to(beta, shape), at("incidence"), stack, medium("substrate"), polarisation
-    )
-    return Power(of[0].reshape(shape), of[1].reshape(shape))
+#: Wavelengths in a register, and directions and gaps for which the preparation of a grid is worth it.
+_FEW_WAVELENGTHS, _FEW_PAIRS = 4, 16
+
+
+class _Laid(NamedTuple):
+    """How arrays are handed over: their common shape, and the order of its axes."""
+
+    shape: tuple[int, ...]
+    order: list[int]
+
+    def spread(self, array: NDArray[np.float64]) -> _Spread:
+        """The numbers of an array that broadcasts to the shape, each once."""
+        last = np.asarray(_once(array, len(self.shape)).transpose(self.order), order="C")
+        steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
+        return last.reshape(-1), steps
+
+    def parts(self, array: NDArray[np.complex128]) -> tuple[_Spread, _Spread]:
+        """The real and the imaginary one."""
+        return self.spread(array.real), self.spread(array.imag)
+
+    def back(self, flat: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+        """Numbers in this order of axes as an array; axes of length 1 before those of ``shape`` go."""
+        found = flat.reshape([self.shape[axis] for axis in self.order]).transpose(np.argsort(self.order))
+        return np.asarray(found.reshape(shape), order="C")
+
+
+def _once(array: NDArray[Any], axes: int) -> NDArray[Any]:
+    """An array with so many axes, of length 1 where it does not change."""
+    padded = array.reshape((1,) * (axes - array.ndim) + array.shape)
+    return padded[tuple(slice(0, 1) if stride == 0 else slice(None) for stride in padded.strides)]
+
+
+def _in_rows(shape: tuple[int, ...]) -> _Laid:
+    """The points of the longest axis side by side."""
+    longest = max(range(len(shape)), key=lambda axis: (shape[axis], axis), default=None)
+    return _Laid(shape, [axis for axis in range(len(shape)) if axis != longest] + ([] if longest is None else [longest]))
+
+
+def _grid(
+    shape: tuple[int, ...], arrays: dict[str, NDArray[np.float64]], media: list[NDArray[np.complex128]], nm: list[NDArray[np.float64]]
+) -> tuple[_Laid, int | None] | None:
+    """The grid of directions, gaps and wavelengths that arrays span, if they do.
+
+    That is an axis along which wavelengths and indices change alone, one along which the angle does, and one along which the
+    thickness of a single layer does (its number is given). Two axes of length 1 stand in for those that are not there. Other axes come
+    first; along them anything may change.
+    """
+
+    def along(some: Sequence[NDArray[Any]]) -> list[set[int]]:
+        return [{axis for axis, length in enumerate(_once(one, len(shape)).shape) if length > 1} for one in some]
+
+    spectral = set().union(*along([arrays["wavelength_nm"], *media]))
+    tilted, immersed = along([arrays["theta_deg"], arrays["incidence"]])
+    thick = along(nm)
+    thicknesses = set().union(*thick)
+    colours = spectral - tilted - immersed - thicknesses
+    directions = tilted - spectral - immersed - thicknesses
+    alone = {axis: [i for i, axes in enumerate(thick) if axis in axes] for axis in thicknesses - spectral - tilted - immersed}
+    gaps = {axis: layers[0] for axis, layers in alone.items() if len(layers) == 1}
+
+    def longest(axes: Sequence[int]) -> int | None:
+        return max(axes, key=lambda axis: (shape[axis], axis), default=None)
+
+    colour, direction, gap = longest([*colours]), longest([*directions]), longest([*gaps])
+    many = (1 if direction is None else shape[direction]) * (1 if gap is None else shape[gap])
+    if colour is None or shape[colour] < _FEW_WAVELENGTHS or many < _FEW_PAIRS:
+        return None
+    chosen = [0 if direction is None else direction + 2, 1 if gap is None else gap + 2, colour + 2]
+    others = [axis for axis in range(len(shape) + 2) if axis not in chosen]
+    return _Laid((1, 1, *shape), [*others, *chosen]), None if gap is None else gaps[gap]
 
 
 def reflectance(
@@ -128,12 +233,11 @@ def reflectance(
     *,
     incidence: ArrayLike = 1.0,
     substrate: Material = "Al",
-    polarisation: str = "mean",
+    polarisation: Polarisation = "mean",
+    threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """The share of the power that is reflected; see `power`."""
-    return power(
-        layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation
-    ).reflectance
+    """The share of the power that is reflected; arguments and errors are those of `power`."""
+    return _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)[0]
 
 
 def transmittance(
@@ -143,11 +247,12 @@ def transmittance(
     *,
     incidence: ArrayLike = 1.0,
     substrate: Material = "Al",
-    polarisation: str = "mean",
+    polarisation: Polarisation = "mean",
+    threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """The share of the power that enters the substrate; see `power`."""
+    """The share of the power that enters the substrate; arguments and errors are those of `power`."""
     return power(
-        layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation
+        layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation, threads=threads
     ).transmittance
 
 

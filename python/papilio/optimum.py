@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio, _pieces
+from . import _papilio, _pieces, _said
 from ._arguments import checked_folder, whole
 from ._roads import OnCluster, check_client
 from .errors import ArgumentError
@@ -53,6 +53,19 @@ class Optimum:
         self.evaluations = int(said["evaluations"])
         self._table: str = said["table"]
         self._figures: list[tuple[str, str]] = said["figures"]
+        scene = scenario._scene()
+        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        self.warnings: list[str] = [*scene.warnings, *self._missed()]
+        #: What the reader may like to know: what was measured, assumed, or scaled.
+        self.notes: list[str] = list(scene.notes)
+
+    def _missed(self) -> list[str]:
+        """The program's words about what a search did not find."""
+        if not self.designs:
+            return ["no design could be evaluated: what is asked is not defined anywhere"]
+        if not self.designs[0].meets_limits:
+            return ["no design was found that meets all limits; this one misses them least"]
+        return []
 
     def _design(self, said: Mapping[str, Any]) -> Design:
         values = [float("nan") if value is None else float(value) for value in said["values"]]
@@ -114,7 +127,7 @@ class Optimum:
         return [where / name for name in texts]
 
     def __repr__(self) -> str:
-        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated>"
+        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated{_said.short(self.warnings)}>"
 
     def _repr_html_(self) -> str:
         titles = ["", *self.own.values, *self._quantities]
@@ -125,7 +138,8 @@ class Optimum:
             cells = [*design.values.values(), *design.metrics.values()]
             shown = "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in cells)
             rows += f"<tr><th>{name}</th>{shown}</tr>"
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        return table + _said.listed(self.warnings, self.notes)
 
 
 def optimize(
@@ -160,6 +174,9 @@ def optimize(
         ClusterError: the cluster was closed, or lost a piece too often. What is in ``out`` stays.
         FileError: the journal cannot be used: another program has it, ...
         KeyboardInterrupt: on Ctrl-C.
+
+    Warns:
+        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
     """
     changed = read(scenario, with_solver(set))
     workers = checked_threads(threads) or os.cpu_count() or 1
@@ -178,11 +195,13 @@ def optimize(
             road = OnCluster(client, question, retries)
             search.begin(folder, max(1, road.workers() or 1))
             _pieces.compute(question, search, road, tell)
-        return Optimum(changed, json.loads(search.result(changed.title)))
+        found = Optimum(changed, json.loads(search.result(changed.title)))
     finally:
         search.close()
         if isinstance(tell, Line):
             tell.end()
+    _said.warn(found.warnings)
+    return found
 
 
 def _shown(cell: object) -> str:

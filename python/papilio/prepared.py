@@ -6,25 +6,32 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arguments, _papilio
+from . import _arguments, _papilio, _said
 from ._arguments import described, text, whole
+from ._dims import Dims, crossed
 from ._toml import plain
 from .errors import ArgumentError, DesignError
 from .result import Result
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
 
-__all__ = ["Prepared", "metric_names"]
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["AnyKeys", "Keys", "Prepared", "metric_names"]
 
 _Answer = TypeVar("_Answer")
 
 #: One key of a scenario, or several that move alike.
 Keys = str | tuple[str, ...]
+
+#: Whichever of these a dictionary was made for: a mapping's type of keys is taken as it is, and no other.
+AnyKeys = TypeVar("AnyKeys", bound=Keys)
 
 #: Designs that cannot be: the number of each, and why.
 Skipped = list[tuple[int, str]]
@@ -47,13 +54,35 @@ class Prepared:
         y = prepared.evaluate({"display.pixel.film.0.thickness_nm": d}, metrics=["gamut_percent_srgb", "white.Y"])
         y.shape                                       # (31, 2)
 
-    It can be pickled: its scenario goes, the kernels are made anew.
+    What looks wrong about the scenario and yet can be computed is raised as a `papilio.PapilioWarning` here; what only a run finds
+    (a target that was not reached) is raised by `run`. It can be pickled: its scenario goes, the kernels are made anew.
     """
 
     def __init__(self, scenario: Scenario | str | PathLike[str], *, set: Mapping[str, Any] | None = None) -> None:
-        self._scenario = read(scenario, with_solver(set)).copy()
-        self._kept = _papilio.Prepared(self._scenario._scene())
+        self._prepare(read(scenario, with_solver(set)).copy())
+        _said.warn(self.warnings)
+
+    def _prepare(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._kept = _papilio.Prepared(scenario._scene())
         self._batches: dict[Any, _papilio.Batch] = {}
+
+    @classmethod
+    def _silent(cls, scenario: Scenario) -> Prepared:
+        """One for a scenario whose warnings have been heard."""
+        made = cls.__new__(cls)
+        made._prepare(scenario)
+        return made
+
+    @property
+    def warnings(self) -> list[str]:
+        """What looks wrong about the scenario, and yet can be computed; of designs that change it, nothing is known."""
+        return self._scenario._scene().warnings
+
+    @property
+    def notes(self) -> list[str]:
+        """What the reader may like to know: what was measured, assumed, or scaled."""
+        return self._scenario._scene().notes
 
     @property
     def scenario(self) -> Scenario:
@@ -70,18 +99,41 @@ class Prepared:
         """All that is known of one design: the scenario with ``{path: value}`` set; see `papilio.run`."""
         changed = self._scenario.with_values(with_solver(values)) if values else self._scenario
         core = self._kept.run(changed._scene(), checked_threads(threads), checked_progress(progress))
+        _said.warn(core.warnings())
         return Result(core, changed.title)
 
+    @overload
     def evaluate(
         self,
-        variables: Mapping[Keys, ArrayLike],
+        variables: Mapping[AnyKeys, xarray.DataArray],
         metrics: Sequence[str],
         *,
         view: int = 0,
         threads: int | None = None,
         progress: Progress | None = None,
-    ) -> NDArray[np.float64]:
+    ) -> xarray.DataArray: ...
+    @overload
+    def evaluate(
+        self,
+        variables: Mapping[AnyKeys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: int = 0,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> NDArray[np.float64]: ...
+    def evaluate(
+        self,
+        variables: Mapping[AnyKeys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: int = 0,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Any:
         """Metrics of many designs in one call, shape [designs..., metric]; NaN where one is not defined.
+
+        Arrays of xarray's are crossed by their dimensions, and the answer is a DataArray over these and ``metric``.
 
         Args:
             variables: keys (``display.pixel.gap_nm.red``), or tuples of keys that move alike, with an array of their
@@ -98,25 +150,46 @@ class Prepared:
             KeyboardInterrupt: on Ctrl-C, within about a second.
         """
         call = self._call(variables, metrics, view, threads, progress)
-        return call.array(call.answer(call.batch.evaluate)[0])
+        found = call.array(call.answer(call.batch.evaluate)[0])
+        return found if call.dims is None else call.dims.labelled(found, metric=list(metrics))
 
     def _skipping(
-        self, variables: Mapping[Keys, ArrayLike], metrics: Sequence[str], view: int, threads: int | None
+        self, variables: Mapping[AnyKeys, ArrayLike], metrics: Sequence[str], view: int, threads: int | None
     ) -> tuple[NDArray[np.float64], Skipped]:
         """As `evaluate`; but designs that cannot be are NaN, and stand beside: their number and why."""
         call = self._call(variables, metrics, view, threads, None)
         values, skipped = call.batch.evaluate(call.designs, call.many, call.threads, None, skip=True)
         return call.array(values), skipped
 
+    @overload
     def derivatives(
         self,
-        variables: Mapping[Keys, ArrayLike],
+        variables: Mapping[AnyKeys, xarray.DataArray],
         metrics: Sequence[str],
         *,
         view: int = 0,
         threads: int | None = None,
         progress: Progress | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    ) -> tuple[xarray.DataArray, xarray.DataArray]: ...
+    @overload
+    def derivatives(
+        self,
+        variables: Mapping[AnyKeys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: int = 0,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def derivatives(
+        self,
+        variables: Mapping[AnyKeys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: int = 0,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Any:
         """Metrics of many designs and their slopes: shapes [designs..., metric] and [designs..., metric, variable].
 
         A slope is that of the metric by the variable (for several keys: by their common value), in its own unit; NaN
@@ -126,11 +199,15 @@ class Prepared:
         """
         call = self._call(variables, metrics, view, threads, progress)
         values, slopes = call.answer(call.batch.derivatives)
-        return call.array(values), call.array(slopes, len(variables))
+        found, steep = call.array(values), call.array(slopes, len(variables))
+        if call.dims is None:
+            return found, steep
+        names = [", ".join(_keys(keys)) for keys in variables]
+        return call.dims.labelled(found, metric=list(metrics)), call.dims.labelled(steep, metric=list(metrics), variable=names)
 
     def _call(
         self,
-        variables: Mapping[Keys, ArrayLike],
+        variables: Mapping[AnyKeys, ArrayLike],
         metrics: Sequence[str],
         view: int,
         threads: int | None,
@@ -138,7 +215,7 @@ class Prepared:
     ) -> _Call:
         """The checked arguments of a call."""
         asked = checked_metrics(metrics)
-        arrays, choices = _split(variables)
+        arrays, choices, dims = _split(variables)
         shape = _arguments.common_shape(arrays) if arrays else ()
         at = whole("view", view, 0, 4999)
         designs = np.stack([np.broadcast_to(array, shape) for array in arrays.values()], axis=-1) if arrays else np.zeros((1, 0))
@@ -149,6 +226,7 @@ class Prepared:
             len(asked),
             checked_threads(threads) or os.cpu_count() or 1,
             checked_progress(progress),
+            dims,
         )
 
     def _batch(
@@ -167,10 +245,14 @@ class Prepared:
         return self._batches[question]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._scenario,)
+        return _again, (self._scenario,)
 
     def __repr__(self) -> str:
-        return f"<papilio.Prepared {self._scenario.name!r}>"
+        return f"<papilio.Prepared {self._scenario.name!r}{_said.short(self.warnings)}>"
+
+
+def _again(scenario: Scenario) -> Prepared:
+    return Prepared._silent(scenario)
 
 
 class _Call(NamedTuple):
@@ -182,6 +264,8 @@ class _Call(NamedTuple):
     metrics: int
     threads: int
     progress: Progress | None
+    #: Of arrays of xarray's.
+    dims: Dims | None
 
     @property
     def many(self) -> int:
@@ -214,13 +298,12 @@ def _keys(keys: Keys) -> tuple[str, ...]:
     return (keys,) if isinstance(keys, str) else tuple(keys)
 
 
-def columns(variables: Mapping[Keys, ArrayLike]) -> dict[Keys, NDArray[Any]]:
-    """The numbers or words of each variable."""
+def columns(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[Keys, NDArray[Any]], Dims | None]:
+    """The numbers or words of each variable; of arrays of xarray's so that they broadcast, and their dimensions."""
     if not isinstance(variables, Mapping):
         raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
-    arrays: dict[Keys, NDArray[Any]] = {}
     varied: set[str] = set()
-    for keys, values in variables.items():
+    for keys in variables:
         if not isinstance(keys, (str, tuple)) or not keys:
             raise ArgumentError(f"variables: expected a key, as display.pixel.gap_nm.red, or a tuple of them, not {described(keys)}")
         for path in _keys(keys):
@@ -228,9 +311,13 @@ def columns(variables: Mapping[Keys, ArrayLike]) -> dict[Keys, NDArray[Any]]:
             if path in varied:
                 raise ArgumentError(f"variables: {path} varies twice")
             varied.add(path)
+    given: dict[Keys, Any] = {keys: values for keys, values in variables.items()}
+    plain_ones, dims = crossed(given, {keys: named(keys) for keys in given})
+    arrays: dict[Keys, NDArray[Any]] = {}
+    for each, values in plain_ones.items():
         words = _words(values)
-        arrays[keys] = _arguments.reals(named(keys), values) if words is None else words
-    return arrays
+        arrays[each] = _arguments.reals(named(each), values) if words is None else words
+    return arrays, dims
 
 
 def named(keys: Keys) -> str:
@@ -238,11 +325,12 @@ def named(keys: Keys) -> str:
     return f"variables[{', '.join(_keys(keys))!r}]"
 
 
-def _split(variables: Mapping[Keys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None]]:
-    """The numbers of each variable, and what they count where its values are words."""
+def _split(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None], Dims | None]:
+    """The numbers of each variable, what they count where its values are words, and the dimensions of arrays of xarray's."""
     arrays: dict[str, NDArray[np.float64]] = {}
     choices: list[list[Any] | None] = []
-    for keys, values in columns(variables).items():
+    found, dims = columns(variables)
+    for keys, values in found.items():
         if values.dtype.kind == "U":
             known, which = np.unique(values, return_inverse=True)
             choices.append(plain(known, named(keys)))
@@ -250,7 +338,7 @@ def _split(variables: Mapping[Keys, ArrayLike]) -> tuple[dict[str, NDArray[np.fl
         else:
             choices.append(None)
             arrays[named(keys)] = values
-    return arrays, choices
+    return arrays, choices, dims
 
 
 def _words(values: ArrayLike) -> NDArray[np.str_] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio, _samples
+from . import _kept, _papilio, _said, _samples
 from ._arguments import checked_folder, reals, whole
+from ._kept import KeptProduction, fixed
 from ._roads import OnCluster, check_client
 from .errors import DesignError
 from .figure import Figure
@@ -34,11 +35,19 @@ _PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 class Yield:
     """How the metrics of a production scatter, how much of it meets its limits, and what is to blame.
 
-    `report` is what ``papilio tolerance`` writes as ``tolerance.json``; a notebook shows a table.
+    `report` is what ``papilio tolerance`` writes as ``tolerance.json``; a notebook shows a table. It can be copied and pickled, and
+    then needs neither its scenario nor its files.
     """
 
-    def __init__(self, core: _papilio.Production, numbers: NDArray[np.float64], title: str = "") -> None:
-        self._core, self._numbers = core, numbers
+    def __init__(
+        self,
+        core: _papilio.Production | KeptProduction,
+        numbers: NDArray[np.float64],
+        title: str = "",
+        warned: Sequence[str] = (),
+        notes: Sequence[str] = (),
+    ) -> None:
+        self._core, self._numbers = core, fixed(numbers)
         #: The scenario's title.
         self.title = title
         keys, metrics = core.names()
@@ -49,8 +58,12 @@ class Yield:
         #: Yield, percentiles, sensitivities and the worst displays, each number with its standard error.
         self.report: dict[str, Any] = json.loads(core.report(numbers))
         starts = np.cumsum([0, *(core.width(row) for row in range(core.rows - 1))])
-        #: The metrics of every display, shape [display, metric]; NaN where one is not defined.
-        self.values: NDArray[np.float64] = numbers[starts[:, None] + np.arange(len(metrics))]
+        #: The metrics of every display, shape [display, metric]; NaN where one is not defined. It cannot be written to.
+        self.values: NDArray[np.float64] = fixed(numbers[starts[:, None] + np.arange(len(metrics))])
+        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        self.warnings = list(warned)
+        #: What the reader may like to know: what was measured, assumed, or scaled.
+        self.notes = list(notes)
 
     @property
     def share(self) -> float:
@@ -84,8 +97,18 @@ class Yield:
             (where / name).write_bytes(content)
         return [where / name for name in contents]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        kept = _kept.packed(KeptProduction.made(self._core, self._numbers, self.title))
+        return _restored, (kept, self._numbers, self.title, self.warnings, self.notes)
+
+    def __copy__(self) -> Yield:
+        return Yield(self._core, self._numbers, self.title, self.warnings, self.notes)
+
+    def __deepcopy__(self, memo: object) -> Yield:
+        return self.__copy__()  # what it has is fixed, or made anew
+
     def __repr__(self) -> str:
-        return f"<papilio.Yield: {100 * self.share:.4g} % of {self.values.shape[0]} displays>"
+        return f"<papilio.Yield: {100 * self.share:.4g} % of {self.values.shape[0]} displays{_said.short(self.warnings)}>"
 
     def _repr_html_(self) -> str:
         """The percentiles of every metric."""
@@ -98,7 +121,14 @@ class Yield:
         titles = ["", "mean", "deviation", *(f"{percent} %" for percent in _PERCENTILES)]
         head = "".join(f"<th>{title}</th>" for title in titles)
         said = f"{100 * self.share:.4g} % of {self.values.shape[0]} displays meet all limits"
-        return f"<p>{said}</p><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        return f"<p>{said}</p>{table}{_said.listed(self.warnings, self.notes)}"
+
+
+def _restored(
+    content: bytes, numbers: NDArray[np.float64], title: str, warned: list[str], notes: list[str]
+) -> Yield:
+    return Yield(_kept.unpacked(content), numbers, title, warned, notes)
 
 
 def tolerance(
@@ -133,6 +163,9 @@ def tolerance(
         ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
         FileError: the journal cannot be used: another program has it, ...
         KeyboardInterrupt: on Ctrl-C.
+
+    Warns:
+        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
     """
     changed = read(scenario, with_solver(set))
     workers = checked_threads(threads) or os.cpu_count() or 1
@@ -156,8 +189,11 @@ def tolerance(
         else:
             question = _samples.question(changed, core)
             _samples.compute(question, core, missing, OnCluster(client, question, retries), seconds, tell)
-        return Yield(core, core.finish(), changed.title)
+        scene = changed._scene()
+        found = Yield(core, core.finish(), changed.title, scene.warnings, scene.notes)
     finally:
         core.close()
         if isinstance(tell, Line):
             tell.end()
+    _said.warn(found.warnings)
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio, _words
+from . import _kept, _papilio, _said, _words
+from ._kept import KeptRun, fixed
+from ._mapping import ByName
 from .errors import ArgumentError
 from .figure import Figure
 
@@ -29,7 +31,7 @@ _Arrays = Mapping[str, NDArray[np.float64]]
 _SHOWN = ("Y", "contrast", "L_star", "a_star", "b_star", "u_prime", "v_prime", "luminance_cd_m2", "peak_nm")
 
 
-class Result:
+class Result(ByName[NDArray[np.float64]]):
     """What a meter would report of a display, with errors; what ``papilio run`` writes as ``result.json``.
 
     Numbers come as arrays over views (theta fastest), states and wavelengths. Names are those of ``result.json``
@@ -41,10 +43,13 @@ class Result:
         result["reflectance_factor"]        # shape [view, state, wavelength]
         result["standard_error.Y"]          # one sigma; "discretisation_error.Y" of adding
 
-    What is undefined is NaN. A notebook shows a table and the overview figure of the first view.
+    What is undefined is NaN. Arrays cannot be written to: ``result[name].copy()`` can. ``keys()``, iteration and ``dict(result)`` go
+    over the arrays of all states; ``in`` and ``get`` know those of one state (``"white.Y"``), too. A result can be copied
+    and pickled, and then needs neither its scenario nor its files. A notebook shows a table, what there is to know of it, and the
+    overview figure of the first view.
     """
 
-    def __init__(self, core: _papilio.RunResult, title: str = "") -> None:
+    def __init__(self, core: _papilio.RunResult | KeptRun, title: str = "") -> None:
         self._core = core
         #: The scenario's title.
         self.title = title
@@ -62,16 +67,25 @@ class Result:
     @cached_property
     def wavelength_nm(self) -> NDArray[np.float64]:
         """The wavelengths of spectra, nm."""
-        return self._core.wavelength_nm()
+        return fixed(self._core.wavelength_nm())
 
     @property
     def warnings(self) -> list[str]:
-        """What the reader should know."""
-        return list(self.data["warnings"])
+        """What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found."""
+        return self._core.warnings()
+
+    @property
+    def notes(self) -> list[str]:
+        """What the reader may like to know: what was measured, assumed, or scaled."""
+        return self._core.notes()
 
     @cached_property
     def _arrays(self) -> tuple[_Arrays, _Arrays]:
-        return self._core.arrays()
+        return _kept.fixed_arrays(self._core.arrays())
+
+    def _names(self) -> Iterable[str]:
+        together, alone = self._arrays
+        return [*together, *alone]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """The numbers of this name; see the class.
@@ -114,7 +128,8 @@ class Result:
     def to_xarray(self) -> xarray.Dataset:
         """All numbers as a Dataset over ``view``, ``state`` and ``wavelength_nm``, with units and long names.
 
-        ``theta_deg`` and ``phi_deg`` are coordinates of ``view``; ``Y_standard_error`` stands beside ``Y``.
+        ``theta_deg`` and ``phi_deg`` are coordinates of ``view``; ``Y_standard_error`` stands beside ``Y``. Its attributes
+        ``warnings`` and ``notes`` hold a line for each.
 
         Raises:
             ImportError: without xarray.
@@ -126,19 +141,19 @@ class Result:
         for before, arrays in [(("view",), together), (("view", "state"), alone)]:
             for name, values in arrays.items():
                 inner = _words.inner_dimensions(name, values.ndim - len(before))
-                data[_words.flat(name)] = ((*before, *inner), values, _words.attributes(name))
+                data[_words.flat(name)] = ((*before, *inner), values.copy(), _words.attributes(name))
         white = self._core.radiance_of_white()
-        data["radiance_of_white"] = (("wavelength_nm",), white, _words.attributes("radiance_of_white"))
+        data["radiance_of_white"] = (("wavelength_nm",), white.copy(), _words.attributes("radiance_of_white"))
         angles = np.array(self.views).reshape(-1, 2).T
         degrees = {"units": "degree"}
         coordinates: dict[str, Any] = {
             "state": ("state", self.states, {"long_name": "drive state"}),
-            "wavelength_nm": ("wavelength_nm", self.wavelength_nm, {"units": "nm", "long_name": "wavelength in vacuum"}),
+            "wavelength_nm": ("wavelength_nm", self.wavelength_nm.copy(), {"units": "nm", "long_name": "wavelength in vacuum"}),
             "theta_deg": ("view", angles[0], degrees | {"long_name": "inclination of the view"}),
             "phi_deg": ("view", angles[1], degrees | {"long_name": "azimuth of the view"}),
         }
         about = {key: self.data[key] for key in ("papilio", "hash", "seed")} | {"title": self.title}
-        return xarray.Dataset(data, coordinates, about)
+        return xarray.Dataset(data, coordinates, about | _said.attributes(self.warnings, self.notes))
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table of ``states.csv``: a row for each view and state, ``Y_se`` and ``Y_de`` beside ``Y``.
@@ -172,11 +187,22 @@ class Result:
             (where / name).write_bytes(content)
         return [where / name for name in texts]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (_kept.packed(KeptRun.of(self._core, self.title)), self.title)
+
+    def __copy__(self) -> Result:
+        return Result(self._core, self.title)
+
+    def __deepcopy__(self, memo: object) -> Result:
+        return self.__copy__()  # nothing in it can be changed
+
     def __repr__(self) -> str:
-        return f"<papilio.Result {self.title!r}: {len(self.views)} views, states {', '.join(self.states)}>"
+        return (
+            f"<papilio.Result {self.title!r}: {len(self.views)} views, states {', '.join(self.states)}{_said.short(self.warnings)}>"
+        )
 
     def _repr_html_(self) -> str:
-        """A table of the first view, and its overview."""
+        """A table of the first view, warnings and notes, and its overview."""
         alone = self._arrays[1]
         shown = [name for name in _SHOWN if name in alone]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in ("state", *shown))
@@ -187,7 +213,12 @@ class Result:
         together = [(name, values[0]) for name, values in self._arrays[0].items() if "." not in name]
         said = ", ".join(f"{name} {_digits(value)}" for name, value in together if np.isfinite(value))
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        return f"<h4>{html.escape(self.title)}</h4>{table}<p>{html.escape(said)}</p>{self._core.overview(self.title) or ''}"
+        told = _said.listed(self.warnings, self.notes)
+        return f"<h4>{html.escape(self.title)}</h4>{table}<p>{html.escape(said)}</p>{told}{self._core.overview(self.title) or ''}"
+
+
+def _restored(content: bytes, title: str) -> Result:
+    return Result(_kept.unpacked(content), title)
 
 
 def _column(name: str, cells: tuple[str, ...]) -> list[str] | list[float]:

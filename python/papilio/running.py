@@ -5,15 +5,18 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
-from . import _papilio
+from . import _papilio, _said
 from ._arguments import described, one_of, whole
 from .errors import ArgumentError
 from .result import Result
 from .scenario import Scenario, read
 
-__all__ = ["Progress", "run"]
+__all__ = ["Progress", "Solver", "run"]
+
+#: How a display is computed.
+Solver = Literal["adding", "walk"]
 
 #: What a ``progress`` function is given: of a run views_done, views, relative_error, target and paths; of designs and
 #: searches done and of.
@@ -26,7 +29,7 @@ _LARGEST_SEED = 2**63 - 1
 def run(
     scenario: Scenario | str | PathLike[str],
     *,
-    solver: str | None = None,
+    solver: Solver | None = None,
     seed: int | None = None,
     threads: int | None = None,
     set: Mapping[str, Any] | None = None,
@@ -46,10 +49,14 @@ def run(
         ScenarioError: with the place of what is wrong.
         DisplayError: if the display cannot be computed.
         KeyboardInterrupt: on Ctrl-C, within about a second.
+
+    Warns:
+        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
     """
     changed = read(scenario, with_solver(set, solver, seed))
     scene = changed._scene()
     core = _papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress))
+    _said.warn(core.warnings())
     return Result(core, changed.title)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike, fspath
-from typing import Any
+from typing import Any, Literal
 
 from . import _arguments, _papilio
 from ._arguments import described, one_of, whole
+from ._mapping import ByName
 from ._toml import document, plain
 from .errors import ArgumentError
 
@@ -20,12 +21,12 @@ def preset_names() -> list[str]:
     return _papilio.preset_names()
 
 
-def schema(of: str = "scenario") -> dict[str, Any]:
+def schema(of: Literal["scenario", "result"] = "scenario") -> dict[str, Any]:
     """The JSON Schema of a ``"scenario"`` or of a ``"result"`` (of ``result.json``)."""
     return dict(json.loads(_papilio.schema(one_of("of", of, ("scenario", "result")) == "result")))
 
 
-class Scenario:
+class Scenario(ByName[Any]):
     """A display, the light on it, the viewer, and how to compute: a TOML text and what it says.
 
     Paths are those of ``--set``: dotted, arrays by index from 0. Reading gives the value with all defaults
@@ -37,6 +38,7 @@ class Scenario:
         scenario.update({"display.diffuser.haze": 0.6, "viewer.theta_deg": [0, 15, 30]})
         print(scenario.to_toml())
 
+    As a mapping it has the keys of its tables: ``dict(scenario)`` is `to_dict`; ``in`` and ``get`` know paths, too.
     A change that makes the scenario wrong raises `ScenarioError` with its place in the text, and changes nothing.
     What only files and other keys can tell (a share that is missing, a spectrum that does not reach) shows when the
     scenario is run, or with `check`.
@@ -105,6 +107,12 @@ class Scenario:
         """A commented scenario of an example display in a preset's light (`preset_names`)."""
         known = one_of("preset", preset, preset_names())
         return cls(_papilio.new_scenario(known), name=known)
+
+    def _names(self) -> Iterable[str]:
+        return self.to_dict()
+
+    def _read(self) -> dict[str, Any]:
+        return self.to_dict()
 
     def __getitem__(self, path: str) -> Any:
         """The value at a path, defaults filled in.

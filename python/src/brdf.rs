@@ -3,7 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::pixel::state_names;
+use papilio_display::scene::Stop;
 use papilio_display::{BrdfGrid, Control, DisplayError, brdf, reflection};
+use papilio_findings::{brdf_warnings, finer_step};
 use papilio_formats::{BsdfSource, write_bsdf, write_reflection};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -14,9 +16,11 @@ use crate::scenario::Resolved;
 use crate::watch::watched;
 
 /// The display's BSDF at these inclinations of light and viewer and these azimuths between them, degrees: the bytes of
-/// `display-bsdf.npz`; and how far a sum over the directions misses what leaves.
+/// `display-bsdf.npz`; and how far a sum over the directions misses what leaves, warnings, and the step that would do where this one does not (and a table
+/// in it can be held). Of directions
+/// that are not in steps of `step_deg`, nothing is said of sums.
 #[pyfunction]
-#[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, threads=None, progress=None))]
+#[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, step_deg, threads=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "directions of a table, and how it is computed")]
 pub(crate) fn bsdf<'py>(
     py: Python<'py>,
@@ -25,9 +29,10 @@ pub(crate) fn bsdf<'py>(
     theta_i_deg: Vec<f64>,
     theta_o_deg: Vec<f64>,
     dphi_deg: Vec<f64>,
+    step_deg: Option<f64>,
     threads: Option<u16>,
     progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyBytes>, f64)> {
+) -> PyResult<(Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>)> {
     let of = &scenario.of;
     let grid = BrdfGrid { theta_i_deg, theta_o_deg, dphi_deg };
     let others = state_names(&of.scene.display.pixel).len() * of.scene.grid.len();
@@ -42,13 +47,21 @@ pub(crate) fn bsdf<'py>(
         ));
     }
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title, hash: &of.hash };
-    let (bytes, missed) = computed(py, threads, progress, |control| {
+    let target = match of.scene.solver.stop {
+        Stop::RelativeError { target, .. } => Some(target),
+        Stop::Paths(_) | Stop::Target(_) => None,
+    };
+    let (bytes, missed, warnings) = computed(py, threads, progress, |control| {
         let table = brdf(&of.scene, grid, control)?;
         let mut bytes = Vec::new();
-        Ok((write_bsdf(&mut bytes, &source, &table).map(|()| bytes), table.missed()))
+        let written = write_bsdf(&mut bytes, &source, &table).map(|()| bytes);
+        Ok((written, table.missed(), brdf_warnings(&table, target, step_deg, "step_deg=")))
     })?;
     let bytes = bytes.map_err(|error| errors::internal(&error.to_string()))?;
-    Ok((PyBytes::new(py, &bytes), missed))
+    let fits =
+        |step: &f64, finer: &f64| numbers as f64 * (step / finer).powi(3) <= BrdfGrid::MOST_NUMBERS as f64;
+    let finer = step_deg.and_then(|step| finer_step(step, missed).filter(|finer| fits(&step, finer)));
+    Ok((PyBytes::new(py, &bytes), missed, warnings, finer))
 }
 
 /// What becomes of beams from these inclinations: the text of `reflection.csv`.

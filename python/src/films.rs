@@ -2,84 +2,380 @@
 
 use std::ffi::CString;
 use std::path::PathBuf;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{Complex64, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
 use papilio_formats::{DataFile, read_index_within};
 use papilio_optics::OpticsError;
-use papilio_optics::film::{Film, Layer, Polarisation, coherent};
+use papilio_optics::film::{
+    Along, FilmRow, GapFilm, IndexAlong, LayerAlong, Polarisation, SimdLevel, SpectralLayer, Thickness,
+};
 use papilio_spectra::{SpectraError, material};
-use pyo3::exceptions::PyUserWarning;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyUserWarning};
 use pyo3::prelude::*;
 
 use crate::errors;
 use crate::watch::watched;
 
-/// Films between two looks for Ctrl-C.
-const BLOCK: usize = 1024;
+/// Points that a thread takes at once, about: some hundred microseconds.
+const BLOCK: usize = 4096;
 
-type Reals<'py> = PyReadonlyArrayDyn<'py, f64>;
-type Complexes<'py> = PyReadonlyArrayDyn<'py, Complex64>;
+type Reals<'py> = PyReadonlyArray1<'py, f64>;
+type Answer<'py> = Bound<'py, PyArray1<f64>>;
 
-/// Reflectance and transmittance at every point: `beta` is n0 sin(theta), `layers` from the light's side down.
-///
-/// All arrays have one shape; the answers are flat, in its C order.
-#[pyfunction]
-#[allow(clippy::type_complexity, reason = "the arrays of one call")]
-pub(crate) fn film<'py>(
-    py: Python<'py>,
-    wavelength_nm: Reals<'py>,
-    beta: Reals<'py>,
-    incidence: Reals<'py>,
-    layers: Vec<(Complexes<'py>, Reals<'py>)>,
-    substrate: Complexes<'py>,
-    polarisation: &str,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
-    let polarisations: &[Polarisation] = match polarisation {
-        "s" => &[Polarisation::S],
-        "p" => &[Polarisation::P],
-        _ => &[Polarisation::S, Polarisation::P],
-    };
-    let (wavelength_nm, beta, incidence) = (wavelength_nm.as_array(), beta.as_array(), incidence.as_array());
-    let substrate = substrate.as_array();
-    let layers: Vec<_> = layers.iter().map(|(index, nm)| (index.as_array(), nm.as_array())).collect();
-    let shape = wavelength_nm.shape();
-    let alike = [beta.shape(), incidence.shape(), substrate.shape()].iter().all(|other| *other == shape);
-    if !alike || !layers.iter().all(|(index, nm)| index.shape() == shape && nm.shape() == shape) {
-        return Err(errors::internal("arrays of films are not alike"));
-    }
-    let all = watched(py, &AtomicBool::new(false), None, |watch| {
-        let (mut reflectances, mut transmittances) = (Vec::new(), Vec::new());
-        let mut inside: Vec<_> = layers.iter().map(|(index, nm)| index.iter().zip(nm.iter())).collect();
-        let points = wavelength_nm.iter().zip(beta.iter()).zip(incidence.iter().zip(substrate.iter()));
-        let mut film = Film { incidence: 1.0, layers: Vec::new(), substrate: Complex64::ONE };
-        for (at, ((nm, beta), (incidence, substrate))) in points.enumerate() {
-            if at % BLOCK == 0 && watch.stop.load(Ordering::Relaxed) {
-                break;
-            }
-            film.layers.clear();
-            let layer = |(index, nm): (&Complex64, &f64)| Layer { index: *index, thickness_nm: *nm };
-            film.layers.extend(inside.iter_mut().filter_map(Iterator::next).map(layer));
-            (film.incidence, film.substrate) = (*incidence, *substrate);
-            let (reflectance, transmittance) = mean(&film, *nm, *beta, polarisations)?;
-            reflectances.push(reflectance);
-            transmittances.push(transmittance);
-        }
-        Ok((reflectances, transmittances))
-    })?;
-    let (reflectances, transmittances) =
-        all.map_err(|error: OpticsError| errors::argument(py, &error.to_string()))?;
-    Ok((PyArray1::from_vec(py, reflectances), PyArray1::from_vec(py, transmittances)))
+/// An array over the axes of a call: those along which it does not change have a stride of 0, the last axis one of 0 or 1.
+#[derive(Clone, Copy)]
+struct Spread<'a> {
+    values: &'a [f64],
+    strides: &'a [usize],
 }
 
-fn mean(film: &Film, nm: f64, beta: f64, of: &[Polarisation]) -> Result<(f64, f64), OpticsError> {
-    let (mut reflectance, mut transmittance) = (0.0, 0.0);
-    for polarisation in of {
-        let one = coherent(film, nm, beta, *polarisation)?;
-        reflectance += one.reflectance / of.len() as f64;
-        transmittance += one.transmittance / of.len() as f64;
+impl<'a> Spread<'a> {
+    /// Its number at these indices.
+    fn at(&self, place: &[usize]) -> f64 {
+        self.values[place.iter().zip(self.strides).map(|(index, stride)| index * stride).sum::<usize>()]
     }
-    Ok((reflectance, transmittance))
+
+    /// Its numbers along a stretch of the last axis, in the row of these indices.
+    fn along(&self, row: &[usize], start: usize, count: usize) -> Along<'a> {
+        let but_last = row.len().saturating_sub(1);
+        let at: usize = row[..but_last].iter().zip(self.strides).map(|(index, stride)| index * stride).sum();
+        match self.strides.last() {
+            Some(1) => Along::Each(&self.values[at + start..][..count]),
+            _ => Along::Same(self.values[at]),
+        }
+    }
+
+    /// Whether all that it can be asked for is there.
+    fn fits(&self, shape: &[usize]) -> bool {
+        let last = shape
+            .iter()
+            .zip(self.strides)
+            .map(|(length, stride)| length.saturating_sub(1) * stride)
+            .sum::<usize>();
+        self.strides.len() == shape.len()
+            && last < self.values.len()
+            && self.strides.last().is_none_or(|one| *one <= 1)
+    }
+}
+
+/// The arrays of a call.
+struct Films<'a> {
+    shape: &'a [usize],
+    wavelength_nm: Spread<'a>,
+    beta: Spread<'a>,
+    incidence: Spread<'a>,
+    /// n, k and thickness of each, from the light's side down.
+    layers: Vec<[Spread<'a>; 3]>,
+    /// n and k.
+    substrate: [Spread<'a>; 2],
+    polarisation: Option<Polarisation>,
+}
+
+impl Films<'_> {
+    /// Whether all numbers can be those of films: each once, however often it is used.
+    fn check(&self) -> Result<(), OpticsError> {
+        self.row(|spread| Along::Each(spread.values), |row| row.check())
+    }
+
+    /// The powers from point number `start` on, in C order.
+    fn powers(
+        &self,
+        mut start: usize,
+        mut reflectance: &mut [f64],
+        mut transmittance: Option<&mut [f64]>,
+    ) -> Result<(), OpticsError> {
+        let length = self.shape.last().copied().unwrap_or(1);
+        while !reflectance.is_empty() {
+            let count = reflectance.len().min(length - start % length);
+            let (of_row, rest) = reflectance.split_at_mut(count);
+            let (of_row_too, rest_too) = transmittance.map(|all| all.split_at_mut(count)).unzip();
+            self.in_row(start, of_row, of_row_too)?;
+            (start, reflectance, transmittance) = (start + count, rest, rest_too);
+        }
+        Ok(())
+    }
+
+    /// The same of points that stand in one row.
+    fn in_row(
+        &self,
+        start: usize,
+        reflectance: &mut [f64],
+        transmittance: Option<&mut [f64]>,
+    ) -> Result<(), OpticsError> {
+        let (length, count) = (self.shape.last().copied().unwrap_or(1), reflectance.len());
+        let row = self.place(start);
+        self.row(
+            |spread| spread.along(&row, start % length, count),
+            |row| row.powers(SimdLevel::best(), self.polarisation, reflectance, transmittance),
+        )
+    }
+
+    /// The indices of point number `start`, in C order.
+    fn place(&self, start: usize) -> Vec<usize> {
+        let mut place = vec![0; self.shape.len()];
+        let mut left = start;
+        for (index, length) in place.iter_mut().zip(self.shape).rev() {
+            (*index, left) = (left % length, left / length);
+        }
+        place
+    }
+
+    /// What is made of a row, of which each array gives a part.
+    fn row<'s, T>(
+        &'s self,
+        part: impl Fn(&Spread<'s>) -> Along<'s>,
+        of: impl FnOnce(&FilmRow<'_>) -> T,
+    ) -> T {
+        let index = |[n, k]: [&Spread<'s>; 2]| IndexAlong { n: part(n), k: part(k) };
+        let layers: Vec<_> = (self.layers.iter())
+            .map(|[n, k, nm]| LayerAlong { index: index([n, k]), nm: part(nm) })
+            .collect();
+        of(&FilmRow {
+            wavelength_nm: part(&self.wavelength_nm),
+            beta: part(&self.beta),
+            incidence: part(&self.incidence),
+            layers: &layers,
+            substrate: index(self.substrate.each_ref()),
+        })
+    }
+}
+
+/// Numbers, and their strides.
+type Given<'py> = (Reals<'py>, Vec<usize>);
+
+/// Reflectance and, if `both`, transmittance at every point: `beta` is n0 sin(theta), `layers` (n, k and thickness) from the light's
+/// side down, the substrate n and k. The answers are flat, in C order.
+#[pyfunction]
+#[pyo3(signature = (shape, wavelength_nm, beta, incidence, layers, substrate, polarisation, both, threads))]
+#[allow(clippy::too_many_arguments, reason = "the arrays of one call")]
+pub(crate) fn film<'py>(
+    py: Python<'py>,
+    shape: Vec<usize>,
+    wavelength_nm: Given<'py>,
+    beta: Given<'py>,
+    incidence: Given<'py>,
+    layers: Vec<[Given<'py>; 3]>,
+    substrate: [Given<'py>; 2],
+    polarisation: &str,
+    both: bool,
+    threads: usize,
+) -> PyResult<(Answer<'py>, Answer<'py>)> {
+    let films = Films {
+        shape: &shape,
+        wavelength_nm: spread(&wavelength_nm, &shape)?,
+        beta: spread(&beta, &shape)?,
+        incidence: spread(&incidence, &shape)?,
+        layers: layers
+            .iter()
+            .map(|layer| all(layer.each_ref().map(|given| spread(given, &shape))))
+            .collect::<PyResult<_>>()?,
+        substrate: all(substrate.each_ref().map(|given| spread(given, &shape)))?,
+        polarisation: match polarisation {
+            "s" => Some(Polarisation::S),
+            "p" => Some(Polarisation::P),
+            _ => None,
+        },
+    };
+    films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
+    let size: usize = shape.iter().product();
+    let mut found = (vec![0.0; size], vec![0.0; if both { size } else { 0 }]);
+    let outcome = watched(py, &AtomicBool::new(false), None, |watch| {
+        computed(&films, &mut found, threads, watch.stop)
+    })?;
+    match outcome {
+        Ok(true) => Ok((PyArray1::from_vec(py, found.0), PyArray1::from_vec(py, found.1))),
+        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
+        Err(error) => Err(errors::argument(py, &error.to_string())),
+    }
+}
+
+/// Mean reflectance of s and p where the arrays have a grid's structure, the last three axes of which are directions (of which only beta
+/// changes), gaps (of which only the thickness of layer number `gap` changes) and wavelengths. Else as [`film`].
+#[pyfunction]
+#[pyo3(signature = (shape, wavelength_nm, beta, incidence, layers, substrate, gap, threads))]
+#[allow(clippy::too_many_arguments, reason = "the arrays of one call")]
+pub(crate) fn film_grid<'py>(
+    py: Python<'py>,
+    shape: Vec<usize>,
+    wavelength_nm: Given<'py>,
+    beta: Given<'py>,
+    incidence: Given<'py>,
+    layers: Vec<[Given<'py>; 3]>,
+    substrate: [Given<'py>; 2],
+    gap: Option<usize>,
+    threads: usize,
+) -> PyResult<Answer<'py>> {
+    let films = Films {
+        shape: &shape,
+        wavelength_nm: spread(&wavelength_nm, &shape)?,
+        beta: spread(&beta, &shape)?,
+        incidence: spread(&incidence, &shape)?,
+        layers: layers
+            .iter()
+            .map(|layer| all(layer.each_ref().map(|given| spread(given, &shape))))
+            .collect::<PyResult<_>>()?,
+        substrate: all(substrate.each_ref().map(|given| spread(given, &shape)))?,
+        polarisation: None,
+    };
+    let [.., directions, gaps, wavelengths] = shape[..] else {
+        return Err(errors::internal("a grid of films has three axes at least"));
+    };
+    let grid = FilmGrid { films, gap, directions, gaps, wavelengths };
+    grid.films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
+    let mut found = vec![0.0; shape.iter().product()];
+    let outcome =
+        watched(py, &AtomicBool::new(false), None, |watch| grid.computed(&mut found, threads, watch.stop))?;
+    match outcome {
+        Ok(true) => Ok(PyArray1::from_vec(py, found)),
+        Ok(false) => Err(PyKeyboardInterrupt::new_err(())),
+        Err(error) => Err(errors::argument(py, &error.to_string())),
+    }
+}
+
+/// Directions and gaps of a film, together, that a thread takes at once, about.
+const PAIRS: usize = 256;
+
+/// Films whose arrays have a grid's structure.
+struct FilmGrid<'a> {
+    films: Films<'a>,
+    gap: Option<usize>,
+    directions: usize,
+    gaps: usize,
+    wavelengths: usize,
+}
+
+/// A part of a grid: some directions and gaps of one film.
+struct Part<'o> {
+    /// Which film.
+    film: usize,
+    direction: usize,
+    gap: usize,
+    out: &'o mut [f64],
+}
+
+impl FilmGrid<'_> {
+    /// Part by part on threads; false if it was stopped.
+    fn computed(&self, found: &mut [f64], threads: usize, stop: &AtomicBool) -> Result<bool, OpticsError> {
+        let row = self.gaps * self.wavelengths;
+        // Directions with all their gaps; or of one, some gaps.
+        let directions = (PAIRS / self.gaps).max(1);
+        let gaps = if directions == 1 { PAIRS } else { self.gaps };
+        let films = found.chunks_mut(self.directions * row).enumerate();
+        let rows = films.flat_map(|(film, of_film)| {
+            let rows = of_film.chunks_mut(directions * row).enumerate();
+            rows.map(move |(at, out)| (film, at * directions, out))
+        });
+        let parts = rows.flat_map(|(film, direction, rows)| {
+            let cut = if directions == 1 { gaps * self.wavelengths } else { rows.len() };
+            let parts = rows.chunks_mut(cut).enumerate();
+            parts.map(move |(at, out)| Part { film, direction, gap: at * gaps, out })
+        });
+        on_threads(parts, threads, stop, |part| self.part(part))
+    }
+
+    fn part(&self, part: Part<'_>) -> Result<(), OpticsError> {
+        let Part { film, direction, gap, out } = part;
+        let gaps = (out.len() / self.wavelengths).min(self.gaps - gap);
+        let directions = out.len() / self.wavelengths / gaps;
+        let films = &self.films;
+        let mut at = films.place(film * self.directions * self.gaps * self.wavelengths);
+        let spectrum = |values: &Spread<'_>, at: &[usize]| -> Vec<f64> {
+            match values.along(at, 0, self.wavelengths) {
+                Along::Same(value) => vec![value; self.wavelengths],
+                Along::Each(values) => values.to_vec(),
+            }
+        };
+        let index = |[n, k]: [&Spread<'_>; 2], at: &[usize]| -> Vec<Complex64> {
+            let (n, k) = (spectrum(n, at), spectrum(k, at));
+            n.into_iter().zip(k).map(|(n, k)| Complex64::new(n, k)).collect()
+        };
+        let layers: Vec<SpectralLayer> = (films.layers.iter().enumerate())
+            .map(|(number, [n, k, nm])| SpectralLayer {
+                index: index([n, k], &at),
+                thickness: match Some(number) == self.gap {
+                    true => Thickness::Gap,
+                    false => Thickness::Fixed(nm.at(&at)),
+                },
+            })
+            .collect();
+        let [wavelengths_nm, incidence] =
+            [&films.wavelength_nm, &films.incidence].map(|one| spectrum(one, &at));
+        let substrate = index(films.substrate.each_ref(), &at);
+        let of = GapFilm::new(&wavelengths_nm, &incidence, &layers, &substrate)?;
+        let axes = at.len();
+        let mut along = |axis: usize, start: usize, count: usize, values: &Spread<'_>| -> Vec<f64> {
+            let of_axis = (start..start + count).map(|index| {
+                at[axes - axis] = index;
+                values.at(&at)
+            });
+            let found = of_axis.collect();
+            at[axes - axis] = 0;
+            found
+        };
+        let betas = along(3, direction, directions, &films.beta);
+        let gaps_nm = match self.gap.and_then(|number| films.layers.get(number)) {
+            Some([_, _, nm]) => along(2, gap, gaps, nm),
+            None => vec![0.0; gaps],
+        };
+        of.reflectance(&betas, &gaps_nm, out)
+    }
+}
+
+/// Part by part, each whole; false if it was stopped.
+fn on_threads<T: Send>(
+    parts: impl Iterator<Item = T> + Send,
+    threads: usize,
+    stop: &AtomicBool,
+    compute: impl Fn(T) -> Result<(), OpticsError> + Sync,
+) -> Result<bool, OpticsError> {
+    let (parts, failed) = (Mutex::new(parts), Mutex::new(None));
+    let work = || {
+        while !stop.load(Ordering::Relaxed) {
+            let Some(part) = parts.lock().ok().and_then(|mut parts| parts.next()) else { break };
+            if let Err(error) = compute(part) {
+                drop(failed.lock().map(|mut failed| _ = failed.get_or_insert(error)));
+            }
+        }
+    };
+    match threads {
+        0 | 1 => work(),
+        several => std::thread::scope(|scope| (0..several).for_each(|_| drop(scope.spawn(work)))),
+    }
+    match failed.into_inner().ok().flatten() {
+        Some(error) => Err(error),
+        None => Ok(!stop.load(Ordering::Relaxed)),
+    }
+}
+
+/// Block by block on threads; false if it was stopped.
+fn computed(
+    films: &Films<'_>,
+    (reflectance, transmittance): &mut (Vec<f64>, Vec<f64>),
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<bool, OpticsError> {
+    // Whole rows where some fit.
+    let length = films.shape.last().copied().unwrap_or(1).max(1);
+    let block = (BLOCK / length * length).max(BLOCK.min(length));
+    let blocks = reflectance.len().div_ceil(block);
+    let mut others = transmittance.chunks_mut(block);
+    let parts = reflectance.chunks_mut(block).map(|part| (part, others.next())).enumerate();
+    on_threads(parts, threads.min(blocks), stop, |(number, (part, other))| {
+        films.powers(number * block, part, other)
+    })
+}
+
+fn spread<'a>((values, strides): &'a Given<'_>, shape: &[usize]) -> PyResult<Spread<'a>> {
+    let values = values.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
+    let spread = Spread { values, strides };
+    if spread.fits(shape) { Ok(spread) } else { Err(errors::internal("arrays of films are not alike")) }
+}
+
+fn all<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
+    let found: Vec<T> = results.into_iter().collect::<PyResult<_>>()?;
+    found.try_into().map_err(|_| errors::internal("an array lost some of its items"))
 }
 
 /// n + ik of a named material, or of a file.

@@ -45,7 +45,7 @@ mod _papilio {
     #[pymodule_export]
     use crate::figures::png;
     #[pymodule_export]
-    use crate::films::{film, material_index, material_names};
+    use crate::films::{film, film_grid, material_index, material_names};
     #[pymodule_export]
     use crate::plot::{curves, map};
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! Evaluators on several threads, kept from call to call.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::DisplayError;
@@ -14,18 +14,38 @@ use crate::watch::{Told, Watch, watched};
 /// Items that a thread takes at once.
 const BLOCK: usize = 8;
 
-/// The evaluators of a study: one for each thread that there was so far.
+/// The evaluators of a study, for calls from several threads at a time: each has a crew of its own, and so what ends one call ends no other.
 pub(crate) struct Pool {
     study: Arc<Study>,
+    idle: Mutex<Vec<Crew>>,
+}
+
+/// Evaluators that work together: one for each thread that there was so far.
+struct Crew {
     stop: &'static AtomicBool,
-    kept: Mutex<Vec<Evaluator<'static>>>,
+    kept: Vec<Evaluator<'static>>,
+}
+
+impl Crew {
+    fn new(study: Arc<Study>) -> Self {
+        // One byte for each study that a script makes, and for each thread that evaluates the same at the same time.
+        let stop = Box::leak(Box::new(AtomicBool::new(false)));
+        Self { stop, kept: vec![Evaluator::new(study, stop)] }
+    }
+
+    /// So many of them.
+    fn of(&mut self, threads: usize) -> &mut [Evaluator<'static>] {
+        while let (true, Some(first)) = (self.kept.len() < threads, self.kept.first()) {
+            self.kept.push(first.worker());
+        }
+        let threads = threads.min(self.kept.len());
+        &mut self.kept[..threads]
+    }
 }
 
 impl Pool {
     pub(crate) fn new(study: Arc<Study>) -> Self {
-        // One byte for each study that a script makes.
-        let stop = Box::leak(Box::new(AtomicBool::new(false)));
-        Self { study, stop, kept: Mutex::new(Vec::new()) }
+        Self { study, idle: Mutex::new(Vec::new()) }
     }
 
     /// `of` every number below `count`, in order.
@@ -40,22 +60,25 @@ impl Pool {
         progress: Option<&Bound<'_, PyAny>>,
         of: impl Fn(&mut Evaluator<'static>, usize) -> Result<T, DesignError> + Sync,
     ) -> PyResult<Vec<T>> {
-        let outcome = watched(py, self.stop, progress, |watch| {
-            let mut kept = self.kept.lock().ok()?;
-            self.stop.store(false, Ordering::Relaxed);
-            let threads = threads.clamp(1, count.max(1));
-            while kept.len() < threads {
-                let another = kept.first().map(Evaluator::worker);
-                kept.push(another.unwrap_or_else(|| Evaluator::new(Arc::clone(&self.study), self.stop)));
-            }
-            Some(each(&mut kept[..threads], count, watch, &of))
-        })?;
-        let Some(outcome) = outcome else {
-            return Err(errors::internal("this display was left half done by an earlier fault"));
-        };
+        let mut crew = self.idle().pop().unwrap_or_else(|| Crew::new(Arc::clone(&self.study)));
+        let stop = crew.stop;
+        stop.store(false, Ordering::Relaxed);
+        let done = Mutex::new(None);
+        let outcome = watched(py, stop, progress, |watch| {
+            let outcome = each(crew.of(threads.clamp(1, count.max(1))), count, watch, &of);
+            *done.lock().unwrap_or_else(PoisonError::into_inner) = Some(crew);
+            outcome
+        });
+        // Not before nobody sets its flag any more; and one that a fault left half done is lost.
+        self.idle().extend(done.into_inner().unwrap_or_else(PoisonError::into_inner));
+        let outcome = outcome?;
         let done = outcome.map_err(|(at, error)| failed(py, at, &error))?;
         // Only a stopped one is not done, and that has been raised.
         done.into_iter().collect::<Option<_>>().ok_or_else(|| PyKeyboardInterrupt::new_err(()))
+    }
+
+    fn idle(&self) -> MutexGuard<'_, Vec<Crew>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

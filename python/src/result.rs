@@ -82,6 +82,16 @@ impl RunResult {
         py.detach(|| Some(papilio_figures::overview(&self.result, self.result.views.first()?, title)))
     }
 
+    /// What the reader should know.
+    fn warnings(&self) -> Vec<String> {
+        self.result.warnings.clone()
+    }
+
+    /// What the reader may like to know.
+    fn notes(&self) -> Vec<String> {
+        self.resolved.notes.clone()
+    }
+
     /// The names of the states.
     fn states(&self) -> Vec<&str> {
         let first = self.result.views.first();

@@ -20,3 +20,21 @@ try:
     papilio.run("absent.toml")
 except papilio.ScenarioError as error:
     line: int | None = error.line
+
+# What is kept in a variable is what is written in the call.
+columns = {"display.pixel.gap_nm.red": np.linspace(250, 300, 11)}
+values = prepared.evaluate(columns, ["white.Y"])
+values, slopes = prepared.derivatives(columns, ["white.Y"])
+alike = {("display.pixel.gap_nm.red", "display.pixel.gap_nm.green"): np.linspace(250, 300, 11)}
+values = prepared.evaluate(alike, ["white.Y"])
+both = {"display.pixel.gap_nm.red": [250.0], ("display.pixel.gap_nm.green", "display.pixel.gap_nm.blue"): [200.0]}
+found = papilio.cluster.sweep(scenario, columns, ["white.Y"], on_error="nan", batch_seconds=1.0)
+found = papilio.cluster.evaluate_many(scenario, columns, ["white.Y"], progress=True)
+lists = {"display.pixel.gap_nm.red": [250.0, 260.0]}
+values = prepared.evaluate(lists, ["white.Y"])
+words = {"display.pixel.film.2.material": ["SiO2", "MgF2"]}
+values = prepared.evaluate(words, ["white.Y"])
+said: list[str] = [*result.warnings, *result.notes, *found.warnings, *papilio.cone(scenario).warnings]
+names: list[str] = list(result.keys()) if "white.Y" in result else []
+share = films.power([("SiO2", 100.0)], nm, polarisation="p", threads=2).transmittance
+lab = colour.lab(colour.xyz(share, nm, observer="1964"), white=colour.xyz(np.ones(nm.size), nm, observer="1964"))

@@ -26,6 +26,25 @@ def test_it_is_what_the_program_writes(program, scenarios, tmp_path):
     np.testing.assert_allclose(parts["mirror"] + parts["haze"] + parts["lambertian"], parts["returned"], rtol=1e-9)
 
 
+def test_a_table_is_as_fine_as_it_says(scenarios, program, tmp_path):
+    """Without a step, 0.02 at most is missed; with one that is too coarse, the program's own words."""
+    coarse = {"spectrum.step_nm": 200}
+    found = papilio.brdf(scenarios / "indoor.toml", theta_i_deg=[0, 30, 60], set=coarse)
+    assert found.missed <= 0.02 and np.diff(found.theta_o_deg)[0] < 5 and not any("sum over" in text for text in found.warnings)
+    with pytest.warns(papilio.PapilioWarning, match="is 7 % off the light that leaves") as heard:
+        five = papilio.brdf(scenarios / "indoor.toml", step_deg=5, set=coarse)
+    assert five.missed > 0.05 and five.warnings == [str(one.message) for one in heard] and "warnings" in repr(five)
+    command = [program, "brdf", scenarios / "indoor.toml", "--set", "spectrum.step_nm=200", "--out", tmp_path]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+    assert all(f"warning: {text}".replace("step_deg=", "--step ") in said for text in five.warnings)
+    # What asks for no more keeps the program's step.
+    paper = papilio.Scenario(
+        '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = 0.5, black = 0.1 }\n'
+        '[lighting]\npreset = "indoor"\n[spectrum]\nstep_nm = 200\n'
+    )
+    assert papilio.brdf(paper).theta_i_deg.size == 18
+
+
 def test_arrays_have_their_names(scenarios):
     pytest.importorskip("xarray")
     angles = {"theta_i_deg": [0, 20], "theta_o_deg": [0, 20, 40], "dphi_deg": [0, 180]}

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import papilio
-from papilio import ArgumentError, ClusterError, DesignError, cluster
+from papilio import ArgumentError, ClusterError, DesignError, _batches, cluster
 from papilio._batches import Question
 
 distributed = pytest.importorskip("distributed")
@@ -351,6 +351,23 @@ def test_designs_that_cannot_be_may_be_left_out(indoor, client, monkeypatch, tmp
         with pytest.raises(DesignError, match="-1 is out of range") as error:
             cluster.evaluate_many(indoor, designs, METRICS, **options)
         assert error.value.design[0] == 3
+
+
+def test_a_trial_of_designs_that_cannot_be_raises_nothing(indoor):
+    """A cluster logs whatever a task raises as a failure, and this is none."""
+    designs = {MATCHING: np.array([50.0, -1.0, 55.0])}
+    question = Question(indoor, (MATCHING,), ("white.Y",), 0, indoor.hash)
+    assert _batches.seconds_each(question, designs, skips=True) > 0
+    assert _batches.seconds_each(question, designs) is None
+
+
+def test_left_out_designs_are_no_failures_of_the_cluster(indoor, client):
+    """No task of it ends in an error."""
+    designs = {MATCHING: np.array([50.0, -1.0, 55.0])}
+    found = cluster.evaluate_many(indoor, designs, ["white.Y"], client=client, on_error="nan", batch_seconds=0.01)
+    assert len(found.errors) == 1
+    logged = [line for lines in client.get_worker_logs().values() for _, line in lines]
+    assert not [line for line in logged if "Compute Failed" in line and "seconds_each" in line]
 
 
 @pytest.mark.parametrize("on_error", ["raise", "nan"])

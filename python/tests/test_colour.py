@@ -1,9 +1,11 @@
 """Colours of arrays: published values, and arguments that are wrong."""
 
+import re
+
 import numpy as np
 import pytest
 
-from papilio import ArgumentError, colour
+from papilio import ArgumentError, PapilioWarning, colour
 
 NM = np.arange(380, 781, 5)
 
@@ -15,6 +17,51 @@ def test_a_perfect_white_in_d65_lies_at_its_chromaticity():
     np.testing.assert_allclose(colour.uv_prime(white)[0, 0], [0.1978, 0.4683], atol=1e-4)
     np.testing.assert_allclose(colour.lab(white, white)[..., 0], 100.0)
     assert abs(colour.lab(0.1842 * white, white)[0, 0, 0] - 50) < 0.01
+
+
+def test_a_perfect_white_is_white():
+    """L*, a*, b* of it are those of white, to the last digit: whatever stands for D65 is one and the same."""
+    assert colour.lab(colour.xyz(np.ones(81), NM)).tolist() == [100.0, 0.0, 0.0]
+    for step in (1, 2, 10):
+        nm = np.arange(380, 781, step)
+        np.testing.assert_allclose(colour.lab(colour.xyz(np.ones(nm.size), nm)), [100, 0, 0], atol=5e-5)
+    nm = np.arange(400, 701, 10)
+    with pytest.warns(PapilioWarning):
+        white = colour.xyz(np.ones(nm.size), nm)
+    assert colour.lab(white, white=white).tolist() == [100.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "light", "says"),
+    [
+        (500, 510, "D65", "500 to 510 nm leave out .* of D65"),
+        (400, 700, "D65", r"400 to 700 nm leave out 0\.1\d % of X, 0\.0\d+ % of Y, 0\.\d+ % of Z"),
+        (400, 700, None, "equal energy"),
+        (400, 700, [1.0] * 31, "equal energy"),
+        (380, 780, "D65", None),
+        (360, 830, None, None),
+        (380, 740, "D65", None),  # X, Y and Z of what is left out: below 0.1 %
+    ],
+)
+def test_wavelengths_that_leave_light_out_are_warned_of(first, last, light, says, recwarn):
+    nm = np.arange(first, last + 1, 5 if last - first < 50 else 10)
+    found = colour.xyz(np.ones(nm.size), nm, light)
+    said = [str(one.message) for one in recwarn if one.category is PapilioWarning]
+    if says is None:
+        assert not said
+    else:
+        assert len(said) == 1 and re.search(says, said[0]) and recwarn[0].filename == __file__
+    assert np.isfinite(found).all()
+
+
+def test_what_is_interpolated_is_what_is_seen():
+    """The product of spectrum and light at the wavelengths given, linearly to 1 nm."""
+    nm, fine = np.arange(380, 781, 10), np.arange(380, 781.0)
+    spectrum = 0.5 + 0.4 * np.sin(nm / 15)
+    product = np.interp(fine, nm, spectrum * colour.illuminant("LED-RGB1", nm))
+    white = np.interp(fine, nm, colour.illuminant("LED-RGB1", nm))
+    by_hand = colour.xyz(product, fine, None) / colour.xyz(white, fine, None)[1]
+    np.testing.assert_allclose(colour.xyz(spectrum, nm, "LED-RGB1"), by_hand, rtol=1e-13)
 
 
 def test_ciede2000_of_the_papers_pairs():

@@ -1,8 +1,8 @@
 """docs/python.md, line by line; and what the README shows."""
 
 import doctest
-import os
 import re
+import sys
 
 import pytest
 from conftest import ROOT
@@ -15,7 +15,6 @@ def blocks(page):
 @pytest.mark.parametrize(("page", "least"), [("docs/python.md", 6), ("README.md", 1)])
 def test_the_pages_say_what_happens(page, least, monkeypatch):
     monkeypatch.chdir(ROOT)
-    os.makedirs("target", exist_ok=True)
     shown, names = blocks(page), {}
     assert len(shown) >= least
     for block in shown:  # each goes on with the names of the one before
@@ -25,3 +24,24 @@ def test_the_pages_say_what_happens(page, least, monkeypatch):
         failed, _ = runner.run(test, out=said.append, clear_globs=False)
         names = test.globs
         assert failed == 0, "".join(said)
+
+
+def test_one_version_of_python_is_promised_and_tested():
+    """The package's own, this page's and the README's are one, and the tests run with that or a newer one."""
+    promised = re.search(r'requires-python = ">=(3\.\d+)"', (ROOT / "python" / "pyproject.toml").read_text())[1]
+    abi = re.search(r"abi3-py3(\d+)", (ROOT / "Cargo.toml").read_text())[1]
+    page = re.search(r"Python (3\.\d+) or newer", (ROOT / "docs" / "python.md").read_text())[1]
+    readme = re.search(r"Python package Python (3\.\d+)", (ROOT / "README.md").read_text())[1]
+    needed = re.search(r"Python (3\.\d+) or newer", (ROOT / "xtask" / "src" / "python.rs").read_text())[1]
+    assert {promised, f"3.{abi}", page, readme, needed} == {promised}
+    assert sys.version_info[:2] >= tuple(map(int, promised.split(".")))
+
+
+def test_extras_that_are_named_exist():
+    """Papilio is in no index of packages: whoever needs an extra installs this folder."""
+    extras = set(re.findall(r"^(\w+) = \[\"", (ROOT / "python" / "pyproject.toml").read_text(), re.MULTILINE))
+    pages = [*(ROOT / "docs").rglob("*.md"), *(ROOT / "python" / "papilio").glob("*.py"), ROOT / "README.md"]
+    texts = [path.read_text(encoding="utf-8") for path in pages]
+    named = [name for text in texts for names in re.findall(r"\./python\[([\w,]+)\]", text) for name in names.split(",")]
+    assert named and set(named) <= extras
+    assert not any(re.search(r"pip install \"?papilio", text) for text in texts)

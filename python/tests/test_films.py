@@ -1,5 +1,7 @@
 """Films: closed forms, a program of others, and numpy's shapes."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -33,6 +35,82 @@ def test_arrays_broadcast_over_designs_wavelengths_and_angles():
         assert together.reflectance[i, j, k] == alone.reflectance
         assert together.transmittance[i, j, k] == alone.transmittance
     assert (together.absorptance > -1e-12).all()
+
+
+def test_many_films_cost_little():
+    """Some hundred nanoseconds a film on a slow machine; a road that goes film by film takes 2 us on a fast one. (docs/peers.md has more.)"""
+    d, theta = np.linspace(0, 200, 40)[:, None, None], np.linspace(0, 80, 19)
+    stack = [("Si3N4", 55.9), ("Cr:Johnson", 12.15), ("SiO2", d), ("air", 190.0), ("Al", 20.0)]
+    films.reflectance(stack, NM[:, None], theta, threads=1)
+    best = min(timed(lambda: films.reflectance(stack, NM[:, None], theta, threads=1)) for _ in range(5))
+    assert best / (40 * 81 * 19) < 5e-7
+
+
+def timed(call):
+    before = time.perf_counter()
+    call()
+    return time.perf_counter() - before
+
+
+def plain(layers, nm, theta, incidence, substrate, polarisation):
+    """Characteristic matrices (Born and Wolf, section 1.6), a film at a time: reflectance and transmittance."""
+    beta = incidence * np.sin(np.radians(theta))
+    found = []
+    for of in "sp" if polarisation == "mean" else polarisation:
+
+        def admittance(n):
+            q = np.sqrt(complex(n) ** 2 - beta**2)
+            return q, q if of == "s" else q / complex(n) ** 2
+
+        (_, eta_0), (_, eta) = admittance(incidence), admittance(substrate)
+        matrix = np.eye(2, dtype=complex)
+        for n, d in layers:
+            q, y = admittance(n)
+            delta = 2 * np.pi / nm * q * d
+            matrix @= [[np.cos(delta), -1j * np.sin(delta) / y], [-1j * y * np.sin(delta), np.cos(delta)]]
+        b, c = matrix @ [1, eta]
+        found.append((abs((eta_0 * b - c) / (eta_0 * b + c)) ** 2, 4 * (eta_0 * eta.conjugate()).real / abs(eta_0 * b + c) ** 2))
+    return np.mean(found, axis=0)
+
+
+@pytest.mark.parametrize("polarisation", ["s", "p", "mean"])
+def test_any_arrays_are_films_one_by_one(polarisation):
+    """Whatever varies along whatever axis: each film as matrices give it, and as it comes alone."""
+    random = np.random.default_rng(5)
+    shape = (3, 5, 4)
+
+    def drawn(axes, low, high):
+        return random.uniform(low, high, [n if axis in axes else 1 for axis, n in enumerate(shape)])
+
+    for axes in [(), (0,), (1,), (2,), (0, 1), (0, 2), (1, 2), (0, 1, 2)]:
+        others = tuple({0, 1, 2} - set(axes))
+        index = drawn(axes, 1.3, 2.5) + 1j * drawn(others, 0.0, 0.8)
+        layers = [(index, drawn(others, 0, 200)), (1.46, drawn(axes, 0, 300)), (drawn(others, 1.4, 2.0), 80.0)]
+        nm, theta, n0 = drawn(axes, 400, 700), drawn(others, 0, 80), drawn((1,), 1.0, 1.5)
+        substrate = drawn((2,), 0.5, 1.4) + 1j * drawn(axes, 0.0, 6.0)
+        together = films.power(layers, nm, theta, incidence=n0, substrate=substrate, polarisation=polarisation)
+        everything = np.broadcast_arrays(nm, theta, n0, substrate, *(one for layer in layers for one in layer))
+        assert together.reflectance.shape == everything[0].shape
+        for at in np.ndindex(everything[0].shape):
+            nm_0, theta_0, n0_0, substrate_0, *stack = (one[at] for one in everything)
+            r, t = plain([*zip(stack[::2], stack[1::2], strict=True)], nm_0, theta_0, n0_0, substrate_0, polarisation)
+            assert abs(together.reflectance[at] - r) < 1e-12 and abs(together.transmittance[at] - t) < 1e-12
+        alone = films.reflectance(layers, nm, theta, incidence=n0, substrate=substrate, polarisation=polarisation)
+        assert np.array_equal(alone, together.reflectance)
+
+
+def test_opaque_films_let_through_what_they_let_through():
+    """exp(-4 pi k d/lambda), however little that is."""
+    d = np.array([200.0, 500.0, 1000.0, 2000.0])
+    t = films.transmittance([(1 + 7j, d)], 550.0, substrate=1.5)
+    np.testing.assert_allclose(np.diff(np.log(t)), -4 * np.pi * 7 / 550 * np.diff(d), rtol=1e-9)
+
+
+def test_threads_change_no_number():
+    d = np.linspace(0, 300, 40_001)
+    one, three = (films.power([("SiO2", d), ("Cr", 5.0)], 550.0, threads=n) for n in (1, 3))
+    assert one.reflectance.tobytes() == three.reflectance.tobytes() and one.transmittance.tobytes() == three.transmittance.tobytes()
+    assert films.reflectance([("SiO2", np.zeros((0, 3)))], 550.0).shape == (0, 3)
 
 
 def test_indices_as_arrays_and_materials_agree():

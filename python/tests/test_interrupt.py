@@ -20,7 +20,7 @@ LONG = {
     "a walk": 'papilio.run(path, solver="walk", set={"solver.paths": 1_000_000_000})',
     "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 100))",
     "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
-    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 30000000))], 550.0)',
+    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 10000000)), *[("Cr", 1.0)] * 100], 550.0, threads=1)',
 }
 
 
@@ -93,3 +93,43 @@ def test_one_prepared_display_in_several_threads(scenarios):
     for thread in threads:
         thread.join()
     assert found == [alone] * 4
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
+@pytest.mark.parametrize("call", ["evaluate", "run"])
+def test_ctrl_c_ends_the_thread_that_is_asked_and_no_other(call, scenarios):
+    """Two threads compute with one prepared display: the main thread's call ends, the other's is done."""
+    script = f"""
+import papilio, sys, threading, os, signal, time, numpy as np
+prepared = papilio.Prepared(sys.argv[1])
+key, found = "display.pixel.film.0.thickness_nm", []
+calls = {{
+    "evaluate": lambda many: prepared.evaluate({{key: np.linspace(1, 100, many)}}, ["white.Y"], threads=1).shape[0],
+    "run": lambda many: len(prepared.run({{"solver.method": "walk", "solver.paths": 2000 * many}}, threads=1).states),
+}}
+compute = calls[{call!r}]
+compute(8)
+
+def other():
+    try:
+        found.append(compute(2000))
+    except BaseException as error:
+        found.append(repr(error))
+
+thread = threading.Thread(target=other)
+thread.start()
+time.sleep(0.3)
+threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+begun = time.monotonic()
+try:
+    compute(1_000_000)
+except KeyboardInterrupt:
+    print("interrupted", time.monotonic() - begun < {LIMIT_S}, flush=True)
+thread.join()
+print(found)
+"""
+    command = [sys.executable, "-c", script, scenarios / "indoor.toml"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    lines = done.stdout.splitlines()
+    assert lines[:1] == ["interrupted True"], done.stdout + done.stderr
+    assert lines[1] in ("[2000]", "[8]"), done.stdout + done.stderr

@@ -33,14 +33,23 @@ def test_a_notebook_is_whole_and_small(name):
     assert any("image/svg+xml" in output.get("data", {}) for cell in code for output in cell.outputs)
 
 
+@pytest.mark.parametrize("name", ALL)
+def test_a_notebook_has_one_title_and_sections_below_it(name):
+    cells = [cell.source for cell in nbformat.read(FOLDER / name, as_version=4).cells if cell.cell_type == "markdown"]
+    headings = [line for source in cells for line in source.splitlines() if line.startswith("#")]
+    assert cells[0].startswith("# ") and not any(source.startswith(" ") for source in cells)
+    assert all(line.startswith(("## ", "### ")) for line in headings[1:])
+
+
 def test_all_are_listed():
     listed = (FOLDER / "README.md").read_text()
     assert ALL and all(f"({name})" in listed for name in ALL)
 
 
 def texts(cell):
-    """What is printed, and the last expression's text."""
+    """What is printed, and the last expression's text; warnings are not in there: they name files of the machine."""
     found = []
     for output in cell.get("outputs", []):
-        found.append(output.get("text") or output.get("data", {}).get("text/plain"))
+        if output.get("name") != "stderr":
+            found.append(output.get("text") or output.get("data", {}).get("text/plain"))
     return found

@@ -18,5 +18,24 @@ def test_strictly(tmp_path):
     checked("mypy", "--strict", *cache, HERE / "sample.py", cwd=tmp_path)
 
 
+#: Calls that would fail, or do something else than they say.
+WRONG = [
+    'papilio.run("a.toml", solver="wlak")',
+    'papilio.cluster.sweep("a.toml", {"solver.seed": [1, 2]}, ["white.Y"], outt="x")',
+    'papilio.cluster.evaluate_many("a.toml", {"solver.seed": [1, 2]}, ["white.Y"], on_error="ignore")',
+    'papilio.films.power([("SiO2", 1.0)], 550.0, polarisation="q")',
+    'papilio.colour.xyz([1.0, 1.0], [380, 780], observer="1932")',
+    'papilio.Prepared("a.toml").evaluate({5: [1.0]}, ["white.Y"])',
+]
+
+
+def test_mistakes_are_found_before_they_run(tmp_path):
+    (tmp_path / "wrong.py").write_text("\n".join(["import papilio", *WRONG]))
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", "wrong.py"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
+    lines = {int(line.split(":")[1]) for line in said.splitlines() if line.startswith("wrong.py:") and "error:" in line}
+    assert lines == set(range(2, 2 + len(WRONG))), said
+
+
 def test_the_stub_is_the_extension_modules(tmp_path):
     checked("mypy.stubtest", "papilio._papilio", "--ignore-disjoint-bases", cwd=tmp_path)

@@ -30,7 +30,8 @@
 //!
 //! **Two roads.** [`coherent`] is the plain one: one wavelength, one beta, all
 //! quantities. [`GapFilm`] is the fast one: reflectance of many wavelengths,
-//! betas and gaps. The tests hold each to the other.
+//! betas and gaps; [`FilmRow`] the fast one of arrays, in which every point may have a stack of its
+//! own. The tests hold each to the plain one.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6;
 //! A. Macleod, "Thin-Film Optical Filters", 4th ed., chapter 2.
@@ -44,12 +45,14 @@ mod harmonic;
 mod kernel;
 mod lanes;
 mod media;
+mod points;
 
 pub use coating::{Coating, CoatingPart};
 pub use coherent::{Coherent, Field, Film, Layer, Polarisation, coherent};
 pub use derivative::Variable;
 pub use gap::{GapFilm, SpectralLayer, Thickness};
 pub use lanes::SimdLevel;
+pub use points::{Along, FilmRow, IndexAlong, LayerAlong};
 
 use num_complex::Complex64;
 

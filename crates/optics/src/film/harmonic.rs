@@ -93,6 +93,24 @@ pub(super) fn hyperbolic<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (c.mul_add(c, s * s), (c + c) * s)
 }
 
+/// What [`hyperbolic_and_factor`] takes a deeper x for.
+pub(super) const DEEPEST: f64 = 20.0;
+
+/// As [`hyperbolic`], and the square of the common factor, within 1e-12 of itself.
+#[inline(always)]
+pub(super) fn hyperbolic_and_factor<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>, Lanes<S>) {
+    // cosh^2 - sinh^2 = 1 tells the factor. Of an eighth of x, three doublings before cosh and sinh are nearly one number.
+    let x = x.min(x.splat(DEEPEST)) * x.splat(0.125);
+    let x2 = x * x;
+    let (mut c, mut s) = (x2.polynomial(&EVEN), x * x2.polynomial(&ODD));
+    let mut factor = (c - s) * (c + s);
+    for _ in 0..3 {
+        (c, s) = (c.mul_add(c, s * s), (c + c) * s);
+        factor = factor * factor;
+    }
+    (c, s, factor)
+}
+
 #[cfg(test)]
 mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};

@@ -1,0 +1,126 @@
+"""Warnings and notes: what the program prints reaches whoever uses the package, in every form of a result."""
+
+import pickle
+import subprocess
+import warnings
+
+import numpy as np
+import pytest
+
+import papilio
+from papilio import PapilioWarning, Scenario, cluster
+
+#: Too few wavelengths for these lamps.
+COARSE = {"spectrum.step_nm": 20, "lighting.spectrum": "LED-RGB1"}
+SAYS = "lighting.spectrum changes faster than a step of 20 nm follows"
+
+PRODUCTION = """
+[tolerance]
+samples = 64
+sensitivity_samples = 0
+metrics = ["white.Y"]
+[[tolerance.keys]]
+key = "display.pixel.film.0.thickness_nm"
+normal = { sigma = 1 }
+"""
+
+
+@pytest.fixture
+def coarse(scenarios):
+    return Scenario.load(scenarios / "indoor.toml").with_values(COARSE)
+
+
+def heard(call):
+    """What a call gives, and the papilio warnings that it raises: each at the line that called it."""
+    with warnings.catch_warnings(record=True) as all_of_them:
+        warnings.simplefilter("always")
+        found = call()
+    ours = [one for one in all_of_them if issubclass(one.category, PapilioWarning)]
+    assert all(one.filename == __file__ for one in ours), [one.filename for one in ours]
+    return found, [str(one.message) for one in ours]
+
+
+def test_a_run_says_what_the_program_says(coarse, program, scenarios, tmp_path):
+    result, said = heard(lambda: papilio.run(coarse))
+    assert said == result.warnings and any(text.startswith(SAYS) for text in said)
+    settings = [word for key, value in COARSE.items() for word in ("--set", f"{key}={value!r}".replace("'", '"'))]
+    printed = subprocess.run(
+        [program, "run", scenarios / "indoor.toml", *settings, "--out", tmp_path], capture_output=True, text=True, check=True
+    ).stderr
+    assert all(f"warning: {text}" in printed for text in said)
+    assert "1 warning" in repr(result) and SAYS in result._repr_html_()
+    assert result.notes == result.data["notes"]
+    pytest.importorskip("xarray")
+    assert result.to_xarray().attrs["warnings"] == "\n".join(said)
+
+
+def test_notes_stand_beside_warnings(scenarios):
+    result = papilio.run(scenarios / "measured-diffused.toml", set={"spectrum.step_nm": 50})
+    assert result.notes and result.notes == result.data["notes"]
+    assert papilio.Prepared(scenarios / "measured-diffused.toml").notes
+
+
+@pytest.mark.parametrize("kind", ["prepared", "cone", "reflection", "brdf", "evaluated", "sweep", "optimum", "yield"])
+def test_every_kind_of_result_has_them(kind, coarse):
+    key, metrics = "display.pixel.film.0.thickness_nm", ["white.Y"]
+    angles = {"theta_deg": [0.0, 20.0], "phi_deg": [0.0, 90.0]}
+    search = "[optimize]\nstarts = 1\nevaluations = 10\n[[optimize.variables]]\n"
+    search += f'key = "{key}"\nbounds = [50, 60]\n[[optimize.objectives]]\nmetric = "white.Y"\naim = "maximise"\n'
+    asked = {
+        "prepared": lambda: papilio.Prepared(coarse),
+        "cone": lambda: papilio.cone(coarse, **angles),
+        "reflection": lambda: papilio.reflection(coarse, theta_deg=[8]),
+        "brdf": lambda: papilio.brdf(coarse, theta_i_deg=[0], theta_o_deg=[0], dphi_deg=[0]),
+        "evaluated": lambda: cluster.evaluate_many(coarse, {key: [50.0]}, metrics, batch_seconds=0.01),
+        "sweep": lambda: cluster.sweep(coarse, {key: [50.0]}, metrics, batch_seconds=0.01),
+        "optimum": lambda: papilio.optimize(with_text(coarse, search)),
+        "yield": lambda: papilio.tolerance(with_text(coarse, PRODUCTION)),
+    }
+    found, said = heard(asked[kind])
+    assert said == found.warnings and any(text.startswith(SAYS) for text in said)
+    assert isinstance(found.notes, list) and "warning" in repr(found)
+    assert kind == "prepared" or SAYS in found._repr_html_()
+    if hasattr(found, "to_xarray"):
+        pytest.importorskip("xarray")
+        assert SAYS in found.to_xarray().attrs["warnings"]
+    again, said = heard(lambda: pickle.loads(pickle.dumps(found)))
+    assert again.warnings == found.warnings and not said
+
+
+def with_text(scenario, text):
+    return Scenario(scenario.to_toml() + text, name="more.toml", folder=scenario._folder)
+
+
+def test_a_search_that_meets_no_limit_says_so(scenarios):
+    search = '[optimize]\nstarts = 1\nevaluations = 10\n[[optimize.variables]]\nkey = "display.pixel.film.0.thickness_nm"\n'
+    search += 'bounds = [50, 60]\n[[optimize.objectives]]\nmetric = "white.Y"\naim = "maximise"\n'
+    search += '[[optimize.constraints]]\nmetric = "white.Y"\nat_least = 0.99\n'
+    found, said = heard(lambda: papilio.optimize(with_text(Scenario.load(scenarios / "indoor.toml"), search)))
+    assert any("meets all limits" in text for text in said) and said == found.warnings
+
+
+def test_a_clean_run_is_silent(scenarios):
+    result, said = heard(lambda: papilio.run(scenarios / "indoor.toml"))
+    assert said == result.warnings == [] and "warning" not in repr(result) and "warning" not in result._repr_html_()
+
+
+def test_a_result_cannot_be_spoiled(scenarios):
+    result = papilio.run(scenarios / "indoor.toml", set={"spectrum.step_nm": 50})
+    cone = papilio.cone(scenarios / "indoor.toml", theta_deg=[0.0], phi_deg=[0.0], set={"spectrum.step_nm": 50})
+    table = papilio.brdf(scenarios / "indoor.toml", theta_i_deg=[0], theta_o_deg=[0], dphi_deg=[0], set={"spectrum.step_nm": 50})
+    parts = papilio.reflection(scenarios / "indoor.toml", theta_deg=[8], set={"spectrum.step_nm": 50})
+    many = cluster.evaluate_many(scenarios / "indoor.toml", {"viewer.theta_deg": [0.0]}, ["white.Y"], batch_seconds=0.01)
+    production = papilio.tolerance(with_text(Scenario.load(scenarios / "indoor.toml"), PRODUCTION))
+    arrays = [result["Y"], result["white.Y"], result.wavelength_nm, cone["Y"], cone.theta_deg, table.brdf, table.specular, parts["haze"]]
+    arrays += [parts.theta_deg, many.values, many["white.Y"], production.values]
+    for number, array in enumerate(arrays):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+            pytest.fail(f"number {number} can be written to")
+    # And what is pickled neither.
+    for found, name in [(result, "Y"), (cone, "Y"), (parts, "haze"), (many, "white.Y")]:
+        with pytest.raises(ValueError, match="read-only"):
+            pickle.loads(pickle.dumps(found))[name][...] = 0
+    pytest.importorskip("xarray")
+    result.to_xarray()["Y"][:] = 0  # that is the caller's own
+    assert np.all(result["Y"] > 0)
