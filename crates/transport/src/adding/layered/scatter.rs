@@ -56,7 +56,7 @@ impl ScatterOrders {
                 }
             }
         }
-        all.missing = all.missing(scatter, disc, grid);
+        all.missing = all.missing(scatter, disc, grid, (digits / 2.0) as usize);
         all
     }
 
@@ -68,8 +68,9 @@ impl ScatterOrders {
         }
     }
 
-    /// What the quadrature finds missing, of light in the disc.
-    fn missing(&self, scatter: &Scatter, disc: f64, grid: &Grid) -> Vec<f64> {
+    /// What the quadrature finds missing, of light in the disc. What is sent is integrated more finely from level to level, so
+    /// that an error of it shows in their difference.
+    fn missing(&self, scatter: &Scatter, disc: f64, grid: &Grid, fineness: usize) -> Vec<f64> {
         let ones = vec![1.0; grid.len()];
         let kernel = Some(self.zeroth.clone());
         let there = Operator { regular: grid.regular, straight: vec![0.0; grid.len()], kernel };
@@ -80,7 +81,7 @@ impl ScatterOrders {
         let end = scatter.edges().fold(1.0, f64::min);
         let missing = |i: usize| {
             let beta = grid.beta[i] / disc;
-            let of = |(scatter, found): &(Scatter, Vec<f64>)| scatter.total(beta) - found[i];
+            let of = |(scatter, found): &(Scatter, Vec<f64>)| scatter.total_by(beta, fineness) - found[i];
             if beta < end { 0.5 * found.iter().map(of).sum::<f64>() } else { 0.0 }
         };
         (0..grid.len()).map(missing).collect()
