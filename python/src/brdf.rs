@@ -16,7 +16,7 @@ use crate::watch::watched;
 /// The display's BSDF at these inclinations of light and viewer and these azimuths between them, degrees: the bytes of
 /// `display-bsdf.npz`; and how far a sum over the directions misses what leaves.
 #[pyfunction]
-#[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, threads=None, progress=None))]
+#[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, threads=None, progress=None, allow_error=None))]
 #[allow(clippy::too_many_arguments, reason = "directions of a table, and how it is computed")]
 pub(crate) fn bsdf<'py>(
     py: Python<'py>,
@@ -27,6 +27,7 @@ pub(crate) fn bsdf<'py>(
     dphi_deg: Vec<f64>,
     threads: Option<u16>,
     progress: Option<Bound<'py, PyAny>>,
+    allow_error: Option<f64>,
 ) -> PyResult<(Bound<'py, PyBytes>, f64)> {
     let of = &scenario.of;
     let grid = BrdfGrid { theta_i_deg, theta_o_deg, dphi_deg };
@@ -43,7 +44,7 @@ pub(crate) fn bsdf<'py>(
     }
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title, hash: &of.hash };
     let (bytes, missed) = computed(py, threads, progress, |control| {
-        let table = brdf(&of.scene, grid, control)?;
+        let table = brdf(&of.scene, grid, control)?.allowing(allow_error)?;
         let mut bytes = Vec::new();
         Ok((write_bsdf(&mut bytes, &source, &table).map(|()| bytes), table.missed()))
     })?;

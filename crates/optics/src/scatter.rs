@@ -169,6 +169,26 @@ impl Scatter {
         }
     }
 
+    /// The difference of azimuths, radians, over which the kernel changes between directions of these `|beta|`: of a Gaussian
+    /// the distance to 1/e ([`Self::is_gaussian`]), else that of its nearest pole. Near the horizon half vectors about the normal
+    /// join directions ever closer in azimuth.
+    pub fn azimuth_width(&self, from: f64, to: f64) -> f64 {
+        let product = (from * to).max(1e-12);
+        match self {
+            Self::Ward(ward) => ward.azimuth_width(from, to) / product.sqrt(),
+            Self::Table(table, _) => {
+                let width = table.width();
+                let excess = (width * width + (from - to) * (from - to)) / (2.0 * product);
+                (excess + (excess * (excess + 2.0)).sqrt()).ln_1p()
+            }
+        }
+    }
+
+    /// True if the kernel is a Gaussian of half vectors.
+    pub fn is_gaussian(&self) -> bool {
+        matches!(self, Self::Ward(_))
+    }
+
     /// The radii, in direction cosines, of the discs that light comes from and is sent to: 1, the air's, save for a table
     /// that [reaches](Table::reaching) beyond.
     #[inline]

@@ -11,13 +11,13 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, finest, largest, refine};
+use super::refine::{Refined, finest, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Run, Workers, each};
-use crate::DisplayError;
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
-use crate::meter::{Meter, relative};
+use crate::meter::Meter;
 use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
 use crate::setup::{Setup, ViewPoint, angle_index};
+use crate::{DisplayError, RowErrors};
 
 /// Where a scene counts paths instead of naming an error.
 pub(super) const DEFAULT_TARGET: f64 = 1e-3;
@@ -76,6 +76,7 @@ impl Survey<'_> {
         let sample = self.sample(target, &mut kernel)?;
         let found = self.all(kernel, &sample.finer[0], pool)?;
         let (rows, nodes): (Vec<Vec<ConeView>>, Vec<u64>) = found.into_iter().unzip();
+        let errors = self.errors(&sample, &rows, pool)?;
         let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
         if !rows.iter().flatten().all(finite) {
             return Some(Err(DisplayError::NotFinite));
@@ -88,6 +89,12 @@ impl Survey<'_> {
             Some(true) => rows[theta][phi].clone(),
             _ => ConeView::unknown(self.run.setup.states.len()),
         };
+        let error = |theta: usize, phi: usize| match known.get(theta) {
+            Some(true) => errors[theta][phi].clone(),
+            _ => vec![0.0; self.run.setup.states.len()],
+        };
+        let directions = || places.iter().flat_map(|phi| (0..rows.len()).map(move |theta| (theta, *phi)));
+        let relative = directions().flat_map(|(theta, phi)| error(theta, phi)).collect();
         let views = places.iter().flat_map(|phi| (0..rows.len()).map(|theta| view(theta, *phi))).collect();
         let mut warnings: Vec<String> = self.mirror_images().into_iter().chain(self.blank(&known)).collect();
         if sample.error > target {
@@ -102,10 +109,38 @@ impl Survey<'_> {
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
             nodes: nodes.into_iter().sum(),
             discretisation_error: sample.error,
+            row_errors: RowErrors { relative, target, allowed: None },
             warnings,
             theta_deg: self.grid.theta_deg,
             phi_deg: self.grid.phi_deg,
         }))
+    }
+
+    /// The relative error of each state's Y, `[theta][phi]`, at the azimuths that are computed. A panel's kernels
+    /// resolve its lobes whatever the direction: there the sample's error holds for all. Through any layers, what lies near the
+    /// horizon may be narrower than anything sampled: each is held to the level before.
+    fn errors(
+        &self,
+        sample: &Refined<Colours>,
+        rows: &[Vec<ConeView>],
+        pool: Option<&ThreadPool>,
+    ) -> Option<Vec<Vec<Vec<f64>>>> {
+        let states = self.run.setup.states.len();
+        let Stack::Layered(_) = self.run.setup.stack else {
+            return Some(rows.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect());
+        };
+        let coarser = Kernel::new(sample.level as u32 - 1);
+        let coarser = self.all(coarser, &sample.coarser[0], pool)?;
+        let times = error_over_difference(&self.run.setup.stack).max(slowness(sample, &luminous));
+        let errors = rows.iter().zip(&coarser).map(|(row, (coarser, _))| {
+            let of = |(view, coarser): (&ConeView, &ConeView)| {
+                let y =
+                    |view: &ConeView| view.states.iter().map(|state| state.reflectance_factor_y).collect();
+                row_errors(&y(view), &y(coarser), times)
+            };
+            row.iter().zip(coarser).map(of).collect()
+        });
+        Some(errors.collect())
     }
 
     /// For each inclination, whether the uppermost face that scatters was measured there. What else is seen from there, a
@@ -151,19 +186,22 @@ impl Survey<'_> {
                 return None;
             }
             *kernel = Kernel::new(level as u32);
-            kernel.prepare(&setup.stack, &fields, &setup.sources);
-            Some((0..fields.len()).map(|view| self.colours(kernel, view)).collect())
+            kernel
+                .prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop)
+                .then_some(())?;
+            (0..fields.len()).map(|view| self.colours(kernel, view)).collect()
         };
         let bound = error_over_difference(&setup.stack);
-        let difference = |finer: &Colours, coarser: &Colours| {
-            let pairs = finer.iter().flatten().zip(coarser.iter().flatten());
-            bound * pairs.map(|(a, b)| relative((a.y, (a.y - b.y).abs()))).fold(0.0, largest)
+        let error = |levels: [&Colours; 2], before: Option<&Colours>| {
+            of_levels(bound, levels.map(luminous), before.map(luminous).as_deref())
         };
-        refine(target, self.finest, at, difference, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.tell(error, target, 0))
     }
 
-    fn colours(&self, kernel: &Kernel, view: usize) -> Vec<Xyz> {
-        self.run.meter.colours(&kernel.estimate(&self.run.setup.stack, view))
+    /// `None` if it was stopped.
+    fn colours(&self, kernel: &Kernel, view: usize) -> Option<Vec<Xyz>> {
+        let estimate = kernel.estimate_unless(&self.run.setup.stack, view, self.run.control.stop)?;
+        Some(self.run.meter.colours(&estimate))
     }
 
     fn tell(&self, relative_error: f64, target: f64, done: usize) {
@@ -195,7 +233,9 @@ impl Survey<'_> {
         let shared = matches!(setup.stack, Stack::Layered(_));
         if shared {
             let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
-            kernel.prepare(&setup.stack, &fields, &setup.sources);
+            kernel
+                .prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop)
+                .then_some(())?;
         }
         let done = AtomicUsize::new(0);
         let row = |theta: usize| {
@@ -207,12 +247,16 @@ impl Survey<'_> {
                 (&kernel, theta * computed.len())
             } else {
                 let kernel = own.insert(kernel.clone());
-                kernel.prepare(&setup.stack, &fields(theta).collect::<Vec<Cone>>(), &setup.sources);
+                let fields: Vec<Cone> = fields(theta).collect();
+                let ready =
+                    kernel.prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop);
+                ready.then_some(())?;
                 (&*kernel, 0)
             };
             let view = |k: usize| {
                 let go_on = !self.run.control.stopped();
-                go_on.then(|| self.run.meter.cone_view(&self.colours(kernel, first + k), normal))
+                let colours = if go_on { self.colours(kernel, first + k) } else { None };
+                colours.map(|colours| self.run.meter.cone_view(&colours, normal))
             };
             let views = (0..computed.len()).map(view).collect::<Option<Vec<_>>>()?;
             let more = self.grid.phi_deg.len();
@@ -254,6 +298,11 @@ impl Survey<'_> {
         views.dedup();
         views
     }
+}
+
+/// The Y of all states and directions.
+fn luminous(colours: &Colours) -> Vec<f64> {
+    colours.iter().flatten().map(|xyz| xyz.y).collect()
 }
 
 fn light(light: &DirectedLight) -> ConeLight {

@@ -90,6 +90,11 @@ impl Ward {
         2.0 * self.alpha
     }
 
+    /// Of a circle of radius 1.
+    pub(super) fn azimuth_width(&self, from: f64, to: f64) -> f64 {
+        self.alpha * (cosine(from) + cosine(to))
+    }
+
     pub(super) fn total(&self, length: f64) -> f64 {
         self.shares.at(self, cosine(length))
     }
