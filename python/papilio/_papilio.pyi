@@ -171,6 +171,7 @@ class Cone:
         phi_deg: Sequence[float] | None = None,
         threads: int | None = None,
         progress: Callable[[dict[str, Any]], object] | None = None,
+        allow_error: float | None = None,
     ) -> Cone: ...
     def theta_deg(self) -> NDArray[np.float64]: ...
     def phi_deg(self) -> NDArray[np.float64]: ...
@@ -225,6 +226,7 @@ def bsdf(
     dphi_deg: Sequence[float],
     threads: int | None = None,
     progress: Callable[[dict[str, Any]], object] | None = None,
+    allow_error: float | None = None,
 ) -> tuple[bytes, float]: ...
 def beams(
     scenario: Resolved,

@@ -148,6 +148,7 @@ def brdf(
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    allow_error: float | None = None,
 ) -> Brdf:
     """The finished display as a spectral BSDF, without its room: what ``papilio brdf`` computes, by adding.
 
@@ -160,6 +161,7 @@ def brdf(
         set: values put in before, ``{path: value}``.
         threads: how many; None: one for each processor.
         progress: called a few times a second.
+        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
 
     Raises:
         ArgumentError: names the argument that is wrong; more than 1e8 numbers.
@@ -181,6 +183,7 @@ def brdf(
         ascending("dphi_deg", dphi_deg, 180.0) or azimuths,
         checked_threads(threads),
         checked_progress(progress),
+        allow_error,
     )
     return Brdf(content, missed)
 

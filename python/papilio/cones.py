@@ -103,6 +103,7 @@ def cone(
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    allow_error: float | None = None,
 ) -> Cone:
     """What is seen from every direction: what ``papilio run --cone`` adds.
 
@@ -113,9 +114,11 @@ def cone(
         set: values put in before, ``{path: value}``.
         threads: how many; None: one for each processor.
         progress: called a few times a second.
+        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
     """
     changed = read(scenario, with_solver(set))
     thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
     phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
-    core = _papilio.Cone(changed._scene(), thetas, phis, checked_threads(threads), checked_progress(progress))
+    workers = (checked_threads(threads), checked_progress(progress))
+    core = _papilio.Cone(changed._scene(), thetas, phis, *workers, allow_error)
     return Cone(core, changed.title)

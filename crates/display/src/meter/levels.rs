@@ -84,7 +84,7 @@ impl Meter<'_> {
         specular: &[Vec<f64>],
     ) -> Looked {
         let bare = self.bare_peaks(at, base_under(&self.setup.stack));
-        let (scalars, before) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
+        let (scalars, of_coarser) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.level_error([finer, coarser], before, false)).filter(|least| least.is_finite());
         let of_levels = LevelError {
             times: error_over_difference(&self.setup.stack),
@@ -95,10 +95,10 @@ impl Meter<'_> {
         let of_light = |a: f64, b: f64| error(a, b).max(-a);
         let discretisation = Numbers {
             linear: finer.combine(coarser, of_light),
-            scalars: ViewScalars::combine(&scalars, &before, error),
+            scalars: ViewScalars::combine(&scalars, &of_coarser, error),
         };
         let noise = Numbers { linear: Sample::zeros(finer), scalars: scalars.zeros() };
-        let colours = [&scalars, &before].map(ViewScalars::colours).to_vec();
+        let colours = [&scalars, &of_coarser].map(ViewScalars::colours).to_vec();
         let value = Numbers { linear: finer.clone(), scalars };
         let view = self.view(at, value, noise, Some(discretisation), specular);
         Looked { view, colours, of_levels: Some(of_levels) }

@@ -249,5 +249,5 @@ pub(super) fn azimuth_width(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2]
 fn rule(face: &Rough, ends: [(Side, f64); 2], digits: f64) -> Option<usize> {
     // Poles are double: three digits more.
     let half = ((digits + 3.0) / azimuth_width(face, ends).asinh()).ceil().max(12.0);
-    (half <= MOST_INTERVALS as f64).then(|| (half as usize).next_power_of_two().ilog2() as usize)
+    (half <= MOST_INTERVALS as f64 / 2.0).then(|| (half as usize).next_power_of_two().ilog2() as usize)
 }

@@ -4,23 +4,22 @@
 //! What the quadrature over directions finds missing of the light that a kernel sends keeps its
 //! direction, so that none is lost.
 
-use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::Beta;
 use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
-use super::azimuth::{MOST_INTERVALS, add, graded};
+use super::azimuth::{MOST_INTERVALS, graded, trapezoid};
 use super::grid::Grid;
 use super::matrix::Matrix;
 
 /// Azimuths between 0 and pi for a pair of nodes at least, for what lies off the peak.
 const LEAST_AZIMUTHS: usize = 24;
 /// Azimuthal orders, at most.
-const MOST_ORDERS: usize = 4000;
+const MOST_ORDERS: usize = 1500;
 /// Numbers of all orders, at most.
-const MOST_NUMBERS: usize = 1 << 26;
+const MOST_NUMBERS: usize = 1 << 25;
 /// Of so many extra nodes, views first, the light that is sent is integrated; of others it is interpolated.
 const INTEGRATED: usize = 100;
 
@@ -166,9 +165,10 @@ fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
 /// The first Fourier coefficients of a kernel between two directions.
 fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
     let width = scatter.azimuth_width(a, b).max(1e-9);
-    // Poles are double: three digits more.
+    // Poles are double: three digits more. The last order that the rule tells apart is to be none: of a pole at w it
+    // is exp(-m w), of a Gaussian exp(-(m w)^2/4).
     let digits = digits + 3.0;
-    let half = (if scatter.is_gaussian() { digits.sqrt() } else { digits } / width).ceil() as usize;
+    let half = (if scatter.is_gaussian() { 2.0 * digits.sqrt() } else { digits } / width).ceil() as usize;
     let value = |phi: f64| {
         let (sin, cos) = phi.sin_cos();
         scatter.value(Beta { x: a, y: 0.0 }, Beta { x: b * cos, y: b * sin })
@@ -176,15 +176,7 @@ fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
     if half > MOST_INTERVALS {
         return graded(width, out, value);
     }
-    let half = half.max(LEAST_AZIMUTHS);
-    out.fill(0.0);
-    // Orders that this rule does not tell apart from lower ones are none.
-    let told = out.len().min(half + 1);
-    for k in 0..=half {
-        let phi = PI * k as f64 / half as f64;
-        let ends = if k == 0 || k == half { 0.5 } else { 1.0 };
-        add(phi, ends / half as f64 * value(phi), &mut out[..told]);
-    }
+    trapezoid(half.max(LEAST_AZIMUTHS), out, value);
 }
 
 #[cfg(test)]
