@@ -7,7 +7,8 @@ use papilio_transport::adding::{FINEST, MOST_NODES, Scatterer, narrowest, nodes_
 
 use crate::DisplayError;
 use crate::meter::relative;
-use crate::scene::{Layers, Scene};
+use crate::pixel::state_names;
+use crate::scene::{Layers, Pixel, Scene};
 use crate::setup::layers_alone;
 
 /// The finest level that the layers can be taken to.
@@ -22,8 +23,8 @@ pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
     }
 }
 
-/// Roughly how long adding prepares the layers of a scene before it first heeds a stop, in seconds of one processor;
-/// right to within a factor of ten. 0 for an ordinary panel, whose preparation takes milliseconds.
+/// Roughly how long adding prepares the layers of a scene for one beam, in seconds of one processor; right to within a factor of
+/// ten. A pixel that scatters is a layer more for each of its states. 0 for an ordinary panel, whose preparation takes milliseconds.
 ///
 /// # Errors
 /// If there is no such stack.
@@ -35,7 +36,11 @@ pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
     // Where indices differ, nothing is shared between wavelengths.
     let indices = |bin: usize| layers.iter().map(|layer| layer.medium.index[bin].to_bits()).collect();
     let sets: HashSet<Vec<u64>> = (0..scene.grid.len()).map(indices).collect();
-    Ok(SECONDS * nodes.powi(3) * sets.len() as f64)
+    let stacks = match &scene.display.pixel {
+        Pixel::Scattering(_) => 1 + state_names(&scene.display.pixel).len(),
+        Pixel::Film(_) | Pixel::Table(_) | Pixel::Uniform(_) => 1,
+    };
+    Ok(SECONDS * nodes.powi(3) * (sets.len() * stacks) as f64)
 }
 
 /// The refusal, with what is to blame.
