@@ -13,7 +13,7 @@ use papilio_transport::{Cone, Estimate, Rho, Source, Stack, specular_image};
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
-use super::refine::{Refined, finest, of_levels, refine, row_errors, slowness};
+use super::refine::{Refined, finest, largest, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Workers, each};
 use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
 use crate::scene::{Scene, Stop};
@@ -68,8 +68,7 @@ impl Survey<'_> {
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let (scattered, luminous, nodes) = self.scattered(&kernel, pool)?;
-        let relative = self.errors(&sample, &luminous, pool)?;
+        let ((scattered, nodes), relative) = self.rows(&sample, &mut kernel, target, pool)?;
         let returned = self.returned(&kernel)?;
         let state = |(number, name): (usize, &String)| BrdfState {
             name: name.clone(),
@@ -82,7 +81,7 @@ impl Survey<'_> {
             wavelength_nm: self.setup.scene.grid.wavelengths_nm(),
             states: self.setup.states.iter().enumerate().map(state).collect(),
             nodes,
-            discretisation_error: sample.error,
+            discretisation_error: relative.iter().copied().fold(0.0, largest),
             row_errors: RowErrors { relative, target, allowed: None },
             grid: self.grid.clone(),
         })
@@ -132,23 +131,42 @@ impl Survey<'_> {
         all.extend(rho.base.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
     }
 
-    /// The relative error of Y, `[state][theta_i][theta_o][dphi]`. A panel's kernels resolve its lobes whatever the directions:
-    /// there the sample's error holds for all. Through any layers, each row is held to the level before.
-    fn errors(
+    /// What is scattered, as [`Self::scattered`] says, with nodes and the relative errors of Y. A panel's kernels
+    /// resolve its lobes whatever the directions: there the sample's error holds for all. Through any layers, each row is held to the
+    /// level before, and if one misses the target, all go on to the next; leaves the last kernel in `kernel`.
+    fn rows(
         &self,
         sample: &Refined<Luminous>,
-        luminous: &[Luminous],
+        kernel: &mut Kernel,
+        target: f64,
         pool: Option<&ThreadPool>,
-    ) -> Option<Vec<f64>> {
-        let states = self.setup.states.len();
+    ) -> Option<((Vec<Vec<f32>>, u64), Vec<f64>)> {
+        let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, pool)?;
         let Stack::Layered(_) = self.setup.stack else {
-            return Some(vec![sample.error; states * self.grid.pairs()]);
+            let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
+            return Some(((spectra, nodes), errors));
         };
-        let (_, coarser, _) = self.scattered(&Kernel::new(sample.level as u32 - 1), pool)?;
         let times = error_over_difference(&self.setup.stack).max(slowness(sample, &Vec::clone));
+        let mut level = sample.level;
+        let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
+        loop {
+            let errors = self.errors(&luminous, &coarser, times);
+            let misses = |error: &f64| error.is_finite() && *error > target;
+            if level >= self.finest || !errors.iter().any(misses) {
+                return Some(((spectra, nodes), errors));
+            }
+            level += 1;
+            *kernel = Kernel::new(level as u32);
+            coarser = luminous;
+            (spectra, luminous, nodes) = self.scattered(kernel, pool)?;
+        }
+    }
+
+    /// The relative errors of Y, `[state][theta_i][theta_o][dphi]`.
+    fn errors(&self, luminous: &[Luminous], coarser: &[Luminous], times: f64) -> Vec<f64> {
+        let (states, lights) = (self.setup.states.len(), self.beams.len());
         let by_viewer: Vec<Vec<f64>> =
-            luminous.iter().zip(&coarser).map(|(finer, coarser)| row_errors(finer, coarser, times)).collect();
-        let lights = self.beams.len();
+            luminous.iter().zip(coarser).map(|(finer, coarser)| row_errors(finer, coarser, times)).collect();
         let mut errors = Vec::with_capacity(states * self.grid.pairs());
         for state in 0..states {
             for light in 0..lights {
@@ -158,7 +176,7 @@ impl Survey<'_> {
                 }
             }
         }
-        Some(errors)
+        errors
     }
 
     fn tell(&self, relative_error: f64, target: f64, done: usize) {

@@ -11,7 +11,7 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, finest, of_levels, refine, row_errors, slowness};
+use super::refine::{Refined, finest, largest, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Run, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
@@ -62,6 +62,14 @@ struct Survey<'a> {
     angle_index: f64,
 }
 
+/// All directions that are computed, `[theta][phi]`.
+struct Rows {
+    views: Vec<Vec<ConeView>>,
+    /// Of each state's Y.
+    errors: Vec<Vec<Vec<f64>>>,
+    nodes: u64,
+}
+
 /// Colours of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
@@ -74,9 +82,7 @@ impl Survey<'_> {
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let found = self.all(kernel, &sample.finer[0], pool)?;
-        let (rows, nodes): (Vec<Vec<ConeView>>, Vec<u64>) = found.into_iter().unzip();
-        let errors = self.errors(&sample, &rows, pool)?;
+        let Rows { views: rows, errors, nodes } = self.rows(&sample, kernel, target, pool)?;
         let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
         if !rows.iter().flatten().all(finite) {
             return Some(Err(DisplayError::NotFinite));
@@ -94,21 +100,21 @@ impl Survey<'_> {
             _ => vec![0.0; self.run.setup.states.len()],
         };
         let directions = || places.iter().flat_map(|phi| (0..rows.len()).map(move |theta| (theta, *phi)));
-        let relative = directions().flat_map(|(theta, phi)| error(theta, phi)).collect();
         let views = places.iter().flat_map(|phi| (0..rows.len()).map(|theta| view(theta, *phi))).collect();
         let mut warnings: Vec<String> = self.mirror_images().into_iter().chain(self.blank(&known)).collect();
-        if sample.error > target {
+        let relative: Vec<f64> = directions().flat_map(|(theta, phi)| error(theta, phi)).collect();
+        let worst = relative.iter().copied().fold(0.0, largest);
+        if worst > target {
             warnings.push(format!(
-                "relative error {:.2e} instead of {target:.2e}: adding's finest level is reached",
-                sample.error
+                "relative error {worst:.2e} instead of {target:.2e}: adding's finest level is reached"
             ));
         }
         Some(Ok(ConeResult {
             states: self.run.setup.states.clone(),
             views,
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
-            nodes: nodes.into_iter().sum(),
-            discretisation_error: sample.error,
+            nodes,
+            discretisation_error: worst,
             row_errors: RowErrors { relative, target, allowed: None },
             warnings,
             theta_deg: self.grid.theta_deg,
@@ -116,31 +122,52 @@ impl Survey<'_> {
         }))
     }
 
-    /// The relative error of each state's Y, `[theta][phi]`, at the azimuths that are computed. A panel's kernels
-    /// resolve its lobes whatever the direction: there the sample's error holds for all. Through any layers, what lies near the
-    /// horizon may be narrower than anything sampled: each is held to the level before.
-    fn errors(
+    /// All inclinations and the azimuths that are computed, with the relative error of each state's Y. A panel's kernels resolve
+    /// its lobes whatever the direction: there the sample's error holds for all. Through any layers, what lies near the
+    /// horizon may be narrower than anything sampled: each row is held to the level before, and if one misses the
+    /// target, all go on to the next level.
+    fn rows(
         &self,
         sample: &Refined<Colours>,
-        rows: &[Vec<ConeView>],
+        kernel: Kernel,
+        target: f64,
         pool: Option<&ThreadPool>,
-    ) -> Option<Vec<Vec<Vec<f64>>>> {
+    ) -> Option<Rows> {
         let states = self.run.setup.states.len();
+        let (mut views, mut nodes) = self.all(kernel, &sample.finer[0], pool)?;
         let Stack::Layered(_) = self.run.setup.stack else {
-            return Some(rows.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect());
+            let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
+            return Some(Rows { views, errors, nodes });
         };
-        let coarser = Kernel::new(sample.level as u32 - 1);
-        let coarser = self.all(coarser, &sample.coarser[0], pool)?;
         let times = error_over_difference(&self.run.setup.stack).max(slowness(sample, &luminous));
-        let errors = rows.iter().zip(&coarser).map(|(row, (coarser, _))| {
-            let of = |(view, coarser): (&ConeView, &ConeView)| {
-                let y =
-                    |view: &ConeView| view.states.iter().map(|state| state.reflectance_factor_y).collect();
-                row_errors(&y(view), &y(coarser), times)
+        let mut level = sample.level;
+        let (mut coarser, _) = self.all(Kernel::new(level as u32 - 1), &sample.coarser[0], pool)?;
+        loop {
+            let y = |view: &ConeView| -> Vec<f64> {
+                view.states.iter().map(|state| state.reflectance_factor_y).collect()
             };
-            row.iter().zip(coarser).map(of).collect()
-        });
-        Some(errors.collect())
+            let of = |(view, coarser): (&ConeView, &ConeView)| row_errors(&y(view), &y(coarser), times);
+            let of_row =
+                |(row, coarser): (&Vec<ConeView>, &Vec<ConeView>)| row.iter().zip(coarser).map(of).collect();
+            let errors: Vec<Vec<Vec<f64>>> = views.iter().zip(&coarser).map(of_row).collect();
+            let misses = |error: &f64| error.is_finite() && *error > target;
+            if level >= self.finest || !errors.iter().flatten().flatten().any(misses) {
+                return Some(Rows { views, errors, nodes });
+            }
+            level += 1;
+            let mut kernel = Kernel::new(level as u32);
+            let setup = self.run.setup;
+            let ready = kernel.prepare_unless(
+                &setup.stack,
+                &[self.normal.field],
+                &setup.sources,
+                self.run.control.stop,
+            );
+            ready.then_some(())?;
+            let normal = self.colours(&kernel, 0)?;
+            coarser = views;
+            (views, nodes) = self.all(kernel, &normal, pool)?;
+        }
     }
 
     /// For each inclination, whether the uppermost face that scatters was measured there. What else is seen from there, a
@@ -216,14 +243,13 @@ impl Survey<'_> {
         });
     }
 
-    /// All inclinations: for each the views at the azimuths that are computed, and the nodes
-    /// that were its own.
+    /// All inclinations: for each the views at the azimuths that are computed; and how many nodes that took.
     fn all(
         &self,
         mut kernel: Kernel,
         normal: &[Xyz],
         pool: Option<&ThreadPool>,
-    ) -> Option<Vec<(Vec<ConeView>, u64)>> {
+    ) -> Option<(Vec<Vec<ConeView>>, u64)> {
         let setup = self.run.setup;
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
@@ -264,12 +290,10 @@ impl Survey<'_> {
             Some((views, own.map_or(0, |kernel| kernel.nodes() as u64)))
         };
         let mut rows: Vec<usize> = (0..thetas).collect();
-        let mut rows =
-            each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
-        if let (true, Some((_, nodes))) = (shared, rows.first_mut()) {
-            *nodes = kernel.nodes() as u64;
-        }
-        Some(rows)
+        let rows = each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
+        let (views, nodes): (Vec<_>, Vec<u64>) = rows.into_iter().unzip();
+        let nodes = if shared { kernel.nodes() as u64 } else { nodes.into_iter().sum() };
+        Some((views, nodes))
     }
 
     /// The azimuths that are computed; the others look like one of them.

@@ -117,8 +117,15 @@ pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
     if ratio >= 1.0 && now > LARGE {
         return (times * now).max(1.0);
     }
-    let rest = if ratio < 1.0 { (ratio / (1.0 - ratio)).min(MOST) } else { MOST };
-    times.max(rest) * now
+    // What is known to be slow has been multiplied for that: single ratios scatter.
+    let rest = if times > 1.0 {
+        times
+    } else if ratio < 1.0 {
+        (ratio / (1.0 - ratio)).clamp(1.0, MOST)
+    } else {
+        MOST
+    };
+    rest * now
 }
 
 /// The largest relative error of numbers of light at the finer of two levels, each relative to itself, with those of the level before
@@ -142,7 +149,7 @@ pub(crate) fn slowness<T>(sample: &Refined<T>, numbers: &impl Fn(&T) -> Vec<f64>
 }
 
 /// The relative error of each of some numbers of light.
-pub(crate) fn row_errors(finer: &Vec<f64>, coarser: &Vec<f64>, times: f64) -> Vec<f64> {
+pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], times: f64) -> Vec<f64> {
     let error = |(a, b): (&f64, &f64)| {
         let error = times * relative((*a, (a - b).abs()));
         if is_negative(*a, finer) { largest(error, 1.0) } else { error }
