@@ -21,7 +21,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let grid = grid(arguments.step, &resolved.scene)?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let table = with_progress(arguments.workers.threads, |control| {
-        papilio_display::brdf(&resolved.scene, grid, control)
+        papilio_display::brdf(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
     })?;
     let table = table.ok_or(Failure::Interrupted("nothing is written"))?;
     let split = with_progress(arguments.workers.threads, |control| {

@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let cone = if arguments.cone && !result.solver.interrupted {
-        survey(&resolved.scene, arguments.workers.threads)?
+        survey(&resolved.scene, arguments.allow_error, arguments.workers.threads)?
     } else {
         None
     };
@@ -115,9 +115,13 @@ pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunRe
 }
 
 /// All directions; `None` if interrupted.
-fn survey(scene: &Scene, threads: Option<u16>) -> Result<Option<ConeResult>, Failure> {
+fn survey(
+    scene: &Scene,
+    allow_error: Option<f64>,
+    threads: Option<u16>,
+) -> Result<Option<ConeResult>, Failure> {
     let grid = ConeGrid::within(scene)?;
-    with_progress(threads, |control| papilio_display::cone(scene, grid, control))
+    with_progress(threads, |control| papilio_display::cone(scene, grid, control)?.allowing(allow_error))
 }
 
 /// Computes something under a progress bar; `None` if it was interrupted before there was a result.

@@ -174,6 +174,7 @@ class Cone:
         phi_deg: Sequence[float] | None = None,
         threads: int | None = None,
         progress: Callable[[dict[str, Any]], object] | None = None,
+        allow_error: float | None = None,
     ) -> Cone: ...
     def theta_deg(self) -> NDArray[np.float64]: ...
     def phi_deg(self) -> NDArray[np.float64]: ...
@@ -242,6 +243,7 @@ def bsdf(
     step_deg: float | None,
     threads: int | None = None,
     progress: Callable[[dict[str, Any]], object] | None = None,
+    allow_error: float | None = None,
 ) -> tuple[bytes, float, list[str], float | None]: ...
 def beams(
     scenario: Resolved,

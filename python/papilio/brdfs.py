@@ -186,6 +186,7 @@ def brdf(
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    allow_error: float | None = None,
 ) -> Brdf:
     """The finished display as a spectral BSDF, without its room: what ``papilio brdf`` computes, by adding.
 
@@ -204,6 +205,7 @@ def brdf(
         set: values put in before, ``{path: value}``.
         threads: how many; None: one for each processor.
         progress: called a few times a second.
+        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
 
     Raises:
         ArgumentError: names the argument that is wrong; more than 1e8 numbers.
@@ -221,6 +223,7 @@ def brdf(
         ascending("dphi_deg", dphi_deg, 180.0),
         checked_threads(threads),
         checked_progress(progress),
+        allow_error,
     )
     found, finer = asked.found(_FIRST_STEP_DEG if step_deg is None else _checked_step(step_deg))
     while step_deg is None and finer is not None:
@@ -249,6 +252,7 @@ class _Asked(NamedTuple):
     dphi_deg: list[float] | None
     threads: int | None
     progress: Progress | None
+    allow_error: float | None
 
     def found(self, step: float) -> tuple[Brdf, float | None]:
         """The table with all other directions in steps, and the step that would do, if this does not and that one can."""
@@ -265,6 +269,7 @@ class _Asked(NamedTuple):
             step if is_even else None,
             self.threads,
             self.progress,
+            self.allow_error,
         )
         return Brdf(content, missed, _said.both(scene.warnings, warned), scene.notes), finer
 

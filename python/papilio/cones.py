@@ -134,6 +134,7 @@ def cone(
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    allow_error: float | None = None,
 ) -> Cone:
     """What is seen from every direction: what ``papilio run --cone`` adds.
 
@@ -144,6 +145,7 @@ def cone(
         set: values put in before, ``{path: value}``.
         threads: how many; None: one for each processor.
         progress: called a few times a second.
+        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
 
     Warns:
         PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
@@ -152,7 +154,7 @@ def cone(
     scene = changed._scene()
     thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
     phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
-    core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress))
+    core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error)
     found = Cone(core, changed.title, scene.warnings, scene.notes)
     _said.warn(found.warnings)
     return found

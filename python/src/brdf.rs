@@ -20,7 +20,7 @@ use crate::watch::watched;
 /// in it can be held). Of directions
 /// that are not in steps of `step_deg`, nothing is said of sums.
 #[pyfunction]
-#[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, step_deg, threads=None, progress=None))]
+#[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, step_deg, threads=None, progress=None, allow_error=None))]
 #[allow(clippy::too_many_arguments, reason = "directions of a table, and how it is computed")]
 pub(crate) fn bsdf<'py>(
     py: Python<'py>,
@@ -32,6 +32,7 @@ pub(crate) fn bsdf<'py>(
     step_deg: Option<f64>,
     threads: Option<u16>,
     progress: Option<Bound<'py, PyAny>>,
+    allow_error: Option<f64>,
 ) -> PyResult<(Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>)> {
     let of = &scenario.of;
     let grid = BrdfGrid { theta_i_deg, theta_o_deg, dphi_deg };
@@ -52,7 +53,7 @@ pub(crate) fn bsdf<'py>(
         Stop::Paths(_) | Stop::Target(_) => None,
     };
     let (bytes, missed, warnings) = computed(py, threads, progress, |control| {
-        let table = brdf(&of.scene, grid, control)?;
+        let table = brdf(&of.scene, grid, control)?.allowing(allow_error)?;
         let mut bytes = Vec::new();
         let written = write_bsdf(&mut bytes, &source, &table).map(|()| bytes);
         Ok((written, table.missed(), brdf_warnings(&table, target, step_deg, "step_deg=")))

@@ -40,7 +40,7 @@ pub(crate) struct Cone {
 impl Cone {
     /// Over the default directions where none are given, ascending, degrees.
     #[new]
-    #[pyo3(signature = (scenario, theta_deg=None, phi_deg=None, threads=None, progress=None))]
+    #[pyo3(signature = (scenario, theta_deg=None, phi_deg=None, threads=None, progress=None, allow_error=None))]
     fn new(
         py: Python<'_>,
         scenario: &Resolved,
@@ -48,6 +48,7 @@ impl Cone {
         phi_deg: Option<Vec<f64>>,
         threads: Option<u16>,
         progress: Option<Bound<'_, PyAny>>,
+        allow_error: Option<f64>,
     ) -> PyResult<Self> {
         let scene = &scenario.of.scene;
         let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
@@ -56,7 +57,9 @@ impl Cone {
                 theta_deg: theta_deg.unwrap_or(within.theta_deg),
                 phi_deg: phi_deg.unwrap_or(within.phi_deg),
             };
-            watch.run(threads.map(usize::from), |control| papilio_display::cone(scene, grid, control))
+            watch.run(threads.map(usize::from), |control| {
+                papilio_display::cone(scene, grid, control)?.allowing(allow_error)
+            })
         })?;
         match found {
             Ok(of) => Ok(Self { of }),

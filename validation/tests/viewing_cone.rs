@@ -6,6 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::scene::{Method, Scene, Stop};
 use papilio_display::{BrdfGrid, ConeGrid, ConeResult, Control, DisplayError, brdf, cone};
+use papilio_optics::Beta;
+use papilio_optics::rough::{Rough, Side};
 use papilio_validation::{run_on, scenario};
 
 fn scene(name: &str, target: f64) -> Scene {
@@ -182,4 +184,32 @@ fn a_beam_in_a_run_is_the_bsdf() {
             assert!((f64::from(*brdf) * PI / factor - 1.0).abs() < 1e-4, "{name}: {brdf} {factor}");
         }
     }
+}
+
+/// A rough face in grazing light: the lobe in the mirror direction is the face's own kernel, and what comes by way of the white
+/// pixel below it is less than its reflectance. Its rows say how good they are, and are not handed on silently.
+#[test]
+fn a_rough_face_in_grazing_light_is_its_kernel() {
+    let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
+    let mut scene = scenario("rough-glass", &sets).unwrap().scene;
+    scene.solver.stop = Stop::RelativeError { target: 1e-4, every_bin: false };
+    let grid =
+        BrdfGrid { theta_i_deg: vec![85.0, 89.0], theta_o_deg: vec![85.0], dphi_deg: vec![0.0, 180.0] };
+    let table = table(&scene, grid);
+    let face = Rough::new(0.35, 1.0, 1.5);
+    let white = table.states.iter().position(|state| state.name == "white").unwrap();
+    let bins = table.wavelength_nm.len();
+    for (row, (theta, phi)) in
+        [(85.0, 0.0), (85.0, 180.0), (89.0, 0.0), (89.0, 180.0)].into_iter().enumerate()
+    {
+        let (from, to) = (Beta::from_source(theta, 0.0, 1.0), Beta::towards(85.0, phi, 1.0));
+        let alone = face.density(Side::Above, from, Side::Above, to);
+        let found = f64::from(table.states[white].brdf[row * bins]);
+        assert!((0.0..0.7 / PI).contains(&(found - alone)), "{theta} {phi}: {found}, alone {alone}");
+        let error = table.row_errors.relative[white * 4 + row];
+        assert!(error > 0.0 && error < 0.1, "{theta} {phi}: {error}");
+    }
+    let refused = table.clone().allowing(None).unwrap_err().to_string();
+    assert!(refused.contains("rows of the BRDF") && refused.contains("--allow-error"), "{refused}");
+    assert!(table.allowing(Some(0.1)).is_ok());
 }

@@ -111,6 +111,9 @@ pub(crate) struct Run {
     /// Also map what is seen from all directions: cone.csv, cone.npy, cone.json, cone.svg, cone.png
     #[arg(long)]
     pub(crate) cone: bool,
+    /// With --cone: write rows whose relative error is up to this, in a column `error` [default: the scenario's target]
+    #[arg(long, value_name = "X", requires = "cone", allow_negative_numbers = true, value_parser = error)]
+    pub(crate) allow_error: Option<f64>,
     /// Write each figure as PNG, too
     #[arg(long)]
     pub(crate) png: bool,
@@ -155,6 +158,9 @@ pub(crate) struct Brdf {
     /// Step of all directions, degrees
     #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = step)]
     pub(crate) step: f64,
+    /// Write rows whose relative error is up to this, with an array `error` [default: the scenario's target]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = error)]
+    pub(crate) allow_error: Option<f64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
 }
@@ -198,6 +204,11 @@ pub(crate) struct Pixel {
 }
 
 /// A step that divides 90 deg.
+fn error(text: &str) -> Result<f64, String> {
+    let error: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if error > 0.0 { Ok(error) } else { Err("expected a relative error above 0".to_owned()) }
+}
+
 fn step(text: &str) -> Result<f64, String> {
     let step: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     let steps = 90.0 / step;

@@ -3,6 +3,8 @@
 //! A display of layers alike in all azimuths is isotropic, so two inclinations and
 //! the azimuth between them say everything. It is opaque: there is no transmission.
 
+use crate::{DisplayError, RowErrors};
+
 /// The directions of a [`BrdfTable`], in air, both pointing away from the display.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfGrid {
@@ -48,6 +50,8 @@ pub struct BrdfTable {
     pub nodes: u64,
     /// The largest relative discretisation error found.
     pub discretisation_error: f64,
+    /// Of the luminous BRDF (in an equal-energy light), `[state][theta_i][theta_o][dphi]`.
+    pub row_errors: RowErrors,
 }
 
 /// The BSDF of one state.
@@ -66,6 +70,28 @@ pub struct BrdfState {
 }
 
 impl BrdfTable {
+    /// The table, if no row's error is larger than the scenario's target or, if an error is allowed, than that.
+    ///
+    /// # Errors
+    /// Names the worst rows.
+    pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
+        let grid = &self.grid;
+        let name = |row: usize| {
+            let (pair, dphi) = (row / grid.dphi_deg.len(), row % grid.dphi_deg.len());
+            let (light, viewer) = (pair / grid.theta_o_deg.len(), pair % grid.theta_o_deg.len());
+            let (state, light) = (light / grid.theta_i_deg.len(), light % grid.theta_i_deg.len());
+            format!(
+                "state {}, theta_i {} deg, theta_o {} deg, dphi {} deg",
+                self.states[state].name,
+                grid.theta_i_deg[light],
+                grid.theta_o_deg[viewer],
+                grid.dphi_deg[dphi]
+            )
+        };
+        self.row_errors = std::mem::take(&mut self.row_errors).allow(error, "BRDF", name)?;
+        Ok(self)
+    }
+
     /// How far a sum over the table's directions is from the light that leaves: the largest
     /// difference over states and inclinations of the light, of the most that leaves in that
     /// state; spectra are averaged. It tells whether the directions are close enough together
@@ -130,7 +156,14 @@ mod tests {
             directional_hemispherical: vec![0.8 + specular; lights * 2],
         };
         let wavelength_nm = vec![500.0, 600.0];
-        BrdfTable { grid, wavelength_nm, states: vec![state], nodes: 0, discretisation_error: 0.0 }
+        BrdfTable {
+            grid,
+            wavelength_nm,
+            states: vec![state],
+            nodes: 0,
+            discretisation_error: 0.0,
+            row_errors: RowErrors::default(),
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The viewing cone: what is seen from every direction, kept as numbers of the eye (no spectra).
 
-use crate::DisplayError;
 use crate::scene::Scene;
 use crate::setup::angle_index;
+use crate::{DisplayError, RowErrors};
 
 /// The directions of a cone: the product of all `theta_deg` and `phi_deg`.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +54,8 @@ pub struct ConeResult {
     pub nodes: u64,
     /// The largest relative discretisation error of Y found, over states and directions.
     pub discretisation_error: f64,
+    /// Of the Y of each state in each direction, `[direction][state]`, directions as in `views`; 0 where nothing was measured.
+    pub row_errors: RowErrors,
     /// Remarks that the reader should see.
     pub warnings: Vec<String>,
 }
@@ -117,6 +119,21 @@ impl ConeView {
 }
 
 impl ConeResult {
+    /// The cone, if no row's error is larger than the scenario's target or, if an error is allowed, than that.
+    ///
+    /// # Errors
+    /// Names the worst rows.
+    pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
+        let (states, thetas) = (self.states.len().max(1), self.theta_deg.len().max(1));
+        let name = |row: usize| {
+            let (direction, state) = (row / states, row % states);
+            let (theta, phi) = (self.theta_deg[direction % thetas], self.phi_deg[direction / thetas]);
+            format!("theta {theta} deg, phi {phi} deg, state {}", self.states[state])
+        };
+        self.row_errors = std::mem::take(&mut self.row_errors).allow(error, "cone", name)?;
+        Ok(self)
+    }
+
     /// What is seen from `theta_deg[theta]`, `phi_deg[phi]`, if it is there.
     pub fn view(&self, theta: usize, phi: usize) -> Option<&ConeView> {
         (theta < self.theta_deg.len()).then(|| self.views.get(phi * self.theta_deg.len() + theta)).flatten()

@@ -83,6 +83,28 @@ pub enum DisplayError {
         /// The most that are tried.
         most: usize,
     },
+    /// Rows of a table are worse than what it is to hold.
+    #[error(
+        "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}, the worst: {named}{more}\n  = help: \
+         --allow-error {enough} (allow_error in Python) writes the table with each row's error beside it; the walk \
+         (method = \"walk\") computes single views without this error"
+    )]
+    RowsTooUncertain {
+        /// What the table is of.
+        table: &'static str,
+        /// How many rows.
+        count: usize,
+        /// Of how many.
+        of: usize,
+        /// The error that was to hold.
+        most: f64,
+        /// The worst rows, with their errors.
+        named: String,
+        /// What follows them, if there are more.
+        more: &'static str,
+        /// What would have to be allowed.
+        enough: f64,
+    },
     /// A number of paths says nothing to a solver without paths.
     #[error("adding traces no paths: it needs a relative error to stop at")]
     NoPaths,

@@ -80,6 +80,7 @@ mod reflection;
 pub mod result;
 pub mod room;
 mod room_light;
+mod rows;
 mod run;
 pub mod scene;
 mod setup;
@@ -92,6 +93,7 @@ pub use error::DisplayError;
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
 pub use room_light::{RoomLamp, RoomLight, room_light};
+pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Progress, StudyCurve, StudyPoint, adding_seconds, brdf, cone, cost, run, study,
 };

@@ -28,7 +28,7 @@ pub struct ConeFile<'a> {
     theta_deg: &'a [f64],
     phi_deg: &'a [f64],
     states: &'a [String],
-    quantities: [&'a str; 8],
+    quantities: Vec<&'a str>,
     directed: Vec<Light>,
     solver: Solver<'a>,
     warnings: &'a [String],
@@ -64,7 +64,7 @@ impl<'a> ConeFile<'a> {
             theta_deg: &cone.theta_deg,
             phi_deg: &cone.phi_deg,
             states: &cone.states,
-            quantities: CONE_QUANTITIES,
+            quantities: columns(cone),
             directed: directed.collect(),
             solver: Solver { method: "adding", nodes, discretisation_error },
             warnings: &cone.warnings,
@@ -78,14 +78,16 @@ impl<'a> ConeFile<'a> {
 /// Those of `out`.
 pub fn write_cone_csv(out: impl Write, cone: &ConeResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(["theta_deg", "phi_deg", "state"].iter().chain(&CONE_QUANTITIES))?;
+    csv.write_record(["theta_deg", "phi_deg", "state"].iter().chain(&columns(cone)))?;
     for (j, phi) in cone.phi_deg.iter().enumerate() {
         for (i, theta) in cone.theta_deg.iter().enumerate() {
             let Some(view) = cone.view(i, j) else { continue };
-            for (name, state) in cone.states.iter().zip(&view.states) {
+            for (number, (name, state)) in cone.states.iter().zip(&view.states).enumerate() {
                 let start = [theta.to_string(), phi.to_string(), name.clone()];
-                let numbers = quantities(view, state)
-                    .map(|value| if value.is_finite() { value.to_string() } else { String::new() });
+                let numbers = quantities(view, state).into_iter().chain(error(cone, [i, j, number]));
+                let numbers: Vec<String> = numbers
+                    .map(|value| if value.is_finite() { value.to_string() } else { String::new() })
+                    .collect();
                 csv.write_record(start.iter().chain(&numbers))?;
             }
         }
@@ -99,18 +101,34 @@ pub fn write_cone_csv(out: impl Write, cone: &ConeResult) -> io::Result<()> {
 /// Those of `out`.
 pub fn write_cone_npy(mut out: impl Write, cone: &ConeResult) -> io::Result<()> {
     let (thetas, phis) = (cone.theta_deg.len(), cone.phi_deg.len());
-    let mut values = Vec::with_capacity(thetas * phis * cone.states.len() * CONE_QUANTITIES.len());
+    let quantity_count = columns(cone).len();
+    let mut values = Vec::with_capacity(thetas * phis * cone.states.len() * quantity_count);
     for i in 0..thetas {
         for j in 0..phis {
             let seen = cone.view(i, j);
             for state in 0..cone.states.len() {
                 let numbers = seen.and_then(|view| Some(quantities(view, view.states.get(state)?)));
-                values.extend(numbers.unwrap_or([f64::NAN; 8]));
+                values.extend(numbers.unwrap_or([f64::NAN; 8]).into_iter().chain(error(cone, [i, j, state])));
             }
         }
     }
-    let shape = [thetas, phis, cone.states.len(), CONE_QUANTITIES.len()];
+    let shape = [thetas, phis, cone.states.len(), quantity_count];
     write_npy(&mut out, &shape, Items::Double(&values))
+}
+
+/// The names of the numbers: [`CONE_QUANTITIES`], and `error` where one was allowed.
+fn columns(cone: &ConeResult) -> Vec<&'static str> {
+    let error = cone.row_errors.allowed.map(|_| "error");
+    CONE_QUANTITIES.into_iter().chain(error).collect()
+}
+
+/// The error of a state at these numbers of theta, phi and state, where one was allowed; NaN where nothing was measured.
+fn error(cone: &ConeResult, [theta, phi, state]: [usize; 3]) -> Option<f64> {
+    cone.row_errors.allowed?;
+    let direction = phi * cone.theta_deg.len() + theta;
+    let is_known = cone.views.get(direction)?.states.get(state)?.reflectance_factor_y.is_finite();
+    let error = cone.row_errors.relative.get(direction * cone.states.len() + state).copied();
+    Some(error.filter(|_| is_known).unwrap_or(f64::NAN))
 }
 
 /// In the order of [`CONE_QUANTITIES`].

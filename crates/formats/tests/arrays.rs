@@ -6,7 +6,9 @@
     reason = "helpers of tests, too, say what they expect by unwrapping"
 )]
 
-use papilio_display::{BrdfGrid, BrdfState, BrdfTable, ConeLight, ConeResult, ConeState, ConeView};
+use papilio_display::{
+    BrdfGrid, BrdfState, BrdfTable, ConeLight, ConeResult, ConeState, ConeView, RowErrors,
+};
 use papilio_formats::{
     BsdfSource, CONE_QUANTITIES, ConeFile, write_bsdf, write_cone_csv, write_cone_npy, write_json,
 };
@@ -101,6 +103,7 @@ fn cone() -> ConeResult {
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.25 }],
         nodes: 64,
         discretisation_error: 3e-5,
+        row_errors: RowErrors::default(),
         warnings: vec![],
     }
 }
@@ -139,6 +142,32 @@ fn a_cone_is_a_table_with_a_row_for_each_direction_and_state() {
     assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,");
 }
 
+/// Where an error is allowed, each row's own stands in a last column.
+#[test]
+fn an_allowed_error_is_a_column_more() {
+    let mut cone = cone();
+    let relative = (0..12).map(|row| f64::from(row) / 100.0).collect();
+    cone.row_errors = RowErrors { relative, target: 1e-3, allowed: None };
+    let refused = cone.clone().allowing(None).unwrap_err().to_string();
+    assert!(refused.contains("theta 20 deg, phi 90 deg, state black (1.10e-1)"), "{refused}");
+    let cone = cone.allowing(Some(0.2)).unwrap();
+    let mut bytes = Vec::new();
+    write_cone_csv(&mut bytes, &cone).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].ends_with(",gamut_percent_ebu,error"));
+    assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,,0.09");
+    let mut bytes = Vec::new();
+    write_cone_npy(&mut bytes, &cone).unwrap();
+    let array = Array::read(&bytes);
+    assert_eq!(array.shape, [3, 2, 2, 9]);
+    assert_eq!(array.numbers()[((1 * 2 + 1) * 2 + 1) * 9 + 8], 0.09);
+    let mut bytes = Vec::new();
+    write_json(&mut bytes, &ConeFile::new("0.1.0", "abc", &cone)).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+    assert_eq!(json["quantities"][8], "error");
+}
+
 #[test]
 fn the_axes_of_the_array_are_explained() {
     let (cone, mut bytes) = (cone(), Vec::new());
@@ -169,6 +198,7 @@ fn table() -> BrdfTable {
         states: vec![state(0, "white"), state(1, "\u{9ed2} & b")],
         nodes: 32,
         discretisation_error: 1e-4,
+        row_errors: RowErrors::default(),
     }
 }
 
@@ -200,6 +230,21 @@ fn a_bsdf_reads_back() {
     assert_eq!((&about["format"], &about["version"]), (&"papilio-bsdf".into(), &1.into()));
     assert_eq!(about["title"], SOURCE.title);
     assert_eq!(files.len(), 9);
+}
+
+/// Where an error is allowed, each row's own stands in an array.
+#[test]
+fn an_allowed_error_is_an_array_more() {
+    let mut table = table();
+    let relative = (0..48).map(|row| f64::from(row) / 100.0).collect();
+    table.row_errors = RowErrors { relative, target: 1e-3, allowed: None };
+    let refused = table.clone().allowing(None).unwrap_err().to_string();
+    assert!(refused.contains("theta_i 10 deg, theta_o 20 deg, dphi 30 deg (4.70e-1)"), "{refused}");
+    let mut bytes = Vec::new();
+    write_bsdf(&mut bytes, &SOURCE, &table.allowing(Some(0.5)).unwrap()).unwrap();
+    let files = unzip(&bytes);
+    let error = Array::read(files.iter().find(|(name, _)| *name == "error.npy").unwrap().1);
+    assert_eq!((error.shape.as_slice(), error.numbers()[47]), (&[2, 2, 3, 4][..], 0.47));
 }
 
 /// The same table, the same bytes: no date is in them.

@@ -20,6 +20,7 @@
 //! that goes up through a diffuser measured downwards, [`Scatter::reversed`] says what becomes.
 
 mod axis;
+mod gauss;
 mod proposal;
 mod smooth;
 mod table;
@@ -147,6 +148,18 @@ impl Scatter {
         }
     }
 
+    /// [`Self::total`] by an integral of its own, for whoever needs it better than interpolated: of a fineness of 2, 3, ..., each of
+    /// which gains a digit or more.
+    pub fn total_by(&self, from_length: f64, fineness: usize) -> f64 {
+        let table = |table: &Table, reversed| table.total_by(from_length, reversed, fineness);
+        match self {
+            Self::Ward(ward) => ward.total_by(from_length, fineness),
+            Self::Table(of, Sense::Forward) => table(of, false),
+            Self::Table(of, Sense::Reversed) => table(of, true),
+            Self::Table(of, Sense::Mean) => 0.5 * (table(of, false) + table(of, true)),
+        }
+    }
+
     /// The distance in direction cosines over which the kernel changes, about its peak: that of
     /// a k-correlation lobe of this width.
     pub fn width(&self) -> f64 {
@@ -154,6 +167,26 @@ impl Scatter {
             Self::Ward(ward) => ward.width(),
             Self::Table(table, _) => table.width(),
         }
+    }
+
+    /// The difference of azimuths, radians, over which the kernel changes between directions of these `|beta|`: of a Gaussian
+    /// the distance to 1/e ([`Self::is_gaussian`]), else that of its nearest pole. Near the horizon half vectors about the normal
+    /// join directions ever closer in azimuth.
+    pub fn azimuth_width(&self, from: f64, to: f64) -> f64 {
+        let product = (from * to).max(1e-12);
+        match self {
+            Self::Ward(ward) => ward.azimuth_width(from, to) / product.sqrt(),
+            Self::Table(table, _) => {
+                let width = table.width();
+                let excess = (width * width + (from - to) * (from - to)) / (2.0 * product);
+                (excess + (excess * (excess + 2.0)).sqrt()).ln_1p()
+            }
+        }
+    }
+
+    /// True if the kernel is a Gaussian of half vectors.
+    pub fn is_gaussian(&self) -> bool {
+        matches!(self, Self::Ward(_))
     }
 
     /// The radii, in direction cosines, of the discs that light comes from and is sent to: 1, the air's, save for a table

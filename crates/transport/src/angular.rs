@@ -60,6 +60,21 @@ impl Nodes {
         }
     }
 
+    /// How many there are from one `|beta|` to a larger one, in a medium of this index.
+    pub(crate) fn between(&self, [from, to]: [f64; 2], index: f64) -> f64 {
+        let cosine = |beta: f64| (1.0 - (beta / index).powi(2)).max(0.0).sqrt();
+        let inside = |angles: &[f64], index: f64| {
+            angles.iter().filter(|angle| (from..to).contains(&(index * angle.sin()))).count() as f64
+        };
+        match self {
+            Self::Constant => 0.0,
+            Self::Cosines(nodes) => (cosine(from) - cosine(to)) * (nodes - 1) as f64,
+            Self::CosinePanels(panels) => panels.nodes_from(cosine(to), cosine(from)),
+            Self::AnglesInMedium(angles) => inside(angles, index),
+            Self::AnglesInAir(angles) => inside(angles, 1.0),
+        }
+    }
+
     /// The weights that a look-up at `|beta|^2` in a medium of this index gives to the nodes.
     #[inline(always)]
     pub(crate) fn stencil(&self, beta_squared: f64, index: f64) -> Stencil {

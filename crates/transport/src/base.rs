@@ -1,8 +1,10 @@
 //! What lies under the last medium: the pixel.
 
+use std::f64::consts::FRAC_PI_2;
+
 use papilio_spectra::Spectrum;
 
-use crate::{AngularTable, Medium, ScatterKernel};
+use crate::{AngularTable, Cone, Medium, ScatterKernel};
 
 /// What lies under the medium and sends light back.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +37,16 @@ impl Reflector {
 }
 
 impl Base {
+    /// How many nodes of a mirror's table lie across a cone of directions in air, under this medium.
+    pub(crate) fn nodes_across(&self, cone: &Cone, medium: &Medium) -> f64 {
+        let Reflector::Specular(table) = &self.reflector else { return 0.0 };
+        let axis = cone.axis_towards().length().min(1.0).asin();
+        let ends = [axis - cone.half_angle(), axis + cone.half_angle()];
+        let ends = ends.map(|angle| angle.clamp(0.0, FRAC_PI_2).sin());
+        let across = |index: f64| table.nodes.between(ends, index);
+        medium.index().iter().copied().map(across).fold(0.0, f64::max)
+    }
+
     /// The number of wavelengths.
     pub fn bins(&self) -> usize {
         self.inactive_absorptance.len()

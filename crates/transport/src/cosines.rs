@@ -100,6 +100,15 @@ impl CosinePanels {
         (0..Self::NODES).map(move |k| middle - half * angle(k).cos())
     }
 
+    /// How many nodes lie from one cosine to a larger one, about.
+    pub(crate) fn nodes_from(&self, from: f64, to: f64) -> f64 {
+        let share = |panel: &Panel| {
+            let inside = to.min(panel.start + panel.width) - from.max(panel.start);
+            inside.max(0.0) / panel.width
+        };
+        Self::NODES as f64 * self.panels.iter().map(share).sum::<f64>()
+    }
+
     /// Where panels begin, and their middles.
     pub(crate) fn halves(&self) -> impl Iterator<Item = f64> {
         self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])

@@ -53,11 +53,11 @@ impl Level {
         if self.seen.as_ref().is_none_or(|(of, _)| *of != versions) {
             // Its room serves again.
             self.seen = None;
-            let kernel = self.kernel_for(setup, views);
+            let kernel = self.kernel_for(setup, views, control)?;
             let mut seen = vec![None; views.len()];
             each(pool, &mut seen, |(view, seen)| {
                 if !control.stopped() {
-                    *seen = Some(kernel.estimate(&setup.stack, view));
+                    *seen = kernel.estimate_unless(&setup.stack, view, control.stop);
                 }
             });
             self.seen = Some((versions, seen.into_iter().collect::<Option<_>>()?));
@@ -65,17 +65,20 @@ impl Level {
         self.seen.as_ref().map(|(_, seen)| seen.as_slice())
     }
 
-    /// The kernel, ready for these views of the setup.
-    fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint]) -> &Kernel {
+    /// The kernel, ready for these views of the setup; `None` if the run was stopped.
+    fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint], control: &Control<'_>) -> Option<&Kernel> {
         // Operators of any layers know nothing of the base; a panel's kernel plans for it,
         // and sees for itself what it can keep.
         let serves = matches!(setup.stack, Stack::Layered(_)) && self.version == Some(setup.version);
         if !serves {
             let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
-            self.kernel.prepare(&setup.stack, &fields, &setup.sources);
+            self.version = None;
+            if !self.kernel.prepare_unless(&setup.stack, &fields, &setup.sources, control.stop) {
+                return None;
+            }
             self.version = Some(setup.version);
         }
-        &self.kernel
+        Some(&self.kernel)
     }
 }
 
@@ -157,7 +160,7 @@ impl<'a> Runner<'a> {
             self.target,
             self.finest,
             at,
-            |a, b| self.difference(a, b),
+            |levels, before| self.error(levels, before),
             |error, done| {
                 self.tell(error, if done { views.len() } else { 0 });
             },
@@ -184,13 +187,13 @@ impl<'a> Runner<'a> {
         Some(seen.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
     }
 
-    fn difference(&self, finer: &[Sample], coarser: &[Sample]) -> f64 {
-        let meter = self.run.meter;
-        let errors = finer
-            .iter()
-            .zip(coarser)
-            .map(|(finer, coarser)| meter.difference(finer, coarser, self.every_bin));
-        errors.fold(0.0, largest)
+    /// The largest relative error of the views.
+    fn error(&self, [finer, coarser]: [&Vec<Sample>; 2], before: Option<&Vec<Sample>>) -> f64 {
+        let error = |view: usize| {
+            let before = before.map(|before| &before[view]);
+            self.run.meter.level_error([&finer[view], &coarser[view]], before, self.every_bin)
+        };
+        (0..finer.len()).map(error).fold(0.0, largest)
     }
 
     fn tell(&self, relative_error: f64, views_done: usize) {
@@ -215,12 +218,13 @@ impl<'a> Runner<'a> {
                 points.next();
                 continue;
             };
-            let Refined { finer, coarser, .. } = &group.samples;
-            for ((finer, coarser), at) in finer.iter().zip(coarser).zip(&mut points) {
+            let Refined { finer, coarser, before, .. } = &group.samples;
+            for (view, ((finer, coarser), at)) in finer.iter().zip(coarser).zip(&mut points).enumerate() {
                 if !finer.is_finite() {
                     return Err(DisplayError::NotFinite);
                 }
-                views.push(self.run.meter.view_of_levels(at, finer, coarser, &specular));
+                let before = before.as_ref().map(|before| &before[view]);
+                views.push(self.run.meter.view_of_levels(at, [finer, coarser], before, &specular));
             }
         }
         if views.is_empty() {

@@ -13,13 +13,12 @@ use papilio_transport::{Cone, Estimate, Rho, Source, Stack, specular_image};
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
-use super::refine::{Refined, finest, largest, refine};
+use super::refine::{Refined, finest, largest, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Workers, each};
-use crate::DisplayError;
 use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
-use crate::meter::relative;
 use crate::scene::{Scene, Stop};
 use crate::setup::Setup;
+use crate::{DisplayError, RowErrors};
 
 /// The BSDF of the scene's display; by adding, whatever the scene's method.
 ///
@@ -57,6 +56,9 @@ struct Survey<'a> {
 /// Y of each state, under each source and from each view.
 type Luminous = Vec<f64>;
 
+/// For each inclination of the viewer its spectra and their Y, and nodes that were used.
+type Scattered = (Vec<Vec<f32>>, Vec<Luminous>, u64);
+
 impl Survey<'_> {
     /// `None` if it was stopped.
     fn run(&self, pool: Option<&ThreadPool>) -> Option<BrdfTable> {
@@ -66,8 +68,8 @@ impl Survey<'_> {
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let (scattered, nodes) = self.scattered(&kernel, pool)?;
-        let returned = self.returned(&kernel);
+        let ((scattered, nodes), relative) = self.rows(&sample, &mut kernel, target, pool)?;
+        let returned = self.returned(&kernel)?;
         let state = |(number, name): (usize, &String)| BrdfState {
             name: name.clone(),
             brdf: self.table(number, &scattered),
@@ -79,7 +81,8 @@ impl Survey<'_> {
             wavelength_nm: self.setup.scene.grid.wavelengths_nm(),
             states: self.setup.states.iter().enumerate().map(state).collect(),
             nodes,
-            discretisation_error: sample.error,
+            discretisation_error: relative.iter().copied().fold(0.0, largest),
+            row_errors: RowErrors { relative, target, allowed: None },
             grid: self.grid.clone(),
         })
     }
@@ -95,29 +98,85 @@ impl Survey<'_> {
             .flat_map(|theta| azimuths.iter().map(|phi| view(*theta, *phi)))
             .collect();
         let sources: Vec<Source> = std::iter::once(&Source::Diffuse).chain(&self.beams).cloned().collect();
-        let y_bar = self.setup.observer.weights()[1];
-        let y = |rho: &Rho| -> Vec<f64> {
-            let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
-            rho.base.chunks_exact(y_bar.len()).map(|base| sum(base) + sum(&rho.front)).collect()
-        };
         let at = |level: usize| {
             if self.control.stopped() {
                 return None;
             }
             *kernel = Kernel::new(level as u32);
-            kernel.prepare(&self.setup.stack, &fields, &sources);
-            let estimates = (0..fields.len()).map(|view| kernel.estimate(&self.setup.stack, view));
-            Some(
-                estimates
-                    .flat_map(|estimate| estimate.rho.iter().flat_map(y).collect::<Vec<f64>>())
-                    .collect(),
-            )
+            self.ready(kernel, &fields, &sources)?;
+            let mut all = Luminous::new();
+            for view in 0..fields.len() {
+                let estimate = kernel.estimate_unless(&self.setup.stack, view, self.control.stop)?;
+                estimate.rho.iter().for_each(|rho| self.add_luminous(rho, &mut all));
+            }
+            Some(all)
         };
         let bound = error_over_difference(&self.setup.stack);
-        let difference = |finer: &Luminous, coarser: &Luminous| {
-            bound * finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
+        let error = |levels: [&Luminous; 2], before: Option<&Luminous>| {
+            of_levels(bound, levels.map(Clone::clone), before.map(Vec::as_slice))
         };
-        refine(target, self.finest, at, difference, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.tell(error, target, 0))
+    }
+
+    /// Prepares a kernel; `None` if it was stopped.
+    fn ready(&self, kernel: &mut Kernel, views: &[Cone], sources: &[Source]) -> Option<()> {
+        kernel.prepare_unless(&self.setup.stack, views, sources, self.control.stop).then_some(())
+    }
+
+    /// Adds the Y of each state.
+    fn add_luminous(&self, rho: &Rho, all: &mut Luminous) {
+        let y_bar = self.setup.observer.weights()[1];
+        let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
+        let front = sum(&rho.front);
+        all.extend(rho.base.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
+    }
+
+    /// What is scattered, as [`Self::scattered`] says, with nodes and the relative errors of Y. A panel's kernels
+    /// resolve its lobes whatever the directions: there the sample's error holds for all. Through any layers, each row is held to the
+    /// level before, and if one misses the target, all go on to the next; leaves the last kernel in `kernel`.
+    fn rows(
+        &self,
+        sample: &Refined<Luminous>,
+        kernel: &mut Kernel,
+        target: f64,
+        pool: Option<&ThreadPool>,
+    ) -> Option<((Vec<Vec<f32>>, u64), Vec<f64>)> {
+        let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, pool)?;
+        let Stack::Layered(_) = self.setup.stack else {
+            let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
+            return Some(((spectra, nodes), errors));
+        };
+        let times = error_over_difference(&self.setup.stack).max(slowness(sample, &Vec::clone));
+        let mut level = sample.level;
+        let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
+        loop {
+            let errors = self.errors(&luminous, &coarser, times);
+            let misses = |error: &f64| error.is_finite() && *error > target;
+            if level >= self.finest || !errors.iter().any(misses) {
+                return Some(((spectra, nodes), errors));
+            }
+            level += 1;
+            *kernel = Kernel::new(level as u32);
+            coarser = luminous;
+            (spectra, luminous, nodes) = self.scattered(kernel, pool)?;
+        }
+    }
+
+    /// The relative errors of Y, `[state][theta_i][theta_o][dphi]`.
+    fn errors(&self, luminous: &[Luminous], coarser: &[Luminous], times: f64) -> Vec<f64> {
+        let (states, lights) = (self.setup.states.len(), self.beams.len());
+        let by_viewer: Vec<Vec<f64>> =
+            luminous.iter().zip(coarser).map(|(finer, coarser)| row_errors(finer, coarser, times)).collect();
+        let mut errors = Vec::with_capacity(states * self.grid.pairs());
+        for state in 0..states {
+            for light in 0..lights {
+                for viewer in &by_viewer {
+                    let row = |dphi: usize| viewer[(dphi * lights + light) * states + state];
+                    errors.extend((0..self.grid.dphi_deg.len()).map(row));
+                }
+            }
+        }
+        errors
     }
 
     fn tell(&self, relative_error: f64, target: f64, done: usize) {
@@ -132,19 +191,19 @@ impl Survey<'_> {
         });
     }
 
-    /// What is scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength];
-    /// and how many nodes that took.
-    fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<(Vec<Vec<f32>>, u64)> {
+    /// What is scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength]; its Y; and how many nodes that
+    /// took.
+    fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<Scattered> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
         let azimuths = self.grid.dphi_deg.len();
         let mut shared = kernel.unprepared();
         if let Stack::Layered(_) = stack {
             let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
-            shared.prepare(stack, &fields, &self.beams);
+            self.ready(&mut shared, &fields, &self.beams)?;
         }
         let done = AtomicUsize::new(0);
-        let row = |(theta, rows): (usize, &mut (Vec<f32>, u64))| {
+        let row = |(theta, rows): (usize, &mut (Vec<f32>, Luminous, u64))| {
             if self.control.stopped() {
                 return None;
             }
@@ -153,37 +212,39 @@ impl Survey<'_> {
                 (&shared, theta * azimuths)
             } else {
                 let kernel = own.insert(kernel.clone());
-                kernel.prepare(
-                    stack,
-                    &fields(self.grid.theta_o_deg[theta]).collect::<Vec<Cone>>(),
-                    &self.beams,
-                );
+                let fields: Vec<Cone> = fields(self.grid.theta_o_deg[theta]).collect();
+                self.ready(kernel, &fields, &self.beams)?;
                 (&*kernel, 0)
             };
             for view in first..first + azimuths {
-                kernel
-                    .estimate(stack, view)
-                    .rho
-                    .iter()
-                    .for_each(|rho| rows.0.extend(both(rho).map(|r| (r / PI) as f32)));
+                for rho in &kernel.estimate_unless(stack, view, self.control.stop)?.rho {
+                    rows.0.extend(both(rho).map(|r| (r / PI) as f32));
+                    self.add_luminous(rho, &mut rows.1);
+                }
             }
-            rows.1 = own.map_or(0, |kernel| kernel.nodes() as u64);
+            rows.2 = own.map_or(0, |kernel| kernel.nodes() as u64);
             self.tell(0.0, 1.0, done.fetch_add(1, Ordering::Relaxed) + 1);
             Some(())
         };
-        let mut rows = vec![(Vec::new(), 0); self.grid.theta_o_deg.len()];
+        let mut rows = vec![(Vec::new(), Luminous::new(), 0); self.grid.theta_o_deg.len()];
         each(pool, &mut rows, row).into_iter().collect::<Option<Vec<()>>>()?;
-        let (rows, nodes): (Vec<Vec<f32>>, Vec<u64>) = rows.into_iter().unzip();
-        let shared = if let Stack::Layered(_) = stack { shared.nodes() as u64 } else { 0 };
-        Some((rows, shared + nodes.iter().sum::<u64>()))
+        let mut nodes = if let Stack::Layered(_) = stack { shared.nodes() as u64 } else { 0 };
+        let (mut spectra, mut luminous) = (Vec::new(), Vec::new());
+        for (of_viewer, y, own) in rows {
+            spectra.push(of_viewer);
+            luminous.push(y);
+            nodes += own;
+        }
+        Some((spectra, luminous, nodes))
     }
 
     /// What is seen in diffuse light from each inclination of the light.
-    fn returned(&self, kernel: &Kernel) -> Vec<Estimate> {
+    fn returned(&self, kernel: &Kernel) -> Option<Vec<Estimate>> {
         let fields: Vec<Cone> = self.grid.theta_i_deg.iter().map(|theta| view(*theta, 0.0)).collect();
         let mut kernel = kernel.unprepared();
-        kernel.prepare(&self.setup.stack, &fields, &[Source::Diffuse]);
-        (0..fields.len()).map(|view| kernel.estimate(&self.setup.stack, view)).collect()
+        self.ready(&mut kernel, &fields, &[Source::Diffuse])?;
+        let seen = |view| kernel.estimate_unless(&self.setup.stack, view, self.control.stop);
+        (0..fields.len()).map(seen).collect()
     }
 
     /// A state's rows of [dphi][theta_i][state][wavelength] for each theta_o, as

@@ -11,13 +11,13 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, finest, largest, refine};
+use super::refine::{Refined, finest, largest, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Run, Workers, each};
-use crate::DisplayError;
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
-use crate::meter::{Meter, relative};
+use crate::meter::Meter;
 use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
 use crate::setup::{Setup, ViewPoint, angle_index};
+use crate::{DisplayError, RowErrors};
 
 /// Where a scene counts paths instead of naming an error.
 pub(super) const DEFAULT_TARGET: f64 = 1e-3;
@@ -62,6 +62,14 @@ struct Survey<'a> {
     angle_index: f64,
 }
 
+/// All directions that are computed, `[theta][phi]`.
+struct Rows {
+    views: Vec<Vec<ConeView>>,
+    /// Of each state's Y.
+    errors: Vec<Vec<Vec<f64>>>,
+    nodes: u64,
+}
+
 /// Colours of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
@@ -74,8 +82,7 @@ impl Survey<'_> {
         };
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let found = self.all(kernel, &sample.finer[0], pool)?;
-        let (rows, nodes): (Vec<Vec<ConeView>>, Vec<u64>) = found.into_iter().unzip();
+        let Rows { views: rows, errors, nodes } = self.rows(&sample, kernel, target, pool)?;
         let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
         if !rows.iter().flatten().all(finite) {
             return Some(Err(DisplayError::NotFinite));
@@ -88,24 +95,79 @@ impl Survey<'_> {
             Some(true) => rows[theta][phi].clone(),
             _ => ConeView::unknown(self.run.setup.states.len()),
         };
+        let error = |theta: usize, phi: usize| match known.get(theta) {
+            Some(true) => errors[theta][phi].clone(),
+            _ => vec![0.0; self.run.setup.states.len()],
+        };
+        let directions = || places.iter().flat_map(|phi| (0..rows.len()).map(move |theta| (theta, *phi)));
         let views = places.iter().flat_map(|phi| (0..rows.len()).map(|theta| view(theta, *phi))).collect();
         let mut warnings: Vec<String> = self.mirror_images().into_iter().chain(self.blank(&known)).collect();
-        if sample.error > target {
+        let relative: Vec<f64> = directions().flat_map(|(theta, phi)| error(theta, phi)).collect();
+        let worst = relative.iter().copied().fold(0.0, largest);
+        if worst > target {
             warnings.push(format!(
-                "relative error {:.2e} instead of {target:.2e}: adding's finest level is reached",
-                sample.error
+                "relative error {worst:.2e} instead of {target:.2e}: adding's finest level is reached"
             ));
         }
         Some(Ok(ConeResult {
             states: self.run.setup.states.clone(),
             views,
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
-            nodes: nodes.into_iter().sum(),
-            discretisation_error: sample.error,
+            nodes,
+            discretisation_error: worst,
+            row_errors: RowErrors { relative, target, allowed: None },
             warnings,
             theta_deg: self.grid.theta_deg,
             phi_deg: self.grid.phi_deg,
         }))
+    }
+
+    /// All inclinations and the azimuths that are computed, with the relative error of each state's Y. A panel's kernels resolve
+    /// its lobes whatever the direction: there the sample's error holds for all. Through any layers, what lies near the
+    /// horizon may be narrower than anything sampled: each row is held to the level before, and if one misses the
+    /// target, all go on to the next level.
+    fn rows(
+        &self,
+        sample: &Refined<Colours>,
+        kernel: Kernel,
+        target: f64,
+        pool: Option<&ThreadPool>,
+    ) -> Option<Rows> {
+        let states = self.run.setup.states.len();
+        let (mut views, mut nodes) = self.all(kernel, &sample.finer[0], pool)?;
+        let Stack::Layered(_) = self.run.setup.stack else {
+            let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
+            return Some(Rows { views, errors, nodes });
+        };
+        let times = error_over_difference(&self.run.setup.stack).max(slowness(sample, &luminous));
+        let mut level = sample.level;
+        let (mut coarser, _) = self.all(Kernel::new(level as u32 - 1), &sample.coarser[0], pool)?;
+        loop {
+            let y = |view: &ConeView| -> Vec<f64> {
+                view.states.iter().map(|state| state.reflectance_factor_y).collect()
+            };
+            let of = |(view, coarser): (&ConeView, &ConeView)| row_errors(&y(view), &y(coarser), times);
+            let of_row =
+                |(row, coarser): (&Vec<ConeView>, &Vec<ConeView>)| row.iter().zip(coarser).map(of).collect();
+            let errors: Vec<Vec<Vec<f64>>> = views.iter().zip(&coarser).map(of_row).collect();
+            let misses = |error: &f64| error.is_finite() && *error > target;
+            if level >= self.finest || !errors.iter().flatten().flatten().any(misses) {
+                return Some(Rows { views, errors, nodes });
+            }
+            level += 1;
+            let mut kernel = Kernel::new(level as u32);
+            let setup = self.run.setup;
+            let ready = kernel.prepare_unless(
+                &setup.stack,
+                &[self.normal.field],
+                &setup.sources,
+                self.run.control.stop,
+            );
+            ready.then_some(())?;
+            let normal = self.colours(&kernel, 0)?;
+            coarser = views;
+            (views, nodes) = self.all(kernel, &normal, pool)?;
+        }
     }
 
     /// For each inclination, whether the uppermost face that scatters was measured there. What else is seen from there, a
@@ -151,19 +213,22 @@ impl Survey<'_> {
                 return None;
             }
             *kernel = Kernel::new(level as u32);
-            kernel.prepare(&setup.stack, &fields, &setup.sources);
-            Some((0..fields.len()).map(|view| self.colours(kernel, view)).collect())
+            kernel
+                .prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop)
+                .then_some(())?;
+            (0..fields.len()).map(|view| self.colours(kernel, view)).collect()
         };
         let bound = error_over_difference(&setup.stack);
-        let difference = |finer: &Colours, coarser: &Colours| {
-            let pairs = finer.iter().flatten().zip(coarser.iter().flatten());
-            bound * pairs.map(|(a, b)| relative((a.y, (a.y - b.y).abs()))).fold(0.0, largest)
+        let error = |levels: [&Colours; 2], before: Option<&Colours>| {
+            of_levels(bound, levels.map(luminous), before.map(luminous).as_deref())
         };
-        refine(target, self.finest, at, difference, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.tell(error, target, 0))
     }
 
-    fn colours(&self, kernel: &Kernel, view: usize) -> Vec<Xyz> {
-        self.run.meter.colours(&kernel.estimate(&self.run.setup.stack, view))
+    /// `None` if it was stopped.
+    fn colours(&self, kernel: &Kernel, view: usize) -> Option<Vec<Xyz>> {
+        let estimate = kernel.estimate_unless(&self.run.setup.stack, view, self.run.control.stop)?;
+        Some(self.run.meter.colours(&estimate))
     }
 
     fn tell(&self, relative_error: f64, target: f64, done: usize) {
@@ -178,14 +243,13 @@ impl Survey<'_> {
         });
     }
 
-    /// All inclinations: for each the views at the azimuths that are computed, and the nodes
-    /// that were its own.
+    /// All inclinations: for each the views at the azimuths that are computed; and how many nodes that took.
     fn all(
         &self,
         mut kernel: Kernel,
         normal: &[Xyz],
         pool: Option<&ThreadPool>,
-    ) -> Option<Vec<(Vec<ConeView>, u64)>> {
+    ) -> Option<(Vec<Vec<ConeView>>, u64)> {
         let setup = self.run.setup;
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
@@ -195,7 +259,9 @@ impl Survey<'_> {
         let shared = matches!(setup.stack, Stack::Layered(_));
         if shared {
             let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
-            kernel.prepare(&setup.stack, &fields, &setup.sources);
+            kernel
+                .prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop)
+                .then_some(())?;
         }
         let done = AtomicUsize::new(0);
         let row = |theta: usize| {
@@ -207,12 +273,16 @@ impl Survey<'_> {
                 (&kernel, theta * computed.len())
             } else {
                 let kernel = own.insert(kernel.clone());
-                kernel.prepare(&setup.stack, &fields(theta).collect::<Vec<Cone>>(), &setup.sources);
+                let fields: Vec<Cone> = fields(theta).collect();
+                let ready =
+                    kernel.prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop);
+                ready.then_some(())?;
                 (&*kernel, 0)
             };
             let view = |k: usize| {
                 let go_on = !self.run.control.stopped();
-                go_on.then(|| self.run.meter.cone_view(&self.colours(kernel, first + k), normal))
+                let colours = if go_on { self.colours(kernel, first + k) } else { None };
+                colours.map(|colours| self.run.meter.cone_view(&colours, normal))
             };
             let views = (0..computed.len()).map(view).collect::<Option<Vec<_>>>()?;
             let more = self.grid.phi_deg.len();
@@ -220,12 +290,10 @@ impl Survey<'_> {
             Some((views, own.map_or(0, |kernel| kernel.nodes() as u64)))
         };
         let mut rows: Vec<usize> = (0..thetas).collect();
-        let mut rows =
-            each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
-        if let (true, Some((_, nodes))) = (shared, rows.first_mut()) {
-            *nodes = kernel.nodes() as u64;
-        }
-        Some(rows)
+        let rows = each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
+        let (views, nodes): (Vec<_>, Vec<u64>) = rows.into_iter().unzip();
+        let nodes = if shared { kernel.nodes() as u64 } else { nodes.into_iter().sum() };
+        Some((views, nodes))
     }
 
     /// The azimuths that are computed; the others look like one of them.
@@ -254,6 +322,11 @@ impl Survey<'_> {
         views.dedup();
         views
     }
+}
+
+/// The Y of all states and directions.
+fn luminous(colours: &Colours) -> Vec<f64> {
+    colours.iter().flatten().map(|xyz| xyz.y).collect()
 }
 
 fn light(light: &DirectedLight) -> ConeLight {

@@ -19,7 +19,7 @@ pub(crate) use adding::{Kernels, Lens};
 pub use brdf::brdf;
 pub use cone::cone;
 pub use refine::adding_seconds;
-pub(crate) use refine::largest;
+pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Looked, Meter, against_angle};

@@ -6,7 +6,9 @@ use papilio_transport::Stack;
 use papilio_transport::adding::{FINEST, MOST_NODES, Scatterer, narrowest, nodes_needed};
 
 use crate::DisplayError;
-use crate::scene::{Layers, Scene};
+use crate::meter::relative;
+use crate::pixel::state_names;
+use crate::scene::{Layers, Pixel, Scene};
 use crate::setup::layers_alone;
 
 /// The finest level that the layers can be taken to.
@@ -21,8 +23,8 @@ pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
     }
 }
 
-/// Roughly how long adding prepares the layers of a scene before it first heeds a stop, in seconds of one processor;
-/// right to within a factor of ten. 0 for an ordinary panel, whose preparation takes milliseconds.
+/// Roughly how long adding prepares the layers of a scene for one beam, in seconds of one processor; right to within a factor of
+/// ten. A pixel that scatters is a layer more for each of its states. 0 for an ordinary panel, whose preparation takes milliseconds.
 ///
 /// # Errors
 /// If there is no such stack.
@@ -34,7 +36,11 @@ pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
     // Where indices differ, nothing is shared between wavelengths.
     let indices = |bin: usize| layers.iter().map(|layer| layer.medium.index[bin].to_bits()).collect();
     let sets: HashSet<Vec<u64>> = (0..scene.grid.len()).map(indices).collect();
-    Ok(SECONDS * nodes.powi(3) * sets.len() as f64)
+    let stacks = match &scene.display.pixel {
+        Pixel::Scattering(_) => 1 + state_names(&scene.display.pixel).len(),
+        Pixel::Film(_) | Pixel::Table(_) | Pixel::Uniform(_) => 1,
+    };
+    Ok(SECONDS * nodes.powi(3) * (sets.len() * stacks) as f64)
 }
 
 /// The refusal, with what is to blame.
@@ -58,6 +64,8 @@ fn too_narrow(stack: &Stack) -> DisplayError {
 pub(crate) struct Refined<T> {
     pub(crate) finer: T,
     pub(crate) coarser: T,
+    /// The level before that, if there is one.
+    pub(crate) before: Option<T>,
     /// The finer level.
     pub(crate) level: usize,
     /// The relative difference of the two.
@@ -67,19 +75,19 @@ pub(crate) struct Refined<T> {
 }
 
 /// Levels from 0 on until the difference of two is at most the target, or to the finest (1 or more);
-/// `None` if it was stopped before there were two. `at` computes a level, `None` if it was stopped;
-/// `tell` hears each difference, and whether it was the last.
+/// `None` if it was stopped before there were two. `at` computes a level, `None` if it was stopped; `error` tells the relative
+/// error of the last of two or three levels; `tell` hears each difference, and whether it was the last.
 pub(crate) fn refine<T>(
     target: f64,
     finest: usize,
     mut at: impl FnMut(usize) -> Option<T>,
-    difference: impl Fn(&T, &T) -> f64,
+    error: impl Fn([&T; 2], Option<&T>) -> f64,
     tell: impl Fn(f64, bool),
 ) -> Option<Refined<T>> {
     let (coarser, finer) = (at(0)?, at(1)?);
-    let mut refined = Refined { finer, coarser, level: 1, error: 0.0, finished: false };
+    let mut refined = Refined { finer, coarser, before: None, level: 1, error: 0.0, finished: false };
     loop {
-        refined.error = difference(&refined.finer, &refined.coarser);
+        refined.error = error([&refined.finer, &refined.coarser], refined.before.as_ref());
         // An error that is not a number will not become one.
         let enough = refined.error <= target || refined.error.is_nan();
         refined.finished = enough || refined.level >= finest;
@@ -88,9 +96,72 @@ pub(crate) fn refine<T>(
             return Some(refined);
         }
         let Some(next) = at(refined.level + 1) else { return Some(refined) };
-        refined.coarser = std::mem::replace(&mut refined.finer, next);
+        refined.before =
+            Some(std::mem::replace(&mut refined.coarser, std::mem::replace(&mut refined.finer, next)));
         refined.level += 1;
     }
+}
+
+/// The relative error of the finer of two levels that differ by `now`, where the two before differed by `before` and
+/// `times` is the least that differences are multiplied by ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
+///
+/// Differences that fall by a factor r from level to level leave `r/(1 - r)` times the last. Where they do not fall,
+/// and are no mere rounding, nothing is known: the error is that of the whole number.
+pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
+    /// The most that slow levels are extrapolated by.
+    const MOST: f64 = 10.0;
+    /// Differences that are more than what else is tabulated to.
+    const LARGE: f64 = 1e-2;
+    let Some(before) = before.filter(|before| *before > 0.0) else { return times * now };
+    let ratio = now / before;
+    if ratio >= 1.0 && now > LARGE {
+        return (times * now).max(1.0);
+    }
+    // What is known to be slow has been multiplied for that: single ratios scatter.
+    let rest = if times > 1.0 {
+        times
+    } else if ratio < 1.0 {
+        (ratio / (1.0 - ratio)).clamp(1.0, MOST)
+    } else {
+        MOST
+    };
+    rest * now
+}
+
+/// The largest relative error of numbers of light at the finer of two levels, each relative to itself, with those of the level before
+/// if there is one. That of a number below zero, which no light has, is one at least.
+pub(crate) fn of_levels(times: f64, [finer, coarser]: [Vec<f64>; 2], before: Option<&[f64]>) -> f64 {
+    let now = difference(&finer, &coarser);
+    let error = level_error(times, now, before.map(|before| difference(&coarser, before)));
+    if finer.iter().any(|y| is_negative(*y, &finer)) { largest(error, 1.0) } else { error }
+}
+
+fn difference(finer: &[f64], coarser: &[f64]) -> f64 {
+    finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
+}
+
+/// By how much differences between the last levels of a sample had to be multiplied.
+pub(crate) fn slowness<T>(sample: &Refined<T>, numbers: &impl Fn(&T) -> Vec<f64>) -> f64 {
+    let [finer, coarser] = [&sample.finer, &sample.coarser].map(numbers);
+    let now = difference(&finer, &coarser);
+    let before = sample.before.as_ref().map(|before| difference(&coarser, &numbers(before)));
+    if now > 0.0 { level_error(1.0, now, before) / now } else { 1.0 }
+}
+
+/// The relative error of each of some numbers of light.
+pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], times: f64) -> Vec<f64> {
+    let error = |(a, b): (&f64, &f64)| {
+        let error = times * relative((*a, (a - b).abs()));
+        if is_negative(*a, finer) { largest(error, 1.0) } else { error }
+    };
+    finer.iter().zip(coarser).map(error).collect()
+}
+
+/// Below zero by more than rounding of the largest.
+fn is_negative(y: f64, all: &[f64]) -> bool {
+    /// Of the largest, what is no more than rounding of sums.
+    const ROUNDING: f64 = 1e-9;
+    y < 0.0 && y < -ROUNDING * all.iter().fold(0.0, |most: f64, y| most.max(y.abs()))
 }
 
 /// The larger of two errors; not a number if one of them is not.
@@ -104,7 +175,7 @@ mod tests {
 
     fn by_tenths(target: f64, stop_at: usize) -> Option<Refined<f64>> {
         let at = |level: usize| (level < stop_at).then(|| 0.1_f64.powi(level as i32));
-        refine(target, 6, at, |finer, coarser| (finer - coarser).abs(), |_, _| {})
+        refine(target, 6, at, |[finer, coarser], _| (finer - coarser).abs(), |_, _| {})
     }
 
     #[test]
@@ -128,8 +199,20 @@ mod tests {
     }
 
     #[test]
+    fn levels_that_do_not_fall_have_the_error_of_the_whole() {
+        assert_eq!(level_error(1.0, 0.01, None), 0.01);
+        assert_eq!(level_error(1.0, 0.01, Some(0.1)), 0.01);
+        assert!((level_error(1.0, 0.03, Some(0.04)) - 0.09).abs() < 1e-12);
+        assert!((level_error(4.0, 0.03, Some(0.04)) - 0.12).abs() < 1e-12);
+        assert_eq!(level_error(1.0, 0.03, Some(0.02)), 1.0);
+        assert_eq!(level_error(1.0, 3.0, Some(0.02)), 3.0);
+        // Rounding does not fall either.
+        assert!((level_error(1.0, 1e-9, Some(1e-9)) - 1e-8).abs() < 1e-20);
+    }
+
+    #[test]
     fn what_is_not_a_number_ends_it() {
-        let refined = refine(0.1, 6, |_| Some(f64::NAN), |a, b| a - b, |_, _| {}).unwrap();
+        let refined = refine(0.1, 6, |_| Some(f64::NAN), |[a, b], _| a - b, |_, _| {}).unwrap();
         assert!(refined.error.is_nan() && refined.finished && refined.level == 1);
         assert!(
             largest(f64::NAN, 1.0).is_nan() && largest(1.0, f64::NAN).is_nan() && largest(1.0, 2.0) == 2.0

@@ -92,6 +92,7 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.0 }],
         nodes: 0,
         discretisation_error: 0.0,
+        row_errors: Default::default(),
         warnings: vec![],
     }
 }

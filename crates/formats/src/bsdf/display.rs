@@ -94,6 +94,10 @@ pub fn write_bsdf(out: impl Write, source: &BsdfSource<'_>, table: &BrdfTable) -
     array("specular", &shape, Items::Double(&specular))?;
     let leaving = table.states.iter().flat_map(|state| state.directional_hemispherical.iter().copied());
     array("directional_hemispherical", &shape, Items::Double(&leaving.collect::<Vec<f64>>()))?;
+    if table.row_errors.allowed.is_some() {
+        let shape = [states, lengths[0], lengths[1], lengths[2]];
+        array("error", &shape, Items::Double(&table.row_errors.relative))?;
+    }
     array("about", &[], Items::Text(&[&about(source, table)?]))?;
     archive.finish()?.into_inner().flush()
 }

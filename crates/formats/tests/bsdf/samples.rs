@@ -146,6 +146,7 @@ pub(super) fn display() -> Vec<u8> {
         states: vec![state(0.0, "white"), state(100.0, "black")],
         nodes: 32,
         discretisation_error: 1e-4,
+        row_errors: Default::default(),
     };
     let mut bytes = Vec::new();
     let source = BsdfSource { papilio: "0.1.0", title: "panel", hash: "abc" };

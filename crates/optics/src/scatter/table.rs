@@ -35,6 +35,8 @@ pub struct Table {
     /// Forward, and for light that retraces its ways; made when they are first asked for.
     proposals: [OnceLock<Proposal>; 2],
     totals: [OnceLock<Totals>; 2],
+    /// For integrals.
+    cells: OnceLock<[Axis; 2]>,
     width: f64,
     /// The last `|beta|` of incidence that there are numbers for.
     last: f64,
@@ -89,6 +91,8 @@ impl Table {
             smooth,
             proposals: Default::default(),
             totals: Default::default(),
+            cells: OnceLock::new(),
+            width,
             last: incidence[incidence.len() - 1],
             end: 1.0,
             reach: 1.0,
@@ -148,20 +152,36 @@ impl Table {
 
     fn totals(&self, reversed: bool) -> &Totals {
         self.totals[usize::from(reversed)].get_or_init(|| {
+            let cells = self.cells();
+            let from = if reversed { self.reach } else { self.end };
+            Totals::new(from, |length| self.integral(cells, length, reversed, 2))
+        })
+    }
+
+    /// Distances and azimuths between which the kernel is smooth, and changes little.
+    fn cells(&self) -> &[Axis; 2] {
+        self.cells.get_or_init(|| {
             let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
             let mut radial = self.smooth.radial.nodes().to_vec();
             while radial.len() * azimuth.len() < SMOOTH_CELLS {
                 radial = halved(&radial);
             }
-            let (distances, angles) = (Axis::mirrored(radial), Axis::mirrored(azimuth));
-            let (from, to) = if reversed { (self.reach, self.end) } else { (self.end, self.reach) };
-            Totals::new(from, |length| {
-                integral(&distances, &angles, (length, to), |distance, angle| {
-                    let [from, to] = turned(length, distance, angle);
-                    self.held(from, to, reversed)
-                })
-            })
+            [radial, azimuth].map(Axis::mirrored)
         })
+    }
+
+    fn integral(&self, [distances, angles]: &[Axis; 2], length: f64, reversed: bool, points: usize) -> f64 {
+        let to = if reversed { self.end } else { self.reach };
+        integral(distances, angles, (length, to), points, |distance, angle| {
+            let [from, to] = turned(length, distance, angle);
+            self.held(from, to, reversed)
+        })
+    }
+
+    /// [`Self::total`] without interpolation, by so many points in each cell.
+    pub(super) fn total_by(&self, length: f64, reversed: bool, points: usize) -> f64 {
+        let end = if reversed { self.reach } else { self.end };
+        if length > end { 0.0 } else { self.integral(self.cells(), length, reversed, points) }
     }
 
     #[inline]

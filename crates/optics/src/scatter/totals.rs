@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::axis::Axis;
+use super::gauss::gauss;
 use crate::Beta;
 
 /// Integrals at nodes of `|beta|`, up to the last from which light is scattered.
@@ -48,8 +49,13 @@ impl Totals {
 /// Lagrange's four points among values at even places from 0 to 1.
 #[inline]
 fn interpolated(values: &[f64], place: f64) -> f64 {
-    let x = place * STEPS as f64;
-    let first = (x as usize).saturating_sub(1).min(STEPS - 3);
+    four_points(values, place * STEPS as f64).max(0.0)
+}
+
+/// Lagrange's four points among values at places 0, 1, ...
+#[inline]
+pub(super) fn four_points(values: &[f64], x: f64) -> f64 {
+    let first = (x as usize).saturating_sub(1).min(values.len() - 4);
     let s = x - first as f64;
     let weights = [
         -(s - 1.0) * (s - 2.0) * (s - 3.0) / 6.0,
@@ -57,16 +63,16 @@ fn interpolated(values: &[f64], place: f64) -> f64 {
         -s * (s - 1.0) * (s - 3.0) / 2.0,
         s * (s - 1.0) * (s - 2.0) / 6.0,
     ];
-    let sum: f64 = weights.iter().zip(&values[first..]).map(|(w, v)| w * v).sum();
-    sum.max(0.0)
+    weights.iter().zip(&values[first..]).map(|(w, v)| w * v).sum()
 }
 
 /// The integral over a disc about 0, of radius 1 in air, of a function of distance and azimuth about
-/// `|beta| = length` that is smooth between these nodes.
+/// `|beta| = length` that is smooth between these nodes, by Gauss's rule of so many points in each cell.
 pub(super) fn integral(
     radial: &Axis,
     azimuth: &Axis,
     (length, disc): (f64, f64),
+    points: usize,
     value: impl Fn(f64, f64) -> f64,
 ) -> f64 {
     let mut radii = radial.nodes().to_vec();
@@ -76,8 +82,6 @@ pub(super) fn integral(
         rims.flat_map(|r| [0.0, 0.001, 0.004, 0.016, 0.064].into_iter().flat_map(move |d| [r - d, r + d]));
     radii.extend(graded.filter(|r| (0.0..radial.last()).contains(r)));
     radii.sort_by(f64::total_cmp);
-    let cells = radii.len() * azimuth.nodes().len();
-    let points = if cells < 1000 { 3 } else { 2 };
     let mut sum = 0.0;
     for pair in radii.windows(2).filter(|pair| pair[1] > pair[0]) {
         for (r, weight) in gauss(pair[0], pair[1], points) {
@@ -95,16 +99,6 @@ pub(super) fn integral(
         }
     }
     sum
-}
-
-/// Gauss and Legendre's two or three points.
-fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = (f64, f64)> {
-    const TWO: &[(f64, f64)] = &[(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
-    const THREE: &[(f64, f64)] =
-        &[(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
-    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-    let rule = if points == 2 { TWO } else { THREE };
-    rule.iter().map(move |(x, weight)| (middle + half * x, half * weight))
 }
 
 /// Light at `|beta| = length` along x that is turned by a distance at an azimuth about it.

@@ -14,6 +14,8 @@ mod layered;
 mod panel;
 pub(crate) mod quadrature;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::{Cone, Estimate, Interface, Layer, Rho, Source, Stack};
 pub use gradient::TableGradient;
 
@@ -120,17 +122,38 @@ impl Kernel {
     /// Makes it ready for these layers, views (cones of directions in air) and sources. What
     /// was prepared before and still serves is kept.
     pub fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source]) {
+        self.prepare_until(stack, views, sources, &AtomicBool::new(false));
+    }
+
+    /// The same, given up when `stop` is set, which is looked at many times a second: then it is empty, and this returns false.
+    #[must_use]
+    pub fn prepare_unless(
+        &mut self,
+        stack: &Stack,
+        views: &[Cone],
+        sources: &[Source],
+        stop: &AtomicBool,
+    ) -> bool {
+        self.prepare_until(stack, views, sources, stop);
+        let done = !stop.load(Ordering::Relaxed);
+        if !done {
+            self.kind = Kind::Empty;
+        }
+        done
+    }
+
+    fn prepare_until(&mut self, stack: &Stack, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         match (stack, &mut self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources),
-            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.prepare(layered, views, sources),
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources, stop),
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.prepare(layered, views, sources, stop),
             (Stack::Panel(panel), kind) => {
                 let mut kernel = panel::Kernel::new(self.level);
-                kernel.prepare(panel, views, sources);
+                kernel.prepare(panel, views, sources, stop);
                 *kind = Kind::Panel(kernel);
             }
             (Stack::Layered(layered), kind) => {
                 let mut kernel = layered::Kernel::new(self.level);
-                kernel.prepare(layered, views, sources);
+                kernel.prepare(layered, views, sources, stop);
                 *kind = Kind::Layered(Box::new(kernel));
             }
         }
@@ -149,14 +172,20 @@ impl Kernel {
     /// What is seen from view number `view`; the stack's layers, the views and the sources are
     /// those it was prepared for, its base and spectra may be others.
     pub fn estimate(&self, stack: &Stack, view: usize) -> Estimate {
-        match (stack, &self.kind) {
+        self.estimate_unless(stack, view, &AtomicBool::new(false)).unwrap_or_default()
+    }
+
+    /// The same; `None` if `stop` was set before it was found. Over another base than the last this can take long.
+    pub fn estimate_unless(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Option<Estimate> {
+        let estimate = match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
-            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.estimate(layered, view),
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.estimate(layered, view, stop),
             _ => {
                 debug_assert!(false, "a kernel is prepared before it is used");
                 Estimate::default()
             }
-        }
+        };
+        (!stop.load(Ordering::Relaxed)).then_some(estimate)
     }
 
     /// The `rho` of an estimate alone, which costs less: nothing is said of where light ends.

@@ -171,6 +171,20 @@ pub(super) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
 /// change over a distance of `scale` (direction cosines: poles that far off the real plane).
 /// They are symmetric about the cone's plane of incidence.
 pub(super) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
+    cone_points_of(cone, scale, digits, Nodes::default())
+}
+
+/// What a rule over a cone takes besides what its scale asks for.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Nodes {
+    /// Rings, at least. A rule that is the same at two levels says nothing of its error.
+    pub(super) rings: usize,
+    /// How many nodes of a table over the inclination lie across the cone: a film's fringes have a few each.
+    pub(super) across: f64,
+}
+
+/// [`cone_points`] with so many more.
+pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes) -> Vec<Point> {
     let half_angle = cone.half_angle();
     let size = half_angle / scale;
     if size * size <= (-digits).exp() {
@@ -179,8 +193,13 @@ pub(super) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
     let z = 1.0 + 2.0 / (size * size);
     let rings = points_for(digits, 2.0 * (z + (z * z - 1.0).sqrt()).ln()).min(digits as usize);
     let spokes = (digits / (1.0 / size).asinh()).ceil().clamp(3.0, 4.0 * digits) as usize;
+    // Both are exponential once there are two points for what a few nodes follow.
+    let more = (0.5 * nodes.across) as usize;
+    let (rings, spokes) = ((rings + more).max(nodes.rings), spokes + more);
     let mut points = Vec::with_capacity(rings * spokes);
-    for ring in gauss(0.0, 1.0, rings) {
+    let rule = if rings > MOST_POINTS { legendre(rings) } else { RULES[rings].clone() };
+    for ring in rule {
+        let ring = Node { x: 0.5 + 0.5 * ring.x, weight: 0.5 * ring.weight };
         // Uniform in 1 - cos(angle).
         let angle = 2.0 * (ring.x.sqrt() * (0.5 * half_angle).sin()).asin();
         for spoke in 0..spokes {

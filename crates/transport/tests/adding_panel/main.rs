@@ -409,3 +409,34 @@ fn the_walk_agrees() {
         check("returned", truth.ledger.returned[0], &|e| e.ledger.returned[0]);
     }
 }
+
+/// Fringes of a film as thick as glass, some fourteen across the field of view: along the normal all rings are circles about it,
+/// and the mean is an integral over one angle. Every level knows them.
+#[test]
+fn a_field_of_view_over_fringes_is_a_plain_quadrature() {
+    let (fringes, nodes) = (3600.0, 40_001);
+    let at = |cosine: f64| 0.5 + 0.4 * (2.0 * PI * fringes * cosine).cos();
+    let table = AngularTable {
+        nodes: Nodes::Cosines(nodes),
+        basis: (0..nodes).map(|k| at(k as f64 / (nodes - 1) as f64)).collect(),
+        mixture: vec![1.0],
+        common: vec![0.0],
+    };
+    let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) };
+    let stack = panel(Top::Coated, base);
+    let half_angle = 5.0_f64;
+    // Even in solid angle, of rays in air; the table goes by the cosine in glass.
+    let steps = 20_000;
+    let mean: f64 = (0..steps)
+        .map(|k| {
+            let drop = (k as f64 + 0.5) / steps as f64 * (1.0 - half_angle.to_radians().cos());
+            let sine_squared = drop * (2.0 - drop);
+            at((1.0 - sine_squared / 2.25).sqrt()) / steps as f64
+        })
+        .sum();
+    for level in [0, 1, 3] {
+        let eye = Cone::new(0.0, 0.0, half_angle, 1.0);
+        let found = rho(&solve(&stack, eye, &[Source::Diffuse], level), 0);
+        assert!((found - mean).abs() < 1e-6, "level {level}: {found} against {mean}");
+    }
+}

@@ -1,5 +1,7 @@
 //! The stack's layers at one wavelength, as parts.
 
+use std::sync::atomic::AtomicBool;
+
 use papilio_optics::interface::fresnel_reflectance;
 
 use super::algebra::Operator;
@@ -54,14 +56,16 @@ enum Kind<'a> {
 }
 
 /// The layers above the base at wavelength number `bin`. What scatters is added to `scatterers`,
-/// for azimuthal orders beyond the first only where these are asked for.
+/// for azimuthal orders beyond the first only where there are lights with an azimuth, given the largest `|beta|` of views
+/// and of those. Not finished if `stop` is set before.
 pub(super) fn elements<'a>(
     stack: &'a Layered,
     bin: usize,
     grid: &Grid,
     precision: &Precision,
-    beyond_first: bool,
+    beyond_first: Option<[f64; 2]>,
     scatterers: &mut Scatterers<'a>,
+    stop: &AtomicBool,
 ) -> Vec<Element<'a>> {
     let mut elements = Vec::new();
     let mut above = 1.0;
@@ -75,7 +79,7 @@ pub(super) fn elements<'a>(
                 straight_through: diffuser.straight_through,
             }),
             Interface::Rough(face) => {
-                let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first);
+                let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first.is_some(), stop);
                 Some(Kind::Rough { number: scatterers.rough(face, orders) })
             }
             Interface::Scatter(face) => {
@@ -84,7 +88,7 @@ pub(super) fn elements<'a>(
                 let mut way = |kernel: Option<&'a ScatterKernel>| {
                     kernel.map(|ScatterKernel { scatter, factor }| {
                         let orders =
-                            || ScatterOrders::new(scatter, disc, grid, precision.digits, beyond_first);
+                            || ScatterOrders::new(scatter, disc, grid, precision.digits, beyond_first, stop);
                         (scatterers.scatter(scatter, disc, orders), factor[bin])
                     })
                 };

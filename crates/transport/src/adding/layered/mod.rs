@@ -12,6 +12,8 @@
 //!   a few beams; [`matrix`]: what they are made of;
 //! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
 //!   parts as one;
+//! - [`azimuth`]: Fourier orders of what has no closed series; [`once`]: light that such a kernel sends but once, which needs
+//!   none;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
 //!   that by flat layers and pixel, in [`columns`] by state and wavelength; [`over`]: what the views
 //!   see of beams then; [`seen`]: of diffuse light, and the ledger.
@@ -27,6 +29,7 @@
 //! azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes order 0 alone.
 
 mod algebra;
+mod azimuth;
 mod base;
 mod beams;
 mod columns;
@@ -36,6 +39,7 @@ mod elements;
 mod grid;
 mod lobes;
 mod matrix;
+mod once;
 mod over;
 mod part;
 mod pixels;
@@ -47,6 +51,7 @@ mod scatterers;
 mod seen;
 mod slab;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
@@ -123,7 +128,8 @@ impl Kernel {
         }
     }
 
-    pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source]) {
+    /// Not finished if `stop` is set before.
+    pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let digits = self.precision.digits;
         // What is there may be large: it goes first.
         self.prepared = Prepared::default();
@@ -131,12 +137,12 @@ impl Kernel {
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
-            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(stack, self.level, views, sources))));
+            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(stack, self.level, views, sources, stop))));
             return;
         }
         self.directions = Directions::new(stack, views, sources, &self.precision);
         self.images = views.iter().map(|view| super::images::image_points(view, sources, digits)).collect();
-        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision);
+        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }
@@ -147,34 +153,39 @@ impl Kernel {
         self.prepared.families.iter().flatten().map(|group| group.nodes).max().unwrap_or(of_pixels)
     }
 
-    pub(super) fn estimate(&self, stack: &Layered, view: usize) -> Estimate {
+    /// Of no use if `stop` was set before it was found.
+    pub(super) fn estimate(&self, stack: &Layered, view: usize, stop: &AtomicBool) -> Estimate {
         if let Reflector::Scattering(_) = stack.base.reflector {
-            return self.pixels(stack).estimate(view);
+            return self.pixels(stack, stop).estimate(view, stop);
         }
-        let mut estimate = self.over(stack).estimate(&self.directions, view);
+        let over = self.over(stack, stop);
+        if stop.load(Ordering::Relaxed) {
+            return Estimate::default();
+        }
+        let mut estimate = over.estimate(&self.directions, view);
         self.add_images(stack, view, &mut estimate);
         estimate
     }
 
     /// Kernels over this base, which scatters by its own.
-    fn pixels(&self, stack: &Layered) -> Arc<Pixels> {
+    fn pixels(&self, stack: &Layered, stop: &AtomicBool) -> Arc<Pixels> {
         let mut last = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = last.as_ref().filter(|known| known.serves(&stack.base)) {
             return Arc::clone(known);
         }
-        let pixels = Arc::new(Pixels::new(stack, self.level, &self.asked.0, &self.asked.1));
-        *last = Some(Arc::clone(&pixels));
+        let pixels = Arc::new(Pixels::new(stack, self.level, &self.asked.0, &self.asked.1, stop));
+        *last = (!stop.load(Ordering::Relaxed)).then(|| Arc::clone(&pixels));
         pixels
     }
 
     /// What is seen over this base.
-    fn over(&self, stack: &Layered) -> Arc<Over> {
+    fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<Over> {
         let mut last = self.last();
         if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
             return Arc::clone(known);
         }
-        let over = Arc::new(self.prepared.over(stack, &self.directions, &self.precision));
-        *last = Some(Arc::clone(&over));
+        let over = Arc::new(self.prepared.over(stack, &self.directions, &self.precision, stop));
+        *last = (!stop.load(Ordering::Relaxed)).then(|| Arc::clone(&over));
         over
     }
 

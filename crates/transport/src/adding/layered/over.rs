@@ -6,11 +6,13 @@
 //! followed from whichever side has fewer directions.
 
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::base::Above;
 use super::columns::{BaseColumns, Columns};
 use super::directions::{Directions, Ray, extras};
 use super::matrix::Matrix;
+use super::once::{Once, Way};
 use super::prepare::Group;
 use super::seen::Seen;
 use crate::{Base, Estimate, Layered, Ledger, Rho};
@@ -56,6 +58,7 @@ impl Over {
     }
 
     /// Adds an order of the family added last, or the first of a new one.
+    #[allow(clippy::too_many_arguments, reason = "what an order is, and when to give up")]
     pub(super) fn add(
         &mut self,
         stack: &Layered,
@@ -64,13 +67,33 @@ impl Over {
         groups: &[&Group],
         above: &[Option<&Above>],
         tolerance: f64,
+        stop: &AtomicBool,
     ) {
         if order == 0 {
             self.families.push(Followed::new(stack, directions, groups));
         }
         if let Some(family) = self.families.last_mut() {
-            let kernels = family.follow(order, groups, above, tolerance);
-            family.gather(order, &kernels, directions, &mut self.beams);
+            let kernels = family.follow(order, groups, above, tolerance, stop);
+            if !stop.load(Ordering::Relaxed) {
+                family.gather(order, &kernels, directions, &mut self.beams);
+            }
+        }
+    }
+
+    /// Adds the light that a way of one scatterer sends but once, of the family added last.
+    pub(super) fn add_once(
+        &mut self,
+        directions: &Directions,
+        groups: &[&Group],
+        once: &Once,
+        tolerance: f64,
+        stop: &AtomicBool,
+    ) {
+        if let Some(family) = self.families.last_mut() {
+            let above: Vec<Option<&Above>> = once.above.iter().map(Option::as_ref).collect();
+            // Any order but the first: that tells of diffuse light, too.
+            let kernels = family.follow(1, groups, &above, tolerance, stop);
+            family.gather_once(&kernels, &once.way, directions, &mut self.beams, stop);
         }
     }
 
@@ -130,6 +153,7 @@ impl Followed {
         groups: &[&Group],
         above: &[Option<&Above>],
         tolerance: f64,
+        stop: &AtomicBool,
     ) -> Kernels {
         let pairs = self.views.len() * self.lights.len();
         let columns = self.columns.iter().map(Columns::len).sum();
@@ -140,13 +164,14 @@ impl Followed {
         let mut first = (0, 0);
         for (number, (group, above)) in groups.iter().zip(above).enumerate() {
             if let Some(above) = above {
-                self.follow_group(order, (number, group), above, tolerance, first, &mut kernels);
+                self.follow_group(order, (number, group), above, tolerance, first, &mut kernels, stop);
             }
             first = (first.0 + self.columns[number].len(), first.1 + self.bins[number].len());
         }
         kernels
     }
 
+    #[allow(clippy::too_many_arguments, reason = "what a group is, and where its numbers go")]
     fn follow_group(
         &mut self,
         order: usize,
@@ -155,6 +180,7 @@ impl Followed {
         tolerance: f64,
         first: (usize, usize),
         kernels: &mut Kernels,
+        stop: &AtomicBool,
     ) {
         // Order 0 tells where light from the views ends, too.
         let from_views = order == 0 || self.views.len() <= self.lights.len();
@@ -168,6 +194,9 @@ impl Followed {
             self.floors[number] = vec![vec![0.0; below.columns()]; beams.len()];
         }
         for (beam, (extra, floor)) in beams.iter().zip(&mut self.floors[number]).enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
             let rising = above.rise(*extra, below, tolerance, floor);
             if order == 0 {
                 self.seen[number].push(Seen::new(group, columns, above, &rising));
@@ -190,6 +219,42 @@ impl Followed {
                         column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
                     }
                     BaseColumns::Lambertian(_) => {}
+                }
+            }
+        }
+    }
+
+    /// Adds what a way of a scatterer sends once: `kernels` hold what that is multiplied by, of all pairs of directions.
+    fn gather_once(
+        &self,
+        kernels: &Kernels,
+        way: &Way,
+        directions: &Directions,
+        beams: &mut [Vec<Rho>],
+        stop: &AtomicBool,
+    ) {
+        let places: Vec<usize> =
+            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
+        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
+        let beta = |ray: &Ray| (ray.extra, directions.beta[ray.extra]);
+        for (rays, beams) in directions.views.iter().zip(beams) {
+            for (source, rho) in directions.sources.iter().zip(beams) {
+                for ray in rays.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
+                    for lights in source.chunk_by(|one, next| one.extra == next.extra) {
+                        let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
+                        let pair = self.pair(self.view(ray.extra), number);
+                        let (base, front) = (kernels.base.column(pair), kernels.front.column(pair));
+                        if base.iter().chain(front).all(|factor| *factor == 0.0) {
+                            continue;
+                        }
+                        let sent = |light: &Ray| {
+                            let turn = (!light.is_ring).then_some(ray.turn - light.turn);
+                            light.weight * way.density(beta(ray), beta(light), turn)
+                        };
+                        let factor = PI * ray.weight * lights.iter().map(sent).sum::<f64>();
+                        add(&mut rho.base, &places, base, factor);
+                        add(&mut rho.front, &bins, front, factor);
+                    }
                 }
             }
         }

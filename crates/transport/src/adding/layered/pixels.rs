@@ -1,6 +1,8 @@
 //! A base that scatters by a kernel for each state: each state's kernel is a layer of its own,
 //! over black.
 
+use std::sync::atomic::AtomicBool;
+
 use super::Kernel;
 use crate::{
     AngularTable, Base, Cone, Estimate, Interface, Layer, Layered, Ledger, Medium, Nodes, Reflector, Rho,
@@ -17,7 +19,14 @@ pub(super) struct Pixels {
 }
 
 impl Pixels {
-    pub(super) fn new(stack: &Layered, level: u32, views: &[Cone], sources: &[Source]) -> Self {
+    /// Not finished if `stop` is set before.
+    pub(super) fn new(
+        stack: &Layered,
+        level: u32,
+        views: &[Cone],
+        sources: &[Source],
+        stop: &AtomicBool,
+    ) -> Self {
         let Reflector::Scattering(states) = &stack.base.reflector else {
             return Self { base: stack.base.clone(), stacks: Vec::new() };
         };
@@ -25,7 +34,7 @@ impl Pixels {
         let prepared = alone.map(|pixel| {
             let stack = over_black(stack, pixel);
             let mut kernel = Kernel::new(level);
-            kernel.prepare(&stack, views, sources);
+            kernel.prepare(&stack, views, sources, stop);
             (stack, kernel)
         });
         Self { base: stack.base.clone(), stacks: prepared.collect() }
@@ -40,8 +49,9 @@ impl Pixels {
         self.stacks.iter().map(|(_, kernel)| kernel.nodes()).max().unwrap_or(0)
     }
 
-    pub(super) fn estimate(&self, view: usize) -> Estimate {
-        let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view));
+    /// Of no use if `stop` was set before it was found.
+    pub(super) fn estimate(&self, view: usize, stop: &AtomicBool) -> Estimate {
+        let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view, stop));
         let alone = all.next().unwrap_or_default();
         let fronts = alone.rho.into_iter().map(|rho| Rho { base: Vec::new(), front: rho.front });
         let mut estimate = Estimate { rho: fronts.collect(), ledger: Ledger::default() };

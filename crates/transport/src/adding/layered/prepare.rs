@@ -1,10 +1,13 @@
 //! What is prepared of a stack before its base is known.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::base::Above;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
+use super::once::{Once, Way};
 use super::over::Over;
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
@@ -109,6 +112,8 @@ impl Group {
 pub(super) struct Prepared {
     /// Groups of the same indices: they share their nodes, and what scatters.
     pub(super) families: Vec<Vec<Group>>,
+    /// Of each family.
+    once: Vec<Vec<Once>>,
     /// Whether the groups hold their operators.
     kept: bool,
 }
@@ -117,15 +122,21 @@ pub(super) struct Prepared {
 const MOST_KEPT: usize = 128 << 20;
 
 impl Prepared {
-    pub(super) fn new(stack: &Layered, directions: &Directions, precision: &Precision) -> (Self, Over) {
+    /// Not finished if `stop` is set before.
+    pub(super) fn new(
+        stack: &Layered,
+        directions: &Directions,
+        precision: &Precision,
+        stop: &AtomicBool,
+    ) -> (Self, Over) {
         let mut over = Over::new(stack, directions);
-        let mut prepared = Self { families: Vec::new(), kept: true };
+        let mut prepared = Self { families: Vec::new(), once: Vec::new(), kept: true };
         let mut bytes = 0;
         for bins in families(stack) {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
-                over.add(stack, directions, order, &groups, &each, precision.iteration);
+                over.add(stack, directions, order, &groups, &each, precision.iteration, stop);
                 bytes += above.iter().flatten().map(Above::bytes).sum::<usize>();
                 for (one, above) in growing.iter_mut().zip(above) {
                     one.group.orders.extend(above);
@@ -134,26 +145,46 @@ impl Prepared {
                     }
                 }
             };
-            prepared.families.push(prepare(stack, bins, directions, precision, &mut add));
+            let (family, once) = prepare(stack, bins, directions, precision, &mut add, stop);
+            let groups: Vec<&Group> = family.iter().collect();
+            for once in &once {
+                over.add_once(directions, &groups, once, precision.iteration, stop);
+            }
+            prepared.families.push(family);
+            prepared.once.push(once);
+            if stop.load(Ordering::Relaxed) {
+                return (prepared, over);
+            }
         }
         prepared.kept = bytes <= MOST_KEPT;
         if !prepared.kept {
             prepared.families.iter_mut().flatten().for_each(|group| group.orders = Vec::new());
+            prepared.once.clear();
         }
         (prepared, over)
     }
 
     /// What the views see over another base.
-    pub(super) fn over(&self, stack: &Layered, directions: &Directions, precision: &Precision) -> Over {
+    /// Not finished if `stop` is set before.
+    pub(super) fn over(
+        &self,
+        stack: &Layered,
+        directions: &Directions,
+        precision: &Precision,
+        stop: &AtomicBool,
+    ) -> Over {
         if !self.kept {
-            return Self::new(stack, directions, precision).1;
+            return Self::new(stack, directions, precision, stop).1;
         }
         let mut over = Over::new(stack, directions);
-        for family in &self.families {
+        for (family, once) in self.families.iter().zip(&self.once) {
             let groups: Vec<&Group> = family.iter().collect();
             for order in 0..family.iter().map(|group| group.orders.len()).max().unwrap_or(0) {
                 let above: Vec<Option<&Above>> = family.iter().map(|group| group.orders.get(order)).collect();
-                over.add(stack, directions, order, &groups, &above, precision.iteration);
+                over.add(stack, directions, order, &groups, &above, precision.iteration, stop);
+            }
+            for once in once {
+                over.add_once(directions, &groups, once, precision.iteration, stop);
             }
         }
         over
@@ -238,7 +269,8 @@ fn prepare(
     directions: &Directions,
     precision: &Precision,
     add: &mut AddOrder<'_>,
-) -> Vec<Group> {
+    stop: &AtomicBool,
+) -> (Vec<Group>, Vec<Once>) {
     let first = family[0][0];
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
@@ -246,13 +278,16 @@ fn prepare(
     // Of lights that are alike at all azimuths order 0 is all.
     let turned = turned_extras(&directions.sources);
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
+    let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
+    let turned_extras: Vec<usize> = turned.iter().map(|light| lights[*light]).collect();
+    let beyond_first =
+        (!turned.is_empty()).then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
     let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
         .map(|bins| {
-            let beyond_first = !turned.is_empty();
-            let all = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers);
+            let all = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers, stop);
             let elements = Elements::new(all);
             let kept = grid.kept(elements.index());
             let group = Group {
@@ -278,15 +313,36 @@ fn prepare(
         }
         let scattered = scatterers.scattered(order, &grid);
         let grow = |one: &mut Growing<'_>| {
-            (one.stage != Stage::Done).then(|| one.grow(&scattered, order, &grid, precision.tolerance))
+            (one.stage != Stage::Done && !stop.load(Ordering::Relaxed))
+                .then(|| one.grow(&scattered, order, &grid, precision.tolerance))
         };
         let above = growing.iter_mut().map(grow).collect();
         add(order, &mut growing, above);
-        if growing.iter().all(|one| one.stage == Stage::Done) {
+        if stop.load(Ordering::Relaxed) || growing.iter().all(|one| one.stage == Stage::Done) {
             break;
         }
     }
-    growing.into_iter().map(|one| one.group).collect()
+    let once = if lights.is_empty() || stop.load(Ordering::Relaxed) {
+        Vec::new()
+    } else {
+        sent_once(scatterers, grid, &growing)
+    };
+    (growing.into_iter().map(|one| one.group).collect(), once)
+}
+
+/// What scatterers without a closed series send once.
+fn sent_once(mut scatterers: Scatterers<'_>, mut grid: Grid, growing: &[Growing<'_>]) -> Vec<Once> {
+    if grid.regular > 0 {
+        scatterers = scatterers.extras(&grid);
+        grid = grid.extras();
+    }
+    let ways = scatterers.ways();
+    let once = |(number, way): (usize, Way)| {
+        let scattered = scatterers.once((number, &way), &grid);
+        let above = |one: &Growing<'_>| Some(one.above(&scattered, &grid));
+        Once { above: growing.iter().map(above).collect(), way }
+    };
+    ways.into_iter().map(once).collect()
 }
 
 /// A group on its way.
@@ -301,6 +357,13 @@ struct Growing<'a> {
 }
 
 impl Growing<'_> {
+    /// The operators of extra nodes alone, for this much scattered.
+    fn above(&self, scattered: &[Scattered], grid: &Grid) -> Above {
+        // Order 0 alone keeps books.
+        let (upper, last) = (self.elements.upper(scattered, 1, grid), self.elements.last(scattered, 1, grid));
+        Above::new(&upper, &last, &self.group.lights, 0)
+    }
+
     /// The operators of an order.
     fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) -> Above {
         let known = self.flat.take().filter(|part| part.down.len() == grid.len());

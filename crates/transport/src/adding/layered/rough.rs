@@ -5,18 +5,17 @@
 //! finds missing of a node's light is mirrored, so that none is lost.
 
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;
+use super::azimuth::{MOST_INTERVALS, graded};
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
 
-/// Azimuths per pair of nodes, at most: grazing light at a fine roughness would need more, and
-/// matters less.
-const MOST_AZIMUTHS: usize = 1024;
 /// Azimuthal orders, at most.
 const MOST_ORDERS: usize = 400;
 
@@ -36,7 +35,8 @@ const WAYS: [(Side, Side); 3] =
 
 impl RoughOrders {
     /// To so many natural digits in azimuth; orders beyond the first only where they are asked for.
-    pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
+    /// What one microfacet sends from one extra node to another is left out ([`once`](super::once)). Not finished if `stop` is set before.
+    pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool, stop: &AtomicBool) -> Self {
         let count = if beyond_first { orders(face, digits) } else { 1 };
         let len = grid.len();
         let zeroth = || Matrix::zeros(len, len);
@@ -50,8 +50,12 @@ impl RoughOrders {
         let mut transforms = Transforms::new(count);
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
+                if stop.load(Ordering::Relaxed) {
+                    return all;
+                }
                 let first = if from == to { j } else { 0 };
-                let rows = (first..len).filter(|&i| grid.beta[i] < face.index(to));
+                let end = if j < grid.regular { len } else { grid.regular };
+                let rows = (first.min(end)..end).filter(|&i| grid.beta[i] < face.index(to));
                 for (i, values) in transforms.column(face, (from, grid.beta[j]), to, rows, digits, grid) {
                     let scale = grid.scale[i] * grid.scale[j];
                     all.set(way, i, j, len, &values, scale);
@@ -75,6 +79,11 @@ impl RoughOrders {
     /// How many orders there are.
     pub(super) fn orders(&self) -> usize {
         1 + self.later.len()
+    }
+
+    /// What the quadrature finds missing of each node's light, from above and from below, which is mirrored.
+    pub(super) fn missing_straight(&self) -> &[Vec<f64>; 2] {
+        &self.missing
     }
 
     /// The face's part in an order.
@@ -177,7 +186,7 @@ struct Transforms {
 
 impl Transforms {
     fn new(orders: usize) -> Self {
-        Self { orders, cosines: vec![None; MOST_AZIMUTHS.ilog2() as usize] }
+        Self { orders, cosines: vec![None; MOST_INTERVALS.ilog2() as usize + 1] }
     }
 
     /// Coefficients of the kernel from one direction to the nodes `rows` on the side `to`.
@@ -191,10 +200,20 @@ impl Transforms {
         grid: &Grid,
     ) -> Vec<(usize, Vec<f64>)> {
         let mut of_rule = vec![Vec::new(); self.cosines.len()];
-        for i in rows {
-            of_rule[rule(face, [(from, a), (to, grid.beta[i])], digits)].push(i);
-        }
         let mut all = Vec::new();
+        for i in rows {
+            let ends = [(from, a), (to, grid.beta[i])];
+            if let Some(rule) = rule(face, ends, digits) {
+                of_rule[rule].push(i);
+                continue;
+            }
+            let (b, mut values) = (grid.beta[i], vec![0.0; self.orders]);
+            graded(azimuth_width(face, ends), &mut values, |turn| {
+                let (sin, cos) = turn.sin_cos();
+                face.single(from, Beta { x: a, y: 0.0 }, to, Beta { x: b * cos, y: b * sin })
+            });
+            all.push((i, values));
+        }
         for (rule, rows) in of_rule.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let half = 1_usize << rule;
             let turns: Vec<(f64, f64)> =
@@ -224,15 +243,17 @@ impl Transforms {
     }
 }
 
-/// The logarithm of the number of intervals from 0 to pi that a pair of directions takes.
-fn rule(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2], digits: f64) -> usize {
-    // The kernel's width in azimuth: alpha times the change of the wave vector's component
-    // along the normal, over the radius.
-    let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).sqrt();
+/// The kernel's width in azimuth: alpha times the change of the wave vector's component along the normal, over the radius.
+pub(super) fn azimuth_width(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2]) -> f64 {
+    let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).max(0.0).sqrt();
     let (q_a, q_b) = (normal(from, a), normal(to, b));
     let turn = if from == to { q_a + q_b } else { (q_a - q_b).abs() };
-    let width = (face.alpha() * turn / (a * b).sqrt().max(1e-9)).max(1e-9);
+    (face.alpha() * turn / (a * b).sqrt().max(1e-9)).max(1e-9)
+}
+
+/// The logarithm of the number of intervals from 0 to pi that a pair of directions takes; `None` if there would be too many.
+fn rule(face: &Rough, ends: [(Side, f64); 2], digits: f64) -> Option<usize> {
     // Poles are double: three digits more.
-    let half = ((digits + 3.0) / width.asinh()).ceil().clamp(12.0, (MOST_AZIMUTHS / 2) as f64) as usize;
-    half.next_power_of_two().ilog2() as usize
+    let half = ((digits + 3.0) / azimuth_width(face, ends).asinh()).ceil().max(12.0);
+    (half <= MOST_INTERVALS as f64 / 2.0).then(|| (half as usize).next_power_of_two().ilog2() as usize)
 }

@@ -4,19 +4,24 @@
 //! What the quadrature over directions finds missing of the light that a kernel sends keeps its
 //! direction, so that none is lost.
 
-use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::Beta;
 use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
+use super::azimuth::{MOST_INTERVALS, graded, trapezoid};
 use super::grid::Grid;
 use super::matrix::Matrix;
 
-/// Azimuths between 0 and pi for a pair of nodes: at least, for what lies off the peak; at most.
-const AZIMUTHS: (usize, usize) = (24, 512);
+/// Azimuths between 0 and pi for a pair of nodes at least, for what lies off the peak.
+const LEAST_AZIMUTHS: usize = 24;
 /// Azimuthal orders, at most.
-const MOST_ORDERS: usize = 400;
+const MOST_ORDERS: usize = 1500;
+/// Numbers of all orders, at most.
+const MOST_NUMBERS: usize = 1 << 25;
+/// Of so many extra nodes, views first, the light that is sent is integrated; of others it is interpolated.
+const INTEGRATED: usize = 100;
 
 /// The orders of a kernel, of light from above.
 #[derive(Debug, Clone)]
@@ -30,15 +35,26 @@ pub(super) struct ScatterOrders {
 }
 
 impl ScatterOrders {
-    /// In a disc of this radius for the air's, to so many natural digits in azimuth; orders beyond the first only where they
-    /// are asked for.
-    pub(super) fn new(scatter: &Scatter, disc: f64, grid: &Grid, digits: f64, beyond_first: bool) -> Self {
+    /// In a disc of this radius for the air's, to so many natural digits in azimuth; orders beyond the first only where there
+    /// are lights with an azimuth, given the largest `|beta|` of views and of those. What is sent from one extra node to another is
+    /// left out ([`once`](super::once)). Not finished if `stop` is set before.
+    pub(super) fn new(
+        scatter: &Scatter,
+        disc: f64,
+        grid: &Grid,
+        digits: f64,
+        beyond_first: Option<[f64; 2]>,
+        stop: &AtomicBool,
+    ) -> Self {
         let len = grid.len();
-        let orders = ((digits / scatter.width()).ceil() as usize).clamp(8, MOST_ORDERS);
-        let count = if beyond_first { orders } else { 1 };
+        let count = beyond_first.map_or(1, |ends| {
+            let most = (MOST_NUMBERS / (len * len).max(1)).clamp(8, MOST_ORDERS);
+            orders(scatter, ends.map(|end| end / disc), digits).clamp(8, most)
+        });
         let mut all = Self {
             zeroth: Matrix::zeros(len, len),
-            later: vec![vec![0.0; len * len]; count - 1],
+            // Each by itself: copies would touch what stays zero.
+            later: (1..count).map(|_| vec![0.0; len * len]).collect(),
             missing: Vec::new(),
         };
         let mut values = vec![0.0; count];
@@ -48,6 +64,12 @@ impl ScatterOrders {
         for (number, &j) in sources.iter().enumerate() {
             let both = scatter.is_reciprocal();
             for &i in &targets[if both { number } else { 0 }..] {
+                if stop.load(Ordering::Relaxed) {
+                    return all;
+                }
+                if i >= grid.regular && j >= grid.regular {
+                    continue;
+                }
                 fourier(scatter, [grid.beta[j], grid.beta[i]].map(|b| b / disc), digits, &mut values);
                 let scale = grid.scale[i] * grid.scale[j] / (disc * disc);
                 all.set(i, j, &values, scale);
@@ -56,20 +78,29 @@ impl ScatterOrders {
                 }
             }
         }
-        all.missing = all.missing(scatter, disc, grid);
+        all.missing = all.missing(scatter, disc, grid, (digits / 2.0) as usize, stop);
         all
     }
 
     fn set(&mut self, out: usize, from: usize, values: &[f64], scale: f64) {
         let len = self.zeroth.columns();
         self.zeroth[(out, from)] = values[0] * scale;
-        for (order, value) in self.later.iter_mut().zip(&values[1..]) {
+        let some = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
+        for (order, value) in self.later.iter_mut().zip(values[..=some].iter().skip(1)) {
             order[from * len + out] = (value * scale) as f32;
         }
     }
 
-    /// What the quadrature finds missing, of light in the disc.
-    fn missing(&self, scatter: &Scatter, disc: f64, grid: &Grid) -> Vec<f64> {
+    /// What the quadrature finds missing, of light in the disc. What is sent is integrated more finely from level to level, so
+    /// that an error of it shows in their difference.
+    fn missing(
+        &self,
+        scatter: &Scatter,
+        disc: f64,
+        grid: &Grid,
+        fineness: usize,
+        stop: &AtomicBool,
+    ) -> Vec<f64> {
         let ones = vec![1.0; grid.len()];
         let kernel = Some(self.zeroth.clone());
         let there = Operator { regular: grid.regular, straight: vec![0.0; grid.len()], kernel };
@@ -80,10 +111,26 @@ impl ScatterOrders {
         let end = scatter.edges().fold(1.0, f64::min);
         let missing = |i: usize| {
             let beta = grid.beta[i] / disc;
-            let of = |(scatter, found): &(Scatter, Vec<f64>)| scatter.total(beta) - found[i];
-            if beta < end { 0.5 * found.iter().map(of).sum::<f64>() } else { 0.0 }
+            let total = |scatter: &Scatter| {
+                if i < grid.regular + INTEGRATED {
+                    scatter.total_by(beta, fineness)
+                } else {
+                    scatter.total(beta)
+                }
+            };
+            let of = |(scatter, found): &(Scatter, Vec<f64>)| total(scatter) - found[i];
+            if beta < end && !stop.load(Ordering::Relaxed) {
+                0.5 * found.iter().map(of).sum::<f64>()
+            } else {
+                0.0
+            }
         };
         (0..grid.len()).map(missing).collect()
+    }
+
+    /// What is missing of each node's light, which keeps its direction.
+    pub(super) fn missing_straight(&self) -> &[f64] {
+        &self.missing
     }
 
     /// How many orders there are.
@@ -105,28 +152,31 @@ impl ScatterOrders {
     }
 }
 
+/// Orders that light between views and lights of these largest `|beta|` has, if each is sent by way of other directions.
+fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
+    if !scatter.is_gaussian() {
+        return (digits / scatter.width()).ceil() as usize;
+    }
+    // Of widths towards the horizon; a Gaussian of width w has orders exp(-(m w)^2/4).
+    let [a, b] = [view, light].map(|end| scatter.azimuth_width(end.min(1.0), 1.0));
+    (2.0 * digits.sqrt() / a.hypot(b)).ceil() as usize
+}
+
 /// The first Fourier coefficients of a kernel between two directions.
 fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
-    // Where in the complex plane of azimuths a lobe of this width has its pole.
-    let width = scatter.width();
-    let excess = (width * width + (a - b) * (a - b)) / (2.0 * a * b).max(1e-12);
-    let pole = (excess + (excess * (excess + 2.0)).sqrt()).ln_1p();
-    // Poles are double: three digits more.
-    let half = (((digits + 3.0) / pole).ceil() as usize).clamp(AZIMUTHS.0, AZIMUTHS.1);
-    out.fill(0.0);
-    for k in 0..=half {
-        let phi = PI * k as f64 / half as f64;
-        let ends = if k == 0 || k == half { 0.5 } else { 1.0 };
+    let width = scatter.azimuth_width(a, b).max(1e-9);
+    // Poles are double: three digits more. The last order that the rule tells apart is to be none: of a pole at w it
+    // is exp(-m w), of a Gaussian exp(-(m w)^2/4).
+    let digits = digits + 3.0;
+    let half = (if scatter.is_gaussian() { 2.0 * digits.sqrt() } else { digits } / width).ceil() as usize;
+    let value = |phi: f64| {
         let (sin, cos) = phi.sin_cos();
-        let to = Beta { x: b * cos, y: b * sin };
-        let value = ends / half as f64 * scatter.value(Beta { x: a, y: 0.0 }, to);
-        // cos(m phi) by its recurrence; orders that this rule does not tell apart from lower ones are none.
-        let (mut now, mut before) = (1.0, cos);
-        for sum in out.iter_mut().take(half + 1) {
-            *sum += value * now;
-            (now, before) = (2.0 * cos * now - before, now);
-        }
+        scatter.value(Beta { x: a, y: 0.0 }, Beta { x: b * cos, y: b * sin })
+    };
+    if half > MOST_INTERVALS {
+        return graded(width, out, value);
     }
+    trapezoid(half.max(LEAST_AZIMUTHS), out, value);
 }
 
 #[cfg(test)]
@@ -146,7 +196,7 @@ mod tests {
             radial.iter().map(|r| lobe.density(Beta::default(), Beta { x: *r, y: 0.0 })).collect();
         let scatter: Scatter = Table::new(&[0.0], &radial, &[0.0], &values).unwrap().into();
         let grid = Grid::new(&[1.0], Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
-        let found = ScatterOrders::new(&scatter, 1.0, &grid, 9.0, true);
+        let found = ScatterOrders::new(&scatter, 1.0, &grid, 9.0, Some([1.0; 2]), &AtomicBool::new(false));
         let mut closed = LobeOrders::new(lobe);
         let mut largest = 0.0_f64;
         for order in [0, 1, 5, 20] {
@@ -155,7 +205,7 @@ mod tests {
             // Orders are summed: an error counts beside order 0.
             largest = (0..grid.len()).map(|i| closed[(i, i)]).fold(largest, f64::max);
             for i in 0..grid.len() {
-                for j in 0..grid.len() {
+                for j in (0..grid.len()).filter(|j| i < grid.regular || *j < grid.regular) {
                     let error = found[(i, j)] - closed[(i, j)];
                     assert!(error.abs() < 1e-5 * largest, "{order} {i} {j}: {error} of {largest}");
                 }

@@ -8,6 +8,7 @@ use super::algebra::Operator;
 use super::grid::Grid;
 use super::lobes::LobeOrders;
 use super::matrix::Matrix;
+use super::once::{Kernel, Pairs, Way};
 use super::part::Part;
 use super::rough::RoughOrders;
 use super::scatter::ScatterOrders;
@@ -18,8 +19,8 @@ use super::slab::{Model, Slab};
 enum Scatterer<'a> {
     Slab(Slab),
     Diffuser(LobeBetween),
-    Rough { face: &'a Rough, orders: Option<RoughOrders> },
-    Scatter { scatter: &'a Scatter, disc: f64, orders: Option<ScatterOrders> },
+    Rough { face: &'a Rough, orders: Option<RoughOrders>, missing: [Vec<f64>; 2] },
+    Scatter { scatter: &'a Scatter, disc: f64, orders: Option<ScatterOrders>, missing: Vec<f64> },
 }
 
 /// A diffuser's lobe between media of these indices.
@@ -72,7 +73,7 @@ impl<'a> Scatterers<'a> {
                 && [Side::Above, Side::Below].into_iter().all(|side| other.index(side) == face.index(side))
         };
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Rough { face, .. } if like(face));
-        self.find(known, || Scatterer::Rough { face, orders: Some(orders()) })
+        self.find(known, || Scatterer::Rough { face, orders: Some(orders()), missing: Default::default() })
     }
 
     /// The number of this kernel in a disc of this radius, added if it is new.
@@ -83,7 +84,8 @@ impl<'a> Scatterers<'a> {
         orders: impl FnOnce() -> ScatterOrders,
     ) -> usize {
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Scatter { scatter: other, disc: of, .. } if *other == scatter && *of == disc);
-        self.find(known, || Scatterer::Scatter { scatter, disc, orders: Some(orders()) })
+        let new = || Scatterer::Scatter { scatter, disc, orders: Some(orders()), missing: Vec::new() };
+        self.find(known, new)
     }
 
     fn find(&mut self, known: impl Fn(&Scatterer<'a>) -> bool, new: impl FnOnce() -> Scatterer<'a>) -> usize {
@@ -114,10 +116,78 @@ impl<'a> Scatterers<'a> {
                 missing: lobe.missing[grid.regular..].to_vec(),
                 ..lobe
             }),
-            Scatterer::Rough { face, .. } => Scatterer::Rough { face, orders: None },
-            Scatterer::Scatter { scatter, disc, .. } => Scatterer::Scatter { scatter, disc, orders: None },
+            Scatterer::Rough { face, orders, missing } => {
+                let kept = orders.map_or(missing, |orders| {
+                    orders.missing_straight().each_ref().map(|missing| missing[grid.regular..].to_vec())
+                });
+                Scatterer::Rough { face, orders: None, missing: kept }
+            }
+            Scatterer::Scatter { scatter, disc, orders, missing } => {
+                let kept =
+                    orders.map_or(missing, |orders| orders.missing_straight()[grid.regular..].to_vec());
+                Scatterer::Scatter { scatter, disc, orders: None, missing: kept }
+            }
         };
         Self(self.0.into_iter().map(extras).collect())
+    }
+
+    /// The ways on which single scatterers without a closed series send light, by their numbers.
+    pub(super) fn ways(&self) -> Vec<(usize, Way)> {
+        const SIDES: [(Side, Side); 3] =
+            [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
+        let mut ways = Vec::new();
+        for (number, scatterer) in self.0.iter().enumerate() {
+            let kernels: Vec<Kernel> = match scatterer {
+                Scatterer::Rough { face, .. } => SIDES
+                    .map(|(from, to)| Kernel::Rough { face: Box::new((*face).clone()), from, to })
+                    .to_vec(),
+                Scatterer::Scatter { scatter, disc, .. } => {
+                    vec![Kernel::Scatter { scatter: (*scatter).clone(), disc: *disc }]
+                }
+                Scatterer::Slab(_) | Scatterer::Diffuser(_) => Vec::new(),
+            };
+            for kernel in kernels {
+                let way = |pairs: &Pairs| (number, Way { kernel: kernel.clone(), pairs: *pairs });
+                ways.extend(kernel.pairs().iter().map(way));
+            }
+        }
+        ways
+    }
+
+    /// What each does to light that keeps its direction, and a unit of light scattered on one way of one of them; of
+    /// [`Self::extras`] alone.
+    pub(super) fn once(&mut self, (number, way): (usize, &Way), grid: &Grid) -> Vec<Scattered> {
+        let len = grid.len();
+        let unit = |straight: Vec<f64>| {
+            let count = |out: usize, from: usize| if way.pairs.hold(from, out) { 1.0 } else { 0.0 };
+            Operator { regular: 0, straight, kernel: Some(Matrix::from_fn(len, len, count)) }
+        };
+        let flat = |straight: Vec<f64>| Operator { regular: 0, straight, kernel: None };
+        let one = |(k, scatterer): (usize, &mut Scatterer<'_>)| match scatterer {
+            Scatterer::Slab(slab) => {
+                let operators = slab.operators(0).map(|operator| slab.spread(&operator, grid));
+                Scattered::Slab(operators.map(|operator| flat(operator.straight)))
+            }
+            Scatterer::Diffuser(lobe) => Scattered::Diffuser(flat(lobe.straight(grid))),
+            Scatterer::Rough { missing, .. } => {
+                let [mut above, mut below] = missing.clone().map(flat);
+                let mut down = flat(vec![0.0; len]);
+                if let (true, Kernel::Rough { from, to, .. }) = (k == number, &way.kernel) {
+                    let sends = match (from, to) {
+                        (Side::Above, Side::Above) => &mut above,
+                        (Side::Below, Side::Below) => &mut below,
+                        _ => &mut down,
+                    };
+                    *sends = unit(std::mem::take(&mut sends.straight));
+                }
+                Scattered::Rough(Part { above, below, down, absorbed: None })
+            }
+            Scatterer::Scatter { missing, .. } => {
+                let straight = missing.clone();
+                Scattered::Scatter(if k == number { unit(straight) } else { flat(straight) })
+            }
+        };
+        self.0.iter_mut().enumerate().map(one).collect()
     }
 
     /// What each does in this order.
@@ -127,7 +197,7 @@ impl<'a> Scatterers<'a> {
                 Scattered::Slab(slab.operators(order).map(|operator| slab.spread(&operator, grid)))
             }
             Scatterer::Diffuser(lobe) => Scattered::Diffuser(lobe.operator(order, grid)),
-            Scatterer::Rough { face, orders } => Scattered::Rough(match orders {
+            Scatterer::Rough { face, orders, .. } => Scattered::Rough(match orders {
                 Some(orders) => orders.part(face, order, grid),
                 None => Part::dark(grid),
             }),
@@ -154,10 +224,15 @@ impl LobeBetween {
         Self { lobe, indices, orders, missing: missing.unwrap_or_default() }
     }
 
-    fn operator(&mut self, order: usize, grid: &Grid) -> Operator {
+    fn straight(&self, grid: &Grid) -> Vec<f64> {
         let [above, below] = self.indices;
         let both = |i: usize| grid.beta[i] < above.min(below);
-        let straight = (0..grid.len()).map(|i| if both(i) { self.missing[i] } else { 0.0 }).collect();
+        (0..grid.len()).map(|i| if both(i) { self.missing[i] } else { 0.0 }).collect()
+    }
+
+    fn operator(&mut self, order: usize, grid: &Grid) -> Operator {
+        let [above, below] = self.indices;
+        let straight = self.straight(grid);
         let kernel = self.orders.order(order, grid).map(|kernel| {
             Matrix::from_fn(grid.len(), grid.len(), |out, from| {
                 let carried = grid.beta[from] < above && grid.beta[out] < below;

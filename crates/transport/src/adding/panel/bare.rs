@@ -11,10 +11,12 @@ use papilio_optics::Beta;
 
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
-use super::super::quadrature::{Node, Point, Pole, cone_points, disc_points, graded, smooth_at};
+use super::super::quadrature::{
+    Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at,
+};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
-use crate::{Cone, Estimate, Ledger, Panel, Reflector, Rho, Source, Top};
+use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, Reflector, Rho, Source, Top};
 
 /// Reflectances of faces and pixels change over angles of this size, radians.
 const SMOOTH: f64 = 0.3;
@@ -28,6 +30,9 @@ pub(super) struct Kernel {
 
 #[derive(Debug, Clone)]
 struct View {
+    cone: Cone,
+    /// Nodes of the base's table across it, that its points were made for.
+    across: f64,
     points: Vec<Point>,
     images: Vec<ImagePoints>,
 }
@@ -52,10 +57,21 @@ struct Fate {
 }
 
 impl Kernel {
-    pub(super) fn new(views: &[Cone], sources: &[Source], digits: f64) -> Self {
-        let view = |cone: &Cone| View {
-            points: cone_points(cone, smooth_at(cone, SMOOTH), digits),
-            images: image_points(cone, sources, digits),
+    /// Over this base, in this medium.
+    pub(super) fn new(
+        (base, medium): (&Base, &Medium),
+        views: &[Cone],
+        sources: &[Source],
+        digits: f64,
+    ) -> Self {
+        let view = |cone: &Cone| {
+            let (rings, across) = ((digits / 2.5) as usize, base.nodes_across(cone, medium));
+            View {
+                cone: *cone,
+                across,
+                points: cone_points_of(cone, smooth_at(cone, SMOOTH), digits, Nodes { rings, across }),
+                images: image_points(cone, sources, digits),
+            }
         };
         let light = |source: &Source| match source {
             Source::Diffuse => Light::Diffuse,
@@ -70,6 +86,11 @@ impl Kernel {
             }
         };
         Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
+    }
+
+    /// Whether its points serve this base.
+    pub(super) fn serves(&self, stack: &Panel) -> bool {
+        self.views.iter().all(|view| view.across == stack.base.nodes_across(&view.cone, &stack.medium))
     }
 
     pub(super) fn nodes(&self) -> usize {

@@ -19,6 +19,8 @@ mod lobes;
 mod recycling;
 mod rings;
 
+use std::sync::atomic::AtomicBool;
+
 use papilio_optics::lobe::Lobe;
 
 use super::TableGradient;
@@ -48,19 +50,21 @@ impl Kernel {
         Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
     }
 
-    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source]) {
+    /// Not finished if `stop` is set before.
+    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         match &stack.top {
             Top::Coated | Top::Fresnel(_) => {
-                self.kind = Kind::Bare(bare::Kernel::new(views, sources, self.digits));
+                self.kind =
+                    Kind::Bare(bare::Kernel::new((&stack.base, &stack.medium), views, sources, self.digits));
             }
             Top::Diffuser(diffuser) => {
                 if let Kind::Diffused(kernel) = &mut self.kind
                     && kernel.serves(stack, diffuser)
                 {
-                    return kernel.prepare(stack, views, sources);
+                    return kernel.prepare(stack, views, sources, stop);
                 }
                 let mut kernel = diffused::Kernel::new(stack, diffuser, self.digits);
-                kernel.prepare(stack, views, sources);
+                kernel.prepare(stack, views, sources, stop);
                 self.kind = Kind::Diffused(Box::new(kernel));
             }
         }
@@ -69,7 +73,7 @@ impl Kernel {
     /// Whether what was prepared for these layers serves this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
         match (&self.kind, &stack.top) {
-            (Kind::Bare(_), _) => true,
+            (Kind::Bare(kernel), _) => kernel.serves(stack),
             (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => {
                 kernel.serves(stack, diffuser) && kernel.recycling_serves(stack)
             }

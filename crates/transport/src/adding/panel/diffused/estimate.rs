@@ -1,6 +1,7 @@
 //! A panel with a diffuser: what a view sees through prepared kernels.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::super::super::images::ImagePoints;
 use super::super::super::quadrature::Point;
@@ -25,7 +26,7 @@ impl Kernel {
         // A front or a pixel so much brighter that recycled light has to be followed further.
         let mut other = self.clone();
         other.views = vec![seen.clone()];
-        other.prepare(stack, &[seen.cone], &sources);
+        other.prepare(stack, &[seen.cone], &sources, &AtomicBool::new(false));
         other.estimate(stack, diffuser, 0)
     }
 

@@ -4,13 +4,14 @@ mod estimate;
 mod gradient;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
-use super::super::quadrature::{Point, cone_points, disc_points};
+use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
 use super::first_pass::{Alone, Pass, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
@@ -116,7 +117,8 @@ impl Kernel {
             && self.table.as_ref() == table_nodes(stack)
     }
 
-    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source]) {
+    /// Not finished if `stop` is set before.
+    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let old_views = std::mem::take(&mut self.views);
         let old_sources = std::mem::take(&mut self.sources);
         if self.table.is_none() && self.shares.is_empty() {
@@ -144,8 +146,13 @@ impl Kernel {
         };
         let mut made: Vec<View> = Vec::with_capacity(views.len());
         for (k, cone) in views.iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
             let turned = made.iter().rev().find(|view| view.cone.is_turned(cone));
-            let view = self.view(cone, sources, (old_view(k, cone), turned), &kept, same_recycling);
+            let across = stack.base.nodes_across(cone, &stack.medium);
+            let old = (old_view(k, cone), turned);
+            let view = self.view((cone, across), sources, old, &kept, same_recycling);
             made.push(view);
         }
         self.views = made;
@@ -292,9 +299,10 @@ impl Kernel {
         self.recycling.iter().flatten().zip(&self.indices.nodes).map(at).collect()
     }
 
+    /// A cone, and how many nodes of the base's table lie across it.
     fn view(
         &self,
-        cone: &Cone,
+        (cone, across): (&Cone, f64),
         sources: &[Source],
         (old, turned): (Option<&View>, Option<&View>),
         kept: &[Option<usize>],
@@ -304,7 +312,10 @@ impl Kernel {
             Some(old) => old.groups.clone(),
             None => {
                 let axis = Point { beta: cone.axis_towards(), weight: 1.0 };
-                self.bundles(cone_points(cone, self.scale(), self.digits), axis)
+                // Only light that goes straight through sees the table as sharp as it is.
+                let across = if self.diffuser.straight_through > 0.0 { across } else { 0.0 };
+                let nodes = QuadratureNodes { rings: 0, across };
+                self.bundles(cone_points_of(cone, self.scale(), self.digits, nodes), axis)
             }
         };
         let images = image_points(cone, sources, self.digits);

@@ -1,0 +1,91 @@
+//! Fourier orders of kernels over the azimuth that have no closed series.
+//!
+//! `K_m = 1/pi integral of K(phi) cos(m phi)` over 0 to pi. Where the kernel is wide, the trapezoid rule
+//! converges exponentially. Where both directions are near the horizon, facets about the normal join directions
+//! that are ever closer in azimuth: there, panels are graded about 0.
+
+use std::f64::consts::PI;
+
+use crate::adding::quadrature::gauss;
+
+/// Intervals of the trapezoid rule from 0 to pi, at most; finer kernels take graded panels.
+pub(super) const MOST_INTERVALS: usize = 1024;
+
+/// Points of a graded panel: enough for its poles, and for so many radians of the highest order.
+const POINTS: usize = 14;
+const RADIANS: f64 = 16.0;
+/// No panel is longer, for what kernels by numbers do off their peaks.
+const LONGEST: f64 = 0.5;
+
+/// The orders of an even function that changes over this width of azimuth about 0, into `out`.
+pub(super) fn graded(width: f64, out: &mut [f64], value: impl Fn(f64) -> f64) {
+    let longest = (RADIANS / out.len().max(1) as f64).min(LONGEST);
+    let mut points = Vec::new();
+    let mut from = 0.0;
+    while from < PI {
+        let to = (from + (1.2 * from).clamp(width.min(longest), longest)).min(PI);
+        points.extend(gauss(from, to, POINTS).map(|node| (node.x, node.weight / PI * value(node.x))));
+        from = to;
+    }
+    sum(&points, out);
+}
+
+/// The same by the trapezoid rule of so many intervals; orders that it does not tell apart from lower ones are none.
+pub(super) fn trapezoid(half: usize, out: &mut [f64], value: impl Fn(f64) -> f64) {
+    let point = |k: usize| {
+        let phi = PI * k as f64 / half as f64;
+        let ends = if k == 0 || k == half { 0.5 } else { 1.0 };
+        (phi, ends / half as f64 * value(phi))
+    };
+    let told = out.len().min(half + 1);
+    out[told..].fill(0.0);
+    sum(&(0..=half).map(point).collect::<Vec<_>>(), &mut out[..told]);
+}
+
+/// Azimuths that are worked on side by side.
+const LANES: usize = 8;
+
+/// The sums of `value cos(m phi)` over azimuths and values, for each order m, by the cosine's recurrence.
+fn sum(points: &[(f64, f64)], out: &mut [f64]) {
+    out.fill(0.0);
+    for points in points.chunks(LANES) {
+        let mut values = [0.0; LANES];
+        let mut cos = [0.0; LANES];
+        for (k, (phi, value)) in points.iter().enumerate() {
+            (values[k], cos[k]) = (*value, phi.cos());
+        }
+        let (mut now, mut before) = ([1.0; LANES], cos);
+        for sum in out.iter_mut() {
+            let mut next = [0.0; LANES];
+            for k in 0..LANES {
+                *sum += values[k] * now[k];
+                next[k] = 2.0 * cos[k] * now[k] - before[k];
+            }
+            (now, before) = (next, now);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a periodic Gaussian: orders are Gaussians; of a periodic Lorentzian: they fall geometrically.
+    #[test]
+    fn narrow_functions_have_the_orders_of_their_closed_series() {
+        for width in [0.3_f64, 0.01, 1e-4] {
+            let mut out = [0.0; 300];
+            graded(width, &mut out, |phi| (-(phi / width).powi(2)).exp());
+            for (m, found) in out.iter().enumerate() {
+                let closed = width / (2.0 * PI.sqrt()) * (-(m as f64 * width / 2.0).powi(2)).exp();
+                assert!((found - closed).abs() < 1e-9 * width, "{width} {m}: {found} {closed}");
+            }
+            graded(width, &mut out, |phi| width.sinh() / (width.cosh() - phi.cos()));
+            for (m, found) in out.iter().enumerate() {
+                let closed = (-(m as f64) * width).exp();
+                // So good are 14 points at their distance from the poles.
+                assert!((found - closed).abs() < 1e-8, "{width} {m}: {found} {closed}");
+            }
+        }
+    }
+}
