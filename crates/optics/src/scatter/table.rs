@@ -92,7 +92,6 @@ impl Table {
             proposals: Default::default(),
             totals: Default::default(),
             cells: OnceLock::new(),
-            width,
             last: incidence[incidence.len() - 1],
             end: 1.0,
             reach: 1.0,
