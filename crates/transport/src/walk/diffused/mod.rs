@@ -60,6 +60,8 @@ pub(super) struct Diffused<'a> {
     through: Vec<f64>,
     /// The base is a mirror.
     specular: bool,
+    /// Light of discs goes to and fro between base and front without being scattered.
+    round_trips: bool,
     /// There are beams or discs.
     directed: bool,
     discs: bool,
@@ -127,6 +129,7 @@ impl<'a> Diffused<'a> {
             between_passes: sent_back.to_vec(),
             through: through.to_vec(),
             specular,
+            round_trips: specular && discs && left > 0.0 && diffuser.straight_through > 0.0,
             directed,
             discs,
             first,
@@ -159,7 +162,7 @@ impl<'a> Diffused<'a> {
         let beta = self.view.sample_towards(numbers.field());
         // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
         let carries = self.stack.medium.constant_index().is_none();
-        let light = Downward { beta, weight: 1.0, carries, scattered: false };
+        let light = Downward { beta, weight: 1.0, carries };
         let numbers = &PassNumbers::new(numbers, 0, self);
         let Tally { sums, room, .. } = tally;
         if carries {
@@ -200,7 +203,7 @@ impl<'a> Diffused<'a> {
     ) {
         let met = self.below(down, 1.0, (light.carries, numbers), sums, room);
         if let (Some(met), true) = (met, self.discs) {
-            self.run_into_discs(light.scattered, (down, met), numbers, numbers.up, sums, room);
+            self.run_into_discs(met, numbers.up, sums, room);
         }
     }
 
@@ -210,7 +213,7 @@ impl<'a> Diffused<'a> {
         for (number, stands_for) in self.turns.among(numbers, paths) {
             let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
-            let light = Downward { beta, weight: stands_for, carries: false, scattered: false };
+            let light = Downward { beta, weight: stands_for, carries: false };
             if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.room) {
                 self.passes(light, &numbers, tally);
             }
@@ -266,27 +269,13 @@ impl<'a> Diffused<'a> {
         self.go_on(light, down, numbers, room)
     }
 
-    /// Discs that the last scattering leads to by chance.
-    fn run_into_discs(
-        &self,
-        scattered: bool,
-        (down, met): (Below, Met),
-        numbers: &PassNumbers<'_>,
-        u: [f64; 2],
-        sums: &mut Sums,
-        room: &Room,
-    ) {
+    /// Discs that the last scattering leads to by chance. (Light that goes straight from here is met otherwise, or is
+    /// a mirror image.)
+    fn run_into_discs(&self, met: Met, u: [f64; 2], sums: &mut Sums, room: &Room) {
         let Met { up, look_up } = met;
-        // Light of a first pass that goes straight from here is met otherwise, or is a mirror image.
-        let by_lobe = self.by_lobe_upwards(numbers);
-        let Some((out, drawn, straight)) = self.through(&self.drawing, up.beta, 1.0, by_lobe, u) else {
-            return;
-        };
-        let light = reflected(look_up, &room.reflected);
-        if !straight {
-            self.meet_discs(up, out, light, by_lobe, sums);
-        } else if scattered && down.straight && self.specular {
-            self.meet_discs_by_specular_light(out, light, up.weight * drawn, sums);
+        let through = self.through(&self.drawing, up.beta, 1.0, self.by_lobe_upwards(), u);
+        if let Some((out, _, false)) = through {
+            self.meet_discs(up, out, reflected(look_up, &room.reflected), sums);
         }
     }
 
@@ -303,7 +292,7 @@ impl<'a> Diffused<'a> {
         let [u, v, base @ ..] = numbers.going_on();
         let (up, weight) =
             if self.specular { (down.beta, down.weight) } else { self.off_base(down.weight, base) };
-        let (beta, drawn, straight) = self.through(&self.drawing, up, 1.0, self.by_lobe, [u, v])?;
+        let (beta, drawn, _) = self.through(&self.drawing, up, 1.0, self.by_lobe, [u, v])?;
         if beta.squared() > 1.0 || down.beta.length() >= n {
             return None;
         }
@@ -318,8 +307,7 @@ impl<'a> Diffused<'a> {
         }
         scale_rows(reflected, &self.between_passes);
         std::mem::swap(carried, reflected);
-        let scattered = light.scattered || !(self.specular && down.straight && straight);
-        Some(Downward { beta, weight: weight * drawn, carries: true, scattered })
+        Some(Downward { beta, weight: weight * drawn, carries: true })
     }
 
     /// Light below the diffuser meets the base, and what it then sees of the sources; counted as so much
@@ -354,7 +342,7 @@ impl<'a> Diffused<'a> {
             }
         }
         let light = reflected(look_up, &room.reflected);
-        self.connect(up, light, numbers, sums);
+        self.connect(up, light, carries.then_some(&room.carried), numbers, sums);
         // All that leaves meets diffuse light: no direction need be drawn for that.
         sums.leaving.add(light, up.weight * self.share_leaving(up.beta));
         Some(Met { up, look_up })
@@ -379,7 +367,7 @@ impl<'a> Diffused<'a> {
             let Some(met) = self.below(down, share, (light.carries, numbers), sums, room) else { continue };
             if self.discs {
                 let up = [(numbers.up[0] + k as f64 * share).fract(), numbers.up[1]];
-                self.run_into_discs(false, (down, met), numbers, up, sums, room);
+                self.run_into_discs(met, up, sums, room);
             }
         }
     }
@@ -398,10 +386,9 @@ impl<'a> Diffused<'a> {
         Some(Below { beta: to, weight: weight * drawn, rival, straight })
     }
 
-    /// The probability with which light on its way out is scattered: on a first pass that which is not
-    /// is of no use.
-    fn by_lobe_upwards(&self, numbers: &PassNumbers<'_>) -> f64 {
-        if numbers.pass == 0 && self.straight() < 1.0 { 1.0 } else { self.by_lobe }
+    /// The probability with which light on its way out to a disc is scattered, if it can be.
+    fn by_lobe_upwards(&self) -> f64 {
+        if self.straight() < 1.0 { 1.0 } else { 0.0 }
     }
 
     /// The share of light at the diffuser's underside that leaves into the air.
@@ -440,10 +427,10 @@ impl<'a> Diffused<'a> {
         Some((drawn.beta, drawn.weight * (1.0 - straight) / by_lobe, false))
     }
 
-    /// The density with which [`Self::through`] would scatter light from below out to `to`.
+    /// The density with which light on its way out to a disc is scattered to `to`.
     #[inline]
-    fn density_out(&self, from: Beta, to: Beta, by_lobe: f64) -> f64 {
-        by_lobe * self.drawing.density(from, to, 1.0)
+    fn density_out(&self, from: Beta, to: Beta) -> f64 {
+        self.by_lobe_upwards() * self.drawing.density(from, to, 1.0)
     }
 
     /// Reflection at the base: a look-up on a first pass, else `carried` becomes `reflected`.
@@ -525,8 +512,6 @@ struct Downward {
     weight: f64,
     /// It carries spectra; else all of them are one.
     carries: bool,
-    /// It has been scattered since it entered.
-    scattered: bool,
 }
 
 /// How a base spreads light, for wavelengths whose medium has a smaller disc than the largest.

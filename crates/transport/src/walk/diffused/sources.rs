@@ -8,10 +8,10 @@ use papilio_sampling::warp;
 
 use super::books::{Room, Sums};
 use super::{Below, Diffused, Downward, PassNumbers, Spread, multiply, reflected};
-use crate::Source;
 use crate::angular::Stencil;
 use crate::walk::tally::{Channel, Reflected};
 use crate::walk::{Target, base_density};
+use crate::{Source, specular};
 
 impl Diffused<'_> {
     /// Light that comes straight through the diffuser and off a specular base, met on the way down.
@@ -34,13 +34,10 @@ impl Diffused<'_> {
                 // The way from there to the beam is the same for all paths: added at the end.
                 sums.from_straight_beam[i].add(carries.then_some(&room.carried), weight);
             } else {
-                self.add_by_way_of(
-                    target.beta,
-                    carries,
-                    weight * self.straight(),
-                    &mut sums.from_source[i],
-                    room,
-                );
+                let sum = &mut sums.from_source[i];
+                self.add_by_way_of(target.beta, carries, weight * self.straight(), sum, room);
+                let carried = carries.then_some(&room.carried[..]);
+                self.add_round_trips(target.beta, target.beta, carried, weight * self.straight(), sum);
             }
         }
     }
@@ -70,54 +67,72 @@ impl Diffused<'_> {
         &self,
         up: Below,
         light: Reflected<'_>,
+        carried: Option<&[f64]>,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
     ) {
-        let by_lobe = self.by_lobe_upwards(numbers);
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::sample(source, numbers.on_source) {
-                sum.add(light, up.weight * self.towards(target, up.beta, by_lobe, up.rival));
+                sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
+                if source.has_radiance() {
+                    let weight = up.weight * self.towards_trips(target, up.beta, up.rival);
+                    self.add_round_trips(up.beta, target.beta, carried, weight, sum);
+                }
             }
         }
     }
 
-    /// Round sources that the path has run into by its last scattering, which was by the lobe with this probability.
-    pub(super) fn meet_discs(
+    /// Adds light of a point of a source (`from`) that has first gone to and fro between base and front without being
+    /// scattered, however often; from there on it is as the light that meets a specular base in direction `beta`, on
+    /// a path that carries these spectra (none: all ones). Of beams, whose round trips are the same for all paths, it is
+    /// added at the end.
+    fn add_round_trips(
         &self,
-        up: Below,
-        out: Beta,
-        light: Reflected<'_>,
-        by_lobe: f64,
-        sums: &mut Sums,
+        beta: Beta,
+        from: Beta,
+        carried: Option<&[f64]>,
+        weight: f64,
+        sum: &mut Channel,
     ) {
+        if !self.round_trips || weight == 0.0 {
+            return;
+        }
+        let mut r = vec![0.0; self.stack.base.states() * self.stack.base.bins()];
+        self.reflectance(from, &mut r);
+        let trips = specular::round_trips(self.stack, self.diffuser, &r);
+        let mut spectra = r;
+        self.reflectance(beta, &mut spectra);
+        for (value, trips) in spectra.iter_mut().zip(&trips) {
+            *value *= trips - 1.0;
+        }
+        if let Some(carried) = carried {
+            spectra.iter_mut().zip(carried).for_each(|(value, carried)| *value *= carried);
+        }
+        self.keep_within_disc(beta, Spread::No, &mut spectra);
+        sum.add(Reflected::Spectra(&spectra), weight);
+    }
+
+    /// Round sources that the path has run into by its last scattering.
+    pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::at(source, out) {
-                sum.add(light, up.weight * self.towards(target, up.beta, by_lobe, up.rival));
+                sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
             }
         }
     }
 
-    /// The balanced weight of light from `beta` below the diffuser to a source, if the lobe is taken with
-    /// the probability `by_lobe`; `forward`: the density with which the path chose `beta`, infinite if the source's side does not.
-    fn towards(&self, target: Target, beta: Beta, by_lobe: f64, forward: f64) -> f64 {
+    /// The balanced weight of light from `beta` below the diffuser to a source; `forward`: the density
+    /// with which the path chose `beta`, infinite if the source's side does not.
+    fn towards(&self, target: Target, beta: Beta, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
-        let pdf = || self.density_out(beta, target.beta, by_lobe);
+        let pdf = || self.density_out(beta, target.beta);
         target.balanced((1.0 - self.straight()) * lobe, pdf, lobe / forward)
     }
 
-    /// The same a whole unscattered round trip after its last scattering.
-    pub(super) fn meet_discs_by_specular_light(
-        &self,
-        out: Beta,
-        light: Reflected<'_>,
-        weight: f64,
-        sums: &mut Sums,
-    ) {
-        for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
-            if let Some(target) = Target::at(source, out) {
-                sum.add(light, weight * target.strength);
-            }
-        }
+    /// The same for light that goes to and fro before, which the path does not run into by chance.
+    fn towards_trips(&self, target: Target, beta: Beta, forward: f64) -> f64 {
+        let lobe = self.diffuser.lobe.density(beta, target.beta);
+        target.balanced((1.0 - self.straight()) * lobe, || 0.0, lobe / forward)
     }
 
     /// Directed sources, by a direction below the diffuser that is drawn from the source's
@@ -133,6 +148,11 @@ impl Diffused<'_> {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
             self.add_by_way_of(beta, light.carries, light.weight * weight, sum, room);
+            if let (true, Some(target)) = (source.has_radiance(), Target::sample(source, numbers.on_source)) {
+                let weight = light.weight * self.towards_trips(target, beta, chosen(beta));
+                let carried = light.carries.then_some(&room.carried[..]);
+                self.add_round_trips(beta, target.beta, carried, weight, sum);
+            }
         }
     }
 
@@ -194,6 +214,6 @@ impl Diffused<'_> {
         if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
             return None;
         }
-        Some((beta, self.towards(target, beta, self.by_lobe_upwards(numbers), forward)))
+        Some((beta, self.towards(target, beta, forward)))
     }
 }
