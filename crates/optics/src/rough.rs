@@ -141,6 +141,16 @@ impl Rough {
         self.facets.single(from, beta_i, to, beta_o)
     }
 
+    /// [`Self::single`] for directions of these |beta|, as a function of the cosine of the azimuth between them.
+    pub fn single_by_azimuth(&self, from: (Side, f64), to: (Side, f64)) -> impl Fn(f64) -> f64 + use<> {
+        let pair = self.facets.pair((from.0, from.1 * from.1), (to.0, to.1 * to.1));
+        let (difference, product) = (from.1 - to.1, from.1 * to.1);
+        move |cos| {
+            let tangential = difference * difference + 2.0 * product * (1.0 - cos);
+            pair.map_or(0.0, |pair| pair.single(tangential))
+        }
+    }
+
     /// The share of light from this side that meets more than one microfacet: one less the
     /// integral of [`Self::single`] over both sides. `beta_length` is below the side's index.
     pub fn deficit(&self, side: Side, beta_length: f64) -> f64 {
