@@ -91,7 +91,7 @@ impl Side {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rough {
     facets: Microfacets,
-    deficits: Deficits,
+    deficits: Box<Deficits>,
 }
 
 impl Rough {
@@ -105,7 +105,7 @@ impl Rough {
     /// A face with these slopes.
     pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
         let facets = Microfacets { distribution, alpha, above, below };
-        Self { facets, deficits: Deficits::new(&facets) }
+        Self { facets, deficits: Box::new(Deficits::new(&facets)) }
     }
 
     /// How its slopes are spread.
