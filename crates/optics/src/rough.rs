@@ -91,7 +91,7 @@ impl Side {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rough {
     facets: Microfacets,
-    deficits: Deficits,
+    deficits: Box<Deficits>,
 }
 
 impl Rough {
@@ -105,7 +105,7 @@ impl Rough {
     /// A face with these slopes.
     pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
         let facets = Microfacets { distribution, alpha, above, below };
-        Self { facets, deficits: Deficits::new(&facets) }
+        Self { facets, deficits: Box::new(Deficits::new(&facets)) }
     }
 
     /// How its slopes are spread.
@@ -139,6 +139,16 @@ impl Rough {
     /// The part of [`Self::density`] that met one microfacet; symmetric as well.
     pub fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
         self.facets.single(from, beta_i, to, beta_o)
+    }
+
+    /// [`Self::single`] for directions of these |beta|, as a function of the cosine of the azimuth between them.
+    pub fn single_by_azimuth(&self, from: (Side, f64), to: (Side, f64)) -> impl Fn(f64) -> f64 + use<> {
+        let pair = self.facets.pair((from.0, from.1 * from.1), (to.0, to.1 * to.1));
+        let (difference, product) = (from.1 - to.1, from.1 * to.1);
+        move |cos| {
+            let tangential = difference * difference + 2.0 * product * (1.0 - cos);
+            pair.map_or(0.0, |pair| pair.single(tangential))
+        }
     }
 
     /// The share of light from this side that meets more than one microfacet: one less the

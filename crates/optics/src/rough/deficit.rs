@@ -11,6 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Side;
 use super::microfacets::{Microfacets, beyond, transmittance};
+use super::shadowing::beta_function;
 
 /// Gauss's rule after `x = sin^2(pi t/2)`: nodes and weights on [0, 1].
 pub(super) struct Rule(Vec<(f64, f64)>);
@@ -76,7 +77,8 @@ impl Microfacets {
         let cosine = cosine.max(1e-9);
         let (q, beta) = (n1 * cosine, n1 * ((1.0 - cosine) * (1.0 + cosine)).sqrt());
         let hidden = self.hidden(q, beta * beta) / q;
-        let arriving = Arriving { facets: self, n1, n2: self.index(side.other()), q, beta, hidden };
+        let across = Across::new(hidden);
+        let arriving = Arriving { facets: self, n1, n2: self.index(side.other()), q, beta, hidden, across };
         // tan(tilt) = alpha tan(w) spreads the normals evenly, whatever the roughness.
         let w_of = |tilt: f64| (tilt.clamp(0.0, FRAC_PI_2).tan() / self.alpha).atan();
         let lost = rule.integrate(0.0, FRAC_PI_2, arriving.tilts().map(w_of), |w| {
@@ -100,6 +102,7 @@ struct Arriving<'a> {
     beta: f64,
     /// Lambda there.
     hidden: f64,
+    across: Across,
 }
 
 impl Arriving<'_> {
@@ -131,7 +134,7 @@ impl Arriving<'_> {
 
     /// What facets of one tilt lose, weighted by c1, over half a turn.
     fn over_azimuth(&self, rule: &Rule, h_z: f64, h_t: f64) -> f64 {
-        let Self { facets, n1, n2, q, beta, hidden } = *self;
+        let Self { facets, n1, n2, q, beta, hidden, .. } = *self;
         let (critical, along) = (self.critical(), q / h_z);
         // c1 edge-on, at the critical angle, where the reflected and the refracted light leave
         // along the face.
@@ -144,10 +147,46 @@ impl Arriving<'_> {
             }
             let c2 = beyond(c1, n1, n2);
             let passes = transmittance(c1, n1, c2, n2);
-            let reflected = facets.unshadowed(hidden, 2.0 * c1 * h_z - q, n1, true);
-            let refracted = facets.unshadowed(hidden, q - (c1 - c2) * h_z, n2, false);
+            // By Lambda after it; 0 if it does not leave.
+            let leaves = |q: f64, n: f64, unshadowed: &dyn Fn(f64) -> f64| {
+                if q > 0.0 { unshadowed(facets.hidden(q, (n - q) * (n + q)) / q) } else { 0.0 }
+            };
+            let reflected = leaves(2.0 * c1 * h_z - q, n1, &|after| (1.0 + hidden) / (1.0 + hidden + after));
+            if passes == 0.0 {
+                return c1 * (1.0 - reflected);
+            }
+            let refracted = leaves(q - (c1 - c2) * h_z, n2, &|after| self.across.at(after));
             c1 * ((1.0 - passes) * (1.0 - reflected) + passes * (1.0 - refracted))
         })
+    }
+}
+
+/// The chance that refracted light meets no other facet, by `1/(1 + Lambda)` of its direction: cubics between nodes.
+struct Across([f64; Across::NODES + 3]);
+
+impl Across {
+    const NODES: usize = 128;
+
+    /// For light that comes with this Lambda.
+    fn new(hidden: f64) -> Self {
+        let chance = |x: f64| (1.0 + hidden) * beta_function(hidden, 1.0 / x - 1.0);
+        let mut nodes = [0.0; Self::NODES + 3];
+        for (k, node) in nodes.iter_mut().enumerate().skip(2) {
+            *node = chance((k as f64 - 1.0) / Self::NODES as f64);
+        }
+        // One more node on either side; at 0 nothing leaves, and odd functions go through there.
+        nodes[0] = -nodes[2];
+        Self(nodes)
+    }
+
+    fn at(&self, after: f64) -> f64 {
+        let place = Self::NODES as f64 / (1.0 + after);
+        let first = (place as usize).min(Self::NODES - 1);
+        let t = place - first as f64;
+        let [a, b, c, d] = std::array::from_fn(|k| self.0[first + k]);
+        // Lagrange's cubic through the four nodes around.
+        let (up, down, over) = (1.0 + t, 1.0 - t, 2.0 - t);
+        0.5 * up * over * (b * down + c * t) - t * down * (a * over + d * up) / 6.0
     }
 }
 
@@ -173,6 +212,20 @@ fn legendre_node(order: usize, k: usize) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::rough::Distribution;
+
+    #[test]
+    fn the_table_of_what_passes_is_fine_enough() {
+        for hidden in [0.0, 0.1, 3.0, 1e3] {
+            let across = Across::new(hidden);
+            for step in 0..1000 {
+                let after = 1000.0 / (f64::from(step) + 0.5) - 1.0;
+                let exact = (1.0 + hidden) * beta_function(hidden, after.max(0.0));
+                // Light so close to the face is next to none.
+                let tolerance = if after < 12.0 { 1e-7 } else { 2e-4 };
+                assert!((across.at(after.max(0.0)) - exact).abs() < tolerance, "{hidden} {after}");
+            }
+        }
+    }
 
     /// Against a rule of four times the order; [`super::super::again`] relies on 1e-5. (Light along the face itself, which
     /// carries nothing, has what heights and slopes hide together vary over the cosine's own scale: there 9e-6.)

@@ -45,6 +45,44 @@ pub(super) struct Meeting {
     pub(super) reflectance: f64,
 }
 
+/// Two directions, but for the angle between their planes of incidence.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pair {
+    facets: Microfacets,
+    back: bool,
+    n1: f64,
+    n2: f64,
+    /// Of the vector along the microfacet's normal, towards the side that the light comes from.
+    z: f64,
+    /// `G/(4 q_i q_o)`.
+    shadowing: f64,
+}
+
+impl Pair {
+    /// As [`Microfacets::single`], where the difference of beta has this square.
+    pub(super) fn single(&self, tangential: f64) -> f64 {
+        let Self { n1, n2, z, .. } = *self;
+        let length_squared = tangential + z * z;
+        if length_squared == 0.0 {
+            return 0.0;
+        }
+        let normals = || self.facets.distribution.normals(self.facets.alpha, tangential, z * z);
+        if self.back {
+            let c1 = 0.5 * length_squared.sqrt();
+            return (1.0 - transmittance(c1, n1, beyond(c1, n1, n2), n2)) * normals() * self.shadowing;
+        }
+        // Twice the components along (the microfacet's normal times the length).
+        let step = (n1 - n2) * (n1 + n2);
+        let [c1, c2] = [length_squared + step, step - length_squared].map(|c| c * z.signum());
+        if c1 <= 0.0 || c2 <= 0.0 {
+            return 0.0;
+        }
+        let half = 0.5 / length_squared.sqrt();
+        let refracted = transmittance(c1 * half, n1, c2 * half, n2) * normals() * self.shadowing;
+        c1 * c2 / (length_squared * length_squared) * refracted
+    }
+}
+
 impl Microfacets {
     pub(super) fn index(&self, side: Side) -> f64 {
         match side {
@@ -55,36 +93,27 @@ impl Microfacets {
 
     /// Light that meets one microfacet, by the density of directions after it. Symmetric.
     pub(super) fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
+        let pair = self.pair((from, beta_i.squared()), (to, beta_o.squared()));
+        pair.map_or(0.0, |pair| pair.single((beta_o - beta_i).squared()))
+    }
+
+    /// Two directions whose |beta| have these squares; `None` if one of them does not exist.
+    pub(super) fn pair(&self, (from, before): (Side, f64), (to, after): (Side, f64)) -> Option<Pair> {
         let (n1, n2) = (self.index(from), self.index(to));
-        let (squared_i, squared_o) = (beta_i.squared(), beta_o.squared());
-        if squared_i >= n1 * n1 || squared_o >= n2 * n2 {
-            return 0.0;
+        if before >= n1 * n1 || after >= n2 * n2 {
+            return None;
         }
-        let (q_i, q_o) = ((n1 * n1 - squared_i).sqrt(), (n2 * n2 - squared_o).sqrt());
-        let tangential = (beta_o - beta_i).squared();
-        let z = if from == to { q_i + q_o } else { q_i - q_o };
-        let length_squared = tangential + z * z;
-        if length_squared == 0.0 {
-            return 0.0;
-        }
-        let hidden = [self.hidden(q_i, squared_i), self.hidden(q_o, squared_o)];
-        let normals = 0.25 * self.distribution.normals(self.alpha, tangential, z * z);
-        if from == to {
-            let c1 = 0.5 * length_squared.sqrt();
-            let other = self.index(from.other());
+        let (q_i, q_o) = ((n1 * n1 - before).sqrt(), (n2 * n2 - after).sqrt());
+        let hidden = [self.hidden(q_i, before), self.hidden(q_o, after)];
+        let back = from == to;
+        let shadowing = if back {
             // q_i q_o (1 + Lambda_i + Lambda_o)
-            let masked = normals / (q_i * q_o + q_o * hidden[0] + q_i * hidden[1]);
-            return (1.0 - transmittance(c1, n1, beyond(c1, n1, other), other)) * masked;
-        }
-        // Twice the components along (the microfacet's normal times the length).
-        let step = (n1 - n2) * (n1 + n2);
-        let [c1, c2] = [length_squared + step, step - length_squared].map(|c| c * z.signum());
-        if c1 <= 0.0 || c2 <= 0.0 {
-            return 0.0;
-        }
-        let half = 0.5 / length_squared.sqrt();
-        let masked = normals * beta_function(hidden[0] / q_i, hidden[1] / q_o) / (q_i * q_o);
-        c1 * c2 / (length_squared * length_squared) * transmittance(c1 * half, n1, c2 * half, n2) * masked
+            1.0 / (q_i * q_o + q_o * hidden[0] + q_i * hidden[1])
+        } else {
+            beta_function(hidden[0] / q_i, hidden[1] / q_o) / (q_i * q_o)
+        };
+        let z = if back { q_i + q_o } else { q_i - q_o };
+        Some(Pair { facets: *self, back, n1, n2: self.index(from.other()), z, shadowing: 0.25 * shadowing })
     }
 
     /// `q Lambda` of light in this direction.
@@ -93,11 +122,8 @@ impl Microfacets {
     }
 
     /// The chance that light which left its first microfacet with this component q along the face's normal, in a
-    /// medium of index n, meets no other; 0 if it does not leave. `hidden` is Lambda of the light that came.
-    pub(super) fn unshadowed(&self, hidden: f64, q: f64, n: f64, reflected: bool) -> f64 {
-        if q <= 0.0 {
-            return 0.0;
-        }
+    /// medium of index n, meets no other. `hidden` is Lambda of the light that came.
+    fn unshadowed(&self, hidden: f64, q: f64, n: f64, reflected: bool) -> f64 {
         let after = self.hidden(q, (n - q) * (n + q)) / q;
         (1.0 + hidden) * if reflected { 1.0 / (1.0 + hidden + after) } else { beta_function(hidden, after) }
     }

@@ -12,8 +12,6 @@ use papilio_sampling::{Numbers, Sampler};
 /// What a face does to light: means over walkers, and standard errors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shares {
-    /// Returned to the side it came from, after any number of facets.
-    pub(super) back: [f64; 2],
     /// Left after one facet, to either side.
     pub(super) one: [f64; 2],
     /// Returned after more than one.
@@ -38,7 +36,7 @@ struct Draws {
 
 impl Draws {
     fn draw(&mut self) -> f64 {
-        if self.next % 4 == 0 {
+        if self.next.is_multiple_of(4) {
             self.four = self.numbers.block(self.path, self.next / 4);
         }
         self.next += 1;
@@ -62,11 +60,11 @@ impl Face {
     /// Light from this side at this angle in its medium.
     pub(super) fn walk(&self, from: Side, theta_deg: f64, walkers: u64, seed: u64) -> Shares {
         let numbers = Numbers::new(Sampler::Random, seed, 0);
-        let (mut sums, mut squares) = ([0.0; 3], [0.0; 3]);
+        let (mut sums, mut squares) = ([0.0; 2], [0.0; 2]);
         for path in 0..walkers {
-            let mut draws = Draws { numbers: numbers.clone(), path, next: 0, four: [0.0; 4] };
+            let mut draws = Draws { numbers, path, next: 0, four: [0.0; 4] };
             let found = self.walker(from as usize, theta_deg.to_radians(), &mut draws);
-            for k in 0..3 {
+            for k in 0..2 {
                 sums[k] += found[k];
                 squares[k] += found[k] * found[k];
             }
@@ -75,26 +73,26 @@ impl Face {
             let mean = sums[k] / walkers as f64;
             [mean, ((squares[k] / walkers as f64 - mean * mean).max(0.0) / walkers as f64).sqrt()]
         };
-        Shares { back: mean(0), one: mean(1), several_back: mean(2) }
+        Shares { one: mean(0), several_back: mean(1) }
     }
 
-    /// Back, after one facet, back after several: expected values wherever light may leave.
-    fn walker(&self, from: usize, theta: f64, draws: &mut Draws) -> [f64; 3] {
+    /// What leaves after one facet, what comes back after several: expected values wherever light may leave.
+    fn walker(&self, from: usize, theta: f64, draws: &mut Draws) -> [f64; 2] {
         let direction = [theta.sin(), 0.0, -theta.cos()];
         // It comes from above all heights, and meets a facet for sure.
         let height = draws.draw().powf(1.0 / (1.0 + self.lambda(theta.cos())));
         let mut walker = Walker { side: from, direction, height };
-        let (mut weight, mut found) = (1.0, [0.0; 3]);
+        let (mut weight, mut found) = (1.0, [0.0; 2]);
         for facet in 0.. {
             walker = self.facet(walker, draws);
             let cos = walker.direction[2];
             let leaves = if cos > 0.0 { walker.height.powf(self.lambda(cos)) } else { 0.0 };
             let now = weight * leaves;
-            if walker.side == from {
-                found[0] += now;
-                found[2] += if facet > 0 { now } else { 0.0 };
+            match facet {
+                0 => found[0] += now,
+                _ if walker.side == from => found[1] += now,
+                _ => {}
             }
-            found[1] += if facet == 0 { now } else { 0.0 };
             weight -= now;
             if weight < 0.1 {
                 if draws.draw() > 5.0 * weight {

@@ -7,7 +7,6 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;
@@ -216,12 +215,10 @@ impl Transforms {
         }
         for (rule, rows) in of_rule.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
             let half = 1_usize << rule;
-            let turns: Vec<(f64, f64)> =
-                (0..=half).map(|k| (PI * k as f64 / half as f64).sin_cos()).collect();
-            let values = Matrix::from_fn(half + 1, rows.len(), |k, row| {
-                let (b, (sin, cos)) = (grid.beta[rows[row]], turns[k]);
-                face.single(from, Beta { x: a, y: 0.0 }, to, Beta { x: b * cos, y: b * sin })
-            });
+            let turns: Vec<f64> = (0..=half).map(|k| (PI * k as f64 / half as f64).cos()).collect();
+            let pairs: Vec<_> =
+                rows.iter().map(|&i| face.single_by_azimuth((from, a), (to, grid.beta[i]))).collect();
+            let values = Matrix::from_fn(half + 1, rows.len(), |k, row| pairs[row](turns[k]));
             let mut sums = Matrix::zeros(self.orders, rows.len());
             sums.add_product(self.cosines(rule), &values, half + 1);
             all.extend(rows.iter().enumerate().map(|(row, &i)| (i, sums.column(row).to_vec())));
