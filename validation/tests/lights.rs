@@ -1,6 +1,10 @@
 //! Every kind of room's light, from scenario to result.
 #![allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
 
+#[path = "lights/fields_of_view.rs"]
+mod fields_of_view;
+#[path = "lights/formulas.rs"]
+mod formulas;
 #[path = "lights/third_road.rs"]
 mod third_road;
 

@@ -4,7 +4,7 @@
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
 //! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
 //! - [`Source`], [`Field`] and [`Cone`]: where light comes from and where it is looked at, as
-//!   directions alone; a source's spectrum and illuminance are the caller's.
+//!   directions alone; a source's spectrum and illuminance are the caller's. A field is cells or a formula ([`Radiance`]).
 //! - [`walk`]: unbiased Monte Carlo; the answer is, for each source, the reflectance factor
 //!   under that source alone, by state and wavelength, and an energy ledger.
 //!

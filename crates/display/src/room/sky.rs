@@ -224,5 +224,7 @@ mod tests {
         let upright = over_snow.field(Pose { tilt_deg: 90.0 }).unwrap();
         assert!((at(&upright, 40.0, 270.0) / at(&upright, 40.0, 90.0) - 0.8).abs() < 1e-9);
         assert!(over_snow.field(Pose::default()).unwrap().is_ring());
+        // Light of no angle in the air comes from nowhere, however bright the horizon.
+        assert_eq!(upright.radiance(Beta { x: 0.8, y: 0.8 }), 0.0);
     }
 }

@@ -33,7 +33,7 @@ pub(super) struct Directions {
 impl Directions {
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
-        let of_cones = digits + MORE_DIGITS_OF_CONES;
+        let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH)];
         // Layers that scatter, and flat ones.
         let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
         let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };
@@ -93,8 +93,8 @@ impl Directions {
 const SMOOTH: f64 = 0.3;
 
 /// Natural digits that cones have more than lobes: small ones are a single direction at one level and not at the next, or nobody knows what
-/// that costs.
-const MORE_DIGITS_OF_CONES: f64 = 6.0;
+/// that costs. First where nothing narrow scatters and directions cost little, then of all else.
+const MORE_DIGITS_OF_CONES: [f64; 2] = [6.0, 2.0];
 
 /// The distance in direction cosines over which what is seen changes.
 fn smoothness(stack: &Layered) -> f64 {
