@@ -99,6 +99,27 @@ def test_any_arrays_are_films_one_by_one(polarisation):
         assert np.array_equal(alone, together.reflectance)
 
 
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2), (2, 3, 1, 0)])
+@pytest.mark.parametrize("left_out", [None, 0, 1, 3])
+def test_a_grid_is_its_films(order, left_out):
+    """Designs, angles, gaps and wavelengths on axes in any order, one of them perhaps not there: the kernel of grids, which condenses
+    what they share, and the kernel of points, which also knows transmittance."""
+    lengths = [1 if axis == left_out else n for axis, n in enumerate((3, 18, 20, 7))]
+
+    def along(axis, values):
+        shape = [lengths[axis] if one == axis else 1 for one in range(4)]
+        return np.asarray(values)[: lengths[axis]].reshape(shape).transpose(order)
+
+    designs, gaps = along(0, [30.0, 50.0, 70.0]), along(2, np.linspace(0, 500, 20))
+    nm, theta = along(3, np.linspace(400, 700, 7)), along(1, np.linspace(0, 85, 18))
+    stack = [("Si3N4", designs), (1.9 + designs / 100 + 0.3j, 12.0), ("air", gaps), ("Al", 20.0)]
+    whole = films.reflectance(stack, nm, theta, incidence=1.2, substrate="SiO2", threads=1)
+    points = films.power(stack, nm, theta, incidence=1.2, substrate="SiO2")
+    assert whole.shape == points.reflectance.shape and whole.flags.c_contiguous
+    np.testing.assert_allclose(whole, points.reflectance, rtol=0, atol=1e-12)
+    assert films.reflectance(stack, nm, theta, incidence=1.2, substrate="SiO2", threads=3).tobytes() == whole.tobytes()
+
+
 def test_opaque_films_let_through_what_they_let_through():
     """exp(-4 pi k d/lambda), however little that is."""
     d = np.array([200.0, 500.0, 1000.0, 2000.0])
