@@ -13,7 +13,7 @@ use papilio_transport::{Cone, Estimate, Rho, Source, Stack, specular_image};
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
-use super::refine::{Refined, finest, largest, of_levels, refine, row_errors, slowness};
+use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Workers, each};
 use crate::brdf::{BrdfGrid, BrdfState, BrdfTable};
 use crate::scene::{Scene, Stop};
@@ -165,8 +165,12 @@ impl Survey<'_> {
     /// The relative errors of Y, `[state][theta_i][theta_o][dphi]`.
     fn errors(&self, luminous: &[Luminous], coarser: &[Luminous], times: f64) -> Vec<f64> {
         let (states, lights) = (self.setup.states.len(), self.beams.len());
-        let by_viewer: Vec<Vec<f64>> =
-            luminous.iter().zip(coarser).map(|(finer, coarser)| row_errors(finer, coarser, times)).collect();
+        let most = largest_of_states(luminous.iter().map(Vec::as_slice), states);
+        let by_viewer: Vec<Vec<f64>> = luminous
+            .iter()
+            .zip(coarser)
+            .map(|(finer, coarser)| row_errors(finer, coarser, &most, times))
+            .collect();
         let mut errors = Vec::with_capacity(states * self.grid.pairs());
         for state in 0..states {
             for light in 0..lights {

@@ -11,7 +11,7 @@ use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
-use super::refine::{Refined, finest, largest, of_levels, refine, row_errors, slowness};
+use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
 use super::{Control, Progress, Run, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
@@ -146,7 +146,10 @@ impl Survey<'_> {
             let y = |view: &ConeView| -> Vec<f64> {
                 view.states.iter().map(|state| state.reflectance_factor_y).collect()
             };
-            let of = |(view, coarser): (&ConeView, &ConeView)| row_errors(&y(view), &y(coarser), times);
+            let all: Vec<Vec<f64>> = views.iter().flatten().map(y).collect();
+            let most = largest_of_states(all.iter().map(Vec::as_slice), states);
+            let of =
+                |(view, coarser): (&ConeView, &ConeView)| row_errors(&y(view), &y(coarser), &most, times);
             let of_row =
                 |(row, coarser): (&Vec<ConeView>, &Vec<ConeView>)| row.iter().zip(coarser).map(of).collect();
             let errors: Vec<Vec<Vec<f64>>> = views.iter().zip(&coarser).map(of_row).collect();

@@ -148,13 +148,26 @@ pub(crate) fn slowness<T>(sample: &Refined<T>, numbers: &impl Fn(&T) -> Vec<f64>
     if now > 0.0 { level_error(1.0, now, before) / now } else { 1.0 }
 }
 
-/// The relative error of each of some numbers of light.
-pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], times: f64) -> Vec<f64> {
-    let error = |(a, b): (&f64, &f64)| {
-        let error = times * relative((*a, (a - b).abs()));
-        if is_negative(*a, finer) { largest(error, 1.0) } else { error }
+/// Rows fainter than this part of a state's brightest are held to that much light: far off a lobe there is next to none.
+const FAINT: f64 = 1e-4;
+
+/// The relative error of each state's Y in a row, at the finer of two levels; `most` is the largest of each state in the table. What is
+/// below zero, as no light is, errs by as much at least.
+pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], most: &[f64], times: f64) -> Vec<f64> {
+    let error = |((a, b), most): ((&f64, &f64), &f64)| {
+        let difference = (times * (a - b).abs()).max(-a);
+        relative((a.abs().max(FAINT * most), difference))
     };
-    finer.iter().zip(coarser).map(error).collect()
+    finer.iter().zip(coarser).zip(most.iter().cycle()).map(error).collect()
+}
+
+/// The largest value of each state, of rows that hold one of each in turn.
+pub(crate) fn largest_of_states<'a>(rows: impl Iterator<Item = &'a [f64]>, states: usize) -> Vec<f64> {
+    let mut most = vec![0.0; states];
+    for row in rows.flat_map(|values| values.chunks_exact(states.max(1))) {
+        most.iter_mut().zip(row).for_each(|(most, y): (&mut f64, &f64)| *most = most.max(y.abs()));
+    }
+    most
 }
 
 /// Below zero by more than rounding of the largest.
@@ -208,6 +221,15 @@ mod tests {
         assert_eq!(level_error(1.0, 3.0, Some(0.02)), 3.0);
         // Rounding does not fall either.
         assert!((level_error(1.0, 1e-9, Some(1e-9)) - 1e-8).abs() < 1e-20);
+    }
+
+    #[test]
+    fn faint_rows_are_held_to_the_brightest_and_dark_light_errs_by_itself() {
+        let most = largest_of_states([&[1.0, 1e-3, -2.0, 5e-4][..]].into_iter(), 2);
+        assert_eq!(most, [2.0, 1e-3]);
+        let errors = row_errors(&[1.0, 1e-3, -0.5, 1e-9], &[0.99, 1e-3, -0.5, 2e-9], &most, 1.0);
+        assert!((errors[0] - 0.01).abs() < 1e-12 && errors[1] == 0.0 && errors[2] == 1.0, "{errors:?}");
+        assert!((errors[3] - 0.01).abs() < 1e-12, "{errors:?}");
     }
 
     #[test]
