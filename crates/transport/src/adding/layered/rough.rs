@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;

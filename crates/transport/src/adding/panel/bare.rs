@@ -11,9 +11,7 @@ use papilio_optics::Beta;
 
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
-use super::super::quadrature::{
-    Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at,
-};
+use super::super::quadrature::{Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
 use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, Reflector, Rho, Source, Top};
