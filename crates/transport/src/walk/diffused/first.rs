@@ -41,18 +41,18 @@ pub(super) struct Guided {
 }
 
 impl Guided {
-    /// Direction number `k` (modulo [`SPLITS`]): where to, the weight, and whether it is straight.
+    /// Direction number `k` (modulo [`SPLITS`]): where to, and the weight.
     #[inline]
-    pub(super) fn draw(&self, diffuser: &Diffuser, from: Beta, k: usize, u: [f64; 2]) -> (Beta, f64, bool) {
+    pub(super) fn draw(&self, diffuser: &Diffuser, from: Beta, k: usize, u: [f64; 2]) -> (Beta, f64) {
         // Azimuths of all directions of a path are spread, too.
         let k = (k % SPLITS) as f64;
         let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN).fract());
         if u < self.straight {
-            return (from, diffuser.straight_through / self.straight, true);
+            return (from, diffuser.straight_through / self.straight);
         }
         let (to, density) = self.guide.draw([(u - self.straight) / (1.0 - self.straight), v]);
         let lobe = (1.0 - diffuser.straight_through) * diffuser.lobe.density(from, to);
-        (to, lobe / ((1.0 - self.straight) * density), false)
+        (to, lobe / ((1.0 - self.straight) * density))
     }
 }
 

@@ -81,8 +81,6 @@ struct Below {
     weight: f64,
     /// Density with which the path chose `beta`, where sources may choose it as well; else infinite.
     rival: f64,
-    /// It came straight through the diffuser.
-    straight: bool,
 }
 
 /// Light that has met the base, and what it carries now.
@@ -229,9 +227,8 @@ impl<'a> Diffused<'a> {
     ) -> Option<Downward> {
         let n = self.stack.medium.largest_index();
         let numbers = PassNumbers::new(numbers, 0, self);
-        let (beta, drawn, straight) =
-            self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
-        let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight };
+        let (beta, drawn, _) = self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
+        let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
         self.go_on(light, down, &numbers, room)
     }
 
@@ -358,8 +355,8 @@ impl<'a> Diffused<'a> {
         room: &mut Room,
     ) {
         for k in 0..SPLITS {
-            let (beta, drawn, straight) = guided.draw(self.diffuser, light.beta, k, numbers.down);
-            let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY, straight };
+            let (beta, drawn) = guided.draw(self.diffuser, light.beta, k, numbers.down);
+            let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
             if light.carries {
                 room.carried.fill(1.0);
             }
@@ -383,7 +380,7 @@ impl<'a> Diffused<'a> {
         };
         let (to, drawn, straight) = self.through(drawing, beta, n, by_lobe, numbers.down)?;
         let rival = if balanced && !straight { self.diffuser.lobe.density(beta, to) } else { f64::INFINITY };
-        Some(Below { beta: to, weight: weight * drawn, rival, straight })
+        Some(Below { beta: to, weight: weight * drawn, rival })
     }
 
     /// The probability with which light on its way out to a disc is scattered, if it can be.
@@ -467,11 +464,11 @@ impl<'a> Diffused<'a> {
         if let First::Guided(guided) = &self.first {
             let (beta, density) = guided.guide.draw(numbers.base);
             let weight = weight * warp::uniform_disc_density(n) / density;
-            return Below { beta, weight, rival: f64::INFINITY, straight: false };
+            return Below { beta, weight, rival: f64::INFINITY };
         }
         let (beta, weight) = self.off_base(weight, numbers.base);
         let rival = if self.backwards { base_density(n, beta) } else { f64::INFINITY };
-        Below { beta, weight, rival, straight: false }
+        Below { beta, weight, rival }
     }
 
     /// A direction that a Lambertian base sends light to, and the light's weight.
