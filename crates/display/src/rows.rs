@@ -30,7 +30,7 @@ impl RowErrors {
     ) -> Result<Self, DisplayError> {
         let most = allowed.unwrap_or(self.target);
         // What is not a number is not within.
-        let beyond = |error: &f64| !(*error <= most);
+        let beyond = |error: &f64| error.is_nan() || *error > most;
         let mut rows: Vec<usize> =
             (0..self.relative.len()).filter(|row| beyond(&self.relative[*row])).collect();
         if rows.is_empty() {

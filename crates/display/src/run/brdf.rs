@@ -59,6 +59,9 @@ type Luminous = Vec<f64>;
 /// For each inclination of the viewer its spectra and their Y, and nodes that were used.
 type Scattered = (Vec<Vec<f32>>, Vec<Luminous>, u64);
 
+/// What is scattered, and nodes; relative errors of Y, row by row.
+type Rows = ((Vec<Vec<f32>>, u64), Vec<f64>);
+
 impl Survey<'_> {
     /// `None` if it was stopped.
     fn run(&self, pool: Option<&ThreadPool>) -> Option<BrdfTable> {
@@ -140,7 +143,7 @@ impl Survey<'_> {
         kernel: &mut Kernel,
         target: f64,
         pool: Option<&ThreadPool>,
-    ) -> Option<((Vec<Vec<f32>>, u64), Vec<f64>)> {
+    ) -> Option<Rows> {
         let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, pool)?;
         let Stack::Layered(_) = self.setup.stack else {
             let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
