@@ -65,7 +65,8 @@ fn indoor(sampler: &str, seed: u64, relative_error: f64) -> RunResult {
 fn z_scores_of_every_metric() {
     let seeds = 48;
     for (sampler, target) in [("sobol", 0.01), ("random", 0.02)] {
-        let truth = metrics(&indoor("sobol", 1_000_000, 1e-4).views[0]);
+        // A run takes a second round at least, which leaves a good deal less than these targets.
+        let truth = metrics(&indoor("sobol", 1_000_000, 2e-5).views[0]);
         let mut sums = vec![(0.0, 0.0); truth.len()];
         for seed in 0..seeds {
             let found = metrics(&indoor(sampler, seed, target).views[0]);

@@ -36,7 +36,7 @@ impl Meter<'_> {
             .collect()
     }
 
-    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`. No linear number has
+    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`. No number has
     /// a standard error below `least` times its value.
     pub(crate) fn view_of_replicates(
         &self,
@@ -49,12 +49,17 @@ impl Meter<'_> {
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();
+        let (of_mean, jackknife) = (self.scalars(&mean, &bare), ViewScalars::jackknife(&left_out));
+        let at_least = |error: f64, value: f64| error.max(least * value.abs());
         let errors = Numbers {
-            linear: Sample::standard_errors(samples)
-                .combine(&mean, |error, value| error.max(least * value.abs())),
-            scalars: ViewScalars::jackknife(&left_out),
+            linear: Sample::standard_errors(samples).combine(&mean, at_least),
+            scalars: if least > 0.0 {
+                ViewScalars::combine(&jackknife, &of_mean, at_least)
+            } else {
+                jackknife
+            },
         };
-        let value = Numbers { scalars: self.scalars(&mean, &bare), linear: mean };
+        let value = Numbers { scalars: of_mean, linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
         Looked { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
     }

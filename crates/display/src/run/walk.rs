@@ -308,8 +308,8 @@ impl<'a> Runner<'a> {
         if let Some((paths, least)) = done.too_few {
             result.warnings.push(format!(
                 "{paths} paths a view are too few: here some light is met by one path in {}, and all replicates may \
-                 miss it alike (expected {least} paths or more); standard errors of X, Y, Z, radiances and the \
-                 ledger are held at 1/{paths} of the value, those of other numbers may be too small",
+                 miss it alike (expected {least} paths or more); standard errors are \
+                 held at 1/{paths} of each value",
                 least.div_ceil(REPLICATES)
             ));
         }

@@ -341,7 +341,7 @@ impl<'a> Diffused<'a> {
         let light = reflected(look_up, &room.reflected);
         self.connect(up, light, carries.then_some(&room.carried), numbers, sums);
         // All that leaves meets diffuse light: no direction need be drawn for that.
-        sums.leaving.add(light, up.weight * self.share_leaving(up.beta));
+        sums.leaving.add(light, self.leaves(weight, up));
         Some(Met { up, look_up })
     }
 
@@ -388,13 +388,27 @@ impl<'a> Diffused<'a> {
         if self.straight() < 1.0 { 1.0 } else { 0.0 }
     }
 
-    /// The share of light at the diffuser's underside that leaves into the air.
+    /// The light that leaves into the air, of such a weight that the base has sent up, on the path's way as `up`.
+    ///
+    /// What goes straight from a Lambertian base leaves if it has a direction in the air, as 1/n^2 of it has: that is
+    /// not left to the path's own direction, for with evenly spread numbers all replicates may count alike.
     #[inline]
-    fn share_leaving(&self, beta: Beta) -> f64 {
-        let offset = beta.length();
-        let scattered = self.diffuser.lobe.share_in_disc(offset, 1.0);
-        let straight = if offset <= 1.0 { self.straight() } else { 0.0 };
-        straight + (1.0 - self.straight()) * scattered
+    fn leaves(&self, weight: f64, up: Below) -> f64 {
+        let offset = up.beta.length();
+        let scattered = up.weight * (1.0 - self.straight()) * self.diffuser.lobe.share_in_disc(offset, 1.0);
+        // In a dispersive medium the light has the wavelengths that are lost to this direction no more: a direction that
+        // all have stands for the rest.
+        let smallest = self.stack.medium.index().iter().copied().fold(f64::INFINITY, f64::min);
+        let straight = match self.stack.medium.constant_index() {
+            Some(n) if !self.specular => weight / (n * n).max(1.0),
+            None if !self.specular && smallest >= 1.0 && offset < smallest => {
+                up.weight / (smallest * smallest)
+            }
+            None if !self.specular && smallest >= 1.0 => 0.0,
+            _ if offset <= 1.0 => up.weight,
+            _ => 0.0,
+        };
+        scattered + self.straight() * straight
     }
 
     fn straight(&self) -> f64 {
