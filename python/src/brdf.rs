@@ -15,6 +15,9 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
+/// A table's bytes, what its sum misses, warnings, and the step that would do.
+type Written<'py> = (Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>);
+
 /// The display's BSDF at these inclinations of light and viewer and these azimuths between them, degrees: the bytes of
 /// `display-bsdf.npz`; and how far a sum over the directions misses what leaves, warnings, and the step that would do where this one does not (and a table
 /// in it can be held). Of directions
@@ -33,7 +36,7 @@ pub(crate) fn bsdf<'py>(
     threads: Option<u16>,
     progress: Option<Bound<'py, PyAny>>,
     allow_error: Option<f64>,
-) -> PyResult<(Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>)> {
+) -> PyResult<Written<'py>> {
     let of = &scenario.of;
     let grid = BrdfGrid { theta_i_deg, theta_o_deg, dphi_deg };
     let others = state_names(&of.scene.display.pixel).len() * of.scene.grid.len();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use numpy::{Complex64, PyArray1, PyReadonlyArray1, PyReadonlyArrayDyn};
+use numpy::{Complex64, PyArray1, PyReadonlyArray1};
 use papilio_formats::{DataFile, read_index_within};
 use papilio_optics::OpticsError;
 use papilio_optics::film::{

@@ -161,7 +161,7 @@ fn an_allowed_error_is_a_column_more() {
     write_cone_npy(&mut bytes, &cone).unwrap();
     let array = Array::read(&bytes);
     assert_eq!(array.shape, [3, 2, 2, 9]);
-    assert_eq!(array.numbers()[((1 * 2 + 1) * 2 + 1) * 9 + 8], 0.09);
+    assert_eq!(array.numbers()[((2 + 1) * 2 + 1) * 9 + 8], 0.09);
     let mut bytes = Vec::new();
     write_json(&mut bytes, &ConeFile::new("0.1.0", "abc", &cone)).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
