@@ -111,20 +111,28 @@ class Optimum:
     def save(self, folder: str | PathLike[str]) -> list[Path]:
         """Writes into a folder, which is made, what ``papilio optimize`` writes but for the journal (see ``out`` of `optimize`).
 
-        ``best.toml``, or ``front-01.toml`` and so on: the scenario with each design; ``optimize.csv``: what each task found; figures.
+        ``best.toml``, or ``front-01.toml`` and so on: the scenario with each design (``closest.toml`` where a single design does not
+        meet all limits; a ``best.toml`` of an earlier search is removed then, and the other way round); ``optimize.csv``: what
+        each task found; figures.
         Scenarios find files on the disk from there; those that a `Scenario` has in memory are not written.
         """
         where = Path(folder)
         where.mkdir(parents=True, exist_ok=True)
         texts = {"optimize.csv": self._table}
         for at in range(len(self.designs)):
-            name = "best.toml" if len(self.designs) == 1 else f"front-{at + 1:02}.toml"
+            name = self._single() if len(self.designs) == 1 else f"front-{at + 1:02}.toml"
             design = self.scenario(at)
             texts[name] = _papilio.moved_text(design.to_toml(), design._folder, str(where))
         texts |= {f"{figure.name}.svg": figure.svg for figure in self.figures().values()}
+        for other in {"best.toml", "closest.toml"} - texts.keys():
+            (where / other).unlink(missing_ok=True)
         for name, content in texts.items():
             (where / name).write_bytes(content.encode())
         return [where / name for name in texts]
+
+    def _single(self) -> str:
+        """The file of a single design, as the program names it."""
+        return "best.toml" if self.designs[0].meets_limits else "closest.toml"
 
     def __repr__(self) -> str:
         return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated{_said.short(self.warnings)}>"

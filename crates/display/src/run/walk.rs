@@ -308,7 +308,7 @@ impl<'a> Runner<'a> {
         if let Some((paths, least)) = done.too_few {
             result.warnings.push(format!(
                 "{paths} paths a view are too few: here some light is met by one path in {}, and all replicates may \
-                 miss it alike (expected {least} paths or more); standard errors are \
+                 miss it (expected {least} paths or more); standard errors are \
                  held at 1/{paths} of each value",
                 least.div_ceil(REPLICATES)
             ));
