@@ -50,7 +50,7 @@ pub(super) fn round_size(solver: &Solver, so_far: u64) -> u64 {
 
 /// Whether the spread of a view's replicates can be believed.
 ///
-/// Light that few paths meet may be missed by all replicates alike; their spread then says nothing of it. So
+/// Light that few paths meet may be missed by every replicate; their spread then says nothing of it. So
 /// there are as many paths as what is least probable in the walk asks for, and a further round has to
 /// confirm what an earlier one said, to within its errors.
 pub(super) struct Confidence {
