@@ -10,6 +10,7 @@ mod diffuser;
 mod folder;
 mod interrupt;
 mod journal;
+mod migrate;
 mod new;
 mod optimize;
 mod output;
@@ -141,6 +142,7 @@ fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::New(arguments) => new::run(&arguments),
+        Command::Migrate(arguments) => migrate::run(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Serve(arguments) => serve::run(&arguments),

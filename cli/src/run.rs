@@ -100,6 +100,7 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     overrides.extend(arguments.solver.map(|solver| {
         let method = match solver {
             Solver::Adding => "adding",
+            Solver::MonteCarlo => "monte-carlo",
             Solver::Walk => "walk",
         };
         format!("solver.method={method}")

@@ -110,7 +110,7 @@ fn json_prints_json_and_nothing_else_and_writes_nothing() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bytes_and_a_seed_does_not() {
-    let json = |more: &[&str]| run("indoor", &[&["--json", "--solver", "walk"], more].concat()).stdout;
+    let json = |more: &[&str]| run("indoor", &[&["--json", "--solver", "monte-carlo"], more].concat()).stdout;
     let one = json(&["--threads", "1"]);
     assert!(!one.is_empty());
     assert_eq!(one, json(&["--threads", "4"]));
@@ -267,7 +267,7 @@ fn interrupted(set: &str) -> (serde_json::Value, String) {
     let child = papilio()
         .arg("run")
         .arg(scenario("indoor"))
-        .args(["--solver", "walk", "--set", set, "--out"])
+        .args(["--solver", "monte-carlo", "--set", set, "--out"])
         .arg(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -360,8 +360,8 @@ fn the_solver_can_be_chosen() {
         let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         (result["solver"].clone(), result["scenario"]["solver"]["method"].clone())
     };
-    let (walk, named) = method("walk");
-    assert!(walk["paths"].as_u64().unwrap() > 0 && walk["nodes"].is_null() && named == "walk");
+    let (walk, named) = method("monte-carlo");
+    assert!(walk["paths"].as_u64().unwrap() > 0 && walk["nodes"].is_null() && named == "monte-carlo");
     let (adding, named) = method("adding");
     assert!(adding["nodes"].as_u64().unwrap() > 0 && adding["paths"].is_null() && named == "adding");
 }

@@ -180,7 +180,7 @@ fn measure_refuses_what_it_cannot_see() {
     let out = folder.name("out.bsdf");
     let shown = refused(&["measure", &shipped("slab.toml"), &out]);
     assert!(shown.contains("slab"), "{shown}");
-    let set = "display.diffuser.straight_through=0.1";
+    let set = "display.diffuser.regular_fraction=0.1";
     let shown = refused(&[
         "measure",
         &shipped("virtual-instrument.toml"),

@@ -150,7 +150,7 @@ fn what_cannot_be_merged_or_swept_is_said() {
 #[test]
 fn a_killed_sweep_goes_on() {
     // Slow points: a busy machine looks rarely, and must find the sweep amid its work.
-    let slow = ["--set", "solver.method=walk", "--set", "solver.relative_error=0.0005"];
+    let slow = ["--set", "solver.method=monte-carlo", "--set", "solver.relative_error=0.0005"];
     let expected = undisturbed_with(&slow);
     let mut patience = (0_u64..).map(|k| k.wrapping_mul(6_364_136_223_846_793_005) >> 61);
     let mut amid = 0;

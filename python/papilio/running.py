@@ -16,7 +16,7 @@ from .scenario import Scenario, read
 __all__ = ["Progress", "Solver", "run"]
 
 #: How a display is computed.
-Solver = Literal["adding", "walk"]
+Solver = Literal["adding", "monte-carlo", "walk"]
 
 #: What a ``progress`` function is given: of a run views_done, views, relative_error, target and paths; of designs and
 #: searches done and of.
@@ -39,7 +39,7 @@ def run(
 
     Args:
         scenario: a `Scenario`, or the path of one.
-        solver: ``"adding"`` or ``"walk"``; None: the scenario's own.
+        solver: ``"adding"`` or ``"monte-carlo"``; None: the scenario's own.
         seed: of the walk; None: the scenario's own.
         threads: how many; None: one for each processor. They change no number.
         set: values put in before, ``{path: value}``; the scenario itself stays as it is.
@@ -68,7 +68,7 @@ def with_solver(
         raise ArgumentError(f"set: expected a dict of paths and values, not {described(values)}")
     all_values = dict(values or {})
     if solver is not None:
-        all_values["solver.method"] = one_of("solver", solver, ("adding", "walk"))
+        all_values["solver.method"] = one_of("solver", solver, ("adding", "monte-carlo", "walk"))
     if seed is not None:
         all_values["solver.seed"] = whole("seed", seed, 0, _LARGEST_SEED)
     return all_values

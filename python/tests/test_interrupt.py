@@ -17,7 +17,7 @@ START = "import papilio, sys, numpy as np; path = sys.argv[1]; "
 END = "\nprint('ended')\n"
 
 LONG = {
-    "a walk": 'papilio.run(path, solver="walk", set={"solver.paths": 1_000_000_000})',
+    "a walk": 'papilio.run(path, solver="monte-carlo", set={"solver.paths": 1_000_000_000})',
     "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 100))",
     "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
     "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 10000000)), *[("Cr", 1.0)] * 100], 550.0, threads=1)',
@@ -42,14 +42,14 @@ def test_ctrl_c_ends_a_computation_within_a_second(what, scenarios):
 
 def test_progress_is_told_and_may_end_the_run(scenarios):
     told = []
-    papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.relative_error": 2e-4}, progress=told.append)
+    papilio.run(scenarios / "indoor.toml", solver="monte-carlo", set={"solver.relative_error": 2e-4}, progress=told.append)
     assert all(set(one) == {"views_done", "views", "relative_error", "target", "paths"} for one in told)
 
     def stop(_):
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.paths": 1_000_000_000}, progress=stop)
+        papilio.run(scenarios / "indoor.toml", solver="monte-carlo", set={"solver.paths": 1_000_000_000}, progress=stop)
 
 
 def test_the_interpreter_runs_meanwhile(scenarios):
@@ -73,7 +73,7 @@ def test_the_interpreter_runs_meanwhile(scenarios):
     counter = threading.Thread(target=count)
     counter.start()
     with pytest.raises(Counted):
-        papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.paths": 1_000_000_000}, progress=look)
+        papilio.run(scenarios / "indoor.toml", solver="monte-carlo", set={"solver.paths": 1_000_000_000}, progress=look)
     ended.set()
     counter.join()
 
@@ -105,7 +105,7 @@ prepared = papilio.Prepared(sys.argv[1])
 key, found = "display.pixel.film.0.thickness_nm", []
 calls = {{
     "evaluate": lambda many: prepared.evaluate({{key: np.linspace(1, 100, many)}}, ["white.Y"], threads=1).shape[0],
-    "run": lambda many: len(prepared.run({{"solver.method": "walk", "solver.paths": 2000 * many}}, threads=1).states),
+    "run": lambda many: len(prepared.run({{"solver.method": "monte-carlo", "solver.paths": 2000 * many}}, threads=1).states),
 }}
 compute = calls[{call!r}]
 compute(8)

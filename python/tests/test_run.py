@@ -22,8 +22,8 @@ def test_the_indoor_scenario_equals_the_command_lines_to_the_last_bit(program, s
 
 def test_the_walk_and_what_is_set_equal_the_command_lines(program, scenarios):
     indoor = scenarios / "indoor.toml"
-    result = papilio.run(indoor, solver="walk", seed=5, set={"solver.relative_error": 0.01, "viewer.theta_deg": [0, 30]})
-    arguments = ["--solver", "walk", "--seed", "5", "--set", "solver.relative_error=0.01", "--set", "viewer.theta_deg=[0, 30]"]
+    result = papilio.run(indoor, solver="monte-carlo", seed=5, set={"solver.relative_error": 0.01, "viewer.theta_deg": [0, 30]})
+    arguments = ["--solver", "monte-carlo", "--seed", "5", "--set", "solver.relative_error=0.01", "--set", "viewer.theta_deg=[0, 30]"]
     assert result.to_json() == of_program(program, indoor, *arguments)
     assert result.views == [(0.0, 0.0), (30.0, 0.0)]
 

@@ -124,7 +124,7 @@ def rows(program, given):
 
 def scene_rows(program, given, case, task):
     luminous, kind, light = case
-    solvers, variants = ("adding", "walk"), ("scalar_spectral", "llvm_ad_spectral")
+    solvers, variants = ("adding", "monte-carlo"), ("scalar_spectral", "llvm_ad_spectral")
     ours = [Papilio(program, "scenes", kind, light, solver) for solver in solvers]
     theirs = [partial(scenes.measured, variant, given, luminous, light) for variant in variants]
     measured = in_turn(*ours, *theirs, rounds=3)

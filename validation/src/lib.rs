@@ -29,7 +29,7 @@ pub fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErro
 /// # Errors
 /// As the scenario's own.
 pub fn walked(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
-    scenario(name, &[&["solver.method=walk"], overrides].concat())
+    scenario(name, &[&["solver.method=monte-carlo"], overrides].concat())
 }
 
 /// Runs a scene on this many threads, without a word.

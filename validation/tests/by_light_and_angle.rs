@@ -21,7 +21,7 @@ const PAINT: [&str; 6] = [
 
 #[test]
 fn paint_is_alike_in_every_light_and_from_everywhere() {
-    for method in ["solver.method=adding", "solver.method=walk"] {
+    for method in ["solver.method=adding", "solver.method=monte-carlo"] {
         let result = run(&scenario("overcast", &[&PAINT[..], &[method]].concat()).unwrap().scene).unwrap();
         for view in &result.views {
             for (name, reflectance) in [("white", 0.6), ("black", 0.03)] {

@@ -26,7 +26,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("a mirror for a front", scene("indoor", &["display.front.0.reflectance=0.3"])),
         (
             "straight light",
-            scene("indoor", &["display.diffuser.straight_through=0.1", "lighting.directed.0.radius_deg=2"]),
+            scene("indoor", &["display.diffuser.regular_fraction=0.1", "lighting.directed.0.radius_deg=2"]),
         ),
         ("a narrow lobe", scene("indoor", &["display.diffuser.haze=0.3"])),
         ("dispersive glass", scene("indoor", &["display.glass.index=BK7"])),

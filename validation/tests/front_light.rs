@@ -9,8 +9,8 @@ use papilio_scenario::Scenario;
 const FRONT: &str = "[[display.front]]\nreflectance = 0.02\nabsorptance = 0.01\n";
 const PIXEL: &str =
     "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.05 }\n";
-const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.08\ntransmittance = 0.9\nstraight_through = 0.1\n";
-const SOLVERS: [&str; 2] = ["relative_error = 1e-5", "method = \"walk\"\npaths = 4096"];
+const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.08\ntransmittance = 0.9\nregular_fraction = 0.1\n";
+const SOLVERS: [&str; 2] = ["relative_error = 1e-5", "method = \"monte-carlo\"\npaths = 4096"];
 
 fn scenario(display: &str, lighting: &str, solver: &str) -> String {
     format!(
@@ -103,7 +103,7 @@ fn over_any_layers_a_front_that_absorbs_is_crossed_once() {
     };
     let bare = run(&layers(""), "", SOLVERS[0]);
     let below = run(
-        &layers("{ kind = \"sheet\", reflectance = 0, absorptance = 0.2 }, "),
+        &layers("{ kind = \"component\", reflectance = 0, absorptance = 0.2 }, "),
         "[lighting.front_light]\nilluminance_lx = 500\n",
         SOLVERS[0],
     );

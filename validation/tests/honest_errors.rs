@@ -105,7 +105,7 @@ fn the_number_of_threads_changes_nothing() {
 fn a_run_stops_where_it_is_told() {
     let result = indoor("random", 3, 0.02);
     assert!(result.solver.relative_error_reached <= 0.02);
-    let every_bin = walked("overcast", &["solver.every_bin=true"]).unwrap().scene;
+    let every_bin = walked("overcast", &["solver.per_wavelength=true"]).unwrap().scene;
     let result = run(&every_bin).unwrap();
     for (name, state) in result.views[0].states.iter() {
         let most = state.value.radiance.iter().copied().fold(0.0, f64::max);

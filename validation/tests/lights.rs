@@ -85,7 +85,7 @@ fn a_lambertian_display_gives_its_reflectance_under_every_light() {
 fn the_solvers_agree_under_every_light() {
     for (name, light) in LIGHTS {
         let adding = run(&text(PANEL, light, "relative_error = 1e-4"));
-        let walk = run(&text(PANEL, light, "method = \"walk\"\npaths = 16384"));
+        let walk = run(&text(PANEL, light, "method = \"monte-carlo\"\npaths = 16384"));
         for state in ["white", "black"] {
             let [adding, walk] = [&adding, &walk].map(|result| &result.views[0]);
             let (a, w) = (adding.states.get(state).unwrap(), walk.states.get(state).unwrap());

@@ -137,7 +137,7 @@ fn the_walk_finds_the_same_display() {
     let path = folder.path().join("sample.bsdf");
     measured(0.78, 2.0, &path);
     let adding = under(&path, &[ADDING]);
-    let walk = under(&path, &["solver.method=walk", "solver.relative_error=0.003"]);
+    let walk = under(&path, &["solver.method=monte-carlo", "solver.relative_error=0.003"]);
     for ((name, walk), (_, adding)) in walk.views[0].states.iter().zip(adding.views[0].states.iter()) {
         let numbers = |values: &StateValues| [values.X, values.Y, values.Z];
         let errors = numbers(&walk.standard_error).into_iter().zip(numbers(&adding.value).map(|y| 1e-4 * y));

@@ -271,7 +271,7 @@ fn thick_gaps_are_the_same_by_both_solvers_or_refused_by_both() {
             ["spectrum.range_nm=[500,600]", "spectrum.step_nm=50", "display.diffuser.haze=0.3", gap, solver];
         run(&scenario("indoor", &all).unwrap().scene)
     };
-    let [adding, walk] = ["solver.method=adding", "solver.method=walk"]
+    let [adding, walk] = ["solver.method=adding", "solver.method=monte-carlo"]
         .map(|solver| by("display.pixel.gap_nm.red=16000", solver));
     let (adding, walk) = (adding.unwrap(), walk.unwrap());
     for (name, noisy) in walk.views[0].states.iter() {
@@ -280,7 +280,7 @@ fn thick_gaps_are_the_same_by_both_solvers_or_refused_by_both() {
         assert!(z.abs() < 5.0, "{name}: {} {}", noisy.value.Y, exact.value.Y);
         assert!(noisy.value.radiance.iter().all(|radiance| *radiance > 0.0), "{name}");
     }
-    for solver in ["solver.method=adding", "solver.method=walk"] {
+    for solver in ["solver.method=adding", "solver.method=monte-carlo"] {
         let error = by("display.pixel.gap_nm.red=100000", solver).unwrap_err().to_string();
         assert!(error.contains("display.pixel.gap_nm.red") && error.contains("fringes"), "{error}");
     }
@@ -289,7 +289,8 @@ fn thick_gaps_are_the_same_by_both_solvers_or_refused_by_both() {
 /// A few paths are taken as they are wanted, but their errors are not believed.
 #[test]
 fn too_few_paths_are_warned_of_and_hold_errors_up() {
-    let of = |paths: &str| run(&scenario("indoor", &["solver.method=walk", paths]).unwrap().scene).unwrap();
+    let of =
+        |paths: &str| run(&scenario("indoor", &["solver.method=monte-carlo", paths]).unwrap().scene).unwrap();
     let few = of("solver.paths=64");
     assert!(
         few.warnings.iter().any(|warning| warning.contains("64 paths a view are too few")),
@@ -337,7 +338,7 @@ fn every_scenario_agrees() {
         let by = |overrides: &[&str]| run(&scenario(&name, overrides).unwrap().scene).unwrap();
         // A coarse grid: what is compared is transport, wavelength by wavelength.
         let adding = by(&["solver.method=adding", "spectrum.step_nm=20"]);
-        let walk = by(&["solver.method=walk", "solver.paths=65536", "spectrum.step_nm=20"]);
+        let walk = by(&["solver.method=monte-carlo", "solver.paths=65536", "spectrum.step_nm=20"]);
         for (exact, noisy) in adding.views.iter().zip(&walk.views) {
             let exact = of_view(exact, |state| state.discretisation_error.as_ref().unwrap());
             let noisy = of_view(noisy, |state| &state.standard_error);

@@ -117,7 +117,7 @@ fn set_for(scenario: &Scenario, by: By) -> Vec<String> {
     let has = |key: &str| solver.get(key).is_some_and(|value| !value.is_null());
     let wanted = match by {
         By::Adding => "adding",
-        By::Walk => "walk",
+        By::Walk => "monte-carlo",
     };
     if solver.get("method").and_then(|method| method.as_str()) == Some(wanted) {
         return Vec::new();

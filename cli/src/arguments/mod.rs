@@ -46,6 +46,11 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio new office office.toml && papilio run office.toml\n\n\
                       An unknown preset lists all that there are; docs/light.md describes them.")]
     New(New),
+    /// Bring a scenario file to the present names of keys and values
+    #[command(after_help = "Example: papilio migrate old.toml\n\n\
+                      Old names are read by every command; this command replaces them in the file. Comments, order and\n\
+                      layout stay as they are.")]
+    Migrate(Migrate),
     /// Files of measured scattering: look into them, convert them
     #[command(subcommand)]
     Diffuser(Diffuser),
@@ -166,6 +171,21 @@ pub(crate) struct Brdf {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct Migrate {
+    /// Scenario file
+    pub(crate) file: PathBuf,
+    /// Write the new text to this file, and leave FILE as it is
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// List the changes, and write nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Print the changes as JSON on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct New {
     /// The light: office, sunny, iec-directional, ...
     #[arg(value_name = "PRESET")]
@@ -264,6 +284,9 @@ pub(crate) fn default_out(file: &Path) -> PathBuf {
 pub(crate) enum Solver {
     /// Deterministic, without noise
     Adding,
-    /// Unbiased Monte Carlo
+    /// Unbiased Monte Carlo path tracing, with standard errors
+    MonteCarlo,
+    /// The old name of `monte-carlo`
+    #[value(hide = true)]
     Walk,
 }

@@ -70,7 +70,7 @@ fn keys(fit: &Fit) -> Option<Result<String, &'static str>> {
     }
     let _ = writeln!(keys, "transmittance = {}", short(all));
     if straight > 0.0 {
-        let _ = writeln!(keys, "straight_through = {}", short(straight / all));
+        let _ = writeln!(keys, "regular_fraction = {}", short(straight / all));
     }
     Some(Ok(keys))
 }

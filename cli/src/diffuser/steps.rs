@@ -12,7 +12,7 @@ use crate::{Failure, folder, output, report, run, say};
 /// A key of `[display.diffuser]`, the value with which it does nothing, and what the display is then.
 const STEPS: [(&str, &str, &str); 6] = [
     ("normalise", "none", "without k"),
-    ("spectral_mean", "even", "even spectral mean"),
+    ("spectral_mean", "uniform", "uniform spectral mean"),
     ("transmission", "1.0", "without transmission spectrum"),
     ("instrument_blur", "0", "blurred as measured"),
     ("fill", "none", "dark cells dark"),

@@ -48,7 +48,7 @@ key = "display.pixel.film.1.thickness_nm"
 bounds = [3, 25]
 [[optimize.variables]]
 key = "display.pixel.area.red"
-against = "display.pixel.area.green"
+compensated_by = "display.pixel.area.green"
 bounds = [0.2, 0.6]
 [[optimize.constraints]]
 metric = "contrast_ratio"

@@ -71,7 +71,7 @@ pub enum DisplayError {
     #[error(
         "{what} (number {number} from the top of what scatters) is too narrow for adding among these layers: \
          it would take {nodes} directions, more than {most} are a matter of hours; the walk takes it \
-         (--solver walk, or method = \"walk\")"
+         (--solver monte-carlo, or method = \"monte-carlo\")"
     )]
     TooNarrow {
         /// The layer: its kind, and what makes it narrow.
@@ -87,7 +87,7 @@ pub enum DisplayError {
     #[error(
         "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}, the worst: {named}{more}\n  = help: \
          --allow-error {enough} (allow_error in Python) writes the table with each row's error beside it; the walk \
-         (method = \"walk\") computes single views without this error"
+         (method = \"monte-carlo\") computes single views without this error"
     )]
     RowsTooUncertain {
         /// What the table is of.

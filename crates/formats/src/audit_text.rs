@@ -264,7 +264,7 @@ fn beyond(audit: &Audit) -> Option<String> {
     Some(format!(
         "nothing was measured farther than {to_deg} deg from the specular direction, at {} deg of incidence; tails that go on \
          there would hold up to {} of the light (at {} deg): a display takes them only with `extrapolate = \"hold\"` or \
-         `fill = \"tail\"`",
+         `extrapolate_tails = true`",
         at.join(", "),
         percent(worst.beyond_share()),
         worst.theta_deg

@@ -72,7 +72,7 @@ fn result() -> RunResult {
     };
     RunResult {
         solver: SolverReport {
-            method: "walk".to_owned(),
+            method: "monte-carlo".to_owned(),
             paths: Some(1024),
             nodes: None,
             degrees_of_freedom: 15,

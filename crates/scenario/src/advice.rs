@@ -2,6 +2,7 @@
 
 use crate::nearest::{metric_advice, nearest};
 use crate::problem::{ABSORBING_K, Problem, tidy};
+use crate::renamed::FORMAT;
 
 impl Problem {
     /// What should stand there.
@@ -34,7 +35,9 @@ impl Problem {
             Self::SlabIndex { .. } => {
                 "expected one real index for all wavelengths: slabs have no other".to_owned()
             }
-            Self::TooThickToWalk { limit, .. } => format!("expected at most {limit} with method = \"walk\""),
+            Self::TooThickToWalk { limit, .. } => format!("expected at most {limit} with method = \"monte-carlo\""),
+            Self::NewerFormat { .. } => format!("expected a format from 1 to {FORMAT}"),
+            Self::BothNames { new, .. } => format!("expected `{new}` alone"),
             Self::NoFace => "expected two media of different index".to_owned(),
             Self::DispersiveFace { .. } | Self::DispersivePixel { .. } => {
                 "expected the same index at all wavelengths".to_owned()
@@ -113,7 +116,7 @@ impl Problem {
                 "`flipped = true` takes the light from the other side of the sample".to_owned()
             }
             Self::MoreThanAll { .. } => {
-                "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `fill` and `mounting` change them"
+                "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `extrapolate_tails` and `mounting` change them"
                     .to_owned()
             }
             Self::Measurement(papilio_goniometry::GoniometryError::Blur { .. }) => {
@@ -132,7 +135,7 @@ impl Problem {
             Self::TooMany { what, .. } if what.contains("wavelengths") => {
                 "take a larger spectrum.step_nm, or fewer of the others".to_owned()
             }
-            Self::NotWith { key: "paths", .. } => "give `relative_error`, or method = \"walk\"".to_owned(),
+            Self::NotWith { key: "paths", .. } => "give `relative_error`, or method = \"monte-carlo\"".to_owned(),
             Self::NotWith { key: "extrapolate = \"glass\"", .. } => {
                 "\"hold\" keeps the last lobe within the horizon of the air".to_owned()
             }

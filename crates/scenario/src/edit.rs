@@ -13,6 +13,7 @@ use self::layout::{forget_positions, item, like_neighbour, number_positions};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::preset;
 use crate::problem::Problem;
+use crate::renamed;
 use crate::scenario::parse;
 use crate::set::{MOST_SEGMENTS, RIVALS};
 use crate::tree::Node;
@@ -113,6 +114,7 @@ fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Why> {
         return Err("this path is too long".to_owned());
     }
     let preset = preset_of(document);
+    let path = as_written(document.as_item(), &path);
     let root = document.as_item_mut();
     match edit {
         Edit::Set { value, .. } => set(root, preset.as_ref(), &path, value),
@@ -120,6 +122,26 @@ fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Why> {
         Edit::Insert { index, value, .. } => insert(root, preset.as_ref(), &path, *index, value),
         Edit::Move { from, to, .. } => rearrange(root, preset.as_ref(), &path, *from, *to),
     }
+}
+
+/// The path with each renamed key as the text has it: an edit changes the key that is there, whichever of its names it has.
+/// A key that is not there gets its present name.
+fn as_written<'a>(root: &Item, path: &[&'a str]) -> Vec<&'a str> {
+    let present = renamed::present(path);
+    let mut item = Some(root);
+    let mut written = Vec::with_capacity(path.len());
+    for (i, key) in present.iter().enumerate() {
+        let has =
+            |name: &str| item.and_then(Item::as_table_like).is_some_and(|table| table.contains_key(name));
+        let old = renamed::old_key(&present[..i], key).filter(|old| has(old) && !has(key));
+        let key = old.unwrap_or(key);
+        written.push(key);
+        item = item.and_then(|item| match key.parse::<usize>() {
+            Ok(at) if length(item).is_some() => item.get(at),
+            _ => item.get(key),
+        });
+    }
+    written
 }
 
 /// What the scenario's preset gives.

@@ -55,11 +55,13 @@ mod error;
 mod grammar;
 mod kinds;
 mod library;
+mod migrate;
 mod nearest;
 mod optimise;
 mod preset;
 mod problem;
 mod read;
+mod renamed;
 mod resolve;
 mod scattered;
 mod scenario;
@@ -74,6 +76,7 @@ mod varied;
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
+pub use migrate::{Migrated, RenamedPlace, migrate};
 pub use nearest::nearest;
 pub use optimise::{
     Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,

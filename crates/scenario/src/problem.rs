@@ -179,6 +179,20 @@ pub enum Problem {
         /// The value that every display can have.
         instead: &'static str,
     },
+    /// A scenario for a later version of this program.
+    #[error("this scenario is of format {found}, which this version does not know")]
+    NewerFormat {
+        /// Its number.
+        found: i64,
+    },
+    /// Two names of one key.
+    #[error("`{old}` and `{new}` are two names of one key")]
+    BothNames {
+        /// The name that was found first, or the old one.
+        old: String,
+        /// The other.
+        new: String,
+    },
     /// A sheet between media of different index: which of them it is in makes a difference.
     #[error("this sheet lies between media of different index")]
     SheetAtFace,

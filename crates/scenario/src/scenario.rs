@@ -10,12 +10,13 @@ use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::read::Read;
+use crate::renamed::OldName;
 use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
 use crate::varied::ABOUT;
-use crate::{preset, set};
+use crate::{preset, renamed, set};
 
 /// A scenario is written by hand: a longer text, in bytes, is something else.
 const LONGEST_TEXT: usize = 1 << 20;
@@ -28,6 +29,8 @@ pub struct Scenario {
     sources: Sources,
     /// What looked wrong before anything was looked up.
     warnings: Vec<String>,
+    /// What the reader should know before anything was looked up.
+    pub(crate) notes: Vec<String>,
 }
 
 /// A scenario that can be computed.
@@ -87,7 +90,7 @@ impl Scenario {
         let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        Ok(Self { file, library, sources, warnings: assembled.warnings })
+        Ok(Self { file, library, sources, warnings: assembled.warnings, notes: assembled.notes })
     }
 
     /// The scenario as it was read, with every default filled in, in the order of the grammar and the text.
@@ -129,7 +132,7 @@ impl Scenario {
             scene,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),
-            notes,
+            notes: [self.notes.clone(), notes].concat(),
             canonical,
             hash,
         })
@@ -156,6 +159,8 @@ pub(crate) struct Assembled {
     pub(crate) root: Node,
     /// What looked wrong on the way.
     pub(crate) warnings: Vec<String>,
+    /// What the reader should know.
+    pub(crate) notes: Vec<String>,
 }
 
 /// The tree with its preset, each `--set`, and other changes.
@@ -165,12 +170,14 @@ pub(crate) fn assemble(
     changes: &[Change],
 ) -> Result<Assembled, ScenarioErrors> {
     let mut errors = Errors::default();
+    let mut old = Vec::new();
+    renamed::rename(&mut root, &[], &mut old, &mut errors);
     // The preset comes first, so that other keys can change what it gives; and once more, for a whole table that
     // was set and names one.
-    set::apply(&mut root, sources, changes, true, &mut errors);
+    set::apply(&mut root, sources, changes, true, &mut old, &mut errors);
     let at_first = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;
-    set::apply(&mut root, sources, changes, false, &mut errors);
+    set::apply(&mut root, sources, changes, false, &mut old, &mut errors);
     let at_last = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;
     let idle = preset::named(&root).filter(|_| !at_first && !at_last);
@@ -178,7 +185,13 @@ pub(crate) fn assemble(
         format!("the preset \"{name}\" changes nothing: the scenario gives all of its keys, and those count")
     });
     let warnings = warnings.into_iter().collect();
-    Ok(Assembled { root, warnings })
+    let mut notes: Vec<String> = Vec::new();
+    for note in old.iter().map(OldName::note) {
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    Ok(Assembled { root, warnings, notes })
 }
 
 /// The same value with the keys of its objects sorted, whatever the map keeps.

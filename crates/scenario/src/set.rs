@@ -7,6 +7,7 @@
 
 use crate::error::Errors;
 use crate::problem::Problem;
+use crate::renamed::{OldName, present, rename};
 use crate::source::{Origin, Sources};
 use crate::tree::{Entry, Node, Value};
 
@@ -26,14 +27,17 @@ pub(crate) struct Change {
     pub(crate) value: Node,
 }
 
-/// Applies each `--set` in turn, then the other changes: those of the preset alone, or all others.
+/// Applies each `--set` in turn, then the other changes: those of the preset alone, or all others. Old names of keys and
+/// values that are set go to `old`.
 pub(crate) fn apply(
     root: &mut Node,
     sources: &Sources,
     changes: &[Change],
     presets: bool,
+    old: &mut Vec<OldName>,
     errors: &mut Errors,
 ) {
+    let mut set: Vec<(Vec<&str>, Vec<&str>)> = Vec::new();
     for source in 1..=sources.overrides() {
         let text = sources.text(source);
         let Some((path, value)) = text.split_once('=') else {
@@ -45,14 +49,22 @@ pub(crate) fn apply(
         if (path.trim() == PRESET_PATH) == presets {
             let blanks = value.len() - value.trim_start().len();
             let value = Node::parse_value(text, path.len() + 1 + blanks, source, errors);
-            if let Err((origin, problem)) = put(root, &segments(path, source), value) {
+            let path = segments(path, source);
+            let spelt: Vec<&str> = path.iter().map(|(key, _)| *key).collect();
+            let now = present(&spelt);
+            if let Some((_, other)) = set.iter().find(|(path, other)| *path == now && *other != spelt) {
+                let problem = Problem::BothNames { old: other.join("."), new: spelt.join(".") };
+                errors.push(Origin { source, start: 0, end: text.len().max(1) }, problem);
+            }
+            set.push((now, spelt));
+            if let Err((origin, problem)) = put(root, &path, value, old, errors) {
                 errors.push(origin, problem);
             }
         }
     }
     for change in changes.iter().filter(|change| (change.path == PRESET_PATH) == presets) {
         let path: Vec<_> = change.path.split('.').map(|key| (key.trim(), change.origin)).collect();
-        if let Err((origin, problem)) = put(root, &path, change.value.clone()) {
+        if let Err((origin, problem)) = put(root, &path, change.value.clone(), old, errors) {
             errors.push(origin, problem);
         }
     }
@@ -72,15 +84,28 @@ fn segments(path: &str, source: usize) -> Vec<(&str, Origin)> {
     segments
 }
 
-fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Origin, Problem)> {
+/// Puts a value at a path, whose old names are brought to the present ones, as are those in the value.
+fn put(
+    root: &mut Node,
+    path: &[(&str, Origin)],
+    mut value: Node,
+    old: &mut Vec<OldName>,
+    errors: &mut Errors,
+) -> Result<(), (Origin, Problem)> {
     if let Some((_, origin)) = path.iter().find(|(key, _)| key.is_empty()) {
         return Err((*origin, Problem::SetPath { why: "this key is empty".to_owned() }));
     }
     if let Some((_, origin)) = path.get(MOST_SEGMENTS) {
         return Err((*origin, Problem::SetPath { why: "this path is too long".to_owned() }));
     }
+    let spelt: Vec<&str> = path.iter().map(|(key, _)| *key).collect();
+    let now = present(&spelt);
+    for ((key, origin), new) in path.iter().zip(&now).filter(|((key, _), new)| key != *new) {
+        old.push(OldName { origin: *origin, old: (*key).to_owned(), new: (*new).to_owned() });
+    }
+    rename(&mut value, &now, old, errors);
     let mut node = root;
-    for (i, (key, origin)) in path.iter().enumerate() {
+    for (i, (key, (_, origin))) in now.iter().zip(path).enumerate() {
         if i + 1 == path.len() {
             drop_rival(node, key);
         }

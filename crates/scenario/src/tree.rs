@@ -7,6 +7,7 @@ use toml::{Spanned, de::DeString};
 
 use crate::error::Errors;
 use crate::problem::Problem;
+use crate::renamed::present;
 use crate::source::Origin;
 
 /// A value and its place.
@@ -113,9 +114,10 @@ impl Node {
         }
     }
 
-    /// What is at a dotted path, arrays by index from 0.
+    /// What is at a dotted path, arrays by index from 0; this tree has the present names, the path may have old ones.
     pub(crate) fn at(&self, path: &str) -> Option<&Self> {
-        path.split('.').map(str::trim).try_fold(self, |node, key| match &node.value {
+        let path: Vec<&str> = path.split('.').map(str::trim).collect();
+        present(&path).into_iter().try_fold(self, |node, key| match &node.value {
             Value::Array(items) => items.get(key.parse::<usize>().ok()?),
             _ => node.get(key),
         })

@@ -69,9 +69,9 @@ impl Base {
 
     /// The scenario with changes, those of the preset first.
     pub(crate) fn scenario(&self, changes: &[Change]) -> Result<Scenario, ScenarioErrors> {
-        let Assembled { mut root, warnings } = assemble(self.root.clone(), &self.sources, changes)?;
+        let Assembled { mut root, warnings, notes } = assemble(self.root.clone(), &self.sources, changes)?;
         ABOUT.iter().for_each(|table| root.remove(table));
-        Scenario::read(Assembled { root, warnings }, self.library.clone(), self.sources.clone())
+        Scenario::read(Assembled { root, warnings, notes }, self.library.clone(), self.sources.clone())
     }
 }
 

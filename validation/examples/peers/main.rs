@@ -191,7 +191,7 @@ fn paper(kind: &str, light: &str, solver: &str) -> Result<Scene, Box<dyn Error>>
          [display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = {{ white = \"paper.csv\" }}\n\
          [lighting]\nspectrum = \"D65\"\nilluminance_lx = 500\ndiffuse = {diffuse}\n{lamp}\
          [viewer]\ntheta_deg = 8\n[solver]\nmethod = \"{solver}\"\nrelative_error = 0.001\n{}",
-        if solver == "walk" && kind == "bands" { "every_bin = true\n" } else { "" }
+        if solver == "monte-carlo" && kind == "bands" { "per_wavelength = true\n" } else { "" }
     );
     Ok(Scenario::from_text(&text, "paper.toml", folder.path(), &[])?.resolve()?.scene)
 }

@@ -81,7 +81,7 @@ fn images_are_means_over_the_field_of_view() {
         let white = adding.views[0].states.get("white").unwrap();
         let (off, claimed) = ((white.value.Y - truth).abs(), white.discretisation_error.as_ref().unwrap().Y);
         assert!(off <= claimed + 1e-7 * truth, "{}: {} {truth} {claimed:.1e}", light.name, white.value.Y);
-        let walk = run_in(&scenario("method = \"walk\"\npaths = 16384"), folder.path());
+        let walk = run_in(&scenario("method = \"monte-carlo\"\npaths = 16384"), folder.path());
         let white = walk.views[0].states.get("white").unwrap();
         let off = (white.value.Y - truth).abs();
         assert!(
@@ -121,7 +121,7 @@ fn a_field_of_view_next_to_the_horizon() {
 #[test]
 fn light_and_view_turn_together() {
     let display = "[[display.front]]\nreflectance = 0.02\nabsorptance = 0.01\n[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.08\n\
-        transmittance = 0.9\nstraight_through = 0.2\n[display.glass]\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\n\
+        transmittance = 0.9\nregular_fraction = 0.2\n[display.glass]\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\n\
         kind = \"mirror\"\nreflectance = { white = 0.6, black = 0.05 }\n";
     let turned = |by: f64| {
         let keys = format!(
@@ -175,7 +175,8 @@ fn the_front_light_is_its_distribution() {
         let (seen, claimed) =
             (white.value.terms.front_light.unwrap(), white.discretisation_error.as_ref().unwrap().Y);
         assert!((seen - truth).abs() <= claimed + 1e-6 * truth, "{file}: {seen} {truth} {claimed:.1e}");
-        let walk = run_in(&text(&display("lobe"), &keys, "method = \"walk\"\npaths = 16384"), folder.path());
+        let walk =
+            run_in(&text(&display("lobe"), &keys, "method = \"monte-carlo\"\npaths = 16384"), folder.path());
         let white = walk.views[0].states.get("white").unwrap();
         let seen = white.value.terms.front_light.unwrap();
         assert!((seen - truth).abs() <= 4.5 * white.standard_error.Y, "{file}: {seen} {truth}");

@@ -140,7 +140,7 @@ fn lights_are_their_formulas() {
             if (white.value.Y - truth).abs() > claimed + own {
                 wrong.push(format!("{}, claimed {claimed:.2e}", what("adding", white.value.Y)));
             }
-            let walk = run_in(&scenario("method = \"walk\"\npaths = 4096"), folder.path());
+            let walk = run_in(&scenario("method = \"monte-carlo\"\npaths = 4096"), folder.path());
             let white = walk.views[0].states.get("white").unwrap();
             let (seen, error) = (white.value.Y, white.standard_error.Y);
             if (seen - truth).abs() > 4.5 * error + own || error > 0.05 * truth {

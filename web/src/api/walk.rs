@@ -60,7 +60,7 @@ pub(super) struct WalkDone {
     relative_error: f64,
     /// Each view and state.
     states: Vec<WalkState>,
-    /// What `papilio run --solver walk` writes into result.json.
+    /// What `papilio run --solver monte-carlo` writes into result.json.
     result: Answer,
 }
 

@@ -196,7 +196,7 @@ fn events(body: &[u8]) -> (usize, String, Value) {
     (all.len() - 1, name, data)
 }
 
-/// The walk's answer is that of `papilio run --solver walk`, and agrees with the live one: 24 numbers, of which the
+/// The walk's answer is that of `papilio run --solver monte-carlo`, and agrees with the live one: 24 numbers, of which the
 /// worst lies beyond 5 standard errors once in 70 000 displays.
 #[test]
 fn the_walk_tells_how_it_comes_on_and_agrees() {
@@ -206,7 +206,7 @@ fn the_walk_tells_how_it_comes_on_and_agrees() {
     let (before, name, done) = events(&answer.body);
     assert!(before >= 1 && name == "done");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/indoor.toml");
-    let set = ["solver.method=walk".to_owned()];
+    let set = ["solver.method=monte-carlo".to_owned()];
     let resolved = Scenario::load(path.as_ref(), &set).unwrap().resolve().unwrap();
     assert_eq!(done["result"]["hash"], resolved.hash);
     let states = done["states"].as_array().unwrap();

@@ -29,7 +29,8 @@ use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
 
 /// Why adding would not reach a target.
-const FINEST_REACHED: &str = "adding's finest level is reached; the walk (method = \"walk\") may get closer";
+const FINEST_REACHED: &str =
+    "adding's finest level is reached; the walk (method = \"monte-carlo\") may get closer";
 
 /// How far a run has come.
 #[derive(Clone, Copy)]

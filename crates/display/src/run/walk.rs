@@ -292,7 +292,7 @@ impl<'a> Runner<'a> {
 
     fn result(&self, done: Done, specular: &[Vec<f64>], interrupted: bool) -> RunResult {
         let solver = SolverReport {
-            method: "walk".to_owned(),
+            method: "monte-carlo".to_owned(),
             paths: Some(done.paths),
             nodes: None,
             degrees_of_freedom: REPLICATES - 1,

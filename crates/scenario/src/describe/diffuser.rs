@@ -65,7 +65,7 @@ table! {
         /// Share s of T that is not scattered, 0 to 1: T splits into s T unscattered and (1 - s) T of the lobe over
         /// the whole plane of direction cosines. So `total_transmittance` is T ((1 - s) f + s), f the lobe's share
         /// within |beta| <= 1 at normal incidence. Default 0.
-        straight_through: Share = Share(0.0),
+        regular_fraction: Share = Share(0.0),
     }
 }
 
@@ -77,7 +77,7 @@ table! {
         /// Transmittance T, straight-through included: 0 to 1, or a spectrum file; the lobe loses nothing, and both are the same.
         transmittance: Option<ShareSpectrum>,
         /// Share of T that is not scattered, 0 to 1. Default 0.
-        straight_through: Share = Share(0.0),
+        regular_fraction: Share = Share(0.0),
     }
 }
 
@@ -106,7 +106,7 @@ table! {
         /// rho of the lobe, straight-through included: 0 to 1, or a spectrum file.
         transmittance: Option<ShareSpectrum>,
         /// Share of it that is not scattered, 0 to 1. Default 0.
-        straight_through: Share = Share(0.0),
+        regular_fraction: Share = Share(0.0),
     }
 }
 
@@ -124,19 +124,9 @@ choice! {
     /// How the level of a file, one number, is the mean of a spectrum.
     SpectralMean {
         /// All wavelengths of the grid alike (Feng 2012, eq. 3-10).
-        Even = "even",
+        Uniform = "uniform",
         /// Each as bright as it is in D65: what a luminous channel sees.
         Luminous = "luminous",
-    }
-}
-
-choice! {
-    /// What cells of the hemisphere without light are.
-    DarkCells {
-        /// Dark.
-        None = "none",
-        /// Not seen: beyond the last cell with light a line's tail goes on.
-        Tail = "tail",
     }
 }
 
@@ -178,13 +168,14 @@ table! {
         transmission: Option<ShareSpectrum>,
         /// Default "none".
         normalise: Normalise = Normalise::None,
-        /// What the file's level is the mean of, beside `transmission`. Default "even".
-        spectral_mean: SpectralMean = SpectralMean::Even,
+        /// What the file's level is the mean of, beside `transmission`. Default "uniform".
+        spectral_mean: SpectralMean = SpectralMean::Uniform,
         /// Width b of the image that the instrument makes of a straight beam, direction cosines, .0001 to 1: is removed. Default
         /// 0: the values stay as they are.
         instrument_blur: Blur = Blur(0.0),
-        /// Default "none".
-        fill: DarkCells = DarkCells::None,
+        /// Whether cells without light are taken as not seen: beyond the last cell with light a line's tail is extrapolated.
+        /// Default false: they are dark.
+        extrapolate_tails: bool = false,
         /// Default "none"; of a file with one incidence "hold".
         extrapolate: Option<Extrapolate>,
         /// Default "as-measured".

@@ -37,7 +37,7 @@ impl Display {
         }
         if let Some(glass) = self.glass.value.as_mut().filter(|_| bare) {
             // Under a diffuser there is no face.
-            glass.surface.value.get_or_insert(Surface::Coated);
+            glass.surface.value.get_or_insert(Surface::IdealAr);
         }
     }
 }
@@ -57,7 +57,7 @@ table! {
     Glass {
         /// Refractive index, real, 1 to 10: a number, a material or a file. Default 1.5.
         index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// The face between air and glass of a panel without diffuser. Default "coated".
+        /// The face between air and glass of a panel without diffuser. Default "ideal-ar".
         surface: Option<Surface>,
         /// Internal transmittance along the normal: 0 to 1, or a spectrum file; oblique light passes more
         /// of the glass. This or `thickness_mm`. Default: clear.
@@ -71,7 +71,7 @@ choice! {
     /// The face between air and glass.
     Surface {
         /// A perfect antireflection face: |beta| <= 1 passes whole, beyond it everything is reflected.
-        Coated = "coated",
+        IdealAr = "ideal-ar",
         /// A bare face.
         Fresnel = "fresnel",
     }

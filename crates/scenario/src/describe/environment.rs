@@ -153,7 +153,7 @@ table! {
         /// Its distance, m.
         distance_m: Metres,
         /// Azimuth of its own plane C = 0, degrees. Default 0.
-        turn_deg: Azimuth = Azimuth(0.0),
+        rotation_deg: Azimuth = Azimuth(0.0),
         /// 0: the display lies flat; 90: it stands upright and faces azimuth -90 deg. Default 0.
         tilt_deg: FieldAngle = FieldAngle(0.0),
     }

@@ -19,11 +19,11 @@ kinds! {
         /// A diffuser given by its BTDF, its faces included.
         Diffuser(Btdf) = "diffuser",
         /// A flat component in a medium, alike from both sides and at all angles.
-        Sheet(FrontComponent) = "sheet",
+        Component(FrontComponent) = "component",
         /// Coherent thin films, an antireflection coating for example.
         Coating(Coating) = "coating",
         /// A perfect antireflection face: what both media can carry passes whole, the rest is reflected whole.
-        Coated(NoKeys) = "coated",
+        IdealAr(NoKeys) = "ideal-ar",
         /// A bare face, unpolarised Fresnel: what stands between two media where no other face is given.
         Fresnel(NoKeys) = "fresnel",
         /// An etched or moulded face between two media.

@@ -25,12 +25,16 @@ use crate::error::Errors;
 use crate::grammar::table;
 use crate::problem::Problem;
 use crate::read::{At, Read};
-use crate::tree::Node;
+use crate::renamed::FORMAT;
+use crate::tree::{Node, Value};
 use numbers::Wavelength;
 
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
     File later ["study"] {
+        /// Number of the grammar that the file is written in, 1 or 2. Old names are read in both; `papilio migrate`
+        /// brings a file to the present one. Default 2.
+        format: Format = Format(FORMAT),
         /// A title for tables and figures, one line. Default: none.
         title: Option<Title>,
         /// The wavelengths of the computation.
@@ -63,6 +67,39 @@ table! {
         range_nm: Vec<At<Wavelength>> = vec![At::at_large(Wavelength(380.0)), At::at_large(Wavelength(780.0))],
         /// Distance of neighbours, nm; a whole number of steps must fit. Default 5.
         step_nm: Wavelength = Wavelength(5.0),
+    }
+}
+
+/// The number of a grammar; whatever was read is stated in the present one.
+#[derive(Debug, Clone, serde::Serialize)]
+pub(crate) struct Format(pub(crate) u64);
+
+impl Read for Format {
+    fn in_words() -> String {
+        format!("an integer from 1 to {FORMAT}")
+    }
+
+    fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
+        match node.value {
+            Value::Integer(number) if (1..=FORMAT as i64).contains(&number) => Some(Self(FORMAT)),
+            Value::Integer(number) if number > FORMAT as i64 => {
+                errors.push(node.origin, Problem::NewerFormat { found: number });
+                None
+            }
+            _ => node.wrong_type(Self::in_words(), errors),
+        }
+    }
+}
+
+impl schemars::JsonSchema for Format {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Format".into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "integer", "minimum": 1, "maximum": FORMAT })
+    }
+    fn inline_schema() -> bool {
+        true
     }
 }
 

@@ -59,7 +59,7 @@ table! {
         /// Several that take the same value.
         keys: Option<Vec<At<String>>>,
         /// A key that gives what the others take, so that the sum stays: for areas and shares.
-        against: Option<String>,
+        compensated_by: Option<String>,
         /// The smallest and the largest value; or give `choices`.
         bounds: Option<Vec<At<Any>>>,
         /// The values that there are: numbers, names of materials, files, tables.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
-use super::diffuser::{DarkCells, Extrapolate, Normalise};
+use super::diffuser::{Extrapolate, Normalise};
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
@@ -218,8 +218,9 @@ table! {
         spectrum: Named<ShareSpectrum> = Named(Vec::new()),
         /// Default "none".
         normalise: Normalise = Normalise::None,
-        /// Default "none".
-        fill: DarkCells = DarkCells::None,
+        /// Whether cells without light are taken as not seen: beyond the last cell with light a line's tail is extrapolated.
+        /// Default false: they are dark.
+        extrapolate_tails: bool = false,
         /// Default "none"; of a file with one incidence "hold".
         extrapolate: Option<Extrapolate>,
     }

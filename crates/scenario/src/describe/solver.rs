@@ -11,7 +11,7 @@ use crate::tree::{Node, Value};
 table! {
     /// How to compute, and how well.
     Solver {
-        /// "adding": deterministic, without noise. "walk": unbiased Monte Carlo. Default "adding".
+        /// "adding": deterministic. "monte-carlo": unbiased path tracing, with standard errors. Default "adding".
         method: Method = Method::Adding,
         /// Stop at this relative error of Y, largest over states and views, 1e-6 to 1: of the walk the standard
         /// error, of adding that of its discretisation. Default 0.001.
@@ -21,7 +21,7 @@ table! {
         /// The walk alone: stop when a metric is known to within a tolerance instead. Default: none.
         target: Option<Target>,
         /// Apply `relative_error` to every wavelength too, against the spectrum's maximum; nothing beside `paths`. Default false.
-        every_bin: bool = false,
+        per_wavelength: bool = false,
         /// Where the walk's numbers come from (docs/sampling.md); adding needs none. Default "sobol".
         sampler: Sampler = Sampler::Sobol,
         /// How the walk draws directions where a diffuser scatters (docs/sampling.md). Default "kernel".
@@ -104,7 +104,7 @@ choice! {
         /// Deterministic: the layers as operators on direction cosines.
         Adding = "adding",
         /// Unbiased Monte Carlo path tracing.
-        Walk = "walk",
+        MonteCarlo = "monte-carlo",
     }
 }
 

@@ -124,7 +124,7 @@ impl Reader {
         for (path, origin) in paths
             .iter()
             .map(|(path, origin)| (path, *origin))
-            .chain(said.against.iter().map(|path| (path, said.against.origin)))
+            .chain(said.compensated_by.iter().map(|path| (path, said.compensated_by.origin)))
         {
             if path.split('.').next().is_some_and(|table| ABOUT.contains(&table.trim())) {
                 self.errors.push(origin, PlanProblem::SearchOfItself);
@@ -132,20 +132,20 @@ impl Reader {
             }
         }
         let own = self.root.at(&paths[0].0).cloned();
-        if let Some(against) = &said.against.value {
+        if let Some(against) = &said.compensated_by.value {
             let sum = own.as_ref().and_then(Node::number).zip(self.root.at(against).and_then(Node::number));
             let Some((own, other)) = sum else {
-                let both = [(against, said.against.origin), (&paths[0].0, paths[0].1)];
+                let both = [(against, said.compensated_by.origin), (&paths[0].0, paths[0].1)];
                 let wrong = both
                     .into_iter()
                     .find_map(|(path, origin)| Some((origin, self.base.wrong_path(path, origin)?)));
                 let no_sum = || PlanProblem::NoSum { path: against.clone(), with: paths[0].0.clone() }.into();
-                let (origin, problem) = wrong.unwrap_or_else(|| (said.against.origin, no_sum()));
+                let (origin, problem) = wrong.unwrap_or_else(|| (said.compensated_by.origin, no_sum()));
                 self.errors.push(origin, problem);
                 return None;
             };
             keys.push((against.clone(), -(paths.len() as f64), other + paths.len() as f64 * own));
-            origins.push(said.against.origin);
+            origins.push(said.compensated_by.origin);
         }
         let (range, ends) = self.range(said)?;
         let own = own.and_then(|own| match &range {
@@ -178,9 +178,9 @@ impl Reader {
                 }
             },
             (None, Some(choices)) => {
-                if said.against.is_some() {
-                    let problem = Problem::NotWith { key: "against", beside: "`choices`" };
-                    self.errors.push(said.against.origin, problem);
+                if said.compensated_by.is_some() {
+                    let problem = Problem::NotWith { key: "compensated_by", beside: "`choices`" };
+                    self.errors.push(said.compensated_by.origin, problem);
                     return None;
                 }
                 let ends = choices.0.iter().enumerate().map(|(at, node)| (node.origin, at as f64));

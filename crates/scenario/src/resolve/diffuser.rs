@@ -20,7 +20,7 @@ const HAZE_SCOPE: f64 = 0.30;
 struct Whole<'a> {
     transmittance: &'a At<Option<ShareSpectrum>>,
     total_transmittance: &'a At<Option<ShareSpectrum>>,
-    straight_through: &'a At<Share>,
+    regular_fraction: &'a At<Share>,
 }
 
 impl Resolver<'_> {
@@ -35,12 +35,12 @@ impl Resolver<'_> {
 
     pub(super) fn ward(&mut self, ward: &At<Ward>) -> Option<ScatterFace> {
         let (scatter, transmittance) = self.ward_lobe(ward)?;
-        Some(transmitting_face(scatter, &transmittance, ward.straight_through.0))
+        Some(transmitting_face(scatter, &transmittance, ward.regular_fraction.0))
     }
 
     /// The lobe, and what it is multiplied with, straight-through included.
     pub(super) fn ward_lobe(&mut self, ward: &At<Ward>) -> Option<(Scatter, Spectrum)> {
-        let Ward { alpha, normalisation, transmittance, total_transmittance, straight_through } = &ward.value;
+        let Ward { alpha, normalisation, transmittance, total_transmittance, regular_fraction } = &ward.value;
         let normalisation = match normalisation.value {
             WardNormalisation::Ward => Normalisation::Ward,
             WardNormalisation::Duer => Normalisation::Duer,
@@ -51,7 +51,7 @@ impl Resolver<'_> {
             // Its range is that of the key.
             Err(_) => return None,
         };
-        let whole = Whole { transmittance, total_transmittance, straight_through };
+        let whole = Whole { transmittance, total_transmittance, regular_fraction };
         let causes = [alpha.origin, ward.origin, ward.origin];
         let transmittance = self.transmittance(Some(scatter.total(0.0)), &whole, causes)?;
         Some((scatter, transmittance))
@@ -59,15 +59,15 @@ impl Resolver<'_> {
 
     pub(super) fn k_correlation(&mut self, diffuser: &At<KCorrelation>) -> Option<Diffuser> {
         let lobe = self.lobe(diffuser);
-        let KCorrelation { transmittance, total_transmittance, straight_through, .. } = &diffuser.value;
-        let whole = Whole { transmittance, total_transmittance, straight_through };
+        let KCorrelation { transmittance, total_transmittance, regular_fraction, .. } = &diffuser.value;
+        let whole = Whole { transmittance, total_transmittance, regular_fraction };
         let causes = [diffuser.width.origin, diffuser.haze.origin, diffuser.origin];
         self.transmitting(lobe, &whole, causes)
     }
 
     pub(super) fn lambertian(&mut self, diffuser: &At<Lambertian>) -> Option<Diffuser> {
-        let Lambertian { transmittance, total_transmittance, straight_through } = &diffuser.value;
-        let whole = Whole { transmittance, total_transmittance, straight_through };
+        let Lambertian { transmittance, total_transmittance, regular_fraction } = &diffuser.value;
+        let whole = Whole { transmittance, total_transmittance, regular_fraction };
         self.transmitting(Some(Lobe::Lambertian), &whole, [diffuser.origin; 3])
     }
 
@@ -86,11 +86,11 @@ impl Resolver<'_> {
     }
 
     fn lobe_from_haze(&mut self, haze: f64, diffuser: &KCorrelation) -> Option<Lobe> {
-        let straight_through = diffuser.straight_through.0;
+        let straight_through = diffuser.regular_fraction.0;
         let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
         let Some(width) = width else {
             let limit = largest_haze(straight_through);
-            let at = diffuser.haze.origin.or_set([diffuser.straight_through.origin]);
+            let at = diffuser.haze.origin.or_set([diffuser.regular_fraction.origin]);
             self.errors.push(at, Problem::NoWidth { haze, straight_through, limit });
             return None;
         };
@@ -111,7 +111,7 @@ impl Resolver<'_> {
         causes: [Origin; 3],
     ) -> Option<Diffuser> {
         let transmittance = self.transmittance(lobe.map(|lobe| lobe.hemispherical_share()), whole, causes)?;
-        Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.straight_through.0 })
+        Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.regular_fraction.0 })
     }
 
     /// T of a lobe of which this share leaves at normal incidence.
@@ -121,7 +121,7 @@ impl Resolver<'_> {
         whole: &Whole<'_>,
         causes: [Origin; 3],
     ) -> Option<Spectrum> {
-        let straight_through = whole.straight_through.0;
+        let straight_through = whole.regular_fraction.0;
         let (spec, origin, share) = match (&whole.transmittance.value, &whole.total_transmittance.value) {
             (Some(spec), None) => (spec, whole.transmittance.origin, 1.0),
             (None, Some(spec)) => {
@@ -139,7 +139,7 @@ impl Resolver<'_> {
         let transmittance: Spectrum = self.share(spec, origin)?.map(|t| t / share);
         let largest = transmittance.max();
         if largest > 1.0 + 1e-12 {
-            let at = origin.or_set(causes).or_set([whole.straight_through.origin]);
+            let at = origin.or_set(causes).or_set([whole.regular_fraction.origin]);
             self.errors.push(at, Problem::LobeAboveOne { lobe: largest, limit: share });
             return None;
         }

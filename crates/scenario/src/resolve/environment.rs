@@ -153,7 +153,7 @@ impl Resolver<'_> {
         let (theta_deg, phi_deg) = pose.sees([lamp.elevation_deg.0, lamp.azimuth_deg.0]);
         // What goes towards the display leaves the luminaire this far from its nadir, in the opposite azimuth.
         let from_nadir_deg = 90.0 - lamp.elevation_deg.0;
-        let intensity = light.intensity(from_nadir_deg, lamp.azimuth_deg.0 + 180.0 - lamp.turn_deg.0);
+        let intensity = light.intensity(from_nadir_deg, lamp.azimuth_deg.0 + 180.0 - lamp.rotation_deg.0);
         let seen_m2 = light.opening_m2() * from_nadir_deg.to_radians().cos();
         let radius_deg = (seen_m2 / PI).sqrt().atan2(lamp.distance_m.0).to_degrees();
         if theta_deg + radius_deg >= 90.0 {

@@ -43,7 +43,7 @@ impl Resolver<'_> {
         layers: &[At<describe::Layer>],
     ) -> Option<Vec<Layer>> {
         let beside = [
-            ("front", display.front.is_some(), display.front.origin, "{ kind = \"sheet\", ... }"),
+            ("front", display.front.is_some(), display.front.origin, "{ kind = \"component\", ... }"),
             (
                 "diffuser",
                 display.diffuser.is_some(),
@@ -103,11 +103,11 @@ impl Resolver<'_> {
             }
             describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
             describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
-            describe::Layer::Sheet(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
+            describe::Layer::Component(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
             describe::Layer::Coating(coating) => {
                 Part::Interface(Interface::Coating(self.coating(path, coating)?))
             }
-            describe::Layer::Coated(_) => Part::Interface(Interface::Coated),
+            describe::Layer::IdealAr(_) => Part::Interface(Interface::Coated),
             describe::Layer::Fresnel(_) => Part::Interface(Interface::Fresnel),
             describe::Layer::Rough(rough) => Part::Interface(Interface::Rough {
                 alpha: rough.alpha.0,
@@ -181,7 +181,7 @@ impl Resolver<'_> {
 
     /// No walk through a slab that it does not get out of in time.
     pub(super) fn check_walk(&mut self, file: &File) {
-        if file.solver.method.value != Method::Walk {
+        if file.solver.method.value != Method::MonteCarlo {
             return;
         }
         let diffuser = match &file.display.diffuser.value {

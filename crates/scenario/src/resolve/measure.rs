@@ -217,7 +217,7 @@ impl Resolver<'_> {
             Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe)?,
             Some(Diffuser::Ward(ward)) => {
                 let (scatter, transmittance) = self.ward_lobe(ward)?;
-                return Some(through(Truth::Scatter(scatter), transmittance, ward.straight_through.0));
+                return Some(through(Truth::Scatter(scatter), transmittance, ward.regular_fraction.0));
             }
             Some(Diffuser::Measured(measured)) => {
                 let film = self.film_in_air("display.diffuser", measured)?;

@@ -14,7 +14,7 @@ use serde_json::json;
 
 use super::Resolver;
 use super::layers::Part;
-use crate::describe::diffuser::{DarkCells, Extrapolate, Measured, Mounting, Normalise, SpectralMean};
+use crate::describe::diffuser::{Extrapolate, Measured, Mounting, Normalise, SpectralMean};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::measure::Channels;
 use crate::describe::numbers::Blur;
@@ -35,7 +35,7 @@ struct Source<'a> {
     name: &'a str,
     file: Origin,
     normalise: &'a At<Normalise>,
-    fill: &'a At<DarkCells>,
+    extrapolate_tails: bool,
     /// `None`: not written.
     extrapolate: &'a At<Option<Extrapolate>>,
     spectral_mean: SpectralMean,
@@ -179,7 +179,7 @@ impl Resolver<'_> {
             name: &diffuser.file.value,
             file: diffuser.file.origin,
             normalise: &diffuser.normalise,
-            fill: &diffuser.fill,
+            extrapolate_tails: diffuser.extrapolate_tails.value,
             extrapolate: &diffuser.extrapolate,
             spectral_mean: diffuser.spectral_mean.value,
             blur: Some(&diffuser.instrument_blur),
@@ -238,9 +238,9 @@ impl Resolver<'_> {
                 name: &state.value.value,
                 file: state.value.origin,
                 normalise: &pixel.normalise,
-                fill: &pixel.fill,
+                extrapolate_tails: pixel.extrapolate_tails.value,
                 extrapolate: &pixel.extrapolate,
-                spectral_mean: SpectralMean::Even,
+                spectral_mean: SpectralMean::Uniform,
                 blur: None,
             };
             kernels.push((state.name.clone(), self.measured_state(&source, pixel.spectrum.get(&state.name))));
@@ -312,7 +312,7 @@ impl Resolver<'_> {
         behind: Behind,
     ) -> Option<ScatterKernel> {
         let level = match (&spectrum, source.spectral_mean) {
-            (Some(spectrum), SpectralMean::Even) => spectrum.iter().sum::<f64>() / spectrum.len() as f64,
+            (Some(spectrum), SpectralMean::Uniform) => spectrum.iter().sum::<f64>() / spectrum.len() as f64,
             (Some(spectrum), SpectralMean::Luminous) => self.luminous_mean(spectrum, source.file)?,
             (None, _) => 1.0,
         };
@@ -339,10 +339,7 @@ impl Resolver<'_> {
         behind: Behind,
     ) -> Option<Scatter> {
         let preparation = Preparation {
-            fill: match source.fill.value {
-                DarkCells::None => Fill::None,
-                DarkCells::Tail => Fill::Tail,
-            },
+            fill: if source.extrapolate_tails { Fill::Tail } else { Fill::None },
             to_tis: source.normalise.value == Normalise::Tis,
             extrapolate: source.extrapolate.value.and_then(|extrapolate| behind.reach(extrapolate)),
             hold_single: source.extrapolate.value.is_none(),

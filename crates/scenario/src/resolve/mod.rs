@@ -255,7 +255,7 @@ impl Resolver<'_> {
         Some(scene::Solver {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
-                solver::Method::Walk => scene::Method::Walk,
+                solver::Method::MonteCarlo => scene::Method::Walk,
             },
             stop,
             sampler: match solver.sampler.value {
@@ -316,7 +316,7 @@ impl Resolver<'_> {
 
     fn stop(&mut self, solver: &Solver) -> Option<scene::Stop> {
         if let Some(target) = &solver.target.value {
-            if solver.method.value == solver::Method::Walk {
+            if solver.method.value == solver::Method::MonteCarlo {
                 return self.target(solver, target);
             }
             self.notes.push("solver.target is of the walk: adding has no standard errors".to_owned());
@@ -334,9 +334,9 @@ impl Resolver<'_> {
                 None
             }
             (None, Some(paths)) => {
-                if solver.every_bin.value {
+                if solver.per_wavelength.value {
                     self.warnings.push(
-                        "solver.every_bin says how far relative_error reaches; beside solver.paths it does nothing"
+                        "solver.per_wavelength says how far relative_error reaches; beside solver.paths it does nothing"
                             .to_owned(),
                     );
                 }
@@ -350,7 +350,7 @@ impl Resolver<'_> {
             }
             (target, None) => Some(scene::Stop::RelativeError {
                 target: target.map_or(0.001, |target| target.0),
-                every_bin: solver.every_bin.value,
+                every_bin: solver.per_wavelength.value,
             }),
         }
     }

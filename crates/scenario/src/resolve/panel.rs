@@ -133,7 +133,7 @@ impl Resolver<'_> {
         let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
         let medium = self.medium("display.glass", &glass.index, absorption)?;
         let surface = match glass.surface.value {
-            None | Some(describe::Surface::Coated) => scene::Surface::Coated,
+            None | Some(describe::Surface::IdealAr) => scene::Surface::Coated,
             Some(describe::Surface::Fresnel) => scene::Surface::Fresnel,
         };
         Some((medium, surface))
@@ -187,7 +187,7 @@ impl Resolver<'_> {
         } else if !scene.display.index_above_pixel().is_constant() {
             "a glass of the same index at all wavelengths"
         } else if panel.is_some_and(|panel| panel.glass.surface != scene::Surface::Coated) {
-            "surface = \"coated\""
+            "surface = \"ideal-ar\""
         } else {
             return self.check_trapped(file, scene);
         };

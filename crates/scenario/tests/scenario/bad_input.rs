@@ -105,7 +105,10 @@ const NAMES_AND_CHOICES: &[Case] = &[
         "[viewer]",
         "[solver]\npaths = 10\n[viewer]",
         (38, 9),
-        &["`paths` means nothing with method = \"adding\"", "give `relative_error`, or method = \"walk\""],
+        &[
+            "`paths` means nothing with method = \"adding\"",
+            "give `relative_error`, or method = \"monte-carlo\"",
+        ],
     ),
     ("[viewer]", "[solver]\nmethod = \"adds\"\n[viewer]", (38, 10), &["`adds`", "\"adding\" or \"walk\""]),
     ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["`width_nm` is missing"]),
@@ -114,8 +117,8 @@ const NAMES_AND_CHOICES: &[Case] = &[
 
 const ADVICE: &[Case] = &[
     ("haze = 0.78", "haze = 0.999", (13, 8), &["no lobe has a haze of 0.999", "haze can be 0.998 at most"]),
-    ("haze = 0.78", "haze = 0.9\nstraight_through = 0.3", (13, 8), &["haze can be 0.6"]),
-    ("haze = 0.78", "haze = 0.9\nstraight_through = 1", (13, 8), &["straight through is no haze"]),
+    ("haze = 0.78", "haze = 0.9\nregular_fraction = 0.3", (13, 8), &["haze can be 0.6"]),
+    ("haze = 0.78", "haze = 0.9\nregular_fraction = 1", (13, 8), &["straight through is no haze"]),
     ("haze = 0.78", "haze = .78", (13, 8), &["mantissa", "0.50"]),
     ("haze = 0.78", "haze = 1.", (13, 10), &["fraction", "0.50"]),
     ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
@@ -164,19 +167,19 @@ const WRITTEN_OTHERWISE: &[Case] = &[
 const TARGETS: &[Case] = &[
     (
         "[viewer]",
-        "[solver]\nmethod = \"walk\"\ntarget = { metric = \"Y\", state = \"wite\", error = 0.1 }\n[viewer]",
+        "[solver]\nmethod = \"monte-carlo\"\ntarget = { metric = \"Y\", state = \"wite\", error = 0.1 }\n[viewer]",
         (39, 34),
         &["there is no state `wite`"],
     ),
     (
         "[viewer]",
-        "[solver]\nmethod = \"walk\"\ntarget = { metric = \"Y\" }\n[viewer]",
+        "[solver]\nmethod = \"monte-carlo\"\ntarget = { metric = \"Y\" }\n[viewer]",
         (39, 10),
         &["expected exactly one of `error` and `relative_error`"],
     ),
     (
         "[viewer]",
-        "[solver]\nmethod = \"walk\"\ntarget = { metric = \"gamut_percent_ebu\", state = \"red\", error = 1 }\n[viewer]",
+        "[solver]\nmethod = \"monte-carlo\"\ntarget = { metric = \"gamut_percent_ebu\", state = \"red\", error = 1 }\n[viewer]",
         (39, 50),
         &["a metric of all states together"],
     ),
@@ -308,7 +311,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
         (GOOD, "display.pixel.gap_nm={ red = 200 }", "in `gap_nm`"),
         (GOOD, "display.pixel.area={ red = 1 }", "in `area`"),
         (GOOD, "display.diffuser.width=2", "transmittance of the whole lobe"),
-        (GOOD, "display.diffuser.straight_through=0.9", "no lobe has a haze"),
+        (GOOD, "display.diffuser.regular_fraction=0.9", "no lobe has a haze"),
         (GOOD, "display.diffuser.model=lambertian", "`haze` means nothing"),
         (GOOD, "display.front.0.reflectance=0.999", "reflectance and absorptance sum"),
         (GOOD, "spectrum.range_nm=[340, 700]", "`Cr:Johnson` reaches from"),

@@ -48,7 +48,7 @@ theta_deg = 8
 /// Every kind of layer once; the tests change a word of it at a time.
 pub(crate) const LAYERED: &str = r#"[display]
 layers = [
-  { kind = "sheet", reflectance = 0.005, absorptance = 0.01 },
+  { kind = "component", reflectance = 0.005, absorptance = 0.01 },
   { kind = "coating", film = [{ material = "SiO2", thickness_nm = 90 }] },
   { kind = "medium", index = { n = 1.5, k = 1e-7 }, thickness_mm = 0.7 },
   { kind = "rough", alpha = 0.3 },
@@ -56,7 +56,7 @@ layers = [
   { kind = "diffuser", model = "k-correlation", width = 0.06, transmittance = 0.95 },
   { kind = "medium", index = 1.6, internal_transmittance = 0.9 },
   { kind = "slab", optical_thickness = 2, anisotropy = 0.8, albedo = 0.99, index = 1.48 },
-  { kind = "coated" },
+  { kind = "ideal-ar" },
   { kind = "diffuser", model = "lambertian", transmittance = 0.5 },
   { kind = "medium" },
   { kind = "fresnel" },

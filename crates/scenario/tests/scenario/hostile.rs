@@ -122,7 +122,7 @@ transmission = "data/H78-transmission.csv"
 normalise = "tis"
 spectral_mean = "luminous"
 instrument_blur = 0.05
-fill = "tail"
+extrapolate_tails = true
 extrapolate = "hold"
 mounting = "laminated"
 [display.pixel]
@@ -226,7 +226,7 @@ fn huge_and_odd_texts_are_refused() {
     let many = (0..20_000).map(|i| format!("s{i} = 0.1, ")).collect::<String>();
     refused(&GOOD.replace("area = { ", &format!("area = {{ {many}")));
     let states: String = (0..250).map(|i| format!("s{i} = {{}}\n")).collect();
-    let layers = format!("layers = [{}]", "{ kind = \"coated\" }, ".repeat(65));
+    let layers = format!("layers = [{}]", "{ kind = \"ideal-ar\" }, ".repeat(65));
     refused(&LAYERED.replace("[display]", &format!("[display]\n{layers}")));
     let films = "{ material = 1.4, thickness_nm = 1 }, ".repeat(257);
     refused(&LAYERED.replace("film = [", &format!("film = [{films}")));

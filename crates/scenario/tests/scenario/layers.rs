@@ -74,7 +74,7 @@ fn every_kind_of_layer() {
 #[test]
 fn ward_diffusers() {
     let lobe = "model = \"k-correlation\"\nhaze = 0.78";
-    let ward = "model = \"ward\"\nalpha = 0.2\nnormalisation = \"ward\"\nstraight_through = 0.1";
+    let ward = "model = \"ward\"\nalpha = 0.2\nnormalisation = \"ward\"\nregular_fraction = 0.1";
     let panel = resolved(&GOOD.replace(lobe, ward), &[]);
     let layers = general(&panel);
     assert_eq!(outline(layers), [("sheet", 1.0), ("scatter", 1.5)]);
@@ -99,7 +99,7 @@ fn what_stands_between_media() {
     let outline = |layers: &str| outline(general(&resolved(&pixel_under(layers), &[])));
     let glass = "{ kind = \"medium\", index = 1.5 }";
     let air = "{ kind = \"medium\", index = \"air\" }";
-    let sheet = "{ kind = \"sheet\", reflectance = 0.1 }";
+    let sheet = "{ kind = \"component\", reflectance = 0.1 }";
     assert_eq!(outline(glass), [("fresnel", 1.5)]);
     assert_eq!(outline(air), [("open", 1.0)]);
     assert_eq!(
@@ -219,12 +219,12 @@ const WRONG: &[Case] = &[
     ),
     ("index = \"air\"", "inedx = \"air\"", (7, 22), &["no key `inedx`", "did you mean `index`?"]),
     (
-        "{ kind = \"coated\" }",
-        "{ kind = \"coated\", index = 1.3 }",
+        "{ kind = \"ideal-ar\" }",
+        "{ kind = \"ideal-ar\", index = 1.3 }",
         (11, 30),
-        &["`index` means nothing with kind = \"coated\""],
+        &["`index` means nothing with kind = \"ideal-ar\""],
     ),
-    ("{ kind = \"coated\" }", "\"coated\"", (11, 3), &["a string", "kind = \"coated\""]),
+    ("{ kind = \"ideal-ar\" }", "\"coated\"", (11, 3), &["a string", "kind = \"ideal-ar\""]),
     ("optical_thickness = 2, ", "", (10, 3), &["the key `optical_thickness` is missing"]),
     ("anisotropy = 0.8, ", "", (10, 3), &["the key `anisotropy` is missing"]),
     ("width = 0.06, ", "", (8, 3), &["none of `haze` and `width`"]),
@@ -287,7 +287,7 @@ const WRONG: &[Case] = &[
         "[display.pixel]",
         "[[display.front]]\n[display.pixel]",
         (17, 1),
-        &["`front` stands beside `layers`", "kind = \"sheet\""],
+        &["`front` stands beside `layers`", "kind = \"component\""],
     ),
     (
         "[display.pixel]",
@@ -325,12 +325,12 @@ const WRONG: &[Case] = &[
 #[test]
 fn a_walk_does_not_go_through_a_thick_slab() {
     let thick = changed_in(LAYERED, &[("optical_thickness = 2", "optical_thickness = 1000")]);
-    let walked = format!("{thick}[solver]\nmethod = \"walk\"\n");
+    let walked = format!("{thick}[solver]\nmethod = \"monte-carlo\"\n");
     let behind = changed(&[(
         "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9",
         "model = \"slab\"\noptical_thickness = 1000\nanisotropy = 0",
     )]);
-    let walk = "solver.method=walk";
+    let walk = "solver.method=monte-carlo";
     let cases = [
         (&walked, None, "test.toml", Some((10, 40))),
         (&thick, Some(walk), "--set #1", None),
@@ -376,7 +376,7 @@ fn lists_that_are_no_stack() {
         errors.iter().next().unwrap().problem.clone()
     };
     assert_eq!(problem(""), Problem::EmptyList);
-    let many = "{ kind = \"coated\" }, ".repeat(65);
+    let many = "{ kind = \"ideal-ar\" }, ".repeat(65);
     assert!(matches!(problem(&many), Problem::TooMany { what: "layers", limit: 64, .. }));
     assert!(resolve(&pixel_under(&many[..64 * 21]), Path::new(""), &[]).is_ok());
     // A rough face right above the pixel stands in one medium.
@@ -397,7 +397,7 @@ fn a_coating_on_nothing_is_told() {
         alone[0].starts_with("display.layers.0: no medium follows this coating, so the air"),
         "{alone:?}"
     );
-    let below = notes(&format!("{glass}, {coating}, {{ kind = \"coated\" }}"));
+    let below = notes(&format!("{glass}, {coating}, {{ kind = \"ideal-ar\" }}"));
     assert!(below[0].contains("so the medium above it is on both sides"), "{below:?}");
     assert_eq!((alone.len(), below.len()), (1, 1));
     assert!(notes(&format!("{coating}, {glass}")).is_empty());

@@ -201,7 +201,7 @@ fn an_instrument_sees_what_it_is_asked_to() {
     // Five digits.
     assert!(part.values.iter().all(|value| format!("{value:.4e}").parse::<f64>() == Ok(*value)));
     // Light that passes straight is seen with a blur, or not at all.
-    let straight = changed(&[("haze = 0.78", "haze = 0.5\nstraight_through = 0.2")]);
+    let straight = changed(&[("haze = 0.78", "haze = 0.5\nregular_fraction = 0.2")]);
     let found = measurement(&straight, small).unwrap();
     assert!(found.measure("film").unwrap_err().to_string().contains("the blur is 0"));
     let found = measurement(&straight, &format!("{small}\nblur = 0.01")).unwrap();

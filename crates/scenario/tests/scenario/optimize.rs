@@ -17,7 +17,7 @@ key = "display.pixel.film.0.material"
 choices = ["Cr", "Cr:Johnson", { n = 3.0, k = 3.0 }]
 [[optimize.variables]]
 key = "display.pixel.area.red"
-against = "display.pixel.area.green"
+compensated_by = "display.pixel.area.green"
 bounds = [0.3, 0.6]
 [[optimize.conditions]]
 name = "room"
@@ -131,6 +131,6 @@ fn mistakes_are_answered_with_their_places() {
         assert!(error.contains(line), "{to}: {error}");
     }
     assert!(read(GOOD).unwrap_err().contains("the scenario has no `[optimize]`"));
-    let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"walk\"\n[optimize]")]);
+    let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"monte-carlo\"\n[optimize]")]);
     assert!(read(&walk).unwrap_err().contains("follow its noise"));
 }

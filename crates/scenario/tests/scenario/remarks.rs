@@ -89,11 +89,11 @@ fn what_is_taken_otherwise_than_it_was_given() {
     let even = resolved(&["viewer.phi_deg={ from = 0, to = 0.3, step = 0.1 }"]);
     assert!(!says(&even.notes, "steps"), "{:?}", even.notes);
     assert!(says(
-        &resolved(&["solver.method=walk", "solver.paths=31"]).notes,
+        &resolved(&["solver.method=monte-carlo", "solver.paths=31"]).notes,
         "solver.paths is 31, and is rounded up to 32"
     ));
-    assert!(!says(&resolved(&["solver.method=walk", "solver.paths=32"]).notes, "solver.paths"));
-    let ignored = resolved(&["solver.method=walk", "solver.paths=64", "solver.every_bin=true"]);
+    assert!(!says(&resolved(&["solver.method=monte-carlo", "solver.paths=32"]).notes, "solver.paths"));
+    let ignored = resolved(&["solver.method=monte-carlo", "solver.paths=64", "solver.per_wavelength=true"]);
     assert!(says(&ignored.warnings, "beside solver.paths it does nothing"));
     // -0 is 0, in the result and in the hash.
     let [minus, plus] = ["viewer.theta_deg=-0.0", "viewer.theta_deg=0"].map(|set| resolved(&[set]));

@@ -71,7 +71,7 @@ fn set_changes_and_makes_keys() {
 fn set_takes_numbers_as_shells_write_them() {
     let straight = |value: &str| {
         let resolved =
-            set(&["display.diffuser.haze=.5", &format!("display.diffuser.straight_through={value}")]);
+            set(&["display.diffuser.haze=.5", &format!("display.diffuser.regular_fraction={value}")]);
         resolved.scene.display.panel().unwrap().diffuser.clone().unwrap().straight_through
     };
     for (value, expected) in [(".25", 0.25), (" +.25", 0.25), ("2.5e-1", 0.25), ("0.", 0.0), ("00.25", 0.25)]
@@ -87,7 +87,7 @@ fn set_takes_numbers_as_shells_write_them() {
 fn rivals_of_two_sets_are_an_error_in_both_orders() {
     let sets = ["solver.relative_error=0.1", "solver.paths=100"];
     let rivals = [["display.diffuser.haze=0.5", "display.diffuser.width=0.1"], sets];
-    let walk = format!("{GOOD}[solver]\nmethod = \"walk\"\n");
+    let walk = format!("{GOOD}[solver]\nmethod = \"monte-carlo\"\n");
     for text in [walk.clone(), format!("{walk}paths = 64\n")] {
         for [a, b] in rivals {
             assert!(
@@ -190,7 +190,7 @@ fn the_two_transmittances_of_a_diffuser() {
     };
     let share = 1.0 - 0.1 / 1.01_f64.sqrt();
     assert!((diffuser(&[]).transmittance[0] - 0.8 / share).abs() < 1e-12);
-    let half = diffuser(&["display.diffuser.straight_through=0.5"]);
+    let half = diffuser(&["display.diffuser.regular_fraction=0.5"]);
     assert!((half.transmittance[0] - 0.8 / (0.5 * share + 0.5)).abs() < 1e-12);
     let lambertian = set(&["display.diffuser={ model = \"lambertian\", total_transmittance = 0.8 }"]);
     let lambertian = lambertian.scene.display.panel().unwrap().diffuser.clone().unwrap();

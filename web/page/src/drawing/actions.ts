@@ -25,7 +25,7 @@ export function addLayer(kind: string): void {
     const index = placeFor(kind, free as Table[], here?.list === "display.layers" ? here.index + 1 : free.length);
     edit([{ op: "insert", path: "display.layers", index, value: starter }]);
     selected.value = `display.layers.${index}`;
-  } else if (kind === "sheet") {
+  } else if (kind === "component") {
     const { kind: _, ...value } = starter;
     const index = here?.list === "display.front" ? here.index + 1 : listAt(all, "display.front").length;
     edit([{ op: "insert", path: "display.front", index, value }]);

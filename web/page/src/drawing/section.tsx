@@ -18,7 +18,7 @@ import { CENTRE, Dome } from "./dome.tsx";
 const LEFT = 14;
 const WIDTH = 432;
 const HEIGHTS: Record<Look, number> = {
-  sheet: 19,
+  component: 19,
   guide: 19,
   diffuser: 26,
   slab: 32,

@@ -5,7 +5,7 @@ import { plain } from "./format.ts";
 import { label } from "./schema.ts";
 
 /** How a layer is drawn. */
-export type Look = "sheet" | "diffuser" | "slab" | "medium" | "face" | "coating" | "rough" | "guide";
+export type Look = "component" | "diffuser" | "slab" | "medium" | "face" | "coating" | "rough" | "guide";
 
 export interface Layer {
   readonly path: string;
@@ -42,7 +42,7 @@ function note(table: Table): string {
   const kind = table["kind"];
   const model = textAt(table, "model");
   if (
-    kind === "sheet" ||
+    kind === "component" ||
     (kind === undefined && (table["reflectance"] !== undefined || table["absorptance"] !== undefined))
   )
     return [...say("reflectance", "R"), ...say("absorptance", "A")].join(", ");
@@ -68,17 +68,17 @@ function note(table: Table): string {
 const NAMES: Record<string, readonly [string, Look]> = {
   medium: ["Medium", "medium"],
   slab: ["Particles", "slab"],
-  fresnel: ["Bare face", "face"],
-  coated: ["Coated face", "face"],
+  fresnel: ["Bare interface", "face"],
+  "ideal-ar": ["Ideal antireflection", "face"],
   coating: ["Coating", "coating"],
-  rough: ["Rough face", "rough"],
+  rough: ["Rough interface", "rough"],
   diffuser: ["Diffuser", "diffuser"],
-  sheet: ["Sheet", "sheet"],
+  component: ["Component", "component"],
 };
 
 function entry(list: string, index: number, value: Json): Layer {
   const table = isTable(value) ? value : {};
-  const [name, look] = NAMES[textAt(table, "kind") ?? ""] ?? ["Front", "sheet" as Look];
+  const [name, look] = NAMES[textAt(table, "kind") ?? ""] ?? ["Front", "component" as Look];
   const air = textAt(table, "kind") === "medium" && table["index"] === "air";
   return {
     path: join(list, index),
@@ -120,7 +120,7 @@ export function layers(fields: Json): Layer[] {
         note(diffuser),
         true,
       )
-    : own("display.glass.surface", "face", glass["surface"] === "fresnel" ? "Bare face" : "Coated face", "", false);
+    : own("display.glass.surface", "face", glass["surface"] === "fresnel" ? "Bare interface" : "Ideal antireflection", "", false);
   return [...fronts, ...guides, top, own("display.glass", "medium", "Glass", note(glass), false)];
 }
 
@@ -137,12 +137,12 @@ export function films(fields: Json): Film[] {
 
 /** What an ordinary panel looks like as a list of free layers. */
 export function freed(fields: Json): Table[] {
-  const fronts = listAt(fields, "display.front").map((value) => ({ kind: "sheet", ...(value as Table) }));
+  const fronts = listAt(fields, "display.front").map((value) => ({ kind: "component", ...(value as Table) }));
   const { surface, ...glass } = tableAt(fields, "display.glass");
   const diffuser = at(fields, "display.diffuser");
   const { model, ...rest } = isTable(diffuser) ? diffuser : {};
   const top: Table = !isTable(diffuser)
-    ? { kind: surface ?? "coated" }
+    ? { kind: surface ?? "ideal-ar" }
     : model === "slab"
       ? { kind: "slab", ...rest }
       : { kind: "diffuser", model: model!, ...rest };
@@ -151,14 +151,14 @@ export function freed(fields: Json): Table[] {
 
 /** New layers, each with values that compute. */
 export const STARTERS: Record<string, Table> = {
-  sheet: { kind: "sheet", reflectance: 0.005, absorptance: 0.01 },
+  component: { kind: "component", reflectance: 0.005, absorptance: 0.01 },
   diffuser: { kind: "diffuser", model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },
   medium: { kind: "medium", index: 1.5 },
   "air gap": { kind: "medium", index: "air" },
   coating: { kind: "coating", film: [{ material: "MgF2", thickness_nm: 99.6 }] },
   rough: { kind: "rough", alpha: 0.1 },
   slab: { kind: "slab", optical_thickness: 2, anisotropy: 0.8, index: 1.5 },
-  coated: { kind: "coated" },
+  "ideal-ar": { kind: "ideal-ar" },
   fresnel: { kind: "fresnel" },
 };
 

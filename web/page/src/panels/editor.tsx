@@ -33,13 +33,13 @@ const CHIPS = ["display.pixel", "display.pixel.states", "lighting", "viewer", "c
 
 /** What layers are called in words. */
 const LAYER_NAMES: Record<string, string> = {
-  sheet: "front sheet",
+  component: "front component",
   medium: "clear medium",
   coating: "coating of films",
-  rough: "rough face",
+  rough: "rough interface",
   slab: "particles",
-  coated: "coated face",
-  fresnel: "bare face",
+  "ideal-ar": "ideal antireflection",
+  fresnel: "bare interface",
 };
 
 /** A menu of things to add. */

@@ -286,7 +286,7 @@ test("exports are the command line's", async () => {
 test("layers are added, moved and taken away, and the text follows", async () => {
   const page = await on.visit();
   await page.locator('[data-part="display.front.0"]').click();
-  await choose(page, "Add layer", "sheet");
+  await choose(page, "Add layer", "component");
   await page.locator('[data-part="display.front.1"]').waitFor();
   await page.locator('[data-part="display.glass"]').click();
   await choose(page, "Add layer", "coating");

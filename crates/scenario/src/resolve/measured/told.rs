@@ -129,7 +129,7 @@ impl Resolver<'_> {
         if !changes.tails {
             self.warnings.push(format!(
                 "{said}, and nothing is sent there; tails that go on would hold {shares} of the light; `extrapolate = \"hold\"` \
-                 or `fill = \"tail\"` lets them"
+                 or `extrapolate_tails = true` lets them"
             ));
         } else if *most < MUCH_BEYOND {
             self.notes.push(format!("{said}; tails go on there, and hold {shares} of the light"));

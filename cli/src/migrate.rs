@@ -1,0 +1,45 @@
+//! `papilio migrate`: a scenario file with the present names of keys and values.
+
+use std::io::Write;
+
+use papilio_formats::{DataFile, write_file};
+use papilio_scenario::{Migrated, migrate};
+use serde_json::json;
+
+use crate::arguments::Migrate;
+use crate::{Failure, say};
+
+pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
+    let name = arguments.file.display().to_string();
+    let file = DataFile::open(&arguments.file, &name).map_err(Failure::Data)?;
+    let old = file.text().map_err(Failure::Data)?;
+    let Migrated { text, renamed } = migrate(old, &name)?;
+    let target = arguments.out.as_ref().unwrap_or(&arguments.file);
+    let is_new = text != old || arguments.out.is_some();
+    if is_new && !arguments.dry_run {
+        write_file(target, |out| out.write_all(text.as_bytes())).map_err(Failure::Write)?;
+    }
+    if arguments.json {
+        let rows = renamed.iter().map(|one| json!({ "line": one.line, "old": one.old, "new": one.new }));
+        let mut stdout = crate::terminal::stdout();
+        writeln!(stdout, "{}", json!({ "renamed": rows.collect::<Vec<_>>(), "text": text }))?;
+        return Ok(stdout.flush()?);
+    }
+    for one in &renamed {
+        say(&format!("{name}:{}: {} -> {}", one.line, one.old, one.new));
+    }
+    say(&match (is_new, arguments.dry_run) {
+        (false, _) => format!("{name} has the present names already; nothing was changed"),
+        (true, true) => format!("{name} would be changed: {}", count(renamed.len())),
+        (true, false) => format!("wrote {}: {}", target.display(), count(renamed.len())),
+    });
+    Ok(())
+}
+
+fn count(renamed: usize) -> String {
+    match renamed {
+        0 => "no name replaced, `format` stated".to_owned(),
+        1 => "1 name replaced".to_owned(),
+        more => format!("{more} names replaced"),
+    }
+}

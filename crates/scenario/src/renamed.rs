@@ -1,0 +1,261 @@
+//! Old names of keys and values, which scenarios may still use.
+//!
+//! [`RENAMED`] is the only list: a file, `--set`, the keys of studies, Python and the page's edits are all brought to the
+//! new names through it, and `papilio migrate` rewrites a file by it. Both names of one key at once are an error.
+//!
+//! [`FORMAT`] numbers the grammar. It changes when a key is renamed, and is part of the hash.
+
+use std::ops::Range;
+
+use crate::error::Errors;
+use crate::problem::Problem;
+use crate::source::Origin;
+use crate::tree::{Entry, Node, Value};
+
+/// Number of the present grammar, as the key `format` of a scenario states it.
+pub(crate) const FORMAT: u64 = 2;
+
+/// A key or a value with its old and its new name.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Renamed {
+    /// A key of these tables; `*` is any index.
+    Key { tables: &'static [&'static str], old: &'static str, new: &'static str },
+    /// A value of the keys at these paths, which are spelt as they are now.
+    Value { keys: &'static [&'static str], old: &'static str, new: NewValue },
+}
+
+/// The value that an old word means now.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum NewValue {
+    Word(&'static str),
+    Flag(bool),
+}
+
+use NewValue::{Flag, Word};
+use Renamed::{Key, Value as Choice};
+
+/// Every key and value that has been renamed.
+pub(crate) const RENAMED: &[Renamed] = &[
+    Choice { keys: &["solver.method"], old: "walk", new: Word("monte-carlo") },
+    Key { tables: &["solver"], old: "every_bin", new: "per_wavelength" },
+    Key { tables: DIFFUSERS, old: "straight_through", new: "regular_fraction" },
+    Choice {
+        keys: &["display.diffuser.spectral_mean", "display.layers.*.spectral_mean"],
+        old: "even",
+        new: Word("uniform"),
+    },
+    Key {
+        tables: &["display.diffuser", "display.layers.*", "display.pixel"],
+        old: "fill",
+        new: "extrapolate_tails",
+    },
+    Choice { keys: TAILS, old: "none", new: Flag(false) },
+    Choice { keys: TAILS, old: "tail", new: Flag(true) },
+    Choice { keys: &["display.glass.surface"], old: "coated", new: Word("ideal-ar") },
+    Choice { keys: &["display.layers.*.kind"], old: "coated", new: Word("ideal-ar") },
+    Choice { keys: &["display.layers.*.kind"], old: "sheet", new: Word("component") },
+    Key { tables: &["lighting.environment.*"], old: "turn_deg", new: "rotation_deg" },
+    Key { tables: &["optimize.variables.*"], old: "against", new: "compensated_by" },
+];
+
+const DIFFUSERS: &[&str] = &["display.diffuser", "display.layers.*"];
+
+const TAILS: &[&str] = &[
+    "display.diffuser.extrapolate_tails",
+    "display.layers.*.extrapolate_tails",
+    "display.pixel.extrapolate_tails",
+];
+
+/// Any one key of a path: the index of an item.
+const ANY: &str = "*";
+
+/// Where studies name other keys by their paths.
+const PATHS: &[&str] = &[
+    "sweep.axes.*.key",
+    "sweep.axes.*.keys.*",
+    "optimize.variables.*.key",
+    "optimize.variables.*.keys.*",
+    "optimize.variables.*.compensated_by",
+    "tolerance.keys.*.key",
+    "tolerance.keys.*.keys.*",
+    "tolerance.correlations.*.keys.*",
+];
+
+/// Where a table holds keys of the scenario, as `--set` does.
+const CHANGES: &str = "optimize.conditions.*.set";
+
+/// An old name that was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct OldName {
+    pub(crate) origin: Origin,
+    /// As it is written in TOML.
+    pub(crate) old: String,
+    pub(crate) new: String,
+}
+
+impl OldName {
+    /// What the reader of a scenario is told.
+    pub(crate) fn note(&self) -> String {
+        format!("`{}` is the old name of `{}`; it is still accepted", self.old, self.new)
+    }
+}
+
+impl NewValue {
+    fn value(self) -> Value {
+        match self {
+            Word(word) => Value::Text(word.to_owned()),
+            Flag(flag) => Value::Bool(flag),
+        }
+    }
+
+    fn written(self) -> String {
+        match self {
+            Word(word) => format!("\"{word}\""),
+            Flag(flag) => flag.to_string(),
+        }
+    }
+}
+
+/// The present name of the key `key` in the table at `table`, if it has been renamed.
+pub(crate) fn new_key(table: &[&str], key: &str) -> Option<&'static str> {
+    RENAMED.iter().find_map(|row| match row {
+        Key { tables, old, new } if *old == key && is_any_of(table, tables) => Some(*new),
+        _ => None,
+    })
+}
+
+/// The old name of the key `key` in the table at `table`, if it has one.
+pub(crate) fn old_key(table: &[&str], key: &str) -> Option<&'static str> {
+    RENAMED.iter().find_map(|row| match row {
+        Key { tables, old, new } if *new == key && is_any_of(table, tables) => Some(*old),
+        _ => None,
+    })
+}
+
+/// The present value of the old word `word` of the key at `path`, if it has been renamed.
+pub(crate) fn new_value(path: &[&str], word: &str) -> Option<NewValue> {
+    RENAMED.iter().find_map(|row| match row {
+        Choice { keys, old, new } if *old == word && is_any_of(path, keys) => Some(*new),
+        _ => None,
+    })
+}
+
+/// The path with present names for old ones.
+pub(crate) fn present<'a>(path: &[&'a str]) -> Vec<&'a str> {
+    let mut present: Vec<&'a str> = Vec::with_capacity(path.len());
+    for key in path {
+        let key = new_key(&present, key).unwrap_or(key);
+        present.push(key);
+    }
+    present
+}
+
+/// True if `path` is one of the patterns, in which `*` is any one key.
+fn is_any_of(path: &[&str], patterns: &[&str]) -> bool {
+    patterns.iter().any(|pattern| {
+        let keys = pattern.split('.');
+        keys.clone().count() == path.len() && keys.zip(path).all(|(key, found)| key == ANY || key == *found)
+    })
+}
+
+/// Brings a value at `path` (of present names; empty for a whole scenario) to present names.
+/// Both names of a key in one table are an error.
+pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, errors: &mut Errors) {
+    match &mut node.value {
+        Value::Text(word) => {
+            if let Some(new) = new_value(path, word) {
+                found.push(OldName { origin: node.origin, old: format!("\"{word}\""), new: new.written() });
+                node.value = new.value();
+            }
+        }
+        Value::Array(items) => {
+            let path = [path, &[ANY]].concat();
+            items.iter_mut().for_each(|item| rename(item, &path, found, errors));
+        }
+        Value::Table(entries) => {
+            for i in 0..entries.len() {
+                let Some(new) = new_key(path, &entries[i].key) else { continue };
+                if entries.iter().any(|entry| entry.key == new) {
+                    let problem = Problem::BothNames { old: entries[i].key.clone(), new: new.to_owned() };
+                    errors.push(entries[i].key_origin, problem);
+                }
+                let old = std::mem::replace(&mut entries[i].key, new.to_owned());
+                found.push(OldName { origin: entries[i].key_origin, old, new: new.to_owned() });
+            }
+            for Entry { key, node, .. } in entries {
+                rename(node, &[path, &[&**key]].concat(), found, errors);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The changes that bring a scenario's text to the present names, from the last to the first.
+pub(crate) fn changes(text: &str, root: &Node, errors: &mut Errors) -> Vec<(Range<usize>, OldName)> {
+    let mut found = Vec::new();
+    let mut renamed = root.clone();
+    rename(&mut renamed, &[], &mut found, errors);
+    of_studies(&renamed, &[], &mut found);
+    found.sort_by_key(|name| std::cmp::Reverse(name.origin));
+    found.dedup();
+    let place = |name: OldName| (name.origin.start.min(text.len())..name.origin.end.min(text.len()), name);
+    found.into_iter().map(place).collect()
+}
+
+/// The old names among the paths that studies name, and among the values that they give to renamed keys.
+fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
+    match &node.value {
+        Value::Text(text) if is_any_of(path, PATHS) => {
+            let old: Vec<&str> = text.split('.').map(str::trim).collect();
+            let new = present(&old);
+            if new != old {
+                let (old, new) = (format!("\"{text}\""), format!("\"{}\"", new.join(".")));
+                found.push(OldName { origin: node.origin, old, new });
+            }
+        }
+        Value::Array(items) => {
+            let path = [path, &[ANY]].concat();
+            items.iter().for_each(|item| of_studies(item, &path, found));
+        }
+        Value::Table(entries) if is_any_of(path, &[CHANGES]) => {
+            entries.iter().for_each(|entry| of_change(entry, found));
+        }
+        Value::Table(entries) => {
+            let key = match node.get("key").map(|key| &key.value) {
+                Some(Value::Text(key)) => present(&key.split('.').map(str::trim).collect::<Vec<_>>()),
+                _ => Vec::new(),
+            };
+            for entry in entries {
+                match &entry.node.value {
+                    Value::Array(values)
+                        if ["values", "choices"].contains(&&*entry.key) && !key.is_empty() =>
+                    {
+                        let mut values = values.clone();
+                        values
+                            .iter_mut()
+                            .for_each(|value| rename(value, &key, found, &mut Errors::default()));
+                    }
+                    _ => of_studies(&entry.node, &[path, &[&*entry.key]].concat(), found),
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The old names in a key of a condition, dotted or nested, and in its value.
+fn of_change(entry: &Entry, found: &mut Vec<OldName>) {
+    let old: Vec<&str> = entry.key.split('.').map(str::trim).collect();
+    let new = present(&old);
+    if new != old {
+        let written = |path: &[&str]| match path.len() {
+            1 => path.concat(),
+            _ => format!("\"{}\"", path.join(".")),
+        };
+        found.push(OldName { origin: entry.key_origin, old: written(&old), new: written(&new) });
+    }
+    rename(&mut entry.node.clone(), &new, found, &mut Errors::default());
+}
+
+#[cfg(test)]
+mod tests;
