@@ -122,7 +122,7 @@ class Scenario(ByName[Any]):
         """
         here: Any = self.to_dict()
         done: list[str] = []
-        for key in _checked_key(path).split("."):
+        for key in _papilio.present_path(_checked_key(path)).split("."):
             key = key.strip()
             try:
                 # Indices count from 0, as where they are written: -1 is none.
@@ -184,6 +184,21 @@ class Scenario(ByName[Any]):
     def to_dict(self) -> dict[str, Any]:
         """All tables as dictionaries, with every default filled in."""
         return dict(json.loads(self._described.filled()))
+
+    def migrate(self) -> list[tuple[int, str, str]]:
+        """Replaces old names of keys and values in the text by the present ones, and states the format.
+
+        Comments, order and layout stay as they are. Old names are read everywhere; this is for files that are kept.
+
+        Returns:
+            Each name that was replaced: its line in the old text, the old name and the new one.
+
+        Raises:
+            ScenarioError: if one table has both names of a key; nothing is changed.
+        """
+        text, renamed = _papilio.migrate(self._text, self._name)
+        self._put(text)
+        return renamed
 
     def check(self) -> list[str]:
         """Looks everything up that the scenario names, and gives what looks wrong and yet can be computed.

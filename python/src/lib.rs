@@ -55,7 +55,9 @@ mod _papilio {
     #[pymodule_export]
     use crate::run::Prepared;
     #[pymodule_export]
-    use crate::scenario::{Described, Resolved, edit, new_scenario, preset_names, schema};
+    use crate::scenario::{
+        Described, Resolved, edit, migrate, new_scenario, present_path, preset_names, schema,
+    };
     #[pymodule_export]
     use crate::search::{Search, moved_text};
 

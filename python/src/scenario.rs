@@ -117,6 +117,24 @@ pub(crate) fn edit(py: Python<'_>, text: &str, edits: &str) -> PyResult<String> 
     papilio_scenario::edit(text, &edits).map_err(|errors| errors::scenario(py, &errors))
 }
 
+/// The text with the present names of keys and values, and what was replaced: line, old name, new name.
+#[pyfunction]
+pub(crate) fn migrate(
+    py: Python<'_>,
+    text: &str,
+    name: &str,
+) -> PyResult<(String, Vec<(usize, String, String)>)> {
+    let migrated = papilio_scenario::migrate(text, name).map_err(|errors| errors::scenario(py, &errors))?;
+    let renamed = migrated.renamed.into_iter().map(|one| (one.line, one.old, one.new)).collect();
+    Ok((migrated.text, renamed))
+}
+
+/// A dotted path with the present names of its keys.
+#[pyfunction]
+pub(crate) fn present_path(path: &str) -> String {
+    papilio_scenario::present_path(path)
+}
+
 /// A scenario in a preset's light.
 #[pyfunction]
 pub(crate) fn new_scenario(preset: &str) -> PyResult<String> {

@@ -108,3 +108,19 @@ def test_copies_and_pickles_are_their_own(indoor):
         assert other == indoor and other.hash == indoor.hash
         other["solver.seed"] = 7
         assert other != indoor and indoor["solver.seed"] == 0
+
+
+def test_old_names_are_read_and_migrated():
+    old = papilio.Scenario(
+        '[solver]\nmethod = "walk"  # the reference\npaths = 64\n[display.pixel]\nmodel = "uniform"\nkind = "mirror"\n'
+        "reflectance = { white = 0.5, black = 0.1 }\n"
+    )
+    assert old["solver.method"] == "monte-carlo"
+    assert old["solver.every_bin"] == old["solver.per_wavelength"] == False  # noqa: E712
+    new = old.copy()
+    assert new.migrate() == [(2, '"walk"', '"monte-carlo"')]
+    assert new.to_toml().startswith('format = 2\n\n[solver]\nmethod = "monte-carlo"  # the reference\n')
+    assert new.hash == old.hash
+    assert new.migrate() == []
+    new["solver.every_bin"] = True
+    assert "per_wavelength = true" in new.to_toml()

@@ -76,7 +76,7 @@ mod varied;
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
-pub use migrate::{Migrated, RenamedPlace, migrate};
+pub use migrate::{Migrated, RenamedPlace, migrate, present_path};
 pub use nearest::nearest;
 pub use optimise::{
     Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,

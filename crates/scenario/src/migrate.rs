@@ -2,7 +2,7 @@
 
 use crate::error::{Errors, ScenarioErrors};
 use crate::problem::Problem;
-use crate::renamed::{FORMAT, changes};
+use crate::renamed::{FORMAT, changes, present};
 use crate::scenario::parse;
 use crate::tree::Value;
 
@@ -24,6 +24,16 @@ pub struct RenamedPlace {
     pub old: String,
     /// The new name.
     pub new: String,
+}
+
+/// A dotted path, as of `--set`, with the present names of its keys.
+///
+/// ```
+/// assert_eq!(papilio_scenario::present_path("solver.every_bin"), "solver.per_wavelength");
+/// ```
+pub fn present_path(path: &str) -> String {
+    let keys: Vec<&str> = path.split('.').map(str::trim).collect();
+    present(&keys).join(".")
 }
 
 /// Brings a scenario's text to the present names, and states its `format`.
