@@ -304,7 +304,7 @@ fn the_docs_say_what_is_found() {
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     let share = &found["verdict"]["yield_share"];
     let percent = |key: &str| format!("{:.1}", 100.0 * share[key].as_f64().unwrap());
-    let said = format!("{} ± {} %", percent("value"), percent("standard_error").trim_start_matches('0'));
+    let said = format!("{} ± {} %", percent("value"), percent("standard_error"));
     let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();
     assert!(docs.contains(&said), "{said}");
 }

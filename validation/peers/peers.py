@@ -110,7 +110,7 @@ def rows(program, given):
     theirs = timed(work, designs.problem(given))
     (ours, a), (whole, _), (theirs, b) = in_turn(Papilio(program, "designs"), Papilio(program, "displays"), theirs)
     yield row("designs, bare film", "tmm_fast + colour-science", ours, theirs, apart(a, b))
-    yield row("designs, whole displays beside bare films", "tmm_fast + colour-science", whole, theirs, "-")
+    yield row("designs, whole displays vs. bare films", "tmm_fast + colour-science", whole, theirs, "-")
 
     # Half a minute each.
     work = matrices.PEERS["pywincalc"]
@@ -118,8 +118,8 @@ def rows(program, given):
     yield row("matrices", "pywincalc", ours, theirs, apart(a[-1], b))
 
     for luminous, kind, task in ((True, "luminous", "scene, Y"), (False, "bands", "scene, every band")):
-        for light in ("sky", "lamp"):
-            yield from scene_rows(program, given, (luminous, kind, light), f"{task}, {light}")
+        for light, label in (("sky", "sky"), ("lamp", "disc")):
+            yield from scene_rows(program, given, (luminous, kind, light), f"{task}, {label}")
 
 
 def scene_rows(program, given, case, task):
@@ -128,7 +128,7 @@ def scene_rows(program, given, case, task):
     ours = [Papilio(program, "scenes", kind, light, solver) for solver in solvers]
     theirs = [partial(scenes.measured, variant, given, luminous, light) for variant in variants]
     measured = in_turn(*ours, *theirs, rounds=3)
-    for solver, (papilio, a) in zip(solvers, measured):
+    for solver, (papilio, a) in zip(("adding", "Monte Carlo"), measured):
         a = a[-1] if luminous else a[:-1]
         for variant, (peer, b) in zip(variants, measured[len(solvers) :]):
             far = 100 * (np.mean(b) / np.mean(a) - 1)
@@ -150,7 +150,7 @@ def processor():
 def main():
     program = sys.argv[1]
     given = json.loads(subprocess.run([program, "inputs"], check=True, capture_output=True, text=True).stdout)
-    head = "| task | peer | peer, CPU | Papilio, CPU | times as fast | results differ by |"
+    head = "| task | peer | peer, CPU | Papilio, CPU | speed-up | results differ by |"
     lines = [head, "|---|---|---|---|---|---|"]
     for line in rows(program, given):
         print(line, flush=True)
