@@ -20,11 +20,11 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     let grid = grid(arguments.step, &resolved.scene)?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
-    let table = with_progress(arguments.workers.threads, |control| {
+    let table = with_progress(&resolved, arguments.workers.threads, |control| {
         papilio_display::brdf(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
     })?;
     let table = table.ok_or(Failure::Interrupted("nothing is written"))?;
-    let split = with_progress(arguments.workers.threads, |control| {
+    let split = with_progress(&resolved, arguments.workers.threads, |control| {
         papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
     })?;
     let split = split.ok_or(Failure::Interrupted("nothing is written"))?;

@@ -90,6 +90,11 @@ fn led(error: &papilio_design::DesignError) -> String {
 }
 
 impl Failure {
+    /// Why a scene could not be computed, with the place in the scenario where one is at fault.
+    fn of(resolved: &papilio_scenario::Resolved, error: papilio_display::DisplayError) -> Self {
+        resolved.located(&error).map_or(Self::Display(error), Self::Scenario)
+    }
+
     fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(_)

@@ -21,7 +21,7 @@ const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
-    let mut scene = resolved.scene;
+    let mut scene = resolved.scene.clone();
     match arguments.angles {
         None => {}
         Some(Angles::Air) => scene.solver.angle_medium = AngleMedium::Air,
@@ -29,7 +29,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     }
     let theta_deg = angles(arguments.step, &scene)?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
-    let scan = scan(&scene, &theta_deg)?;
+    let scan = scan(&scene, &theta_deg).map_err(|error| Failure::of(&resolved, error))?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::stdout();

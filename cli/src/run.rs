@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
-use papilio_display::scene::{AngleMedium, Scene};
-use papilio_display::{ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, room_light};
+use papilio_display::scene::{AngleMedium, Method, Scene};
+use papilio_display::{ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, adding_seconds, room_light};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
@@ -15,15 +15,19 @@ use crate::arguments::{Run, Solver};
 use crate::progress::in_log;
 use crate::{Failure, folder, interrupt, output, report, say};
 
+/// Less goes without saying, in seconds of one processor.
+const LONG_SECONDS: f64 = 20.0;
+
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
     let out = out_folder(arguments, &resolved.hash)?;
+    cost(&resolved)?.iter().for_each(|note| say(note));
     let started = Instant::now();
     let mut result = compute(&resolved, arguments.workers.threads)?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let cone = if arguments.cone && !result.solver.interrupted {
-        survey(&resolved.scene, arguments.allow_error, arguments.workers.threads)?
+        survey(&resolved, arguments.allow_error, arguments.workers.threads)?
     } else {
         None
     };
@@ -66,6 +70,20 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         (false, true) => Err(Failure::Interrupted("the cone is not there, all else is")),
         (false, false) => Ok(()),
     }
+}
+
+/// Says beforehand that adding will take long, if it will.
+fn cost(resolved: &Resolved) -> Result<Option<String>, Failure> {
+    if resolved.scene.solver.method != Method::Adding {
+        return Ok(None);
+    }
+    let seconds = adding_seconds(&resolved.scene).map_err(|error| Failure::of(resolved, error))?;
+    Ok((seconds >= LONG_SECONDS).then(|| {
+        format!(
+            "note: adding will take about {seconds:.0} s of one processor for these layers (an estimate, right to within a \
+             factor of ten); --solver walk needs no such preparation"
+        )
+    }))
 }
 
 /// Where the light comes from, where that is more than one direction or the same from all.
@@ -111,22 +129,25 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
 
 /// Computes the display that a scenario describes.
 pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
-    let result = with_progress(threads, |control| papilio_display::run(&resolved.scene, control))?;
+    let result = with_progress(resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
     result.ok_or(Failure::Interrupted("nothing was computed yet, nothing is written"))
 }
 
 /// All directions; `None` if interrupted.
 fn survey(
-    scene: &Scene,
+    resolved: &Resolved,
     allow_error: Option<f64>,
     threads: Option<u16>,
 ) -> Result<Option<ConeResult>, Failure> {
-    let grid = ConeGrid::within(scene)?;
-    with_progress(threads, |control| papilio_display::cone(scene, grid, control)?.allowing(allow_error))
+    let grid = ConeGrid::within(&resolved.scene)?;
+    with_progress(resolved, threads, |control| {
+        papilio_display::cone(&resolved.scene, grid, control)?.allowing(allow_error)
+    })
 }
 
-/// Computes something under a progress bar; `None` if it was interrupted before there was a result.
+/// Computes something of a scenario under a progress bar; `None` if it was interrupted before there was a result.
 pub(crate) fn with_progress<T>(
+    resolved: &Resolved,
     threads: Option<u16>,
     compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError>,
 ) -> Result<Option<T>, Failure> {
@@ -139,7 +160,7 @@ pub(crate) fn with_progress<T>(
     bar.finish_and_clear();
     match result {
         Err(DisplayError::Interrupted) => Ok(None),
-        other => Ok(other.map(Some)?),
+        other => other.map(Some).map_err(|error| Failure::of(resolved, error)),
     }
 }
 

@@ -55,7 +55,7 @@ pub(crate) fn bsdf<'py>(
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,
     };
-    let (bytes, missed, warnings) = computed(py, threads, progress, |control| {
+    let (bytes, missed, warnings) = computed(py, of, threads, progress, |control| {
         let table = brdf(&of.scene, grid, control)?.allowing(allow_error)?;
         let mut bytes = Vec::new();
         let written = write_bsdf(&mut bytes, &source, &table).map(|()| bytes);
@@ -78,8 +78,8 @@ pub(crate) fn beams<'py>(
     threads: Option<u16>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyBytes>> {
-    let found =
-        computed(py, threads, progress, |control| reflection(&scenario.of.scene, &theta_deg, control))?;
+    let of = &scenario.of;
+    let found = computed(py, of, threads, progress, |control| reflection(&of.scene, &theta_deg, control))?;
     let mut text = Vec::new();
     write_reflection(&mut text, &found).map_err(|error| errors::internal(&error.to_string()))?;
     Ok(PyBytes::new(py, &text))
@@ -87,6 +87,7 @@ pub(crate) fn beams<'py>(
 
 fn computed<T: Send>(
     py: Python<'_>,
+    of: &papilio_scenario::Resolved,
     threads: Option<u16>,
     progress: Option<Bound<'_, PyAny>>,
     work: impl FnOnce(&Control<'_>) -> Result<T, DisplayError> + Send,
@@ -96,6 +97,6 @@ fn computed<T: Send>(
     })?;
     found.map_err(|error| match error {
         DisplayError::Interrupted => PyKeyboardInterrupt::new_err(()),
-        error => errors::display(py, &error),
+        error => errors::display_of(py, of, &error),
     })
 }

@@ -64,7 +64,7 @@ impl Cone {
         match found {
             Ok(of) => Ok(Self { of }),
             Err(DisplayError::Interrupted) => Err(PyKeyboardInterrupt::new_err(())),
-            Err(error) => Err(errors::display(py, &error)),
+            Err(error) => Err(errors::display_of(py, &scenario.of, &error)),
         }
     }
 

@@ -3,7 +3,7 @@
 use papilio_design::DesignError;
 use papilio_display::DisplayError;
 use papilio_formats::{FormatError, Place};
-use papilio_scenario::ScenarioErrors;
+use papilio_scenario::{Resolved, ScenarioErrors};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -33,8 +33,13 @@ pub(crate) fn format(py: Python<'_>, error: &FormatError) -> PyErr {
     raised(py, "FileError", error.to_string(), mistake)
 }
 
+/// Why a scene cannot be computed, with the place in its scenario where one is at fault.
+pub(crate) fn display_of(py: Python<'_>, resolved: &Resolved, error: &DisplayError) -> PyErr {
+    resolved.located(error).map_or_else(|| display(py, error), |errors| scenario(py, &errors))
+}
+
 /// Why a scene cannot be computed.
-pub(crate) fn display(py: Python<'_>, error: &DisplayError) -> PyErr {
+fn display(py: Python<'_>, error: &DisplayError) -> PyErr {
     raised(py, "DisplayError", error.to_string(), Ok(Vec::new()))
 }
 

@@ -27,7 +27,7 @@ impl Prepared {
     #[new]
     fn new(py: Python<'_>, like: &Resolved) -> PyResult<Self> {
         let prepared = py.detach(|| papilio_display::Prepared::new(&like.of.scene));
-        Ok(Self { kept: Mutex::new(prepared.map_err(|error| errors::display(py, &error))?) })
+        Ok(Self { kept: Mutex::new(prepared.map_err(|error| errors::display_of(py, &like.of, &error))?) })
     }
 
     #[pyo3(signature = (scenario, threads=None, progress=None))]
@@ -48,7 +48,7 @@ impl Prepared {
         match outcome {
             Some(Ok(result)) => Ok(RunResult::new(result, Arc::clone(of))),
             Some(Err(DisplayError::Interrupted)) => Err(PyKeyboardInterrupt::new_err(())),
-            Some(Err(error)) => Err(errors::display(py, &error)),
+            Some(Err(error)) => Err(errors::display_of(py, of, &error)),
             None => Err(errors::internal("this display was left half done by an earlier fault")),
         }
     }

@@ -5,7 +5,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use papilio_display::DisplayError;
 use papilio_formats::FormatError;
-use papilio_scenario::{ScenarioError, ScenarioErrors};
+use papilio_scenario::{Resolved, ScenarioError, ScenarioErrors};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -111,6 +111,13 @@ impl From<&ScenarioError> for OneError {
             expected: error.problem.expected(),
             hint: error.hint(),
         }
+    }
+}
+
+impl Fault {
+    /// Why a scene could not be computed, with the place in the scenario where one is at fault.
+    pub(crate) fn of(resolved: &Resolved, error: DisplayError) -> Self {
+        resolved.located(&error).map_or_else(|| error.into(), Self::from)
     }
 }
 

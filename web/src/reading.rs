@@ -6,7 +6,6 @@ use std::sync::Arc;
 use axum::http::StatusCode;
 use papilio_display::adding_seconds;
 use papilio_display::pixel::state_names;
-use papilio_display::scene::Scene;
 use papilio_scenario::{Edit, Library, Resolved, Scenario};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -97,7 +96,7 @@ impl Given {
             scenario = self.read(&library, &set)?;
         }
         let resolved = scenario.resolve()?;
-        check_work(&resolved.scene)?;
+        check_work(&resolved)?;
         Ok((scenario, resolved))
     }
 
@@ -130,7 +129,8 @@ fn set_for(scenario: &Scenario, by: By) -> Vec<String> {
 }
 
 /// Refuses what would make an answer that no page can show, and what could not be stopped soon enough.
-pub(crate) fn check_work(scene: &Scene) -> Result<(), Fault> {
+pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
+    let scene = &resolved.scene;
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let states = state_names(&scene.display.pixel).len();
     let numbers = views * states * scene.grid.len();
@@ -143,7 +143,7 @@ pub(crate) fn check_work(scene: &Scene) -> Result<(), Fault> {
             "fewer views or a larger spectrum.step_nm; `papilio run` takes all of it",
         ));
     }
-    let seconds = adding_seconds(scene)?;
+    let seconds = adding_seconds(scene).map_err(|error| Fault::of(resolved, error))?;
     if seconds > MOST_SECONDS {
         return Err(Fault::too_much(
             format!("these layers would take adding about {seconds:.0} s, more than a page waits for"),

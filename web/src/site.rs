@@ -79,7 +79,7 @@ impl Site {
             store: Store::default(),
             kept: Kept::default(),
             memo: Arc::default(),
-            quick: Gate::new(processors.max(2), seconds(20)),
+            quick: Gate::new(processors.max(2), seconds(20)).with_slow(seconds(1), processors.max(2)),
             // Uploads come in crowds, and most of them take milliseconds: they wait rather than being refused.
             files: Gate::new(processors.max(2), seconds(120)).with_patience(seconds(30)),
             long: Gate::new(processors.div_ceil(2), seconds(120)),
@@ -128,7 +128,7 @@ impl Site {
         self.0.memo.clone()
     }
 
-    /// For what takes milliseconds.
+    /// For what takes milliseconds; what takes longer than a second leaves its place to others.
     pub(crate) fn quick(&self) -> &Gate {
         &self.0.quick
     }

@@ -43,7 +43,8 @@ pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
     }
     text.push_str(&table(&rows));
     text.push_str(
-        "  display: luminance through the lobe and back over a mirror, largest deviation from the data's (best first)\n  \
+        "  display: luminance through the lobe and back over a mirror, largest deviation from the data's (best first),\n           \
+         of light from and to directions that were measured\n  \
          residual: rms of (data - lobe) cos(theta), relative; total: of all cells\n\nparameters, with 95 % intervals\n",
     );
     text.push_str(&parameters);

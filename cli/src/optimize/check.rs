@@ -41,10 +41,11 @@ pub(super) fn check(
     let values = study.values(&best.design)?;
     let mut results = Vec::new();
     for condition in &study.conditions {
-        let mut scene = condition.varied.scenario(&values)?.resolve()?.scene;
+        let resolved = condition.varied.scenario(&values)?.resolve()?;
+        let mut scene = resolved.scene.clone();
         scene.solver.method = Method::Walk;
         scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, every_bin: false };
-        match with_progress(threads, |control| papilio_display::run(&scene, control))? {
+        match with_progress(&resolved, threads, |control| papilio_display::run(&scene, control))? {
             Some(result) if !result.solver.interrupted => results.push(result),
             _ => return Ok(None),
         }

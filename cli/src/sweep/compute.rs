@@ -67,7 +67,10 @@ fn at(
             Ok(Some((point, resolved.hash, Some(kept))))
         }
         Err(DisplayError::Interrupted) => Ok(None),
-        Err(error) => Err(failed_at(head, point, &error)),
+        Err(error) => Err(match resolved.located(&error) {
+            Some(errors) => failed_at(head, point, &errors),
+            None => failed_at(head, point, &error),
+        }),
     }
 }
 

@@ -32,9 +32,9 @@ pub enum DisplayError {
     },
     /// A film's fringes over angle are too many to tabulate.
     #[error(
-        "{key}: a layer of {thickness_nm} nm in the pixel's film makes {fringes} interference fringes over angle at \
-         {nm} nm, more than are tabulated (expected about 100 at most, films and gaps of about 0.015 mm in all; a \
-         thicker layer does not interfere in room light: make it a layer of the display, or the substrate)"
+        "{key}: this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than \
+         are tabulated (expected films of about {most_mm} mm in all at most; a thicker layer does not interfere in room \
+         light: make it a layer of the display)"
     )]
     Fringes {
         /// The key of its thickness or gap.
@@ -45,6 +45,8 @@ pub enum DisplayError {
         fringes: f64,
         /// The wavelength.
         nm: f64,
+        /// How thick films may be.
+        most_mm: f64,
     },
     /// Angles in glass need one index.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
@@ -136,4 +138,20 @@ pub enum DisplayError {
     /// The run was stopped before there was anything to report.
     #[error("stopped before the first estimate")]
     Interrupted,
+}
+
+/// The thickest coating, mm.
+const THICKEST_COATING_MM: f64 = 0.05;
+
+impl DisplayError {
+    /// What is wrong with a coating that errors call `key`.
+    pub(crate) fn of_coating(error: OpticsError, key: &str) -> Self {
+        match error {
+            OpticsError::Fringes { layer, thickness_nm, fringes, nm } => {
+                let key = format!("{key}.film.{layer}.thickness_nm");
+                Self::Fringes { key, thickness_nm, fringes, nm, most_mm: THICKEST_COATING_MM }
+            }
+            error => error.into(),
+        }
+    }
 }

@@ -133,8 +133,8 @@ pub enum Interface {
     Fresnel,
     /// A component that mirrors and absorbs at all angles alike; the media have the same index.
     Sheet(FrontComponent),
-    /// Coherent thin films of fixed thickness, top to bottom.
-    Coating(Vec<FilmLayer>),
+    /// Coherent thin films.
+    Coating(Coating),
     /// A diffuser given by its BTDF.
     Diffuser(Diffuser),
     /// A rough face between media of constant index.
@@ -146,6 +146,15 @@ pub enum Interface {
     },
     /// A face given by its BSDF: light of the air disc is scattered into it, passes straight, or is lost.
     Scatter(ScatterFace),
+}
+
+/// Coherent thin films between two media.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coating {
+    /// Of fixed thickness, top to bottom.
+    pub films: Vec<FilmLayer>,
+    /// What errors call it: where the scenario describes it, such as `display.layers.1`.
+    pub key: String,
 }
 
 /// A homogeneous medium.

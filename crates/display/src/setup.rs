@@ -232,8 +232,9 @@ fn interface(
             reflectance: sheet.reflectance.clone(),
             absorptance: sheet.absorptance.clone(),
         },
-        scene::Interface::Coating(films) => {
-            Interface::Coating(Coating::new(&scene.grid.wavelengths_nm(), above, films, below)?)
+        scene::Interface::Coating(coating) => {
+            let made = Coating::new(&scene.grid.wavelengths_nm(), above, &coating.films, below);
+            Interface::Coating(made.map_err(|error| DisplayError::of_coating(error, &coating.key))?)
         }
         scene::Interface::Diffuser(diffuser) => Interface::Diffuser(self::diffuser(diffuser)),
         scene::Interface::Scatter(face) => Interface::Scatter(Box::new(face.clone())),

@@ -14,10 +14,17 @@ const DIFFUSE: [f64; 2] = [8.0, 45.0];
 const STEPS: i32 = 160;
 
 /// By how much the luminances through one lobe differ from those through another, relative: the largest over presets and viewing angles.
-pub fn double_pass_error(lobe: impl Fn(Beta, Beta) -> f64, truth: impl Fn(Beta, Beta) -> f64) -> f64 {
-    let [found, true_] = [luminances(&lobe), luminances(&truth)];
-    let errors = found.iter().zip(&true_).map(|(a, b)| (a / b - 1.0).abs());
-    errors.fold(0.0, |worst: f64, error| if error > worst || error.is_nan() { error } else { worst })
+/// Only light between directions that are `known` counts, of both; `None` if there is none in any preset.
+pub fn double_pass_error(
+    lobe: impl Fn(Beta, Beta) -> f64,
+    truth: impl Fn(Beta, Beta) -> f64,
+    known: impl Fn(Beta, Beta) -> bool,
+) -> Option<f64> {
+    let found = luminances(&|from, to| if known(from, to) { lobe(from, to) } else { 0.0 });
+    let true_ = luminances(&|from, to| if known(from, to) { truth(from, to) } else { 0.0 });
+    let there = found.iter().zip(&true_).filter(|(_, truth)| **truth != 0.0);
+    let errors = there.map(|(found, truth)| (found / truth - 1.0).abs());
+    errors.reduce(|worst, error| if error > worst || error.is_nan() { error } else { worst })
 }
 
 /// Luminance factors, directed then diffuse.
@@ -77,10 +84,21 @@ mod tests {
         }
     }
 
+    /// What is wrong beyond what is known is no error, and where nothing is known there is none.
+    #[test]
+    fn only_known_directions_count() {
+        let known = |from: Beta, to: Beta| from.length() < 0.7 && to.length() < 0.9;
+        let wrong = move |from: Beta, to: Beta| if known(from, to) { lobe(0.05)(from, to) } else { 1e3 };
+        assert_eq!(double_pass_error(wrong, lobe(0.05), known), Some(0.0));
+        assert!(double_pass_error(wrong, lobe(0.05), |_, _| true).unwrap() > 1.0);
+        assert_eq!(double_pass_error(wrong, lobe(0.05), |_, _| false), None);
+    }
+
     #[test]
     fn lobes_are_told_apart() {
-        assert_eq!(double_pass_error(lobe(0.05), lobe(0.05)), 0.0);
-        let error = double_pass_error(lobe(0.0505), lobe(0.05));
+        let all = |_: Beta, _: Beta| true;
+        assert_eq!(double_pass_error(lobe(0.05), lobe(0.05), all), Some(0.0));
+        let error = double_pass_error(lobe(0.0505), lobe(0.05), all).unwrap();
         assert!((0.001..0.02).contains(&error), "{error}");
     }
 }

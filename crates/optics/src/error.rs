@@ -56,10 +56,16 @@ pub enum OpticsError {
     CoatingGap,
     /// A coating's fringes over direction are too many to tabulate.
     #[error(
-        "the coating's interference fringes at {nm} nm are too many (expected films of 0.05 mm in all at \
-         most; a thicker layer does not interfere, and is a layer of its own)"
+        "layer {layer} of the coating, of {thickness_nm} nm, makes {fringes} interference fringes over angle at {nm} nm, \
+         more than are tabulated (expected films of 0.05 mm in all at most)"
     )]
     Fringes {
+        /// The layer that makes the most, counted from 0.
+        layer: usize,
+        /// Its thickness.
+        thickness_nm: f64,
+        /// Their number, from the normal to the horizon in the layer.
+        fringes: f64,
         /// The wavelength.
         nm: f64,
     },

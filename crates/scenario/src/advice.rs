@@ -38,6 +38,7 @@ impl Problem {
             Self::TooThickToWalk { limit, .. } => format!("expected at most {limit} with method = \"monte-carlo\""),
             Self::NewerFormat { .. } => format!("expected a format from 1 to {FORMAT}"),
             Self::BothNames { new, .. } => format!("expected `{new}` alone"),
+            Self::TooManyFringes { most_mm, .. } => format!("expected films of about {most_mm} mm in all at most"),
             Self::NoFace => "expected two media of different index".to_owned(),
             Self::DispersiveFace { .. } | Self::DispersivePixel { .. } => {
                 "expected the same index at all wavelengths".to_owned()
@@ -158,6 +159,11 @@ impl Problem {
             }
             Self::TooThickToWalk { .. } => {
                 "use method = \"adding\", which takes thick slabs in its stride".to_owned()
+            }
+            Self::TooManyFringes { .. } => {
+                "a layer so thick does not interfere in room light: describe it as a layer of the display, \
+                 { kind = \"medium\", index = 1.5 }, with the thin films below it as the pixel's film or a coating"
+                    .to_owned()
             }
             Self::NoGlass { n, k, largest_k, .. }
                 if (1.0..=10.0).contains(n) && *k > *largest_k && *k <= ABSORBING_K =>

@@ -233,6 +233,20 @@ pub enum Problem {
         /// The largest that is walked.
         limit: f64,
     },
+    /// A film whose interference fringes over angle are too many to tabulate.
+    #[error(
+        "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than are tabulated"
+    )]
+    TooManyFringes {
+        /// Thickness of the layer that makes the most.
+        thickness_nm: f64,
+        /// Their number, from the normal to the horizon in the layer.
+        fringes: f64,
+        /// The wavelength.
+        nm: f64,
+        /// How thick films may be.
+        most_mm: f64,
+    },
     /// Shares that should make a whole and do not.
     #[error("{what} sum to {}", tidy(*.sum))]
     Sum {

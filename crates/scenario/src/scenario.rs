@@ -1,7 +1,9 @@
 //! A scenario from its text to a scene.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use papilio_display::DisplayError;
 use papilio_display::scene::Scene;
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
@@ -9,6 +11,7 @@ use serde_json::{Map, Value, json};
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
+use crate::problem::Problem;
 use crate::read::Read;
 use crate::renamed::OldName;
 use crate::resolve::{self, Found, VirtualMeasurement};
@@ -26,11 +29,18 @@ const LONGEST_TEXT: usize = 1 << 20;
 pub struct Scenario {
     file: File,
     library: Library,
-    sources: Sources,
+    written: Arc<Written>,
     /// What looked wrong before anything was looked up.
     warnings: Vec<String>,
     /// What the reader should know before anything was looked up.
     pub(crate) notes: Vec<String>,
+}
+
+/// What was written, and where.
+#[derive(Debug)]
+struct Written {
+    root: Node,
+    sources: Sources,
 }
 
 /// A scenario that can be computed.
@@ -49,6 +59,7 @@ pub struct Resolved {
     pub canonical: Value,
     /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
     pub hash: String,
+    written: Arc<Written>,
 }
 
 impl Scenario {
@@ -90,7 +101,8 @@ impl Scenario {
         let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        Ok(Self { file, library, sources, warnings: assembled.warnings, notes: assembled.notes })
+        let written = Arc::new(Written { root: assembled.root, sources });
+        Ok(Self { file, library, written, warnings: assembled.warnings, notes: assembled.notes })
     }
 
     /// The scenario as it was read, with every default filled in, in the order of the grammar and the text.
@@ -109,7 +121,7 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and where the display has no diffuser that is given by its BTDF.
     pub fn measurement(&self) -> Result<VirtualMeasurement, ScenarioErrors> {
-        resolve::measurement(&self.file, &self.library, &self.sources)
+        resolve::measurement(&self.file, &self.library, &self.written.sources)
     }
 
     /// Looks up materials, lights and files, puts everything on the wavelength grid and checks it.
@@ -119,7 +131,7 @@ impl Scenario {
     /// data files with the file's line and column.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.library, &self.sources)?;
+            resolve::resolve(&self.file, &self.library, &self.written.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             // What else might be computed has no part in what is.
@@ -135,7 +147,33 @@ impl Scenario {
             notes: [self.notes.clone(), notes].concat(),
             canonical,
             hash,
+            written: Arc::clone(&self.written),
         })
+    }
+}
+
+impl Resolved {
+    /// An error of the scene as one of the scenario, with its place in the text; `None` if no key is at fault.
+    ///
+    /// ```
+    /// use papilio_display::pixel::scan;
+    /// use papilio_scenario::{Scenario, new_scenario};
+    ///
+    /// let text = new_scenario("indoor").unwrap();
+    /// let thick = ["display.pixel.film.2.thickness_nm=1e6".to_owned()];
+    /// let resolved = Scenario::from_text(&text, "thick.toml", std::path::Path::new(""), &thick)?.resolve()?;
+    /// let error = scan(&resolved.scene, &[0.0]).unwrap_err();
+    /// let errors = resolved.located(&error).unwrap();
+    /// assert_eq!(errors.iter().next().unwrap().place.to_string(), "--set #1:1:34");
+    /// # Ok::<(), papilio_scenario::ScenarioErrors>(())
+    /// ```
+    pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
+        let DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } = error else { return None };
+        let (thickness_nm, fringes, nm, most_mm) = (*thickness_nm, *fringes, *nm, *most_mm);
+        let Written { root, sources } = &*self.written;
+        let mut errors = Errors::default();
+        errors.push(root.place_of(key), Problem::TooManyFringes { thickness_nm, fringes, nm, most_mm });
+        errors.check(sources).err()
     }
 }
 

@@ -123,6 +123,13 @@ impl Node {
         })
     }
 
+    /// Where what is at a dotted path stands, or the nearest that holds it.
+    pub(crate) fn place_of(&self, path: &str) -> Origin {
+        let ends = path.match_indices('.').map(|(at, _)| at).chain([path.len()]);
+        let there = ends.map_while(|end| self.at(&path[..end])).last();
+        there.map_or(Origin::FILE, |node| node.origin)
+    }
+
     /// Takes a key out of a table, if this is one that has it.
     pub(crate) fn remove(&mut self, key: &str) {
         if let Value::Table(entries) = &mut self.value {

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::{ConeGrid, ConeResult, Control};
 use papilio_formats::CONE_QUANTITIES;
+use papilio_scenario::Resolved;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -78,7 +79,7 @@ pub(super) async fn cone(site: Site, asked: ConeOf) -> Result<ConeSeen, Fault> {
     site.long()
         .work(move |stop| {
             let (_, resolved) = given.resolve(&of, By::Adding)?;
-            let cone = survey(&resolved.scene, asked.step_deg, stop)?;
+            let cone = survey(&resolved, asked.step_deg, stop)?;
             let title = resolved.title.unwrap_or_default();
             let figures =
                 papilio_figures::cone(&cone, &title).map(|svg| Figure { name: "cone".to_owned(), svg });
@@ -98,10 +99,11 @@ pub(super) async fn cone(site: Site, asked: ConeOf) -> Result<ConeSeen, Fault> {
 
 /// All directions so many degrees apart.
 pub(super) fn survey(
-    scene: &papilio_display::scene::Scene,
+    resolved: &Resolved,
     step_deg: f64,
     stop: &AtomicBool,
 ) -> Result<ConeResult, Fault> {
+    let scene = &resolved.scene;
     let mut grid = ConeGrid::within(scene)?;
     if step_deg > 1.0 {
         let last = grid.theta_deg.last().copied().unwrap_or(0.0);
@@ -111,7 +113,7 @@ pub(super) fn survey(
         grid.phi_deg = (0..around as usize).map(|k| 360.0 * k as f64 / around).collect();
     }
     let control = Control { threads: None, progress: &|_| {}, stop };
-    Ok(papilio_display::cone(scene, grid, &control)?)
+    papilio_display::cone(scene, grid, &control).map_err(|error| Fault::of(resolved, error))
 }
 
 /// From `from` on in steps, `to` included if they reach it.

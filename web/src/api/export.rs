@@ -54,7 +54,7 @@ fn exported(site: &Site, given: &Given, what: &str, stop: &AtomicBool) -> Result
         "states.csv" => written(write_states(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
         "spectra.csv" => written(write_spectra(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
         "report.html" => {
-            let cone = survey(&answer.resolved.scene, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
+            let cone = survey(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
             let page = report::page(&answer, &given.scenario, &cone);
             Ok(text(page.into_bytes(), "text/html; charset=utf-8"))
         }
@@ -67,7 +67,7 @@ fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fa
     let (name, end) = what.rsplit_once('.').ok_or_else(unknown)?;
     let svg = match name {
         "cone" => {
-            let cone = survey(&answer.resolved.scene, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
+            let cone = survey(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
             papilio_figures::cone(&cone, answer.title())
         }
         _ => {

@@ -97,7 +97,8 @@ pub(super) fn look(site: &Site, given: &Given, stop: &AtomicBool) -> Result<Answ
 /// Computes what is resolved.
 pub(super) fn seen(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
     let control = Control { threads: None, progress: &|_| {}, stop };
-    let mut result = site.kept().run(&resolved.scene, &control)?;
+    let result = site.kept().run(&resolved.scene, &control);
+    let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     Ok(Answer { resolved, result })
 }

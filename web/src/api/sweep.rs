@@ -77,7 +77,7 @@ fn prepared(site: &Site, given: &Given) -> Result<Sweep, Fault> {
         return Err(Fault::too_much(message, "fewer values on an axis, or `papilio sweep`"));
     }
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
-        check_work(&sweep.scenario(point)?.resolve()?.scene)?;
+        check_work(&sweep.scenario(point)?.resolve()?)?;
     }
     Ok(sweep)
 }
@@ -91,7 +91,8 @@ fn run(site: &Site, sweep: &Sweep, teller: &Teller) -> Result<SweepEvent, Fault>
             return Err(crate::work::too_long(teller.deadline()));
         }
         let resolved = sweep.scenario(index)?.resolve()?;
-        let mut result = site.kept().run(&resolved.scene, &control)?;
+        let result = site.kept().run(&resolved.scene, &control);
+        let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
         result.warnings.splice(0..0, resolved.warnings);
         let point = SweepPoint::new(index, resolved.hash, env!("CARGO_PKG_VERSION"), &result);
         teller.tell_surely(&SweepEvent::Point(told(&head, index, &point)));

@@ -129,7 +129,7 @@ fn run(resolved: Resolved, live: &Answer, teller: &Teller) -> WalkEvent {
                 result: Answer { resolved, result },
             }))
         }
-        Err(error) => WalkEvent::Failed(Fault::from(error).body),
+        Err(error) => WalkEvent::Failed(Fault::of(&resolved, error).body),
     }
 }
 

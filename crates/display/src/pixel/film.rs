@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use papilio_optics::film::{GapFilm, Thickness, Variable};
+use papilio_optics::film::{GapFilm, LayerFringes, Thickness, Variable, most_fringes};
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 
@@ -93,42 +93,56 @@ pub(crate) fn tabulated(
     Ok((Nodes::CosinePanels(panels), values))
 }
 
-/// Of the layers that light gets through the one whose fringes over angle are the most.
+/// The thickest film of a pixel whose fringes a table holds, mm.
+const THICKEST_MM: f64 = 0.015;
+
+/// What is said of a film whose fringes have no table: the layer that makes the most of them, where it makes the most.
 fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayError {
-    let wavelengths_nm = grid.wavelengths_nm();
     let gap_nm = gaps_nm.iter().copied().fold(0.0, f64::max);
-    let mut most = (0, 0.0, 0.0);
-    for (number, layer) in film.layers.iter().enumerate() {
-        let thickness_nm = match layer.thickness {
-            Thickness::Fixed(nm) => nm,
-            Thickness::Gap => gap_nm,
-        };
-        for (index, nm) in layer.index.iter().zip(&wavelengths_nm) {
-            // How often the optical path to and fro holds the wavelength, and what is left of the light on the way.
-            let fringes = 2.0 * index.re * thickness_nm / nm;
-            let left = (-8.0 * std::f64::consts::PI * index.im * thickness_nm / nm).exp();
-            if left > OPAQUE && fringes > most.1 {
-                most = (number, fringes, *nm);
-            }
-        }
-    }
-    let (number, fringes, nm) = most;
-    let layer = film.layers.get(number).map(|layer| layer.thickness);
-    let (key, thickness_nm) = match layer {
-        Some(Thickness::Fixed(nm)) => (format!("film.{number}.thickness_nm"), nm),
-        _ => {
-            let of_gap = film.sub_pixels.iter().find(|sub_pixel| sub_pixel.gap_nm == gap_nm);
-            let name = of_gap.map_or("dark", |sub_pixel| &sub_pixel.name);
-            let name = if of_gap.is_none() && film.dark_gap_nm != Some(gap_nm) { "states" } else { name };
-            let key = if name == "states" { name.to_owned() } else { format!("gap_nm.{name}") };
-            (key, gap_nm)
-        }
+    let thickness_nm = |layer: &FilmLayer| match layer.thickness {
+        Thickness::Fixed(nm) => nm,
+        Thickness::Gap => gap_nm,
     };
-    DisplayError::Fringes { key: format!("display.pixel.{key}"), thickness_nm, fringes: fringes.ceil(), nm }
+    let at = |(bin, nm): (usize, f64)| {
+        let layers = film.layers.iter().map(|layer| (layer.index[bin], thickness_nm(layer)));
+        (most_fringes(layers, nm), nm)
+    };
+    let (most, nm) = grid
+        .wavelengths_nm()
+        .into_iter()
+        .enumerate()
+        .map(at)
+        .reduce(|most, one| if one.0.fringes > most.0.fringes { one } else { most })
+        .unwrap_or((LayerFringes { layer: 0, fringes: 0.0 }, 0.0));
+    let layer = film.layers.get(most.layer);
+    let key = match layer.map(|layer| layer.thickness) {
+        Some(Thickness::Fixed(_)) => format!("film.{}.thickness_nm", most.layer),
+        _ => gap_key(film, gap_nm),
+    };
+    DisplayError::Fringes {
+        key: format!("display.pixel.{key}"),
+        thickness_nm: layer.map_or(gap_nm, thickness_nm),
+        fringes: most.fringes.ceil(),
+        nm,
+        most_mm: THICKEST_MM,
+    }
 }
 
-/// A layer that leaves less of the light, to and fro, has no fringes.
-const OPAQUE: f64 = 1e-9;
+/// Where a pixel is given this gap: for a sub-pixel, the dark ones, or in a state.
+fn gap_key(film: &FilmPixel, gap_nm: f64) -> String {
+    if let Some(sub_pixel) = film.sub_pixels.iter().find(|sub_pixel| sub_pixel.gap_nm == gap_nm) {
+        return format!("gap_nm.{}", sub_pixel.name);
+    }
+    if film.dark_gap_nm == Some(gap_nm) {
+        return "gap_nm.dark".to_owned();
+    }
+    let drives = film.states.iter().flat_map(|state| {
+        state.drives.iter().zip(&film.sub_pixels).map(move |(drive, sub_pixel)| (state, drive, sub_pixel))
+    });
+    let own = drives.filter(|(_, drive, _)| matches!(drive, Drive::Gap(nm) if *nm == gap_nm));
+    let mut own = own.map(|(state, _, sub_pixel)| format!("states.{}.{}.gap_nm", state.name, sub_pixel.name));
+    own.next().unwrap_or_else(|| "gap_nm".to_owned())
+}
 
 /// Whose gap it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -405,7 +419,7 @@ mod tests {
         let grid = Grid::new(500.0, 600.0, 50.0).unwrap();
         let index = Spectrum::from_values(vec![1.5; grid.len()]);
         let error = base(&film(1e5, grid.len()), &grid, &index, &mut None, None).unwrap_err();
-        let DisplayError::Fringes { key, thickness_nm, fringes, nm } = error else {
+        let DisplayError::Fringes { key, thickness_nm, fringes, nm, .. } = error else {
             unreachable!("{error}");
         };
         assert_eq!(

@@ -106,6 +106,11 @@ impl BsdfProblem {
                  own, and CSV with the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value"
             }
             Self::Ends { .. } => "the file seems to be cut off: copy it again",
+            Self::Damaged { what: "archive", .. } => {
+                "copy the file again, or write it once more: `papilio diffuser convert` and numpy.savez (not \
+                 numpy.savez_compressed) write what is read here"
+            }
+            Self::Damaged { .. } => "copy the file again, or export it once more from the program that wrote it",
             _ => return None,
         })
     }

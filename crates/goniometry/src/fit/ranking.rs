@@ -28,7 +28,8 @@ pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec
 }
 
 /// Fits of a part's channel by one kind of lobe, or by all of them, ranked by their [`double_pass_error`] against the
-/// kernel that a display would take of the data itself.
+/// kernel that a display would take of the data itself, from and to directions that were measured: what a display would
+/// extrapolate says nothing of a lobe. Of a measurement with one incidence there is no such error, for no light crosses twice.
 ///
 /// # Errors
 /// If the data are too few or too dark for a fit.
@@ -43,9 +44,15 @@ pub fn fitted(
         None => Fit::all(&data, options)?,
         Some(kind) => vec![Fit::new(&data, kind, options)?],
     };
-    let truth = kernel(part, channel, &Preparation { extrapolate: Some(1.0), ..Preparation::default() }, &[]);
+    let made = |extrapolate| {
+        let preparation = Preparation { extrapolate, ..Preparation::default() };
+        kernel(part, channel, &preparation, &[]).ok().map(|(scatter, _)| scatter)
+    };
+    let (truth, going_on) = (made(None), made(Some(1.0)));
     Ok(ranked(fits, |fit| {
-        let (truth, _) = truth.as_ref().ok()?;
-        Some(double_pass_error(|from, to| fit.value(from, to), |from, to| truth.value(from, to)))
+        let (truth, going_on) = (truth.as_ref()?, going_on.as_ref()?);
+        // Dark because it was not measured is what would not be dark if the lobe went on.
+        let known = |from, to| truth.value(from, to) > 0.0 || going_on.value(from, to) <= 0.0;
+        double_pass_error(|from, to| fit.value(from, to), |from, to| truth.value(from, to), known)
     }))
 }

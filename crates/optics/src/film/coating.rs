@@ -26,7 +26,7 @@
 //! differ from its two sides; R + T <= 1 holds to rounding on both.
 
 use super::coherent::{Film, Layer, Polarisation, coherent};
-use super::{SpectralLayer, Thickness, checked_incidence, checked_wavelength};
+use super::{SpectralLayer, Thickness, checked_incidence, checked_wavelength, most_fringes};
 use crate::OpticsError;
 use crate::chebyshev::Piecewise;
 
@@ -123,6 +123,7 @@ impl Table {
     fn new(nm: f64, above: f64, layers: Vec<Layer>, below: f64) -> Result<Self, OpticsError> {
         checked_wavelength(nm)?;
         let (above, below) = (checked_incidence(above)?, checked_incidence(below)?);
+        let fringes = too_many_fringes(&layers, nm);
         let from_below = layers.iter().rev().copied().collect();
         let down = Film { incidence: above, layers, substrate: below.into() };
         let up = Film { incidence: below, layers: from_below, substrate: above.into() };
@@ -139,10 +140,9 @@ impl Table {
             let film = if above > below { &down } else { &up };
             Ok([mean(film, nm, beta)?[1]])
         };
-        let fringes = OpticsError::Fringes { nm };
         let denser = match above == below {
             true => None,
-            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or(fringes)?),
+            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or_else(|| fringes.clone())?),
         };
         let both = both.ok_or(fringes)?;
         Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })
@@ -171,6 +171,13 @@ impl Table {
             if self.above_squared > self.below_squared { (reflectance, 0.0) } else { (0.0, reflectance) };
         CoatingPart { transmittance: 0.0, above, below }
     }
+}
+
+/// What is said of layers whose fringes have no table.
+fn too_many_fringes(layers: &[Layer], nm: f64) -> OpticsError {
+    let most = most_fringes(layers.iter().map(|layer| (layer.index, layer.thickness_nm)), nm);
+    let thickness_nm = layers.get(most.layer).map_or(0.0, |layer| layer.thickness_nm);
+    OpticsError::Fringes { layer: most.layer, thickness_nm, fringes: most.fringes.ceil(), nm }
 }
 
 /// Transmittance and reflectance, mean of s and p; a ray along the layers is reflected whole.

@@ -6,6 +6,7 @@ use papilio_optics::scatter::{self, Normalisation, Scatter};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
+use super::cautions::Unbounded;
 use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian, Ward, WardNormalisation};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::numbers::{NARROWEST_LOBE, Share};
@@ -28,13 +29,22 @@ impl Resolver<'_> {
         match diffuser {
             Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(Interface::Diffuser),
             Btdf::Lambertian(lobe) => self.lambertian(lobe).map(Interface::Diffuser),
-            Btdf::Ward(ward) => self.ward(ward).map(Interface::Scatter),
+            Btdf::Ward(ward) => self.ward(path, ward).map(Interface::Scatter),
             Btdf::Measured(measured) => self.measured_alone(path, measured).map(Interface::Scatter),
         }
     }
 
-    pub(super) fn ward(&mut self, ward: &At<Ward>) -> Option<ScatterFace> {
+    pub(super) fn ward(&mut self, path: &str, ward: &At<Ward>) -> Option<ScatterFace> {
         let (scatter, transmittance) = self.ward_lobe(ward)?;
+        if ward.normalisation.value == WardNormalisation::Duer {
+            let lobe = Unbounded {
+                path: path.to_owned(),
+                scatter: scatter.clone(),
+                transmittance: transmittance.max(),
+                straight_through: ward.regular_fraction.0,
+            };
+            self.unbounded.push(lobe);
+        }
         Some(transmitting_face(scatter, &transmittance, ward.regular_fraction.0))
     }
 

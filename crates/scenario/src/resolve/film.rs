@@ -187,8 +187,8 @@ impl Resolver<'_> {
     }
 }
 
-/// How many different gaps the states of a film ask for.
-pub(super) fn distinct_gaps(film: &FilmPixel) -> usize {
+/// The different gaps that the states of a film ask for, nm, in no order.
+pub(super) fn distinct_gaps(film: &FilmPixel) -> Vec<f64> {
     let mut gaps = HashSet::new();
     for (drive, sub_pixel) in film.states.iter().flat_map(|state| state.drives.iter().zip(&film.sub_pixels)) {
         let (own, dark) = match drive {
@@ -199,7 +199,7 @@ pub(super) fn distinct_gaps(film: &FilmPixel) -> usize {
         };
         gaps.extend(own.into_iter().chain(dark).map(f64::to_bits));
     }
-    gaps.len()
+    gaps.into_iter().map(f64::from_bits).collect()
 }
 
 /// The eight named states, if there are sub-pixels red, green and blue; any others stay dark.

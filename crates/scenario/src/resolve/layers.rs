@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_display::scene::{Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
+use papilio_display::scene::{Coating, Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -105,7 +105,8 @@ impl Resolver<'_> {
             describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
             describe::Layer::Component(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
             describe::Layer::Coating(coating) => {
-                Part::Interface(Interface::Coating(self.coating(path, coating)?))
+                let films = self.coating(path, coating)?;
+                Part::Interface(Interface::Coating(Coating { films, key: path.to_owned() }))
             }
             describe::Layer::IdealAr(_) => Part::Interface(Interface::Coated),
             describe::Layer::Fresnel(_) => Part::Interface(Interface::Fresnel),

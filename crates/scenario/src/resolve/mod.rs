@@ -1,5 +1,6 @@
 //! From words to numbers: materials, files and lights on the wavelength grid, everything checked.
 
+mod cautions;
 mod data;
 mod diffuser;
 mod environment;
@@ -73,6 +74,8 @@ struct Resolver<'a> {
     inputs: BTreeMap<String, String>,
     /// What its maps of light make on the display.
     maps: Vec<maps::MapLight>,
+    /// Lobes that may send on more light than they get.
+    unbounded: Vec<cautions::Unbounded>,
 }
 
 /// Resolves a described scenario whose files are in `library`.
@@ -96,6 +99,7 @@ impl<'a> Resolver<'a> {
             notes: Vec::new(),
             inputs: BTreeMap::new(),
             maps: Vec::new(),
+            unbounded: Vec::new(),
         })
     }
 }
@@ -143,6 +147,8 @@ impl Resolver<'_> {
         self.check_medium(file, &scene);
         self.check_size(file, &scene);
         self.note_scattering(&scene);
+        self.warn_of_fringes(&scene);
+        self.warn_of_unbounded(&scene);
         self.check_target(file, &scene);
         Some(scene)
     }
@@ -232,11 +238,11 @@ impl Resolver<'_> {
         let sources = scene.lighting.directed.len() + parts + 8;
         limit(step, "states x wavelengths x (sources + 8)", &[states, bins, sources], MOST_WORK);
         if let scene::Pixel::Film(film) = &scene.display.pixel {
-            limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film), bins], MOST_FILMS);
+            limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film).len(), bins], MOST_FILMS);
         }
         if let scene::Layers::General(layers) = &scene.display.layers {
             let films = layers.iter().map(|layer| match &layer.interface {
-                scene::Interface::Coating(films) => films.len(),
+                scene::Interface::Coating(coating) => coating.films.len(),
                 _ => 0,
             });
             limit(step, "coating films x wavelengths", &[films.sum(), bins], MOST_FILMS);

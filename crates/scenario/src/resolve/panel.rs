@@ -80,7 +80,7 @@ impl Resolver<'_> {
             Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Lobe),
             Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
             Some(Diffuser::Ward(ward)) => {
-                let face = self.ward(ward)?;
+                let face = self.ward("display.diffuser", ward)?;
                 Some(Top::Parts(vec![Part::Interface(Interface::Scatter(face))]))
             }
             Some(Diffuser::Measured(diffuser)) => {

@@ -52,8 +52,8 @@ fn every_kind_of_layer() {
     assert_eq!(outline(layers), expected);
     let Interface::Sheet(sheet) = &layers[0].interface else { panic!("not a sheet") };
     assert_eq!((sheet.reflectance[0], sheet.absorptance[0]), (0.005, 0.01));
-    let Interface::Coating(films) = &layers[1].interface else { panic!("not a coating") };
-    assert_eq!((films.len(), films[0].thickness), (1, Thickness::Fixed(90.0)));
+    let Interface::Coating(coating) = &layers[1].interface else { panic!("not a coating") };
+    assert_eq!((coating.films.len(), coating.films[0].thickness), (1, Thickness::Fixed(90.0)));
     let Interface::Rough { alpha, distribution } = layers[2].interface else { panic!("not rough") };
     assert_eq!((alpha, distribution), (0.3, Distribution::Ggx));
     let Interface::Diffuser(diffuser) = &layers[3].interface else { panic!("not a diffuser") };
