@@ -299,7 +299,7 @@ fn energy_balance(view: &View) -> String {
         .map(|(part, fraction)| format!("{part} {:.1} %", 100.0 * fraction))
         .collect();
     format!(
-        "  energy balance of a beam from this direction, {name}: returned {:.1} %; absorbed: {}{unaccounted}\n",
+        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {}{unaccounted}\n",
         100.0 * ledger.returned,
         parts.join(", ")
     )
