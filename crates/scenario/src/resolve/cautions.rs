@@ -95,7 +95,9 @@ fn films(scene: &Scene) -> impl Iterator<Item = Film<'_>> {
         Layers::Panel(_) => &[],
     };
     let coatings = coatings.iter().filter_map(|layer| match &layer.interface {
-        Interface::Coating(coating) => Some(Film { key: coating.key.clone(), layers: &coating.films, gap_nm: 0.0 }),
+        Interface::Coating(coating) => {
+            Some(Film { key: coating.key.clone(), layers: &coating.films, gap_nm: 0.0 })
+        }
         _ => None,
     });
     pixel.into_iter().map(of_pixel).chain(coatings)
