@@ -7,7 +7,9 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method, Scene};
-use papilio_display::{ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, adding_seconds, room_light};
+use papilio_display::{
+    ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, adding_seconds, room_light,
+};
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 

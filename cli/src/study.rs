@@ -27,8 +27,9 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();
     let started = Instant::now();
     let clock = || cpu_seconds().unwrap_or_else(|| started.elapsed().as_secs_f64());
-    let curves = run::with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
-        .ok_or(Failure::Interrupted("the study is not complete, nothing is written"))?;
+    let curves =
+        run::with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
+            .ok_or(Failure::Interrupted("the study is not complete, nothing is written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::stdout();
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;

@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_display::scene::{Coating, Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
+use papilio_display::scene::{
+    Coating, Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness,
+};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
