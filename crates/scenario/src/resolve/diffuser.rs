@@ -7,7 +7,7 @@ use papilio_optics::scatter::{self, Normalisation, Scatter};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
-use super::cautions::Unbounded;
+use super::unbounded::Unbounded;
 use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian, Ward, WardNormalisation};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::numbers::{NARROWEST_LOBE, Share};

@@ -1,10 +1,10 @@
 //! From words to numbers: materials, files and lights on the wavelength grid, everything checked.
 
-mod cautions;
 mod data;
 mod diffuser;
 mod environment;
 mod film;
+mod fringes;
 mod layers;
 mod light;
 mod lighting;
@@ -16,6 +16,7 @@ mod panel;
 mod pixel;
 mod sampling;
 mod stack;
+mod unbounded;
 mod viewer;
 
 pub use measure::VirtualMeasurement;
@@ -76,7 +77,7 @@ struct Resolver<'a> {
     /// What its maps of light make on the display.
     maps: Vec<maps::MapLight>,
     /// Lobes that may send on more light than they get.
-    unbounded: Vec<cautions::Unbounded>,
+    unbounded: Vec<unbounded::Unbounded>,
 }
 
 /// Resolves a described scenario whose files are in `library`.

@@ -160,11 +160,12 @@ impl Kernel {
     }
 
     /// Whether an estimate of this stack, whose layers it was prepared for, needs nothing that is not prepared: a panel's
-    /// kernel depends on the nodes of the base's table, and on how much light the base sends back at most.
+    /// kernel depends on the nodes of the base's table, and on how much light the base sends back at most; that of any layers on
+    /// how many of those nodes lie across a field of view.
     pub fn serves(&self, stack: &Stack) -> bool {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.serves(panel),
-            (Stack::Layered(_), Kind::Layered(_)) => true,
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.serves(layered),
             _ => false,
         }
     }

@@ -15,8 +15,8 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Front, Medium, Nodes, Panel, Reflector,
-    Source, Stack, Top,
+    AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium,
+    Nodes, Panel, Reflector, Source, Stack, Top,
 };
 
 fn lambertian_diffuser(straight_through: f64) -> Top {
@@ -438,5 +438,13 @@ fn a_field_of_view_over_fringes_is_a_plain_quadrature() {
         let eye = Cone::new(0.0, 0.0, half_angle, 1.0);
         let found = rho(&solve(&stack, eye, &[Source::Diffuse], level), 0);
         assert!((found - mean).abs() < 1e-6, "level {level}: {found} against {mean}");
+        // The same display in general form.
+        let layers = vec![Layer { interface: Interface::Coated, medium: stack.medium.clone() }];
+        let layered = Stack::Layered(Layered { layers, base: stack.base.clone() });
+        let mut kernel = Kernel::new(level);
+        kernel.prepare(&layered, &[eye], &[Source::Diffuse]);
+        assert!(kernel.serves(&layered));
+        let found = rho(&kernel.estimate(&layered, 0), 0);
+        assert!((found - mean).abs() < 1e-6, "layers, level {level}: {found} against {mean}");
     }
 }

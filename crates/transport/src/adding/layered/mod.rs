@@ -147,6 +147,11 @@ impl Kernel {
         self.last = Mutex::new(Some(Arc::new(over)));
     }
 
+    /// Whether its directions are right over this base, too.
+    pub(super) fn serves(&self, stack: &Layered) -> bool {
+        !stack.base.is_specular() || self.directions.serve(stack, &self.asked.0)
+    }
+
     pub(super) fn nodes(&self) -> usize {
         let pixels = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
         let of_pixels = pixels.as_ref().map_or(0, |pixels| pixels.nodes());
