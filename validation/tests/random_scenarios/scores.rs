@@ -11,7 +11,7 @@ const MANY: usize = 600;
 const WITHIN: std::ops::RangeInclusive<f64> = 0.85..=1.15;
 
 /// At most so many of the numbers are further off than 4 of their errors (Student's t: 0.04 %).
-const FAR: f64 = 4.0;
+pub(crate) const FAR: f64 = 4.0;
 const MOST_FAR: f64 = 0.005;
 
 /// The z-scores of one kind of number, run by run.
@@ -62,11 +62,11 @@ impl Scores {
     pub(crate) fn hold(&self) -> Result<(), String> {
         let (mean, square) = (self.mean_of(|z| z), self.mean_of(|z| z * z));
         let sigma = |variance: f64| (variance * self.of_means()).sqrt();
-        if mean.abs() > 4.5 * sigma(STUDENT) {
-            return Err(format!("a mean of z of {mean}"));
-        }
         if (square - STUDENT).abs() > 4.5 * sigma(OF_SQUARES) {
             return Err(format!("a mean square of z of {square}"));
+        }
+        if mean.abs() > 4.5 * sigma(STUDENT) {
+            return Err(format!("a mean of z of {mean}"));
         }
         let is_many = self.runs.len() >= MANY;
         if is_many && !WITHIN.contains(&square) {

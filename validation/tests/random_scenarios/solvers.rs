@@ -47,6 +47,14 @@ impl Pair {
         self.standard_error > 3.0 * self.discretisation_error.hypot(self.tables())
     }
 
+    pub(crate) fn words(&self) -> String {
+        let Self { what, walk, standard_error, adding, discretisation_error, .. } = self;
+        let z = self.z();
+        format!(
+            "{what}: walk {walk} ± {standard_error:.2e}, adding {adding} ± {discretisation_error:.2e}, z {z:.2}"
+        )
+    }
+
     pub(crate) fn z(&self) -> f64 {
         let error = self.standard_error.hypot(self.discretisation_error).hypot(self.tables());
         (self.walk - self.adding) / error
@@ -82,14 +90,15 @@ pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
 
 /// The scenario by the walk, with seeds that no other scenario has.
 pub(crate) fn walked(drawn: Drawn, seeds: std::ops::Range<u64>) -> Result<Walked, String> {
-    let mut scene = scene(&drawn.text)?;
+    let about = |why: String| format!("{} ({}): {why}\n{}", drawn.number, drawn.name, drawn.text);
+    let mut scene = scene(&drawn.text).map_err(about)?;
     scene.solver.method = Method::Walk;
     scene.solver.stop = Stop::Paths(drawn.paths);
     let mut walked = Walked { drawn, scene, runs: Vec::new(), seconds: 0.0 };
     for seed in seeds {
         walked.scene.solver.seed = 1000 * walked.drawn.number + seed;
         let (run, seconds) = timed(&walked.scene);
-        walked.runs.push(run.map_err(|error| format!("walk: {error}"))?);
+        walked.runs.push(run.map_err(|error| format!("{} by walk: {error}", walked.drawn.number))?);
         walked.seconds += seconds;
     }
     Ok(walked)

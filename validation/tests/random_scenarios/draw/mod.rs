@@ -26,6 +26,8 @@ pub(crate) struct Drawn {
     pub(crate) paths: u64,
     /// No better does adding have to be.
     pub(crate) least_error: f64,
+    /// Whether adding takes seconds.
+    pub(crate) is_slow: bool,
 }
 
 /// What is known of a display when its light and pixel are drawn.
@@ -73,13 +75,14 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     text += &light;
     text += &solver;
     let paths = if above.is_panel(of_pixel) { 1 << 15 } else { 1 << 12 };
-    // Between any layers adding's levels cost a factor of ten, and rough faces gain little by the next one.
+    // Between any layers adding's levels cost a factor of ten, and those of rough faces and BRDFs gain little.
+    let is_slow = text.contains("\"rough\"") || of_pixel == "paper";
     let least_error = match above.form {
+        _ if is_slow => 2e-3,
         Form::Bare | Form::Lobe => 1e-5,
-        Form::Layers if text.contains("\"rough\"") => 2e-3,
         Form::Layers => 2e-4,
     };
-    Drawn { number, name: format!("{}/{of_pixel}/{of_light}", above.name), text, paths, least_error }
+    Drawn { number, name: format!("{}/{of_pixel}/{of_light}", above.name), text, paths, least_error, is_slow }
 }
 
 /// Some keys that change what is computed.
