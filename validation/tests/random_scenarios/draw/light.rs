@@ -3,10 +3,10 @@
 use papilio_validation::dice::Dice;
 
 use super::pixel::{azimuth, spectrum};
-use super::{Form, between, key, number};
+use super::{between, key, number};
 
-/// Some lights that make up all of it, and the viewer. Their name.
-pub(super) fn lighting(dice: &mut Dice, form: Form) -> (String, String) {
+/// Some lights that make up all of it, and the viewer. Their name. `is_lobe`: over a panel's lobe a front light may have a distribution.
+pub(super) fn lighting(dice: &mut Dice, is_lobe: bool) -> (String, String) {
     let mut text = String::from("[lighting]\n");
     if dice.one_in(12) {
         let preset = dice.of(["indoor", "sunny", "daylight", "iec-ring", "d8-excluded", "45-0"]);
@@ -31,7 +31,7 @@ pub(super) fn lighting(dice: &mut Dice, form: Form) -> (String, String) {
     if diffuse > 0 {
         names.push("diffuse".to_owned());
     }
-    let guide = (dice.one_in(8)).then(|| front_light(dice, form));
+    let guide = (dice.one_in(8)).then(|| front_light(dice, is_lobe));
     for thousandths in [first, second].into_iter().filter(|share| *share > 0) {
         names.push(light(dice, &mut text, thousandths));
     }
@@ -170,11 +170,11 @@ fn sky(dice: &mut Dice, text: &mut String, thousandths: u32) -> String {
     format!("sky {number_of}")
 }
 
-fn front_light(dice: &mut Dice, form: Form) -> (String, String) {
+fn front_light(dice: &mut Dice, is_lobe: bool) -> (String, String) {
     let mut text = String::from("[lighting.front_light]\n");
     number(&mut text, "illuminance_lx", dice.log_between(100.0, 1000.0));
     between(dice, &mut text, "upward_leak", [0.0, 0.2]);
-    if form == Form::Lobe && dice.one_in(2) {
+    if is_lobe && dice.one_in(2) {
         key(
             &mut text,
             "distribution",

@@ -66,7 +66,7 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     let mut dice = Dice::new(FAMILY, number);
     let above = display::above(&mut dice);
     let (of_pixel, pixel) = pixel::pixel(&mut dice, above.is_constant);
-    let (of_light, light) = light::lighting(&mut dice, above.form);
+    let (of_light, light) = light::lighting(&mut dice, above.form == Form::Lobe && of_pixel != "paper");
     let solver = solver(&mut dice, &above, of_pixel);
     let mut text =
         format!("title = \"random scenario {number}\"\n[spectrum]\nrange_nm = [400, 700]\nstep_nm = 50\n");
