@@ -74,7 +74,12 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     text += &pixel;
     text += &light;
     text += &solver;
-    let paths = if above.is_panel(of_pixel) { 1 << 15 } else { 1 << 12 };
+    // What light a thin slab holds by total reflection, few paths meet: of fewer the errors are too small.
+    let paths = match () {
+        () if above.is_panel(of_pixel) => 1 << 15,
+        () if text.contains("\"slab\"") => 1 << 14,
+        () => 1 << 12,
+    };
     // Between any layers adding's levels cost a factor of ten, and those of rough faces and BRDFs gain little.
     let is_slow = text.contains("\"rough\"") || of_pixel == "paper";
     let least_error = match above.form {
