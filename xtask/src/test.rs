@@ -19,6 +19,12 @@ const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 /// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.
 const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
 
+/// `PAPILIO_SCENARIOS` is read by validation's comparison of the two solvers: how many random scenario files.
+const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
+
+/// As many as make the mean square of z-scores known to a tenth.
+const SCENARIOS: &str = "300";
+
 /// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
@@ -52,6 +58,7 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
         tests
             .env(SEEDS_VARIABLE, seeds.to_string())
             .env(STACKS_VARIABLE, stacks.to_string())
+            .env(SCENARIOS_VARIABLE, SCENARIOS)
             .env(FUZZ_VARIABLE, FUZZ_SECONDS)
             .env(SEARCH_VARIABLE, "10")
             .env(LOAD_VARIABLE, LOAD_SECONDS)

@@ -141,7 +141,9 @@ impl Kernel {
             return;
         }
         self.directions = Directions::new(stack, views, sources, &self.precision);
-        self.images = views.iter().map(|view| super::images::image_points(view, sources, digits)).collect();
+        // They serve any base: none's fringes are known.
+        self.images =
+            views.iter().map(|view| super::images::image_points(view, sources, digits, 0.0)).collect();
         let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
