@@ -7,12 +7,13 @@
 //! X, Y, Z are three dot products.
 //!
 //! **Range.** The whole nanometres of the grid from 380 to 780, where
-//! `colorimetry` tabulates the observer; a grid that reaches farther is cut
+//! `data/observers.csv` tabulates the observer; a grid that reaches farther is cut
 //! there (ybar outside holds 6e-6 of its integral). A grid that reaches less far
 //! loses light: white and display alike, so relative values stay consistent
 //! with each other, but not with those of the full range.
 
-use colorimetry::observer::Observer::{Cie1931, Cie1964};
+use std::sync::LazyLock;
+
 use papilio_spectra::{Grid, Spectrum, sum_of_products};
 
 use crate::{ColourError, D65_UV, UvPrime, Xyz};
@@ -133,15 +134,18 @@ pub fn spectral_locus() -> impl Iterator<Item = (f64, Xyz)> {
     matching_functions(Standard::Cie1931).take_while(|(nm, _)| *nm < 700.0)
 }
 
+/// nm and xbar, ybar, zbar of 1931 and of 1964: the table of the CIE at 1 nm (its source: `spectra/data/README.md`).
+static TABLE: LazyLock<Vec<[f64; 7]>> = LazyLock::new(|| {
+    let rows = include_str!("../data/observers.csv").lines().skip(1);
+    let numbers = |row: &str| row.split(',').filter_map(|cell| cell.parse().ok()).collect::<Vec<f64>>();
+    rows.filter_map(|row| numbers(row).try_into().ok()).collect()
+});
+
 /// Wavelength in nm with xbar, ybar and zbar, as far as they are tabulated.
 fn matching_functions(standard: Standard) -> impl Iterator<Item = (f64, Xyz)> {
-    let observer = match standard {
-        Standard::Cie1931 => Cie1931,
-        Standard::Cie1964 => Cie1964,
-    };
-    (380_u16..=780).filter_map(move |nm| {
-        let [x, y, z] = observer.xyz_at_wavelength(usize::from(nm)).ok()?.to_array();
-        Some((f64::from(nm), Xyz { x, y, z }))
+    TABLE.iter().map(move |&[nm, x, y, z, x10, y10, z10]| match standard {
+        Standard::Cie1931 => (nm, Xyz { x, y, z }),
+        Standard::Cie1964 => (nm, Xyz { x: x10, y: y10, z: z10 }),
     })
 }
 

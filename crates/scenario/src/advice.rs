@@ -1,6 +1,6 @@
 //! What should stand in the place of what is wrong, and what to do about it.
 
-use crate::nearest::{metric_advice, nearest};
+use crate::nearest::{did_you_mean, metric_advice, nearest};
 use crate::problem::{ABSORBING_K, Problem, tidy};
 
 impl Problem {
@@ -97,7 +97,10 @@ impl Problem {
             Self::UnknownChoice { found, choices } => {
                 format!("did you mean `{}`?", nearest(found, choices.iter().map(String::as_str))?)
             }
-            Self::UnknownName { name, names, .. } => suggestion(name, names.iter().copied(), "names"),
+            Self::UnknownName { name, names, .. } => {
+                let list = || format!("the names are {}", names.join(", "));
+                did_you_mean(name, names.iter().copied()).unwrap_or_else(list)
+            }
             Self::NoSubPixel { name, known, .. } => {
                 suggestion(name, known.iter().map(String::as_str), "sub-pixels")
             }

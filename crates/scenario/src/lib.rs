@@ -74,7 +74,7 @@ mod varied;
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
-pub use nearest::nearest;
+pub use nearest::{did_you_mean, nearest};
 pub use optimise::{
     Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,
     SearchQuantity, SearchRange, SearchVariable,

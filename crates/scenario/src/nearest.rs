@@ -1,19 +1,38 @@
 //! The name that was probably meant.
 
+/// At most so many names are proposed at once.
+const PROPOSED: usize = 8;
+
 /// The one of `names` that is close to `wrong`, ignoring case, if there is one.
 pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    all_nearest(wrong, names).first().copied()
+}
+
+/// A question that proposes those of `names` that are equally close to `wrong`, if any is close.
+pub fn did_you_mean<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let names: Vec<String> =
+        all_nearest(wrong, names).iter().take(PROPOSED).map(|name| format!("`{name}`")).collect();
+    let (last, others) = names.split_last()?;
+    Some(match others {
+        [] => format!("did you mean {last}?"),
+        _ => format!("did you mean {} or {last}?", others.join(", ")),
+    })
+}
+
+/// Those of `names` that are closest to `wrong`, ignoring case, if any is close.
+fn all_nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     // A longer text is no slip of the keys, and would make the table of distances large.
     if wrong.chars().count() > 64 {
-        return None;
+        return vec![];
     }
     let wrong = wrong.to_lowercase();
     let allowed = (wrong.chars().count() * 2 / 5).clamp(1, 4);
     let scored = names.into_iter().map(|name| (distance(&wrong, &name.to_lowercase()), name));
-    scored
-        // A name of which nothing is left is no slip of the keys.
-        .filter(|(distance, _)| *distance <= allowed && *distance < wrong.chars().count())
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
+    // A name of which nothing is left is no slip of the keys.
+    let close: Vec<_> =
+        scored.filter(|(distance, _)| *distance <= allowed && *distance < wrong.chars().count()).collect();
+    let least = close.iter().map(|(distance, _)| *distance).min();
+    close.iter().filter(|(distance, _)| Some(*distance) == least).map(|(_, name)| *name).collect()
 }
 
 /// What may have been meant by the name of a metric; those of a state have its name and a point before them.
@@ -107,6 +126,9 @@ mod tests {
         assert_eq!(nearest("withe", ["white", "black"]), Some("white"));
         assert_eq!(nearest("colour", names), None);
         assert_eq!(nearest("sio2", ["SiO2", "Si3N4"]), Some("SiO2"));
+        assert_eq!(did_you_mean("fi_deg", names).as_deref(), Some("did you mean `phi_deg`?"));
+        let lamps = ["D65", "FL10", "FL11", "FL12"];
+        assert_eq!(did_you_mean("FL13", lamps).as_deref(), Some("did you mean `FL10`, `FL11` or `FL12`?"));
         assert_eq!((nearest("", names), nearest("", ["A"]), nearest("B", ["A"])), (None, None, None));
     }
 }

@@ -93,7 +93,7 @@ impl Resolver<'_> {
                 Some(part(Source::Table(table)))
             }
             Err(SpectraError::UnknownName { .. }) => {
-                let names = illuminant_names();
+                let names = illuminant_names().to_vec();
                 self.err(light, Problem::UnknownName { kind: "light", name: name.to_owned(), names });
                 None
             }
