@@ -153,7 +153,7 @@ fn matching_functions(standard: Standard) -> impl Iterator<Item = (f64, Xyz)> {
 mod tests {
     use super::*;
     use papilio_spectra::illuminant;
-    use proptest::prelude::*;
+    use papilio_testing::{Dice, laws};
 
     fn grid(start: f64, stop: f64, step: f64) -> Grid {
         Grid::new(start, stop, step).unwrap()
@@ -256,18 +256,23 @@ mod tests {
         assert_eq!(dark, Err(ColourError::Dark { lux: 500.0 }));
     }
 
-    proptest! {
-        /// Seeing is linear (Grassmann), and a perfect white has Y = 1 in any light.
-        #[test]
-        fn seeing_is_linear(a in prop::collection::vec(0.0..1.0, 81), b in prop::collection::vec(-0.1..1.0, 81), t in 0.0..9.0) {
-            let observer = Observer::new(&grid(380.0, 780.0, 5.0)).unwrap();
-            let mixed: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a + t * b).collect();
-            let sum = observer.xyz(&a) + observer.xyz(&b) * t;
-            for (left, right) in observer.xyz(&mixed).to_array().into_iter().zip(sum.to_array()) {
-                prop_assert!((left - right).abs() < 1e-10 * (1.0 + t));
-            }
-            let white = observer.xyz(&a);
-            prop_assert!(((white * (1.0 / white.y)).y - 1.0).abs() < 1e-14);
-        }
+    /// Seeing is linear (Grassmann), and a perfect white has Y = 1 in any light.
+    #[test]
+    fn seeing_is_linear() {
+        let observer = Observer::new(&grid(380.0, 780.0, 5.0)).unwrap();
+        let spectrum = |dice: &mut Dice, least| dice.several(81..=81, |dice| dice.between(least, 1.0));
+        laws(
+            300,
+            |dice| (spectrum(dice, 0.0), spectrum(dice, -0.1), dice.between(0.0, 9.0)),
+            |(a, b, t)| {
+                let mixed: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + t * b).collect();
+                let sum = observer.xyz(a) + observer.xyz(b) * *t;
+                for (left, right) in observer.xyz(&mixed).to_array().into_iter().zip(sum.to_array()) {
+                    assert!((left - right).abs() < 1e-10 * (1.0 + t));
+                }
+                let white = observer.xyz(a);
+                assert!(((white * (1.0 / white.y)).y - 1.0).abs() < 1e-14);
+            },
+        );
     }
 }
