@@ -132,10 +132,12 @@ impl<'a> Section<'a> {
         while let Some(line) = self.say_something() {
             let indent = line.indent();
             if !line.begins_entry() || *column.get_or_insert(indent) != indent {
-                return Err(self.fault(
-                    line,
-                    "an entry that begins with `- type:` is expected here, as far in as the first",
-                ));
+                let message = if line.body().starts_with('\t') {
+                    "lines are indented by spaces, not by tabs"
+                } else {
+                    "an entry that begins with `- type:` is expected here, as far in as the first"
+                };
+                return Err(self.fault(line, message));
             }
             entries.push(self.entry(line, indent)?);
         }
