@@ -31,7 +31,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use arguments::{Arguments, Command, Study};
+use arguments::{Arguments, Command, Study, SweepCommand};
 use papilio_formats::words::visible;
 use terminal::say;
 
@@ -146,11 +146,35 @@ fn refused(error: &clap::Error) -> ExitCode {
     }
 }
 
+/// What to say where an option asks for what this program was built without.
+fn not_built(command: &Command) -> Option<String> {
+    let (png, parquet) = match command {
+        Command::Run(run) => (run.png, false),
+        Command::Optimize(optimize) => (optimize.png, false),
+        Command::Tolerance(tolerance) => (tolerance.png, false),
+        Command::Sweep(sweep) => {
+            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| merge.wanted);
+            let wanted = merge.unwrap_or(sweep.wanted);
+            (wanted.png, wanted.parquet)
+        }
+        _ => (false, false),
+    };
+    match (png, parquet) {
+        (true, _) if !papilio_figures::HAS_PNG => Some(papilio_figures::PngError::NotBuilt.to_string()),
+        (_, true) if !papilio_formats::HAS_PARQUET => Some(papilio_formats::NO_PARQUET.to_owned()),
+        _ => None,
+    }
+}
+
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return refused(&error),
     };
+    if let Some(missing) = not_built(&arguments.command) {
+        say(&format!("error: {missing}"));
+        return ExitCode::from(2);
+    }
     let done = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),

@@ -10,6 +10,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use papilio_formats::HAS_PARQUET;
+
 use common::{files, papilio, place, same, stderr, stdout};
 
 /// A bare film pixel: quick, and not so quick that a sweep of it cannot be killed.
@@ -334,10 +336,21 @@ fn a_run_does_not_sweep() {
     assert_eq!(hash(SCENARIO), hash(SCENARIO.split("[sweep]").next().unwrap()));
 }
 
+/// The option, where the program has it.
+fn parquet() -> &'static [&'static str] {
+    if HAS_PARQUET { &["--parquet"] } else { &[] }
+}
+
 #[test]
 fn the_table_may_be_parquet() {
     let (_folder, file, out) = place(SCENARIO);
     let output = papilio(&["sweep", &file, "--out", &out, "--parquet"]);
+    if !HAS_PARQUET {
+        // What the program was built without is said before anything is computed.
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("feature `parquet`") && !Path::new(&out).exists());
+        return;
+    }
     assert!(output.status.success(), "{}", stderr(&output));
     let bytes = fs::read(Path::new(&out).join("sweep.parquet")).unwrap();
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
@@ -348,7 +361,7 @@ fn the_table_may_be_parquet() {
 fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     let text = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
     let (folder, file, out) = place(&text);
-    let output = papilio(&["sweep", &file, "--out", &out, "--parquet", "--json"]);
+    let output = papilio(&[&["sweep", &file, "--out", &out, "--json"], parquet()].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let light = files(Path::new(&out));
     let whole = String::from_utf8(undisturbed()["sweep.csv"].clone()).unwrap();
@@ -363,9 +376,8 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
         .collect();
     let table = String::from_utf8(light["sweep.csv"].clone()).unwrap();
     assert_eq!(table.lines().skip(1).collect::<Vec<_>>(), expected);
-    assert!(
-        light.keys().any(|name| name == "sweep.parquet") && light.contains_key("sweep_white.L_star_map.svg")
-    );
+    assert_eq!(light.keys().any(|name| name == "sweep.parquet"), HAS_PARQUET);
+    assert!(light.contains_key("sweep_white.L_star_map.svg"));
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(printed["points"][14]["values"].as_array().unwrap().len(), 2);
     // Without figures asked for, all that is kept is drawn and listed.
@@ -394,8 +406,9 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
         })
         .collect();
     let merged = folder.path().join("merged");
-    let output =
-        papilio(&["sweep", "merge", &parts[0], &parts[1], "--out", merged.to_str().unwrap(), "--parquet"]);
+    let output = papilio(
+        &[&["sweep", "merge", &parts[0], &parts[1], "--out", merged.to_str().unwrap()], parquet()].concat(),
+    );
     assert!(output.status.success(), "{}", stderr(&output));
     let mut expected = light;
     expected.remove("sweep-light.jsonl");

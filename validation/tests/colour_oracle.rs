@@ -1,5 +1,5 @@
 //! Surfaces and colour differences as colour-science 0.4.7 computes them
-//! (`validation/colour/colour_oracle.py` makes the tables).
+//! (`validation/colour/colour_oracle.py` and `tables_oracle.py` make the tables).
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
 
@@ -7,7 +7,7 @@ use papilio_colour::{
     Corners, D65_WHITE, GamutReference, Lab, Observer, Standard, Surround, Viewing, Xyz, coverage_percent,
     gamut_percent,
 };
-use papilio_spectra::{Grid, Spectrum, illuminant};
+use papilio_spectra::{Grid, Spectrum, illuminant, illuminant_names};
 
 /// The rows of a table of ours, as text.
 fn rows(table: &str) -> impl Iterator<Item = Vec<&str>> {
@@ -56,6 +56,26 @@ fn surfaces_look_as_colour_science_sees_them() {
         count += 1;
     }
     assert_eq!(count, 48);
+}
+
+/// Every illuminant's x and y as colour-science finds them on a straight line between the table's points, and within 3e-4 of the
+/// published ones, which sum the bands of 5 nm.
+#[test]
+fn illuminants_look_as_colour_science_sees_them() {
+    let grid = Grid::new(380.0, 780.0, 1.0).unwrap();
+    let observer = Observer::new(&grid).unwrap();
+    let all: Vec<_> = rows(include_str!("../colour/lamps.csv")).collect();
+    // E has no table.
+    assert_eq!(all.len() + 1, illuminant_names().len());
+    for row in all {
+        let seen = observer.xyz(&illuminant(row[0], &grid).unwrap()).chromaticity().unwrap();
+        let theirs = numbers(&row[1..3]);
+        assert!((seen.x - theirs[0]).hypot(seen.y - theirs[1]) < 1e-9, "{row:?}: {seen:?}");
+        if !row[3].is_empty() {
+            let published = numbers(&row[3..]);
+            assert!((seen.x - published[0]).hypot(seen.y - published[1]) < 3e-4, "{row:?}: {seen:?}");
+        }
+    }
 }
 
 #[test]

@@ -39,7 +39,11 @@ const CHORES: [Chore; 10] = [
         "build the Python package's wheel, and all of its tests in a clean environment",
         package::package,
     ),
-    ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
+    (
+        "oracle",
+        "recompute the reference tables of validation/ and the tables of the CIE with their Python oracles",
+        oracle::oracle,
+    ),
     ("peers", "time Papilio beside other programs, for docs/peers.md", peers::peers),
     ("deny", "licences, advisories and sources of all dependencies", deny),
     ("bench", "all benchmarks", bench),

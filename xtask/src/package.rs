@@ -70,7 +70,8 @@ pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
     let wheels = shell::target().join("wheels");
     let out = wheels.to_string_lossy();
     let build = ["-m", "maturin", "build", "--quiet", "--manifest-path", "python/Cargo.toml", "--profile"];
-    let build = build.into_iter().chain([profile.name(), "--out", &*out]);
+    let lean = matches!(profile, Profile::Dev).then_some("--no-default-features");
+    let build = build.into_iter().chain([profile.name(), "--out", &*out]).chain(lean);
     shell::run(command(environment.python(), build))?;
     // Whatever stands there already: its version may be the same.
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", "--no-index"];

@@ -48,7 +48,12 @@ const LOAD_SECONDS: &str = "60";
 
 /// The chore.
 pub(crate) fn test() -> Outcome {
-    all_checks(|| cargo(TESTS), page::EVERYDAY)
+    let tests = || {
+        let mut tests = cargo(TESTS);
+        tests.args(features(page::EVERYDAY));
+        tests
+    };
+    all_checks(tests, page::EVERYDAY)
 }
 
 /// The chore, with the statistics over that many seeds and random displays.
@@ -68,6 +73,11 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     all_checks(tests, page::ALL)
 }
 
+/// Every day, Parquet and PNG are not compiled; what tests them says what it finds then. `cargo xtask full` has them.
+fn features(of_page: &str) -> Option<&'static str> {
+    (of_page == page::EVERYDAY).then_some("--no-default-features")
+}
+
 const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
 
 fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
@@ -75,12 +85,14 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
     let mut count = Count::default();
     count.check(shell::run(cargo(["fmt", "--all", "--check"])));
-    count.check(shell::run(cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])));
+    let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
+    lints.args(features(of_page)).args(["--", "-D", "warnings"]);
+    count.check(shell::run(lints));
     // Before all that is compiled: else the program would be compiled again when there is a page.
     let browser = count.page();
     count.tests(tests());
     let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
-    docs.env("RUSTDOCFLAGS", "-D warnings");
+    docs.args(features(of_page)).env("RUSTDOCFLAGS", "-D warnings");
     count.check(shell::run(docs));
     for scenario in scenarios()? {
         count.check(run_scenario(&scenario));

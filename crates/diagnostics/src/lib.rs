@@ -16,7 +16,7 @@ mod text;
 mod warned;
 
 pub use diagnostic::{Diagnostic, Placed};
-pub use nearest::{nearest, quoted, suggestion};
+pub use nearest::{did_you_mean, nearest, quoted, suggestion};
 pub use place::{Place, Spot};
 pub use text::{in_one_line, is_override, visible};
 pub use warned::Warned;

@@ -64,6 +64,10 @@ mod study;
 mod sweep;
 mod sweep_json;
 mod sweep_light;
+#[cfg(feature = "parquet")]
+mod sweep_parquet;
+#[cfg(not(feature = "parquet"))]
+#[path = "no_parquet.rs"]
 mod sweep_parquet;
 mod tolerance;
 pub mod words;
@@ -102,3 +106,10 @@ pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
+
+/// Whether tables can be written as Parquet: the feature `parquet`, which builds of the program have unless it is turned off.
+pub const HAS_PARQUET: bool = cfg!(feature = "parquet");
+
+/// What to say where they cannot.
+pub const NO_PARQUET: &str = "this papilio was built without Parquet; \
+    `cargo build --release --package papilio` builds it with the feature `parquet` on";

@@ -156,6 +156,10 @@ fn angles_cone_figures_and_files_come_back() {
         ("overview.png", "\u{fffd}PNG"),
     ] {
         let file = server.post("/export", &json!({ "scenario": scenario, "what": what }));
+        if what.ends_with(".png") && !papilio_figures::HAS_PNG {
+            assert_eq!(file.status, 501);
+            continue;
+        }
         assert_eq!(file.status, 200, "{what}");
         assert!(String::from_utf8_lossy(&file.body).starts_with(start), "{what}");
     }

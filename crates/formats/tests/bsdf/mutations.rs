@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use papilio_formats::{BsdfFormat, DataFile, read_bsdf, write_measurement};
 use papilio_goniometry::Direction;
-use proptest::prelude::*;
+use papilio_testing::laws;
 
 use super::samples;
 
@@ -215,14 +215,25 @@ fn merl() {
     }
 }
 
-proptest! {
-    #[test]
-    fn any_bytes_are_refused_or_read(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
-        exercise(bytes, true);
-    }
+#[test]
+fn any_bytes_are_refused_or_read() {
+    laws(
+        300,
+        |dice| dice.several(0..=1999, |dice| dice.below(256) as u8),
+        |bytes| {
+            exercise(bytes.clone(), true);
+        },
+    );
+}
 
-    #[test]
-    fn any_text_is_refused_or_read(text in "[0-9eE.,;{}<>/ \t\n#a-zA-Z_-]{0,400}") {
-        exercise(text.into_bytes(), true);
-    }
+#[test]
+fn any_text_is_refused_or_read() {
+    let characters = "0123456789eE.,;{}<>/ \t\n#abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_-";
+    laws(
+        300,
+        |dice| dice.text(characters, 400),
+        |text| {
+            exercise(text.clone().into_bytes(), true);
+        },
+    );
 }

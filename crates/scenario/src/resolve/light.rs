@@ -97,7 +97,7 @@ impl Resolver<'_> {
                 Some(part(Source::Table(table)))
             }
             Err(SpectraError::UnknownName { .. }) => {
-                self.err(light, mistake::unknown_name("light", name, &illuminant_names()));
+                self.err(light, mistake::unknown_name("light", name, illuminant_names()));
                 None
             }
             _ => Some(part(Source::Illuminant(name.to_owned()))),
