@@ -20,8 +20,8 @@
 //!
 //! # What the level decides
 //! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
-//! error falls by a factor of five to ten from level to level. Wide rough faces do worse, two or
-//! three: light that facets refract along the face jumps to zero there.
+//! error falls by a factor of five to ten from level to level. Wide rough faces do worse where their light meets more
+//! than a Lambertian base, two or three: light that facets refract along the face jumps to zero there.
 //!
 //! # Cost
 //! Wavelengths at which the layers above the base are alike share their operators; where indices

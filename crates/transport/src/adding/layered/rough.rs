@@ -229,7 +229,7 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
 /// Where refracted light ends: where facets stand upright, q is alike on both sides, and beyond that there is none. As the edge crosses a
 /// node's share of the directions, it is counted by the part that is lit.
 struct Edge {
-    /// From above, the least and the most of `sign (|beta_below|^2 - |beta_above|^2)` ...
+    /// Light crosses where `sign (|beta_below|^2 - |beta_above|^2)` is below the limit: 1 if the medium below is the denser one, -1 if not.
     sign: f64,
     limit: f64,
     /// |beta|^2 where each node's share of the directions begins and ends.
