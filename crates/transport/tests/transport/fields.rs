@@ -1,0 +1,180 @@
+//! Light from all over the sky: closed forms, other sources that it must equal, and walk against adding.
+use std::sync::Arc;
+
+use crate::common::*;
+use crate::layers::{assert_close, beam, clear, diffuser, estimate, sheet, slab, stack, views};
+use papilio_optics::lobe::Lobe;
+use papilio_sampling::Sampler;
+use papilio_transport::{Cone, Diffuser, Field, Interface, Panel, Source, Stack, Top};
+
+fn source(field: Field) -> Source {
+    Source::Field(Arc::new(field))
+}
+
+/// Even rows and columns over the hemisphere.
+fn sky(rows: usize, columns: usize, radiance: impl Fn(usize, usize) -> f64) -> Field {
+    let edges: Vec<f64> = (0..=rows).map(|k| 90.0 * k as f64 / rows as f64).collect();
+    let cells = (0..rows * columns).map(|k| radiance(k / columns, k % columns)).collect();
+    Field::new(&edges, columns, cells).unwrap().0
+}
+
+/// Dark and bright patches beside each other.
+fn patches() -> Field {
+    sky(18, 24, |row, column| ((row * row * 31 + column * column * 17 + row * column) % 13) as f64)
+}
+
+/// Even light, in rings and in cells that do not know that they are alike.
+fn even() -> [Source; 2] {
+    let almost = |row: usize, column: usize| if (row, column) == (0, 0) { 1.0 + 1e-13 } else { 1.0 };
+    [source(Field::ring(0.0, 90.0).unwrap()), source(sky(9, 12, almost))]
+}
+
+fn top(width: f64, straight_through: f64) -> Top {
+    let lobe = Lobe::KCorrelation { width };
+    Top::Diffuser(Diffuser { lobe, transmittance: one(0.9), straight_through })
+}
+
+/// A panel with a front that sends light back.
+fn with_front(top: Top, base: papilio_transport::Base) -> Panel {
+    Panel { front: front(&[(0.04, 0.01)], false), ..panel(top, base) }
+}
+
+fn stacks() -> Vec<(&'static str, Stack, f64)> {
+    vec![
+        ("bare mirror", Stack::Panel(panel(Top::Fresnel(one(1.5)), mirror(0.5))), 1e-6),
+        ("bare Lambertian", Stack::Panel(with_front(Top::Fresnel(one(1.5)), lambertian(0.5))), 1e-6),
+        ("diffused", Stack::Panel(with_front(top(0.06, 0.0), mirror(0.5))), 1e-4),
+        ("narrow", Stack::Panel(panel(top(0.02, 0.0), mirror(0.5))), 1e-4),
+        ("straight-through", Stack::Panel(with_front(top(0.1, 0.2), mirror(0.5))), 1e-4),
+        ("diffused Lambertian", Stack::Panel(with_front(top(0.1, 0.2), lambertian(0.5))), 1e-5),
+        (
+            "layers",
+            stack(
+                [
+                    (sheet(0.02, 0.01), clear(1.0)),
+                    (Interface::Fresnel, slab(0.7, 0.6, 0.95, 1.5)),
+                    (diffuser(0.15, 0.9, 0.1), clear(1.5)),
+                ],
+                mirror(0.6),
+            ),
+            2e-3,
+        ),
+    ]
+}
+
+/// A field that is even is the diffuse hemisphere, whatever it is made of.
+#[test]
+fn an_even_field_is_diffuse_light() {
+    let [rings, cells] = even();
+    let sources = [Source::Diffuse, rings, cells];
+    for (name, stack, tolerance) in stacks() {
+        for (theta, found) in
+            [0.0, 20.0, 50.0].into_iter().zip(views(1, &stack, &[0.0, 20.0, 50.0].map(view), &sources))
+        {
+            let truth = rho(&found, 0);
+            for i in [1, 2] {
+                let what = format!("{name}, {theta} deg, field {i}");
+                assert_close(&what, rho(&found, i) / truth, 1.0, tolerance);
+            }
+        }
+    }
+}
+
+/// A Lambertian display has its reflectance under every light.
+#[test]
+fn a_lambertian_display_has_its_reflectance_under_every_field() {
+    let air = |base| {
+        let mut panel = panel(Top::Coated, base);
+        panel.medium = papilio_transport::Medium::new(one(1.0));
+        panel
+    };
+    let scatters =
+        Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(0.8), straight_through: 0.0 });
+    let fields = [
+        source(Field::ring(30.0, 40.0).unwrap()),
+        source(Field::ring(0.0, 15.0).unwrap()),
+        source(sky(90, 1, |row, _| (row + 1) as f64)),
+        source(patches()),
+    ];
+    let seen: Vec<f64> = fields
+        .iter()
+        .map(|field| {
+            rho(&estimate(1, &Stack::Panel(air(lambertian(0.6))), view(8.0), std::slice::from_ref(field)), 0)
+        })
+        .collect();
+    assert!(seen.iter().all(|rho| (rho - 0.6).abs() < 1e-9), "{seen:?}");
+    let over_mirror = Stack::Panel(panel(scatters, mirror(0.7)));
+    let mut sources = vec![Source::Diffuse];
+    sources.extend(fields);
+    let found = estimate(1, &over_mirror, view(25.0), &sources);
+    for i in 1..sources.len() {
+        assert_close("Lambertian diffuser", rho(&found, i) / rho(&found, 0), 1.0, 1e-6);
+    }
+}
+
+/// A cap is a disc at the normal; a ring is the mean of beams; one bright cell is the disc of its solid angle.
+#[test]
+fn fields_are_the_lights_that_they_look_like() {
+    let cell = |row: usize, column: usize| if (row, column) == (80, 100) { 1.0 } else { 0.0 };
+    // Half a degree by half a degree at 40.25 deg, 50.25 deg.
+    let pixel = source(sky(180, 720, cell));
+    let solid_angle = 0.5_f64.to_radians() * (40.0_f64.to_radians().cos() - 40.5_f64.to_radians().cos());
+    let radius_deg = (1.0 - solid_angle / std::f64::consts::TAU).acos().to_degrees();
+    let sources = [
+        source(Field::ring(0.0, 3.0).unwrap()),
+        Source::Disc(Cone::new(0.0, 0.0, 3.0, 1.0)),
+        pixel,
+        Source::Disc(Cone::new(40.25, 50.25, radius_deg, 1.0)),
+        source(Field::ring(34.9, 35.1).unwrap()),
+    ];
+    for (name, stack, _) in stacks() {
+        let eye = Cone::new(12.0, 20.0, 0.5, 1.0);
+        let found = estimate(2, &stack, eye, &sources);
+        let scale = rho(&found, 4);
+        let off = |a: usize, b: usize| (rho(&found, a) - rho(&found, b)).abs() / scale.max(1e-9);
+        assert!(off(0, 1) < 2e-3, "{name}: cap off by {}", off(0, 1));
+        assert!(off(2, 3) < 2e-3, "{name}: pixel off by {}", off(2, 3));
+        let beams: Vec<Source> = (0..90).map(|k| beam(35.0, 4.0 * f64::from(k))).collect();
+        let of_beams = estimate(2, &stack, eye, &beams);
+        let mean = (0..90).map(|k| rho(&of_beams, k)).sum::<f64>() / 90.0;
+        assert!((mean - scale).abs() <= 2e-3 * scale, "{name}: ring {scale} against beams {mean}");
+    }
+}
+
+/// Levels come together as they say, for a field whose cells are finer than any lobe.
+#[test]
+fn levels_come_together() {
+    let sources = [source(patches())];
+    for (name, stack, _) in stacks() {
+        let eye = Cone::new(20.0, 35.0, 0.05, 1.0);
+        let seen: Vec<f64> = (0..3).map(|level| rho(&estimate(level, &stack, eye, &sources), 0)).collect();
+        let (first, second) = ((seen[0] - seen[1]).abs(), (seen[1] - seen[2]).abs());
+        assert!(first <= 0.02 * seen[2] && second <= 2e-3 * seen[2], "{name}: {seen:?}");
+    }
+}
+
+/// What the walk sees of fields scatters about what adding sees, and its ledgers close.
+#[test]
+fn the_walk_agrees() {
+    let sources = [
+        Source::Diffuse,
+        source(patches()),
+        source(Field::ring(30.0, 40.0).unwrap()),
+        Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0)),
+    ];
+    let eye = Cone::new(12.0, 33.0, 2.0, 1.0);
+    for (name, stack, _) in stacks() {
+        let truth = estimate(2, &stack, eye, &sources);
+        let paths = if matches!(stack, Stack::Panel(_)) { 256 } else { 64 };
+        for i in 1..3 {
+            assert_unbiased(&format!("{name}, field {i}"), rho(&truth, i), 0.2, |seed| {
+                let estimates = replicates_of(&stack, eye, &sources, seed, paths, Sampler::Sobol);
+                for l in estimates.iter().map(|estimate| &estimate.ledger) {
+                    let taken = l.front[0] + l.diffuser[0] + l.glass[0] + l.pixel[0] + l.inactive[0];
+                    assert_close(name, l.returned[0] + taken + l.unaccounted[0], 1.0, 1e-12);
+                }
+                mean_and_error(estimates.iter().map(|e| rho(e, i)))
+            });
+        }
+    }
+}
