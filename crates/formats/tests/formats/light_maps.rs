@@ -153,19 +153,15 @@ fn no_bytes_make_it_panic() {
         in_runs(|row, column| [row as u8, column as u8, 9, 130]),
         exr_of(8, 4, &[("R", &one), ("G", &one), ("B", &one)]),
     ];
-    let mut state = 1_u64;
-    let mut dice = |below: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
+    let mut dice = papilio_testing::Dice::new(1, 0);
     for good in good {
         for _ in 0..2000 {
             let mut bytes = good.clone();
-            for _ in 0..1 + dice(4) {
-                let at = dice(bytes.len());
-                bytes[at] = dice(256) as u8;
+            for _ in 0..1 + dice.below(4) {
+                let at = dice.below(bytes.len());
+                bytes[at] = dice.below(256) as u8;
             }
-            bytes.truncate(bytes.len() - dice(2) * dice(bytes.len()));
+            bytes.truncate(bytes.len() - dice.below(2) * dice.below(bytes.len()));
             let _ = read(&bytes);
         }
     }

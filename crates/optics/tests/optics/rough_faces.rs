@@ -9,6 +9,7 @@ use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::rough::{Distribution, Rough, Side};
 use papilio_sampling::{Numbers, Sampler, warp};
+use papilio_testing::ChiSquare;
 
 const SIDES: [Side; 2] = [Side::Above, Side::Below];
 
@@ -102,8 +103,8 @@ fn nothing_is_lost() {
 }
 
 /// Chi-square of samples of `drawn` against the density of `claimed`, on 10 x 8 cells of each
-/// side (cells that expect fewer than ten are one cell), and its degrees of freedom.
-fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -> f64) -> (f64, f64) {
+/// side.
+fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -> f64) -> ChiSquare {
     let (rings, turns, samples) = (10, 8, 40_000);
     let numbers = Numbers::new(Sampler::Random, 29, 0);
     let mut counts = vec![0.0; 2 * rings * turns];
@@ -116,33 +117,16 @@ fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -
         let cell = ring * turns + ((turn * turns as f64) as usize).min(turns - 1);
         counts[usize::from(side == Side::Below) * rings * turns + cell] += 1.0;
     }
-    let (mut statistic, mut cells, mut rest) = (0.0, 0.0, [0.0; 2]);
-    for (at, count) in counts.into_iter().enumerate() {
+    let cells = counts.into_iter().enumerate().map(|(at, count)| {
         let side = SIDES[at / (rings * turns)];
         let (ring, turn) = (at / turns % rings, at % turns);
         let angle = |ring: usize| FRAC_PI_2 * ring as f64 / rings as f64;
         let spread = |turn: usize| turn as f64 / turns as f64;
         let edges = ([angle(ring), angle(ring + 1)], [spread(turn), spread(turn + 1)]);
         let share = integral(drawn.index(side), edges.0, edges.1, [20, 40], |b| claimed(side, b));
-        let expected = share * samples as f64;
-        if expected < 10.0 {
-            rest = [rest[0] + count, rest[1] + expected];
-        } else {
-            statistic += (count - expected).powi(2) / expected;
-            cells += 1.0;
-        }
-    }
-    if rest[1] > 0.0 {
-        statistic += (rest[0] - rest[1]).powi(2) / rest[1];
-        cells += 1.0;
-    }
-    (statistic, cells - 1.0)
-}
-
-/// The 1e-4 quantile of chi-square (Wilson & Hilferty, PNAS 17, 684 (1931)).
-fn quantile(freedom: f64) -> f64 {
-    let spread = 2.0 / (9.0 * freedom);
-    freedom * (1.0 - spread + 3.719 * spread.sqrt()).powi(3)
+        (count, share * samples as f64)
+    });
+    ChiSquare::of(cells, 10.0)
 }
 
 #[test]
@@ -159,9 +143,8 @@ fn samples_follow_the_density() {
         for from in SIDES {
             for theta_deg in [0.0, 40.0, 80.0] {
                 let a = beta(&face, from, theta_deg);
-                let (statistic, freedom) = chi_square(&face, from, a, |to, b| face.density(from, a, to, b));
-                let limit = quantile(freedom);
-                assert!(statistic < limit, "{alpha} {from:?} {theta_deg}: {statistic} of {limit}");
+                let found = chi_square(&face, from, a, |to, b| face.density(from, a, to, b));
+                assert!(found.is_likely(), "{alpha} {from:?} {theta_deg}: {found:?}");
             }
         }
     }
@@ -172,12 +155,12 @@ fn wrong_densities_are_caught() {
     let (face, rougher) = (Rough::new(0.3, 1.0, 1.5), Rough::new(0.33, 1.0, 1.5));
     for from in SIDES {
         let a = beta(&face, from, 40.0);
-        let (statistic, freedom) = chi_square(&face, from, a, |to, b| rougher.density(from, a, to, b));
-        assert!(statistic > quantile(freedom), "rougher: {statistic}");
+        let found = chi_square(&face, from, a, |to, b| rougher.density(from, a, to, b));
+        assert!(!found.is_likely(), "rougher: {found:?}");
         // One microfacet alone, scaled up to one.
         let scale = 1.0 / (1.0 - face.deficit(from, a.length()));
-        let (statistic, freedom) = chi_square(&face, from, a, |to, b| scale * face.single(from, a, to, b));
-        assert!(statistic > quantile(freedom), "scaled: {statistic}");
+        let found = chi_square(&face, from, a, |to, b| scale * face.single(from, a, to, b));
+        assert!(!found.is_likely(), "scaled: {found:?}");
     }
 }
 

@@ -1,7 +1,8 @@
-//! Small stacks, and statistics over many seeds.
+//! Small stacks, and the walk of them.
 
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
+pub(crate) use papilio_testing::{assert_unbiased, mean_and_error};
 use papilio_transport::walk::Walk;
 use papilio_transport::{
     AngularTable, Base, Cone, Estimate, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
@@ -74,58 +75,7 @@ pub(crate) fn replicates_of(
         .collect()
 }
 
-/// Mean and standard error of a quantity over replicates.
-pub(crate) fn mean_and_error(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let values: Vec<f64> = values.collect();
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, (variance / n).sqrt())
-}
-
 /// Total reflectance factor of the first wavelength and state under source `i`.
 pub(crate) fn rho(estimate: &Estimate, i: usize) -> f64 {
     estimate.rho[i].base[0] + estimate.rho[i].front[0]
-}
-
-/// How many seeds the statistics run over: 48, or as `PAPILIO_SEEDS` says.
-#[allow(clippy::expect_used, reason = "a test says what it expects")]
-fn seeds() -> u64 {
-    std::env::var("PAPILIO_SEEDS").map_or(48, |more| more.parse().expect("PAPILIO_SEEDS is a whole number"))
-}
-
-/// Over many seeds, the estimates of a quantity must scatter around the truth as their
-/// standard errors say. Two statistics, both tested at 4.5 sigma (7e-6 two-sided; Sidak
-/// over 40 cases: 3e-4): the mean of all seeds, and the mean square of the deviations over
-/// the mean square of the errors, whose expectation is 1. The errors are pooled over the
-/// seeds, since z-scores of each seed would lean to one side where replicates are skewed
-/// (Student's t of n of them has mean -skewness/(2 sqrt(n))). Each seed's error must be small
-/// enough for the test to mean something.
-pub(crate) fn assert_unbiased(
-    what: &str,
-    truth: f64,
-    most_relative_error: f64,
-    run: impl Fn(u64) -> (f64, f64),
-) {
-    let seeds = seeds();
-    let (mut deviation, mut square, mut error_square) = (0.0, 0.0, 0.0);
-    for seed in 0..seeds {
-        let (mean, error) = run(seed);
-        assert!(error <= most_relative_error * truth.abs().max(1e-12), "{what}: error {error} of {mean}");
-        deviation += mean - truth;
-        square += (mean - truth).powi(2);
-        error_square += error * error;
-    }
-    let n = seeds as f64;
-    let (deviation, one_error) = (deviation / n, (error_square / n).sqrt());
-    if one_error <= 1e-12 * truth.abs().max(1e-12) {
-        assert!(deviation.abs() <= 1e-11 * truth.abs().max(1e-3), "{what}: off by {deviation}, no spread");
-        return;
-    }
-    let z = deviation * n.sqrt() / one_error;
-    assert!(z.abs() < 4.5, "{what}: mean z {z} over {n} seeds, off by {deviation} from {truth}");
-    let ratio = square / error_square;
-    // Variance of a squared deviation: 2, and 2/31 for what 32 replicates know of the error,
-    // with room for replicates that are no normal variables.
-    assert!((ratio - 1.0).abs() < 4.5 * (2.55 / n).sqrt(), "{what}: mean square of z {ratio}");
 }

@@ -56,7 +56,6 @@ pub(crate) fn assert_close(what: &str, found: f64, truth: f64, tolerance: f64) {
 
 /// What the walk sees of each state under each kind of source scatters about what adding sees, and its ledgers close. Each
 /// seed is walked once.
-#[allow(dead_code, reason = "each file of tests uses its part")]
 pub(crate) fn assert_the_walk_agrees(name: &str, stack: &Stack, states: usize, paths: u64) {
     let sources = [Source::Diffuse, beam(-25.0, 0.0), Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0))];
     let eye = Cone::new(12.0, 0.0, 0.5, 1.0);

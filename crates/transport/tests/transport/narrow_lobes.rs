@@ -2,7 +2,7 @@
 //! finer one's error. The truth is a far finer level, whose grid has the lobe itself or nearly: views are near
 //! the normal, where few azimuthal orders are needed.
 
-use crate::common::one;
+use crate::common::{self, one};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::{Numbers, Sampler};

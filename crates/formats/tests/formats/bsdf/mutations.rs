@@ -11,21 +11,10 @@ use papilio_goniometry::Direction;
 use proptest::prelude::*;
 
 use super::samples;
+use papilio_testing::Dice;
 
 fn setting(name: &str, default: f64) -> f64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
-}
-
-/// Numbers that need not be good (xorshift64*).
-struct Numbers(u64);
-
-impl Numbers {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        ((self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) as usize) % limit.max(1)
-    }
 }
 
 /// Pieces that readers might stumble over.
@@ -63,7 +52,7 @@ const PIECES: [&[u8]; 31] = [
     b"Asymmetrical4D",
 ];
 
-fn mutated(bytes: &[u8], others: &[(&str, Vec<u8>)], numbers: &mut Numbers) -> Vec<u8> {
+fn mutated(bytes: &[u8], others: &[(&str, Vec<u8>)], numbers: &mut Dice) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..1 + numbers.below(4) {
         let at = numbers.below(bytes.len() + 1);
@@ -128,7 +117,7 @@ fn mutate(name: &str) {
     let all = samples::all();
     let bytes = &all.iter().find(|(other, _)| *other == name).unwrap().1;
     assert!(exercise(bytes.clone(), true));
-    let mut numbers = Numbers(setting("PAPILIO_FUZZ_SEED", 1.0) as u64 * 2 + 1);
+    let mut numbers = Dice::new(setting("PAPILIO_FUZZ_SEED", 1.0) as u64, 0);
     let until = Instant::now() + Duration::from_secs_f64(setting("PAPILIO_FUZZ_SECONDS", 0.2));
     let mut good = 0_u64;
     // What was read begins new mutations, so that these go deeper.
@@ -163,7 +152,7 @@ fn papilio_arrays() {
         })
         .chain([unpacked(&samples::display())])
         .collect();
-    let mut numbers = Numbers(setting("PAPILIO_FUZZ_SEED", 1.0) as u64 * 2 + 1);
+    let mut numbers = Dice::new(setting("PAPILIO_FUZZ_SEED", 1.0) as u64, 0);
     let until = Instant::now() + Duration::from_secs_f64(setting("PAPILIO_FUZZ_SECONDS", 0.2));
     while Instant::now() < until {
         let mut arrays = seeds[numbers.below(seeds.len())].clone();
@@ -204,7 +193,7 @@ fn packed(arrays: &[(String, Vec<u8>)]) -> Vec<u8> {
 #[test]
 fn merl() {
     let whole = samples::merl();
-    let mut numbers = Numbers(setting("PAPILIO_FUZZ_SEED", 1.0) as u64 * 2 + 1);
+    let mut numbers = Dice::new(setting("PAPILIO_FUZZ_SEED", 1.0) as u64, 0);
     let until = Instant::now() + Duration::from_secs_f64(setting("PAPILIO_FUZZ_SECONDS", 0.2));
     while Instant::now() < until {
         let mut bytes = mutated(&whole[..200], &[("merl", whole[..100].to_vec())], &mut numbers);
