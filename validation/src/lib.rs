@@ -10,7 +10,6 @@ use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
-pub mod dice;
 pub mod random_stacks;
 pub use papilio_reproduction::{table_5_1, table_5_3};
 

@@ -15,7 +15,7 @@ use papilio_transport::{
     Scattering, Source, Stack, Top,
 };
 
-use crate::dice::Dice;
+use papilio_testing::Dice;
 
 /// Wavelengths of every member, nm.
 pub const WAVELENGTHS_NM: [f64; 2] = [480.0, 620.0];

@@ -23,7 +23,7 @@ const PACKAGES: [&str; 10] = [
 /// How many designs a cluster computes in its long test.
 const DESIGNS: (&str, &str) = ("PAPILIO_DESIGNS", "100000");
 
-/// Which of docs/notebooks are run: without it, the first.
+/// Which of docs/notebooks are run: without it, none.
 const NOTEBOOKS: (&str, &str) = ("PAPILIO_NOTEBOOKS", "all");
 
 /// How the extension module is compiled.

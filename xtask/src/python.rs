@@ -1,5 +1,6 @@
 //! Python environments of chores, apart from each other and from the system's.
 
+use std::fs;
 use std::path::PathBuf;
 
 use crate::shell::{self, Needs, command};
@@ -10,8 +11,13 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// Made, or made complete, in the target folder.
+    /// Made, or made complete, in the target folder; left alone if these packages were installed there last.
     pub(crate) fn new(name: &str, packages: &[&str]) -> Result<Self, String> {
+        let environment = Self { folder: shell::target().join(name) };
+        let installed = fs::read_to_string(environment.list()).unwrap_or_default();
+        if installed == packages.join("\n") && environment.python().is_file() {
+            return Ok(environment);
+        }
         Self::made(name, packages, &[])
     }
 
@@ -31,7 +37,14 @@ impl Environment {
         let environment = Self { folder };
         let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;
+        // Written last: an installation that fails is gone on with the next time.
+        fs::write(environment.list(), packages.join("\n")).map_err(|error| format!("{name}: {error}"))?;
         Ok(environment)
+    }
+
+    /// The packages that were installed last, a line each.
+    fn list(&self) -> PathBuf {
+        self.folder.join("packages.txt")
     }
 
     /// Its interpreter.

@@ -125,8 +125,15 @@ fn what_is_too_large_too_deep_or_too_much_is_refused() {
     assert!(is_alive(&server));
 }
 
-/// A body, and a header, that never end are given up after ten seconds, and others are served meanwhile.
+/// The two that wait for clocks, at the same time.
 #[test]
+fn who_dawdles_and_who_never_reads_is_given_up() {
+    let never_read = std::thread::spawn(clients_that_never_read_do_not_shut_others_out);
+    who_dawdles_is_given_up();
+    never_read.join().unwrap();
+}
+
+/// A body, and a header, that never end are given up after ten seconds, and others are served meanwhile.
 fn who_dawdles_is_given_up() {
     let server = Server::start();
     let started = Instant::now();
@@ -146,7 +153,6 @@ fn who_dawdles_is_given_up() {
 
 /// Connections that ask for much and never read, more than there are places: another client is served at once, and each of
 /// them is ended within seconds.
-#[test]
 fn clients_that_never_read_do_not_shut_others_out() {
     let server = Server::start();
     let port = server.address.port();
