@@ -45,7 +45,7 @@ impl Dice {
     /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
         let half = |dice: &mut Self| (dice.throw() * 2.0_f64.powi(32)) as u64;
-        half(self) << 32 | half(self)
+        (half(self) << 32) | half(self)
     }
 
     /// One of these.
