@@ -31,7 +31,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use arguments::{Arguments, Command, Study};
+use arguments::{Arguments, Command, Study, SweepCommand};
 use papilio_formats::words::visible;
 use terminal::print_message;
 
@@ -62,8 +62,8 @@ enum Failure {
     #[error("error: {0}")]
     Display(#[from] papilio_display::DisplayError),
     /// A design could not be evaluated.
-    #[error("{}", led(.0))]
-    Design(#[from] papilio_design::DesignError),
+    #[error("error: {0}")]
+    Design(papilio_design::DesignError),
     /// The reproduction report could not be computed.
     #[error("error: {0}")]
     Report(#[from] papilio_reproduction::ReproductionError),
@@ -81,18 +81,18 @@ enum Failure {
     Interrupted(&'static str),
 }
 
-/// Text of an error, which begins with `error: ` once: that of a scenario contains it already.
-fn led(error: &papilio_design::DesignError) -> String {
-    match error {
-        papilio_design::DesignError::Scenario(errors) => errors.to_string(),
-        other => format!("error: {other}"),
-    }
-}
-
 impl Failure {
     /// Failure of a computation, with its place in the scenario if a key caused it.
     fn from_display(resolved: &papilio_scenario::Resolved, error: papilio_display::DisplayError) -> Self {
         resolved.located(&error).map_or(Self::Display(error), Self::Scenario)
+    }
+
+    /// Failure of one of many designs or points, which `note` identifies.
+    fn of_one(error: impl Into<papilio_design::DesignError>, note: &str) -> Self {
+        match error.into() {
+            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors.with_note(note)),
+            other => Self::Input(format!("{other}\n  = note: {note}")),
+        }
     }
 
     fn exit_code(&self) -> u8 {
@@ -106,6 +106,16 @@ impl Failure {
             Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
             Self::Infeasible(_) => 3,
             Self::Interrupted(_) => 130,
+        }
+    }
+}
+
+impl From<papilio_design::DesignError> for Failure {
+    /// An invalid scenario is reported as such, with its place.
+    fn from(error: papilio_design::DesignError) -> Self {
+        match error {
+            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors),
+            other => Self::Design(other),
         }
     }
 }
@@ -139,11 +149,35 @@ fn report_invalid_arguments(error: &clap::Error) -> ExitCode {
     }
 }
 
+/// Error message if the options request a format that this program was built without.
+fn missing_feature(command: &Command) -> Option<String> {
+    let (png, parquet) = match command {
+        Command::Run(run) => (run.png, false),
+        Command::Optimize(optimize) => (optimize.png, false),
+        Command::Tolerance(tolerance) => (tolerance.png, false),
+        Command::Sweep(sweep) => {
+            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| merge.outputs);
+            let outputs = merge.unwrap_or(sweep.outputs);
+            (outputs.png, outputs.parquet)
+        }
+        _ => (false, false),
+    };
+    match (png, parquet) {
+        (true, _) if !papilio_figures::HAS_PNG => Some(papilio_figures::PngError::NotBuilt.to_string()),
+        (_, true) if !papilio_formats::HAS_PARQUET => Some(papilio_formats::NO_PARQUET.to_owned()),
+        _ => None,
+    }
+}
+
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return report_invalid_arguments(&error),
     };
+    if let Some(message) = missing_feature(&arguments.command) {
+        print_message(&format!("error: {message}"));
+        return ExitCode::from(2);
+    }
     let result = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_display::{ConeResult, RoomLight};
+use papilio_figures::HAS_PNG;
 use papilio_formats::{
     ConeFile, ResultFile, write_cone_csv, write_cone_npy, write_file, write_json, write_spectra, write_states,
 };
@@ -132,7 +133,7 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
     let run_figures = papilio_figures::of_run(file.result, title);
     for (name, svg) in run_figures.into_iter().chain(light_figure).chain(cone_figure) {
         write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
-        if png || name == "cone" {
+        if HAS_PNG && (png || name == "cone") {
             let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;
             write(&format!("{name}.png"), &|out| out.write_all(&picture))?;
         }
@@ -140,12 +141,14 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
     Ok(names)
 }
 
-/// Writes a figure as SVG and PNG, and returns the names of the files.
-pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<[String; 2], Failure> {
-    let names = [format!("{name}.svg"), format!("{name}.png")];
-    let picture = papilio_figures::png(svg, papilio_figures::PNG_SCALE)?;
-    for (name, bytes) in names.iter().zip([svg.as_bytes(), &picture]) {
-        write_file(&folder.join(name), |out| out.write_all(bytes))?;
+/// Writes a figure as SVG, and as PNG if the program supports it; returns the names of the files.
+pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<Vec<String>, Failure> {
+    let mut names = vec![format!("{name}.svg")];
+    write_file(&folder.join(&names[0]), |out| out.write_all(svg.as_bytes()))?;
+    if HAS_PNG {
+        let picture = papilio_figures::png(svg, papilio_figures::PNG_SCALE)?;
+        names.push(format!("{name}.png"));
+        write_file(&folder.join(&names[1]), |out| out.write_all(&picture))?;
     }
     Ok(names)
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use papilio_display::scene::{Sampler, Strategy};
 use papilio_display::{StudyCurve, StudyPoint, study};
-use papilio_figures::{ErrorCurve, ErrorPanel, accuracy, png, point_sets};
+use papilio_figures::{ErrorCurve, ErrorPanel, accuracy, point_sets};
 use papilio_formats::{write_file, write_study};
 use papilio_sampling::table_4_1::Way;
 use papilio_scenario::Scenario;
@@ -130,12 +130,7 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
         accuracy(&panels(&guided, |c| c.sampler.name()), &format!("{title}: drawn from the kernel"));
     figures.push(("study_samplers".to_owned(), of_samplers));
     figures.push(("point_sets".to_owned(), point_sets(&point_set_pairs(), &format!("{POINTS} points"))));
-    for (name, svg) in figures {
-        write_file(&folder.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
-        let picture = png(&svg, papilio_figures::PNG_SCALE)?;
-        write_file(&folder.join(format!("{name}.png")), |out| out.write_all(&picture))?;
-        names.extend([format!("{name}.svg"), format!("{name}.png")]);
-    }
+    names.extend(output::write_figures(folder, figures, true)?);
     Ok(names)
 }
 

@@ -4,7 +4,8 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use papilio_colour::{
     GamutReference, Lab, Observer, Standard, UvPrime, Xyz, coverage_percent, gamut_percent,
 };
-use papilio_spectra::{Grid, illuminant};
+use papilio_diagnostics::did_you_mean;
+use papilio_spectra::{Grid, SpectraError, illuminant};
 use pyo3::prelude::*;
 
 use crate::errors;
@@ -29,15 +30,22 @@ pub(crate) fn xyz<'py>(
 /// A light of this name.
 #[pyfunction]
 pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, f64, f64)) -> Answer<'py> {
-    let light = illuminant(name, &made(py, grid)?);
-    let light = light.map_err(|error| errors::argument(py, &format!("illuminant: {error}")))?;
+    let light = illuminant(name, &made(py, grid)?).map_err(|error| {
+        let names = papilio_spectra::illuminant_names().iter().copied();
+        let hint = match error {
+            SpectraError::UnknownName { .. } => did_you_mean(name, names),
+            _ => None,
+        };
+        let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
+        errors::argument(py, &format!("illuminant: {error}{hint}"))
+    })?;
     Ok(PyArray1::from_slice(py, &light))
 }
 
 /// The names of lights.
 #[pyfunction]
 pub(crate) fn illuminant_names() -> Vec<&'static str> {
-    papilio_spectra::illuminant_names()
+    papilio_spectra::illuminant_names().to_vec()
 }
 
 /// L*, a*, b* of rows of X, Y, Z and of their white's; NaN where they are not defined.

@@ -132,7 +132,7 @@ pub(crate) fn migrate(
 /// A dotted path with the present names of its keys.
 #[pyfunction]
 pub(crate) fn present_path(path: &str) -> String {
-    papilio_scenario::present_path(path)
+    papilio_scenario::KeyPath::new(path).present()
 }
 
 /// A scenario in a preset's light.

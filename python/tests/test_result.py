@@ -86,8 +86,14 @@ def test_figures_are_svg_and_show_themselves(result, tmp_path):
         assert xml.etree.ElementTree.fromstring(figure._repr_svg_()).tag.endswith("svg")
     first = next(iter(figures.values()))
     first.save(tmp_path / "a.svg")
-    first.save(tmp_path / "a.png")
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "a.svg").read_text() == first.svg
+    assert (tmp_path / "a.svg").read_text() == first.svg
+    try:
+        first.save(tmp_path / "a.png")
+    except papilio.ArgumentError as error:
+        # The wheel of everyday tests.
+        assert "was built without PNG pictures" in str(error)
+    else:
+        assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(papilio.ArgumentError, match="^path:"):
         first.save(tmp_path / "a.gif")
     page = result._repr_html_()

@@ -7,15 +7,20 @@ from pathlib import Path
 HERE = Path(__file__).parent
 
 
+def cache(name):
+    """What mypy knows of the packages that we use, kept in the environment that they are installed in: the first time takes long."""
+    return ["--cache-dir", Path(sys.prefix) / "mypy" / name]
+
+
 def checked(*arguments, cwd):
     done = subprocess.run([sys.executable, "-m", *arguments], cwd=cwd, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_strictly(tmp_path):
-    cache = ["--cache-dir", tmp_path / "cache"]
-    checked("mypy", "--strict", "--disable-error-code", "import-untyped", *cache, "-p", "papilio", cwd=tmp_path)
-    checked("mypy", "--strict", *cache, HERE / "sample.py", cwd=tmp_path)
+    untyped = ["--disable-error-code", "import-untyped", *cache("package")]
+    checked("mypy", "--strict", *untyped, "-p", "papilio", cwd=tmp_path)
+    checked("mypy", "--strict", *cache("scripts"), HERE / "sample.py", cwd=tmp_path)
 
 
 #: Calls that would fail, or do something else than they say.
@@ -31,7 +36,7 @@ WRONG = [
 
 def test_mistakes_are_found_before_they_run(tmp_path):
     (tmp_path / "wrong.py").write_text("\n".join(["import papilio", *WRONG]))
-    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", "wrong.py"]
+    command = [sys.executable, "-m", "mypy", "--strict", *cache("scripts"), "wrong.py"]
     said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
     lines = {int(line.split(":")[1]) for line in said.splitlines() if line.startswith("wrong.py:") and "error:" in line}
     assert lines == set(range(2, 2 + len(WRONG))), said

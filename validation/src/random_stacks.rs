@@ -9,12 +9,13 @@ use papilio_optics::Beta;
 use papilio_optics::film::{Coating, SpectralLayer, Thickness};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
-use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
     Scattering, Source, Stack, Top,
 };
+
+use papilio_testing::Dice;
 
 /// Wavelengths of every member, nm.
 pub const WAVELENGTHS_NM: [f64; 2] = [480.0, 620.0];
@@ -37,7 +38,7 @@ pub struct Member {
 
 /// Member number `number` of the family.
 pub fn member(number: u64) -> Member {
-    let mut dice = Dice { numbers: Numbers::new(Sampler::Random, FAMILY, number), thrown: 0 };
+    let mut dice = Dice::new(FAMILY, number);
     let (name, stack) = if dice.one_in(3) { panel(&mut dice) } else { layered(&mut dice) };
     let direction = |dice: &mut Dice, most_deg: f64| (dice.between(0.0, most_deg), dice.between(0.0, 360.0));
     let (theta, phi) = direction(&mut dice, 75.0);
@@ -53,7 +54,7 @@ pub fn member(number: u64) -> Member {
 /// Member number `number` of a family in which much or some of the light takes a way that few paths would
 /// take: faint fronts, a rare scattering beside straight-through light, thin slabs, dense glass, black media.
 pub fn rare_member(number: u64) -> Member {
-    let mut dice = Dice { numbers: Numbers::new(Sampler::Random, RARE_FAMILY, number), thrown: 0 };
+    let mut dice = Dice::new(RARE_FAMILY, number);
     let (name, stack) = match dice.below(5) {
         0 => rare_bare(&mut dice),
         1 | 2 => rare_straight(&mut dice),
@@ -91,7 +92,7 @@ fn rare_straight(dice: &mut Dice) -> (String, Stack) {
     let straight_through = if dice.one_in(4) { rest } else { 1.0 - rest };
     let width = dice.log_between(0.07, 0.4);
     let lobe = if dice.one_in(4) { Lobe::Lambertian } else { Lobe::KCorrelation { width } };
-    let diffuser = Diffuser { lobe, transmittance: dice.spectrum(0.8, 1.0), straight_through };
+    let diffuser = Diffuser { lobe, transmittance: spectrum(dice, 0.8, 1.0), straight_through };
     let medium = Medium::new(constant([1.5, 1.5, 3.0][dice.below(3)]));
     let name = format!("panel: front {reflectance:.1e}, b {width:.2}, s {straight_through:.5}");
     let top = Top::Diffuser(diffuser);
@@ -121,38 +122,8 @@ fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
 const FAMILY: u64 = 3;
 const RARE_FAMILY: u64 = 4;
 
-/// A stream of random choices.
-struct Dice {
-    numbers: Numbers,
-    thrown: u32,
-}
-
-impl Dice {
-    fn throw(&mut self) -> f64 {
-        let thrown = self.thrown;
-        self.thrown += 1;
-        self.numbers.block(0, thrown / 4)[(thrown % 4) as usize]
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.throw()
-    }
-
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    fn one_in(&mut self, count: u32) -> bool {
-        self.throw() * f64::from(count) < 1.0
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.throw() * count as f64) as usize
-    }
-
-    fn spectrum(&mut self, low: f64, high: f64) -> Spectrum {
-        WAVELENGTHS_NM.map(|_| self.between(low, high)).to_vec().into()
-    }
+fn spectrum(dice: &mut Dice, low: f64, high: f64) -> Spectrum {
+    WAVELENGTHS_NM.map(|_| dice.between(low, high)).to_vec().into()
 }
 
 fn constant(value: f64) -> Spectrum {
@@ -166,7 +137,7 @@ fn index(dice: &mut Dice) -> f64 {
 /// A mirror whose reflectance varies over angle, or white paint.
 fn base(dice: &mut Dice) -> Base {
     let bins = WAVELENGTHS_NM.len();
-    let inactive_absorptance = dice.spectrum(0.0, 0.1);
+    let inactive_absorptance = spectrum(dice, 0.0, 0.1);
     let most = if dice.one_in(8) { 1.0 } else { 0.85 };
     if dice.one_in(3) {
         let reflectance = (0..STATES * bins).map(|_| dice.between(0.0, most)).collect();
@@ -202,7 +173,7 @@ fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
     } else {
         Lobe::KCorrelation { width: dice.log_between(narrowest, 0.4) }
     };
-    let transmittance = dice.spectrum(0.7, 1.0);
+    let transmittance = spectrum(dice, 0.7, 1.0);
     let name = match lobe {
         Lobe::KCorrelation { width } => format!("diffuser b {width:.3} s {straight_through:.2}"),
         Lobe::Lambertian => format!("Lambertian diffuser s {straight_through:.2}"),
@@ -213,7 +184,7 @@ fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
 fn panel(dice: &mut Dice) -> (String, Stack) {
     let components = dice.below(3);
     let parts: Vec<(Spectrum, Spectrum)> =
-        (0..components).map(|_| (dice.spectrum(0.0, 0.08), dice.spectrum(0.0, 0.05))).collect();
+        (0..components).map(|_| (spectrum(dice, 0.0, 0.08), spectrum(dice, 0.0, 0.05))).collect();
     let front = Front::exact(WAVELENGTHS_NM.len(), parts.iter().map(|(r, a)| (&**r, &**a)));
     let glass: Spectrum = if dice.one_in(3) { vec![1.53, 1.50].into() } else { constant(1.5) };
     let (name, top) = match dice.below(4) {
@@ -253,8 +224,8 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
     match kind {
         0 => {
             let interface = Interface::Sheet {
-                reflectance: dice.spectrum(0.0, 0.3),
-                absorptance: dice.spectrum(0.0, 0.2),
+                reflectance: spectrum(dice, 0.0, 0.3),
+                absorptance: spectrum(dice, 0.0, 0.2),
             };
             ("sheet".to_owned(), Layer { interface, medium: same }, above)
         }
@@ -272,7 +243,7 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
         }
         5 => {
             let below = index(dice);
-            let medium = Medium::new(constant(below)).with_transmittance(dice.spectrum(0.6, 1.0));
+            let medium = Medium::new(constant(below)).with_transmittance(spectrum(dice, 0.6, 1.0));
             let interface = face(dice, above, below);
             (format!("{} {below}", name_of(&interface)), Layer { interface, medium }, below)
         }
@@ -289,7 +260,7 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
 fn slab(dice: &mut Dice, index: f64) -> (String, Medium) {
     let optical_thickness = dice.log_between(0.01, 20.0);
     let anisotropy = [0.0, -0.3, dice.between(0.3, 0.8), dice.between(0.8, 0.95)][dice.below(4)];
-    let albedo = if dice.one_in(2) { constant(1.0) } else { dice.spectrum(0.5, 1.0) };
+    let albedo = if dice.one_in(2) { constant(1.0) } else { spectrum(dice, 0.5, 1.0) };
     let name = format!("slab n {index} tau {optical_thickness:.2} g {anisotropy:.2}");
     let scattering = Scattering { optical_thickness, anisotropy, albedo };
     (name, Medium::new(constant(index)).with_scattering(scattering))

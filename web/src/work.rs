@@ -7,8 +7,8 @@
 //! the places for slow ones, and is refused if all of those are taken. So nobody can hold all quick places for longer
 //! than a second, whatever is asked.
 
-use std::sync::{Arc, Mutex, PoisonError};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::http::StatusCode;
@@ -91,7 +91,8 @@ impl Gate {
 /// Exchanges a place for a slow one, if there is one.
 fn move_to(place: &Place, slow: &Arc<Semaphore>) -> Result<(), Fault> {
     let permit = slow.clone().try_acquire_owned();
-    let permit = permit.map_err(|_| busy("the server is busy with other computations as slow as this one"))?;
+    let permit =
+        permit.map_err(|_| busy("the server is busy with other computations as slow as this one"))?;
     *place.lock().unwrap_or_else(PoisonError::into_inner) = permit;
     Ok(())
 }
@@ -156,7 +157,8 @@ mod tests {
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn slow_computations_leave_the_quick_places() {
         let after = Duration::from_millis(50);
-        let gate = Gate::new(2, Duration::from_secs(3)).with_patience(Duration::from_secs(1)).with_slow(after, 2);
+        let gate =
+            Gate::new(2, Duration::from_secs(3)).with_patience(Duration::from_secs(1)).with_slow(after, 2);
         let slow: Vec<_> = (0..2).map(|_| tokio::spawn(status(gate.clone(), endless))).collect();
         tokio::time::sleep(after / 5).await;
         assert_eq!(status(gate.clone(), |_| Ok(())).await, 200);

@@ -6,8 +6,12 @@ use crate::shell::{self, Outcome, command};
 /// Packages that the oracles import, with versions.
 const PACKAGES: [&str; 4] = ["tmm==0.2.0", "numpy==2.4.6", "colour-science==0.4.7", "scipy==1.17.1"];
 
-const SCRIPTS: [&str; 3] =
-    ["validation/films/tmm_oracle.py", "validation/colour/colour_oracle.py", "validation/fits/fit_oracle.py"];
+const SCRIPTS: [&str; 4] = [
+    "validation/films/tmm_oracle.py",
+    "validation/colour/tables_oracle.py",
+    "validation/colour/colour_oracle.py",
+    "validation/fits/fit_oracle.py",
+];
 
 /// Runs the task.
 pub(crate) fn oracle() -> Outcome {

@@ -23,7 +23,7 @@ const PACKAGES: [&str; 10] = [
 /// Number of designs in the long test of clusters.
 const DESIGNS: (&str, &str) = ("PAPILIO_DESIGNS", "100000");
 
-/// Notebooks of docs/notebooks to run; without this variable, only the first.
+/// Notebooks of docs/notebooks to run; without this variable, none.
 const NOTEBOOKS: (&str, &str) = ("PAPILIO_NOTEBOOKS", "all");
 
 /// Build profile of the extension module.
@@ -70,7 +70,8 @@ pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
     let wheels = shell::target().join("wheels");
     let out = wheels.to_string_lossy();
     let build = ["-m", "maturin", "build", "--quiet", "--manifest-path", "python/Cargo.toml", "--profile"];
-    let build = build.into_iter().chain([profile.name(), "--out", &*out]);
+    let lean = matches!(profile, Profile::Dev).then_some("--no-default-features");
+    let build = build.into_iter().chain([profile.name(), "--out", &*out]).chain(lean);
     shell::run(command(environment.python(), build))?;
     // Replaces an installed package even if it has the same version.
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", "--no-index"];

@@ -1,5 +1,6 @@
 //! Python environments of the tasks, separate from each other and from that of the system.
 
+use std::fs;
 use std::path::PathBuf;
 
 use crate::shell::{self, Needs, command};
@@ -10,8 +11,14 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// Creates the environment in the target folder, or installs its missing packages.
+    /// Creates the environment in the target folder, or installs its missing packages. Does nothing if the same list of
+    /// packages was installed there last.
     pub(crate) fn new(name: &str, packages: &[&str]) -> Result<Self, String> {
+        let environment = Self { folder: shell::target().join(name) };
+        let installed = fs::read_to_string(environment.list()).unwrap_or_default();
+        if installed == packages.join("\n") && environment.python().is_file() {
+            return Ok(environment);
+        }
         Self::create(name, packages, &[])
     }
 
@@ -31,7 +38,14 @@ impl Environment {
         let environment = Self { folder };
         let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;
+        // Written last: an installation that fails is gone on with the next time.
+        fs::write(environment.list(), packages.join("\n")).map_err(|error| format!("{name}: {error}"))?;
         Ok(environment)
+    }
+
+    /// Path of the list of installed packages, one per line.
+    fn list(&self) -> PathBuf {
+        self.folder.join("packages.txt")
     }
 
     /// Path of its interpreter.

@@ -5,19 +5,26 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 use crate::package::{self, Profile};
 use crate::page;
 use crate::shell::{self, Needs, Outcome, cargo, command};
 
-/// Seeds over which the statistical tests run by default.
-pub(crate) const SEEDS: u64 = 48;
+/// Seeds over which the statistical tests run in `cargo xtask full`; every day 16.
+pub(crate) const SEEDS: u64 = 480;
 
 /// `PAPILIO_SEEDS` is read by the statistical tests of `crates/transport`, and by that of sensitivities in `crates/design`.
 const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 
 /// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.
 const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
+
+/// `PAPILIO_SCENARIOS` is read by validation's comparison of the two solvers: how many random scenario files.
+const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
+
+/// As many as make the mean square of z-scores known to a tenth.
+const SCENARIOS: &str = "300";
 
 /// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
@@ -40,9 +47,18 @@ const POINTS: &str = "100000";
 /// How long they ask.
 const LOAD_SECONDS: &str = "60";
 
+/// The example scenarios that the program runs every day, which have figures of every kind between them. The tests run all of
+/// them in their own process, by both solvers.
+const EXAMPLES: [&str; 3] = ["map", "table-pixel", "two-diffusers"];
+
 /// The chore.
 pub(crate) fn test() -> Outcome {
-    all_checks(|| cargo(TESTS), page::EVERYDAY)
+    let tests = || {
+        let mut tests = cargo(TESTS);
+        tests.args(features(page::EVERYDAY));
+        tests
+    };
+    all_checks(tests, page::EVERYDAY)
 }
 
 /// The chore, with the statistics over that many seeds and random displays.
@@ -52,6 +68,7 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
         tests
             .env(SEEDS_VARIABLE, seeds.to_string())
             .env(STACKS_VARIABLE, stacks.to_string())
+            .env(SCENARIOS_VARIABLE, SCENARIOS)
             .env(FUZZ_VARIABLE, FUZZ_SECONDS)
             .env(SEARCH_VARIABLE, "10")
             .env(LOAD_VARIABLE, LOAD_SECONDS)
@@ -61,25 +78,40 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     all_checks(tests, page::ALL)
 }
 
+/// Every day, Parquet and PNG are not compiled; what tests them says what it finds then. `cargo xtask full` has them.
+fn features(of_page: &str) -> Option<&'static str> {
+    (of_page == page::EVERYDAY).then_some("--no-default-features")
+}
+
 const TESTS: [&str; 4] = ["test", "--workspace", "--no-fail-fast", "--quiet"];
 
 fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     shell::need(Needs { tool: &["cargo", "fmt"], install: "rustup component add rustfmt" })?;
     shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
     let mut count = Count::default();
-    count.check(shell::run(cargo(["fmt", "--all", "--check"])));
-    count.check(shell::run(cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])));
+    count.step("format", |count| count.check(shell::run(cargo(["fmt", "--all", "--check"]))));
+    let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
+    lints.args(features(of_page)).args(["--", "-D", "warnings"]);
+    count.step("lints", |count| count.check(shell::run(lints)));
     // Before all that is compiled: else the program would be compiled again when there is a page.
-    let browser = count.page();
-    count.tests(tests());
+    let browser = count.step("page, built", Count::page);
+    // Apart, so that the time of the tests is theirs. If it fails, cargo says so once more, and it counts then.
+    let mut compile = tests();
+    compile.arg("--no-run");
+    let _ = count.step("tests, compiled", |_| shell::run(compile));
+    count.step("tests", |count| count.tests(tests()));
     let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
-    docs.env("RUSTDOCFLAGS", "-D warnings");
-    count.check(shell::run(docs));
-    for scenario in scenarios()? {
-        count.check(run_scenario(&scenario));
+    docs.args(features(of_page)).env("RUSTDOCFLAGS", "-D warnings");
+    count.step("documentation", |count| count.check(shell::run(docs)));
+    let mut scenarios = scenarios()?;
+    if of_page == page::EVERYDAY {
+        scenarios
+            .retain(|path| EXAMPLES.iter().any(|name| path.file_stem().is_some_and(|stem| stem == *name)));
     }
+    count
+        .step("scenarios", |count| scenarios.iter().for_each(|scenario| count.check(run_scenario(scenario))));
     if let Some(browser) = browser {
-        count.page_tests(of_page, &browser);
+        count.step("page, tests", |count| count.page_tests(of_page, &browser));
     }
     count.package();
     count.conclude()
@@ -110,9 +142,19 @@ struct Count {
     failed: u64,
     reasons: Vec<String>,
     left_out: Vec<String>,
+    /// What was done, and how long it took.
+    steps: Vec<(&'static str, Duration)>,
 }
 
 impl Count {
+    /// Does something and notes how long it takes.
+    fn step<T>(&mut self, name: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
+        let begun = Instant::now();
+        let done = work(self);
+        self.steps.push((name, begun.elapsed()));
+        done
+    }
+
     fn check(&mut self, outcome: Outcome) {
         match outcome {
             Ok(()) => self.passed += 1,
@@ -167,18 +209,24 @@ impl Count {
 
     /// The Python package's tests, with the wheel of the development profile; left out where there is no Python.
     fn package(&mut self) {
-        let environment = match package::environment() {
+        let environment = match self.step("Python, environment", |_| package::environment()) {
             Ok(environment) => environment,
             Err(missing) => return self.left_out.push(format!("the Python package: {missing}")),
         };
-        match package::build(&environment, Profile::Dev) {
-            Ok(()) => self.tests(package::tests(&environment, Profile::Dev)),
+        match self.step("Python, wheel", |_| package::build(&environment, Profile::Dev)) {
+            Ok(()) => {
+                self.step("Python, tests", |count| count.tests(package::tests(&environment, Profile::Dev)));
+            }
             Err(why) => self.fail(1, why),
         }
     }
 
     fn conclude(self) -> Outcome {
         println!();
+        let all: Duration = self.steps.iter().map(|(_, took)| *took).sum();
+        for (name, took) in self.steps.iter().copied().chain([("all", all)]) {
+            println!("{name:<20} {:7.1} s", took.as_secs_f64());
+        }
         self.left_out.iter().for_each(|what| println!("left out: {what}"));
         self.reasons.iter().for_each(|why| println!("failed: {why}"));
         println!("{} passed, {} failed", self.passed, self.failed);

@@ -3,8 +3,7 @@
 //! **What.** The lightness J and chroma C of CIECAM16 (CIE 248:2022: CAM16 of Li et al., Color Res.
 //! Appl. 42, 703 (2017), made linear near black and beyond white) and the uniform coordinates J', a', b' of
 //! CAM16-UCS (same paper), in which the straight distance is a colour difference. The hue angle is
-//! that of (a', b'). The formulae stand here because the `colorimetry` crate's go wrong for what is
-//! more than half as bright again as white, as displays with gain are.
+//! that of (a', b').
 //!
 //! **Parameters.** The luminance that the eye is adapted to, cd/m2 (usually a fifth of that of white:
 //! a grey room), the luminance of the background over that of white (usually .2), and the surround.

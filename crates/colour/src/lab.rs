@@ -2,15 +2,16 @@
 //!
 //! **What.** CIE 15:2018, eq. 8.3 to 8.11 and 8.27 to 8.29, with the linear toe below
 //! (24/116)^3 = .008856 of the white (it also takes small negative values), and
-//! CIEDE2000 (ISO/CIE 11664-6). CIELAB and CIEDE2000 are those of the `colorimetry` crate.
+//! CIEDE2000 (ISO/CIE 11664-6).
 //! **Range.** Surface colours in a light of moderate colour. Displays far below
 //! their white (black states) sit on the toe, where a* and b* follow noise.
 
-use colorimetry::lab::CieLab;
-use colorimetry::observer::Observer::Cie1931;
-use colorimetry::xyz::{RelXYZ, XYZ};
+use std::f64::consts::{PI, TAU};
 
-use crate::{D65_WHITE, UvPrime, Xyz};
+use crate::{UvPrime, Xyz};
+
+/// (24/116)^3: below this part of the white, the cube root goes on as a straight line.
+const TOE: f64 = 0.008_856_451_679_035_631;
 
 /// L*, a*, b*.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,11 +51,15 @@ impl Xyz {
     pub fn lab(self, white: Self) -> Option<Lab> {
         let usable = white.to_array().into_iter().all(|value| value > 0.0 && value.is_finite());
         usable.then(|| {
-            let white = XYZ::new(white.to_array(), Cie1931);
-            let [l, a, b] = CieLab::from_rxyz(RelXYZ::new(self.to_array(), white)).to_array();
-            Lab { l, a, b }
+            let (x, y, z) = (root(self.x / white.x), root(self.y / white.y), root(self.z / white.z));
+            Lab { l: 116.0 * y - 16.0, a: 500.0 * (x - y), b: 200.0 * (y - z) }
         })
     }
+}
+
+/// The cube root of a part of the white, straight below [`TOE`].
+fn root(part: f64) -> f64 {
+    if part > TOE { part.cbrt() } else { 841.0 / 108.0 * part + 16.0 / 116.0 }
 }
 
 impl Lab {
@@ -65,16 +70,42 @@ impl Lab {
 
     /// CIEDE2000 difference, all weights 1; NaN where a value is not finite.
     pub fn delta_e_2000(self, other: Self) -> f64 {
-        // The white only serves to check that the two have the same.
-        let white = XYZ::new(D65_WHITE.to_array(), Cie1931);
-        let lab = |c: Self| CieLab::new([c.l, c.a, c.b], white);
-        lab(self).ciede2000(&lab(other)).unwrap_or(f64::NAN)
+        let weight = |chroma: f64| (chroma.powi(7) / (chroma.powi(7) + 25_f64.powi(7))).sqrt();
+        let mean = |one: f64, two: f64| (one + two) / 2.0;
+        let length = |a: f64, b: f64| (a * a + b * b).sqrt();
+        // a* is stretched where both are nearly grey.
+        let stretch = 0.5 * (1.0 - weight(mean(length(self.a, self.b), length(other.a, other.b))));
+        let [(c1, h1), (c2, h2)] = [self, other].map(|colour| {
+            let a = colour.a * (1.0 + stretch);
+            (length(a, colour.b), colour.b.atan2(a).rem_euclid(TAU))
+        });
+        let (l, c) = (mean(self.l, other.l), mean(c1, c2));
+        // The short way round, and the middle of it.
+        let (turn, h) = match h2 - h1 {
+            turn if turn > PI => (turn - TAU, (mean(h1 + h2, TAU)).rem_euclid(TAU)),
+            turn if turn < -PI => (turn + TAU, (mean(h1 + h2, TAU)).rem_euclid(TAU)),
+            turn => (turn, mean(h1, h2)),
+        };
+        let degrees = f64::to_radians;
+        let t = 1.0 - 0.17 * (h - degrees(30.0)).cos()
+            + 0.24 * (2.0 * h).cos()
+            + 0.32 * (3.0 * h + degrees(6.0)).cos()
+            - 0.20 * (4.0 * h - degrees(63.0)).cos();
+        let lightness =
+            (other.l - self.l) / (1.0 + (0.015 * (l - 50.0).powi(2)) / (20.0 + (l - 50.0).powi(2)).sqrt());
+        let chroma = (c2 - c1) / (1.0 + 0.045 * c);
+        let hue = 2.0 * (c1 * c2).sqrt() * (turn / 2.0).sin() / (1.0 + 0.015 * c * t);
+        // In the blue, hue and chroma are not at right angles.
+        let rotation = degrees(30.0) * (-((h.to_degrees() - 275.0) / 25.0).powi(2)).exp();
+        let cross = -(2.0 * weight(c)) * (2.0 * rotation).sin();
+        (lightness.powi(2) + chroma.powi(2) + hue.powi(2) + cross * chroma * hue).sqrt()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::D65_WHITE;
 
     #[test]
     fn white_is_100_and_black_is_0() {
@@ -111,19 +142,55 @@ mod tests {
         assert_eq!(D65_WHITE.lab(Xyz { x: 1.0, y: f64::NAN, z: 1.0 }), None);
     }
 
-    /// Sharma, Wu, Dalal, Color Res. Appl. 30, 21 (2005), table 1: pairs 1, 7, 13, 16, 25.
+    /// Sharma, Wu, Dalal, Color Res. Appl. 30, 21 (2005), table 1, all 34 pairs: L*, a*, b* twice, and the difference.
     #[test]
     fn delta_e_2000_as_sharma_tabulates_it() {
-        let pairs = [
-            ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
-            ([50.0, 0.0, 0.0], [50.0, -1.0, 2.0], 2.3669),
-            ([50.0, -0.0010, 2.4900], [50.0, 0.0011, -2.4900], 4.7461),
-            ([50.0, 2.5, 0.0], [50.0, 0.0, -2.5], 4.3065),
-            ([60.2574, -34.0099, 36.2677], [60.4626, -34.1751, 39.4387], 1.2644),
-        ];
-        let lab = |[l, a, b]: [f64; 3]| Lab { l, a, b };
-        for (one, two, expected) in pairs {
-            assert!((lab(one).delta_e_2000(lab(two)) - expected).abs() < 1e-4, "{one:?}");
+        for [l1, a1, b1, l2, a2, b2, expected] in SHARMA {
+            let (one, two) = (Lab { l: l1, a: a1, b: b1 }, Lab { l: l2, a: a2, b: b2 });
+            for found in [one.delta_e_2000(two), two.delta_e_2000(one)] {
+                assert!((found - expected).abs() < 5e-5 + 1e-9, "{one:?} {two:?}: {found}, not {expected}");
+            }
+            assert_eq!(one.delta_e_2000(one), 0.0);
         }
+        let dark = Lab { l: f64::NAN, a: 0.0, b: 0.0 };
+        assert!(dark.delta_e_2000(Lab { l: 50.0, ..dark }).is_nan());
     }
+
+    #[rustfmt::skip]
+    const SHARMA: [[f64; 7]; 34] = [
+        [50.0, 2.6772, -79.7751, 50.0, 0.0, -82.7485, 2.0425],
+        [50.0, 3.1571, -77.2803, 50.0, 0.0, -82.7485, 2.8615],
+        [50.0, 2.8361, -74.0200, 50.0, 0.0, -82.7485, 3.4412],
+        [50.0, -1.3802, -84.2814, 50.0, 0.0, -82.7485, 1.0],
+        [50.0, -1.1848, -84.8006, 50.0, 0.0, -82.7485, 1.0],
+        [50.0, -0.9009, -85.5211, 50.0, 0.0, -82.7485, 1.0],
+        [50.0, 0.0, 0.0, 50.0, -1.0, 2.0, 2.3669],
+        [50.0, -1.0, 2.0, 50.0, 0.0, 0.0, 2.3669],
+        [50.0, 2.4900, -0.0010, 50.0, -2.4900, 0.0009, 7.1792],
+        [50.0, 2.4900, -0.0010, 50.0, -2.4900, 0.0010, 7.1792],
+        [50.0, 2.4900, -0.0010, 50.0, -2.4900, 0.0011, 7.2195],
+        [50.0, 2.4900, -0.0010, 50.0, -2.4900, 0.0012, 7.2195],
+        [50.0, -0.0010, 2.4900, 50.0, 0.0009, -2.4900, 4.8045],
+        [50.0, -0.0010, 2.4900, 50.0, 0.0010, -2.4900, 4.8045],
+        [50.0, -0.0010, 2.4900, 50.0, 0.0011, -2.4900, 4.7461],
+        [50.0, 2.5, 0.0, 50.0, 0.0, -2.5, 4.3065],
+        [50.0, 2.5, 0.0, 73.0, 25.0, -18.0, 27.1492],
+        [50.0, 2.5, 0.0, 61.0, -5.0, 29.0, 22.8977],
+        [50.0, 2.5, 0.0, 56.0, -27.0, -3.0, 31.9030],
+        [50.0, 2.5, 0.0, 58.0, 24.0, 15.0, 19.4535],
+        [50.0, 2.5, 0.0, 50.0, 3.1736, 0.5854, 1.0],
+        [50.0, 2.5, 0.0, 50.0, 3.2972, 0.0, 1.0],
+        [50.0, 2.5, 0.0, 50.0, 1.8634, 0.5757, 1.0],
+        [50.0, 2.5, 0.0, 50.0, 3.2592, 0.3350, 1.0],
+        [60.2574, -34.0099, 36.2677, 60.4626, -34.1751, 39.4387, 1.2644],
+        [63.0109, -31.0961, -5.8663, 62.8187, -29.7946, -4.0864, 1.2630],
+        [61.2901, 3.7196, -5.3901, 61.4292, 2.2480, -4.9620, 1.8731],
+        [35.0831, -44.1164, 3.7933, 35.0232, -40.0716, 1.5901, 1.8645],
+        [22.7233, 20.0904, -46.6940, 23.0331, 14.9730, -42.5619, 2.0373],
+        [36.4612, 47.8580, 18.3852, 36.2715, 50.5065, 21.2231, 1.4146],
+        [90.8027, -2.0831, 1.4410, 91.1528, -1.6435, 0.0447, 1.4441],
+        [90.9257, -0.5406, -0.9208, 88.6381, -0.8985, -0.7239, 1.5381],
+        [6.7747, -0.2908, -2.4247, 5.8714, -0.0985, -2.2286, 0.6377],
+        [2.0776, 0.0795, -1.1350, 0.9033, -0.0636, -0.5514, 0.9082],
+    ];
 }

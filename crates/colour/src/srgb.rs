@@ -1,9 +1,7 @@
 //! Colours for a screen: what a figure paints.
 //!
 //! **What.** The linear sRGB matrix and the sRGB transfer function (IEC
-//! 61966-2-1 with its amendment 1), clipped to what a screen has. The standard's
-//! own numbers stand here because `colorimetry` rebuilds its matrix from fitted
-//! spectral primaries. Where the room's light is not D65, a surface's colour is
+//! 61966-2-1 with its amendment 1), clipped to what a screen has. Where the room's light is not D65, a surface's colour is
 //! first carried to D65 by a Bradford adaptation (ICC.1:2022, annex E), so that
 //! paper stays white.
 

@@ -83,7 +83,7 @@ pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;
 pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};
-pub use png::{PNG_SCALE, PngError, png};
+pub use png::{HAS_PNG, PNG_SCALE, PngError, png};
 pub use point_sets::point_sets;
 pub use production::{Blame, Ends, good_and_bad, histogram, sensitivities};
 pub use rings::gamut_rings;

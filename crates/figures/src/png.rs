@@ -2,16 +2,31 @@
 //!
 //! The letters are those of `fonts/` and no others, so that a figure has the same pixels on
 //! every machine; a character that they lack is left out.
+//!
+//! What does this is compiled with the feature `png`, which builds of the programs have unless it is turned off.
 
+#[cfg(feature = "png")]
 use std::sync::{Arc, OnceLock};
 
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{self, fontdb};
+#[cfg(feature = "png")]
+use resvg::{
+    tiny_skia::{Pixmap, Transform},
+    usvg::{self, fontdb},
+};
+
+/// Whether pictures can be made: the feature `png`.
+pub const HAS_PNG: bool = cfg!(feature = "png");
 
 /// Why a figure could not be rasterised.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
+    /// The feature is off.
+    #[error(
+        "this papilio was built without PNG pictures; `cargo build --release --package papilio` builds it with the feature `png` on"
+    )]
+    NotBuilt,
     /// The text is not SVG.
+    #[cfg(feature = "png")]
     #[error("this is not an SVG figure: {0}")]
     NotSvg(#[from] usvg::Error),
     /// It has no pixel, or there is no memory for them.
@@ -28,6 +43,7 @@ pub enum PngError {
 }
 
 /// No picture is larger than this many pixels either way.
+#[cfg(feature = "png")]
 const LARGEST: f32 = 16_384.0;
 
 /// Pixels for each px of an SVG, in the pictures that Papilio's programs write.
@@ -37,7 +53,8 @@ pub const PNG_SCALE: f32 = 2.0;
 /// less where it would be larger than 16384 pixels either way.
 ///
 /// # Errors
-/// If `svg` is not SVG, or not even a pixel large.
+/// If `svg` is not SVG, or not even a pixel large; without the feature, always.
+#[cfg(feature = "png")]
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
     let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(svg, &options)?;
@@ -49,7 +66,17 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
     pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
 }
 
+/// Says that the feature `png` is off.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "png"))]
+pub fn png(_: &str, _: f32) -> Result<Vec<u8>, PngError> {
+    Err(PngError::NotBuilt)
+}
+
 /// The font database, filled once.
+#[cfg(feature = "png")]
 fn fonts() -> Arc<fontdb::Database> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     let fill = || {

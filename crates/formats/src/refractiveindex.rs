@@ -11,44 +11,30 @@
 use std::ops::Range;
 
 use papilio_spectra::{Dispersion, Tabulated};
-use serde::Deserialize;
-use serde_saphyr::Spanned;
 
-use crate::bsdf::Warned;
+mod page;
+
+use self::page::{Entry, Value, fault};
 use crate::error::{FormatError, Problem};
-use crate::place::Place;
 use crate::rows::Table;
 use crate::spectrum::Columns;
+use papilio_diagnostics::Place;
+use papilio_diagnostics::Warned;
 
 /// True if the text has a `DATA` list at its outermost level.
 pub(crate) fn is_page(text: &str) -> bool {
     text.lines().any(|line| line.starts_with("DATA:"))
 }
 
-#[derive(Deserialize)]
-struct Page {
-    #[serde(rename = "DATA")]
-    data: Vec<Entry>,
-}
-
-#[derive(Deserialize)]
-struct Entry {
-    r#type: Spanned<String>,
-    #[serde(alias = "range")]
-    wavelength_range: Option<Spanned<String>>,
-    coefficients: Option<Spanned<String>>,
-    data: Option<Spanned<String>>,
-}
-
 /// What an entry holds of n or of k.
 enum Source<'a> {
     Table(Rows<'a>),
-    Formula(u8, &'a Entry),
+    Formula(u8, &'a Entry<'a>),
 }
 
 /// One of the quantities of an entry, and the wavelengths that it is for, nm.
 struct Given<'a> {
-    entry: &'a Entry,
+    entry: &'a Entry<'a>,
     source: Source<'a>,
     range_nm: (f64, f64),
 }
@@ -66,8 +52,8 @@ pub(crate) fn read(
     file: Table<'_>,
     wanted_nm: Option<(f64, f64)>,
 ) -> Result<Warned<Dispersion>, FormatError> {
-    let page: Page = serde_saphyr::from_str(file.text).map_err(|e| not_a_page(file, &e))?;
-    let Quantities { n, k } = quantities(&page, file)?;
+    let entries = page::entries(file)?;
+    let Quantities { n, k } = quantities(&entries, file)?;
     let mut reading = Reading { file, wanted_nm, notes: Vec::new() };
     let k = match reading.choose(k, "k")? {
         Some(Given { source: Source::Table(rows), .. }) => Some(reading.table(&rows)?),
@@ -86,10 +72,11 @@ pub(crate) fn read(
     Ok(Warned { value, warnings: reading.notes })
 }
 
-fn quantities<'a>(page: &'a Page, file: Table<'_>) -> Result<Quantities<'a>, FormatError> {
+fn quantities<'a>(entries: &'a [Entry<'a>], file: Table<'a>) -> Result<Quantities<'a>, FormatError> {
     let mut found = Quantities::default();
-    for entry in &page.data {
-        let kind = entry.r#type.value.trim();
+    for entry in entries {
+        let named = entry.kind(file)?;
+        let kind = named.text.trim();
         let table = |column, what| entry.rows(column, what, file).map(|rows| entry.given(rows));
         match kind.split_once(' ') {
             _ if kind.ends_with("n2") => {}
@@ -103,7 +90,7 @@ fn quantities<'a>(page: &'a Page, file: Table<'_>) -> Result<Quantities<'a>, For
                 let source = Source::Formula(number.parse().unwrap_or_default(), entry);
                 found.n.push(Given { entry, source, range_nm: entry.range(file)? });
             }
-            _ => return Err(at(file, &entry.r#type, Problem::UnknownData { found: kind.to_owned() })),
+            _ => return Err(at(file, named, Problem::UnknownData { found: kind.to_owned() })),
         }
     }
     Ok(found)
@@ -139,7 +126,7 @@ impl Reading<'_> {
             None => Ok(given.pop()),
             Some(again) => {
                 let message = format!("{what} is given twice");
-                Err(at(self.file, &again.entry.r#type, Problem::Yaml { message }))
+                Err(at(self.file, again.entry.kind(self.file)?, Problem::Yaml { message }))
             }
         }
     }
@@ -165,13 +152,13 @@ impl Reading<'_> {
 
 /// A column of an entry's block of numbers.
 struct Rows<'a> {
-    entry: &'a Spanned<String>,
+    block: &'a Value<'a>,
     what: &'static str,
-    rows: Vec<Row<'a>>,
+    rows: Vec<Row>,
 }
 
-struct Row<'a> {
-    text: &'a str,
+struct Row {
+    place: Range<usize>,
     nm: f64,
     value: f64,
 }
@@ -188,9 +175,9 @@ impl Rows<'_> {
         let mut columns = Columns::<1>::default();
         for row in &self.rows[rows] {
             let added = columns.add(row.nm, [row.value]).and_then(|()| not_negative(row.value, self.what));
-            added.map_err(|problem| at_row(file, self.entry, row.text, problem))?;
+            added.map_err(|problem| fault_at(file, row.place.clone(), problem))?;
         }
-        let [table] = columns.into_tables().map_err(|problem| at(file, self.entry, problem))?;
+        let [table] = columns.into_tables().map_err(|problem| at(file, self.block, problem))?;
         Ok(table)
     }
 
@@ -203,8 +190,8 @@ impl Rows<'_> {
         let best = self.runs().into_iter().max_by(|a, b| overlap(a).total_cmp(&overlap(b)))?;
         let (mine, all) = (&self.rows[best.clone()], self.range_nm());
         // It reaches as far as the block does.
-        let reaches = |row: &Row<'_>| row.nm <= first.max(all.0);
-        let reaches_on = |row: &Row<'_>| row.nm >= last.min(all.1);
+        let reaches = |row: &Row| row.nm <= first.max(all.0);
+        let reaches_on = |row: &Row| row.nm >= last.min(all.1);
         if overlap(&best) < 0.0 || !mine.iter().any(reaches) || !mine.iter().any(reaches_on) {
             return None;
         }
@@ -213,8 +200,8 @@ impl Rows<'_> {
         let from = nm().filter(|nm| *nm <= first).max_by(f64::total_cmp).unwrap_or(f64::NEG_INFINITY);
         let to = nm().filter(|nm| *nm >= last).min_by(f64::total_cmp).unwrap_or(f64::INFINITY);
         let others = self.rows[..best.start].iter().chain(&self.rows[best.end..]);
-        let agrees = |row: &Row<'_>| mine.iter().any(|own| own.nm == row.nm && own.value == row.value);
-        let touches = |row: &&Row<'_>| row.nm >= from && row.nm <= to;
+        let agrees = |row: &Row| mine.iter().any(|own| own.nm == row.nm && own.value == row.value);
+        let touches = |row: &&Row| row.nm >= from && row.nm <= to;
         let sound = others.filter(touches).all(agrees);
         sound.then_some(best)
     }
@@ -250,7 +237,7 @@ fn not_negative(value: f64, what: &'static str) -> Result<(), Problem> {
     Err(Problem::OutOfRange { what, value, expected: "expected 0 or more" })
 }
 
-impl Entry {
+impl Entry<'_> {
     fn given<'a>(&'a self, rows: Rows<'a>) -> Given<'a> {
         Given { entry: self, range_nm: rows.range_nm(), source: Source::Table(rows) }
     }
@@ -262,25 +249,25 @@ impl Entry {
         what: &'static str,
         file: Table<'_>,
     ) -> Result<Rows<'a>, FormatError> {
-        let data = self.needs(self.data.as_ref(), "data", file)?;
+        let data = self.needs("data", file)?;
         let mut rows = Vec::new();
-        for text in data.value.lines().filter(|row| !row.trim().is_empty()) {
-            let numbers = numbers(text).map_err(|problem| at_row(file, data, text, problem))?;
+        for (place, text) in data.rows(file) {
+            let numbers = numbers(text).map_err(|problem| fault_at(file, place.clone(), problem))?;
             if numbers.len() != of + 1 {
                 let expected =
                     if of == 2 { "expected three: um, n, k" } else { "expected two: um and the value" };
                 let problem = Problem::Columns { expected, count: of + 1, found: numbers.len() };
-                return Err(at_row(file, data, text, problem));
+                return Err(fault_at(file, place, problem));
             }
-            rows.push(Row { text, nm: nm_from_um(numbers[0]), value: numbers[column + 1] });
+            rows.push(Row { place, nm: nm_from_um(numbers[0]), value: numbers[column + 1] });
         }
-        Ok(Rows { entry: data, what, rows })
+        Ok(Rows { block: data, what, rows })
     }
 
     /// Where a formula holds, nm.
     fn range(&self, file: Table<'_>) -> Result<(f64, f64), FormatError> {
-        let range = self.needs(self.wavelength_range.as_ref(), "wavelength_range", file)?;
-        match numbers(&range.value).map_err(|problem| at(file, range, problem))?[..] {
+        let range = self.get("range").map_or_else(|| self.needs("wavelength_range", file), Ok)?;
+        match numbers(&range.text).map_err(|problem| at(file, range, problem))?[..] {
             [first, last] => Ok((nm_from_um(first), nm_from_um(last))),
             _ => Err(at(file, range, Problem::Yaml { message: "a range has two ends, in um".to_owned() })),
         }
@@ -293,14 +280,16 @@ impl Entry {
         k: Option<Tabulated>,
         file: Table<'_>,
     ) -> Result<Dispersion, FormatError> {
-        let coefficients = self.needs(self.coefficients.as_ref(), "coefficients", file)?;
-        let values = numbers(&coefficients.value).map_err(|problem| at(file, coefficients, problem))?;
+        let coefficients = self.needs("coefficients", file)?;
+        let values = numbers(&coefficients.text).map_err(|problem| at(file, coefficients, problem))?;
         Dispersion::formula(number, &values, range_nm, k).map_err(|e| at(file, coefficients, e.into()))
     }
 
-    fn needs<'a, T>(&self, part: Option<&'a T>, key: &str, file: Table<'_>) -> Result<&'a T, FormatError> {
-        let message = || format!("this entry has no `{key}`");
-        part.ok_or_else(|| at(file, &self.r#type, Problem::Yaml { message: message() }))
+    fn needs(&self, key: &str, file: Table<'_>) -> Result<&Value<'_>, FormatError> {
+        match self.get(key) {
+            Some(value) => Ok(value),
+            None => Err(fault(file, self.kind(file)?.place.start, &format!("this entry has no `{key}`"))),
+        }
     }
 }
 
@@ -319,41 +308,11 @@ fn nm_from_um(um: f64) -> f64 {
 }
 
 /// An error at a value of the page.
-fn at<T>(file: Table<'_>, value: &Spanned<T>, problem: Problem) -> FormatError {
-    at_line_column(file, value.referenced.line(), value.referenced.column(), problem)
+fn at(file: Table<'_>, value: &Value<'_>, problem: Problem) -> FormatError {
+    file.error_at_line(value.place.start, problem)
 }
 
-fn at_line_column(file: Table<'_>, line: u64, column: u64, problem: Problem) -> FormatError {
-    let wanted = usize::try_from(line).unwrap_or(usize::MAX).saturating_sub(1);
-    let start = file.text.split_inclusive('\n').take(wanted).map(str::len).sum::<usize>();
-    let rest = file.text.get(start..).unwrap_or_default();
-    let skip = usize::try_from(column).unwrap_or(usize::MAX).saturating_sub(1);
-    let offset = rest.char_indices().nth(skip).map_or(0, |(i, _)| i);
-    FormatError { place: Place::in_text(file.name, file.text, start + offset..file.text.len()), problem }
-}
-
-/// An error at a row of a block of text; the parser says only where the block begins.
-fn at_row(file: Table<'_>, block: &Spanned<String>, row: &str, problem: Problem) -> FormatError {
-    let first = usize::try_from(block.referenced.line()).unwrap_or(usize::MAX).saturating_sub(1);
-    let mut start = 0;
-    for (i, line) in file.text.split_inclusive('\n').enumerate() {
-        if i >= first && line.trim() == row.trim() {
-            let start = start + line.len() - line.trim_start().len();
-            return FormatError {
-                place: Place::in_text(file.name, file.text, start..start + row.trim().len()),
-                problem,
-            };
-        }
-        start += line.len();
-    }
-    at(file, block, problem)
-}
-
-fn not_a_page(file: Table<'_>, error: &serde_saphyr::Error) -> FormatError {
-    let error = error.without_snippet();
-    let message = error.to_string().lines().next().unwrap_or_default().to_owned();
-    match error.location() {
-        Some(place) => at_line_column(file, place.line(), place.column(), Problem::Yaml { message }),
-        None => file.error(Problem::Yaml { message }),
-    }
+/// An error at a row of a block.
+fn fault_at(file: Table<'_>, place: Range<usize>, problem: Problem) -> FormatError {
+    FormatError { place: Place::in_text(file.name, file.text, place), problem }
 }

@@ -222,6 +222,7 @@ fn log_width_of_most_haze(haze_of: impl Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use papilio_testing::ChiSquare;
 
     /// Haze and width, truncated at the hemisphere: table recomputed from
     /// 1 - F(sin 2.5 deg)/F(1), F(r) = 1 - b/sqrt(b^2 + r^2).
@@ -237,7 +238,7 @@ mod tests {
 
     /// Chi-square of samples against a claimed distribution of the radius, on 16 x 16 cells
     /// of equal probability around the unscattered direction.
-    fn chi_square(lobe: Lobe, beta_i: Beta, share_within: impl Fn(f64) -> f64) -> f64 {
+    fn chi_square(lobe: Lobe, beta_i: Beta, share_within: impl Fn(f64) -> f64) -> ChiSquare {
         let numbers = papilio_sampling::Numbers::new(papilio_sampling::Sampler::Random, 17, 0);
         let (samples, mut cells) = (40_000, [0.0_f64; 256]);
         for path in 0..samples {
@@ -248,12 +249,8 @@ mod tests {
             let cell = |v: f64| ((v * 16.0) as usize).min(15);
             cells[cell(share_within(from.length())) * 16 + cell(turn)] += 1.0;
         }
-        let expected = samples as f64 / 256.0;
-        cells.iter().map(|n| (n - expected).powi(2) / expected).sum()
+        ChiSquare::uniform(&cells)
     }
-
-    /// The 1e-4 quantile of chi-square with 255 degrees of freedom.
-    const CHI_SQUARE_255: f64 = 345.6;
 
     /// `share_within` is the integral of the density (tested below), so this ties
     /// samples to densities.
@@ -263,9 +260,9 @@ mod tests {
             [Lobe::KCorrelation { width: 0.0567 }, Lobe::KCorrelation { width: 0.9 }, Lobe::Lambertian]
         {
             for theta_deg in [0.0, 30.0] {
-                let statistic =
+                let found =
                     chi_square(lobe, Beta::towards(theta_deg, 50.0, 1.0), |radius| lobe.share_within(radius));
-                assert!(statistic < CHI_SQUARE_255, "{lobe:?} {theta_deg}: {statistic}");
+                assert!(found.is_likely(), "{lobe:?} {theta_deg}: {found:?}");
             }
         }
     }
@@ -274,8 +271,8 @@ mod tests {
     fn a_density_that_is_slightly_too_wide_is_caught() {
         let wider = Lobe::KCorrelation { width: 0.0567 * 1.05 };
         let lobe = Lobe::KCorrelation { width: 0.0567 };
-        let statistic = chi_square(lobe, Beta::default(), |radius| wider.share_within(radius));
-        assert!(statistic > CHI_SQUARE_255, "{statistic}");
+        let found = chi_square(lobe, Beta::default(), |radius| wider.share_within(radius));
+        assert!(!found.is_likely(), "{found:?}");
     }
 
     #[test]

@@ -63,6 +63,7 @@ impl HenyeyGreenstein {
 #[cfg(test)]
 mod tests {
     use papilio_sampling::{Numbers, Sampler};
+    use papilio_testing::ChiSquare;
 
     use super::*;
 
@@ -136,9 +137,8 @@ mod tests {
         }
     }
 
-    /// Chi-square over 32 bins of equal width in the angle (neighbours that expect fewer than
-    /// five are one bin), and the mean cosine.
-    fn chi_square(drawn: HenyeyGreenstein, claimed: HenyeyGreenstein) -> (f64, f64) {
+    /// Chi-square over 32 bins of equal width in the angle, and the mean cosine.
+    fn chi_square(drawn: HenyeyGreenstein, claimed: HenyeyGreenstein) -> (ChiSquare, f64) {
         let numbers = Numbers::new(Sampler::Random, 23, 0);
         let (samples, mut counts, mut sum) = (40_000, [0.0; 32], 0.0);
         for path in 0..samples {
@@ -147,27 +147,17 @@ mod tests {
             counts[((cos.acos() / PI * 32.0) as usize).min(31)] += 1.0;
         }
         let edge = |bin: usize| (PI * bin as f64 / 32.0).cos();
-        let (mut statistic, mut found, mut expected) = (0.0, 0.0, 0.0);
-        for (bin, count) in counts.iter().enumerate() {
-            found += count;
-            expected += samples as f64 * integral(claimed, edge(bin + 1), edge(bin), |_| 1.0);
-            if expected >= 5.0 {
-                statistic += (found - expected).powi(2) / expected;
-                (found, expected) = (0.0, 0.0);
-            }
-        }
-        (statistic, sum / samples as f64)
+        let expected = |bin| samples as f64 * integral(claimed, edge(bin + 1), edge(bin), |_| 1.0);
+        let cells = counts.iter().enumerate().map(|(bin, count)| (*count, expected(bin)));
+        (ChiSquare::of(cells, 5.0), sum / samples as f64)
     }
-
-    /// The 1e-4 quantile of chi-square with 31 degrees of freedom; fewer have a smaller one.
-    const CHI_SQUARE_31: f64 = 71.0;
 
     #[test]
     fn samples_follow_the_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
-            let (statistic, mean) = chi_square(phase, phase);
-            assert!(statistic < CHI_SQUARE_31, "g {anisotropy}: {statistic}");
+            let (found, mean) = chi_square(phase, phase);
+            assert!(found.is_likely(), "g {anisotropy}: {found:?}");
             // Four sigma of a mean of 40 000 cosines, whose variance is (1 - g^2)/3.
             let sigma = ((1.0 - anisotropy * anisotropy) / 3.0 / 40_000.0).sqrt();
             assert!((mean - anisotropy).abs() < 4.0 * sigma, "g {anisotropy}: {mean}");
@@ -177,7 +167,7 @@ mod tests {
     #[test]
     fn a_slightly_wrong_anisotropy_is_caught() {
         let phase = |anisotropy| HenyeyGreenstein { anisotropy };
-        assert!(chi_square(phase(0.75), phase(0.73)).0 > CHI_SQUARE_31);
-        assert!(chi_square(phase(0.0), phase(0.03)).0 > CHI_SQUARE_31);
+        assert!(!chi_square(phase(0.75), phase(0.73)).0.is_likely());
+        assert!(!chi_square(phase(0.0), phase(0.03)).0.is_likely());
     }
 }

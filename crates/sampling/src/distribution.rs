@@ -13,7 +13,9 @@
 //!
 //! A distribution that is cut off keeps its shape between the ends: what lies beyond is sorted out, not moved.
 
-use statrs::distribution::{ContinuousCDF, Normal};
+use std::f64::consts::SQRT_2;
+
+use crate::{erfc, erfc_inv};
 
 /// How a number scatters.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,12 +110,12 @@ fn normal_within(u: f64, [low, high]: [f64; 2]) -> f64 {
 
 /// The share of the standard normal distribution below `z`.
 pub(crate) fn share_below(z: f64) -> f64 {
-    Normal::standard().cdf(z)
+    0.5 * erfc(-z / SQRT_2)
 }
 
 /// The standard normal number that a share `u` lies below.
 pub(crate) fn normal(u: f64) -> f64 {
-    Normal::standard().inverse_cdf(u)
+    -SQRT_2 * erfc_inv(2.0 * u)
 }
 
 #[cfg(test)]

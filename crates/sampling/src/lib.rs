@@ -7,7 +7,7 @@
 //! - [`table_4_1`]: what importance and strata are worth, on an integral that all know.
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
 //! - [`Distribution`]: even numbers as numbers that scatter as production does; [`Correlation`]: several that scatter
-//!   together.
+//!   together; [`erfc`] and its inverse, which the normal distribution is made of.
 //!
 //! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a path
 //! that lives longer goes on with independent random numbers. Sobol's are one set of sixteen
@@ -25,6 +25,7 @@
 mod candidates;
 mod copula;
 mod distribution;
+mod erf;
 mod numbers;
 mod sobol;
 mod strata;
@@ -33,4 +34,5 @@ pub mod warp;
 
 pub use copula::{Coefficient, Correlation};
 pub use distribution::Distribution;
+pub use erf::{erfc, erfc_inv};
 pub use numbers::{Numbers, PLANNED_BLOCKS, Sampler};

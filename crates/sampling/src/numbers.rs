@@ -163,6 +163,7 @@ pub(crate) fn open_unit(bits: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use papilio_testing::ChiSquare;
 
     fn all(sampler: Sampler) -> impl Iterator<Item = [f64; 4]> {
         (0..64).flat_map(move |stream| {
@@ -188,10 +189,8 @@ mod tests {
                 for point in all(sampler) {
                     cells[(point[a] * 16.0) as usize * 16 + (point[b] * 16.0) as usize] += 1.0;
                 }
-                let expected = 64.0 * 1024.0 / 256.0;
-                let chi_square: f64 = cells.iter().map(|n| (n - expected).powi(2) / expected).sum();
-                // 255 degrees of freedom: mean 255, 1e-4 quantile 345.6.
-                assert!(chi_square < 345.6, "{sampler:?} {a},{b}: {chi_square}");
+                let found = ChiSquare::uniform(&cells);
+                assert!(found.is_likely(), "{sampler:?} {a},{b}: {found:?}");
             }
         }
     }
@@ -233,7 +232,6 @@ mod tests {
         }
     }
 
-    /// Chi-square on 16 cells, 15 degrees of freedom: its 1e-4 quantile is 44.3.
     #[test]
     fn whole_numbers_are_even_and_numbers_apart_are_others() {
         let mut cells = [0.0_f64; 16];
@@ -242,8 +240,8 @@ mod tests {
             cells[numbers.whole(16) as usize] += 1.0;
             assert_eq!(numbers.whole(1), 0);
         }
-        let chi_square: f64 = cells.iter().map(|n| (n - 1000.0_f64).powi(2) / 1000.0).sum();
-        assert!(chi_square < 44.3, "{chi_square}");
+        let found = ChiSquare::uniform(&cells);
+        assert!(found.is_likely(), "{found:?}");
         for sampler in Sampler::ALL {
             let numbers = Numbers::new(sampler, 5, 0);
             assert_ne!(numbers.block(3, 1), numbers.apart().block(3, 1));

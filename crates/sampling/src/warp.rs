@@ -111,15 +111,13 @@ fn frame(axis: [f64; 3]) -> ([f64; 3], [f64; 3]) {
 mod tests {
     use super::*;
     use crate::{Numbers, Sampler};
+    use papilio_testing::ChiSquare;
 
     const POINTS: u64 = 40_000;
 
-    /// The 1e-4 quantile of chi-square with 255 degrees of freedom.
-    const CHI_SQUARE_255: f64 = 345.6;
-
     /// Chi-square of samples, mapped back to the unit square by the cumulative
     /// distribution that `to_square` claims, on 16 x 16 cells of equal probability.
-    fn chi_square(sample: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
+    fn chi_square(sample: impl Fn([f64; 2]) -> [f64; 2]) -> ChiSquare {
         let numbers = Numbers::new(Sampler::Random, 11, 0);
         let mut cells = [0.0_f64; 256];
         for path in 0..POINTS {
@@ -128,8 +126,7 @@ mod tests {
             let cell = |v: f64| ((v * 16.0) as usize).min(15);
             cells[cell(square[0]) * 16 + cell(square[1])] += 1.0;
         }
-        let expected = POINTS as f64 / 256.0;
-        cells.iter().map(|n| (n - expected).powi(2) / expected).sum()
+        ChiSquare::uniform(&cells)
     }
 
     fn turn(x: f64, y: f64) -> f64 {
@@ -151,20 +148,20 @@ mod tests {
     fn disc_samples_follow_their_density() {
         let radius: f64 = 1.5;
         let share_within = |r: f64| uniform_disc_density(radius) * std::f64::consts::PI * r * r;
-        let statistic = chi_square(|u| {
+        let found = chi_square(|u| {
             let (x, y) = uniform_disc(radius, u);
             [share_within(x.hypot(y)), turn(x, y)]
         });
-        assert!(statistic < CHI_SQUARE_255, "{statistic}");
+        assert!(found.is_likely(), "{found:?}");
     }
 
     #[test]
     fn a_wrong_density_is_caught() {
-        let statistic = chi_square(|u| {
+        let found = chi_square(|u| {
             let (x, y) = polar(u[0], u[1]);
             [x * x + y * y, turn(x, y)]
         });
-        assert!(statistic > CHI_SQUARE_255, "{statistic}");
+        assert!(!found.is_likely(), "{found:?}");
     }
 
     #[test]
@@ -177,14 +174,14 @@ mod tests {
         ] {
             let (tangent, bitangent) = frame(axis);
             let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(p, q)| p * q).sum::<f64>();
-            let statistic = chi_square(|u| {
+            let found = chi_square(|u| {
                 let d = uniform_cone(axis, half_angle, u);
                 assert!((dot(d, d) - 1.0).abs() < 1e-12);
                 let (x, y) = (dot(d, tangent), dot(d, bitangent));
                 let one_minus_cos = (x * x + y * y) / (1.0 + dot(d, axis));
                 [uniform_cone_density(half_angle) * TAU * one_minus_cos, turn(x, y)]
             });
-            assert!(statistic < CHI_SQUARE_255, "{axis:?} {half_angle}: {statistic}");
+            assert!(found.is_likely(), "{axis:?} {half_angle}: {found:?}");
         }
     }
 }

@@ -48,7 +48,6 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 
-mod advice;
 mod describe;
 mod edit;
 mod error;
@@ -56,10 +55,13 @@ mod grammar;
 mod kinds;
 mod library;
 mod migrate;
+mod mistake;
 mod nearest;
 mod optimise;
+mod origin;
+mod path;
 mod preset;
-mod problem;
+mod range;
 mod read;
 mod renamed;
 mod resolve;
@@ -76,14 +78,15 @@ mod varied;
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
-pub use migrate::{Migrated, RenamedPlace, migrate, present_path};
-pub use nearest::nearest;
+pub use migrate::{Migrated, RenamedPlace, migrate};
+pub use mistake::MistakeKind;
 pub use optimise::{
     Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,
     SearchQuantity, SearchRange, SearchVariable,
 };
+pub use papilio_diagnostics::{Diagnostic, nearest};
+pub use path::KeyPath;
 pub use preset::{new_scenario, preset_names};
-pub use problem::{PlanProblem, Problem};
 pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

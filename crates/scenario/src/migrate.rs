@@ -1,8 +1,8 @@
 //! A scenario's text with the present names of its keys and values: what `papilio migrate` does.
 
 use crate::error::{Errors, ScenarioErrors};
-use crate::problem::Problem;
-use crate::renamed::{FORMAT, changes, present};
+use crate::mistake;
+use crate::renamed::{FORMAT, changes};
 use crate::scenario::parse;
 use crate::tree::Value;
 
@@ -26,16 +26,6 @@ pub struct RenamedPlace {
     pub new: String,
 }
 
-/// A dotted path, as of `--set`, with the present names of its keys.
-///
-/// ```
-/// assert_eq!(papilio_scenario::present_path("solver.every_bin"), "solver.per_wavelength");
-/// ```
-pub fn present_path(path: &str) -> String {
-    let keys: Vec<&str> = path.split('.').map(str::trim).collect();
-    present(&keys).join(".")
-}
-
 /// Brings a scenario's text to the present names, and states its `format`.
 ///
 /// Nothing else of the text changes. A text that has present names and states the present format is returned as it is.
@@ -52,15 +42,16 @@ pub fn present_path(path: &str) -> String {
 /// # Ok::<(), papilio_scenario::ScenarioErrors>(())
 /// ```
 pub fn migrate(text: &str, name: &str) -> Result<Migrated, ScenarioErrors> {
-    let (root, sources) = parse(text, name, &[])?;
+    let sources = parse(text, name, &[])?;
+    let root = sources.document();
     // A byte order mark is not part of the text that has places.
     let mut new = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
     let mut errors = Errors::default();
-    let found = changes(&new, &root, &mut errors);
+    let found = changes(&new, root, &mut errors);
     let format = root.get("format");
     match format.map(|node| (&node.value, node.origin)) {
         Some((Value::Integer(number), origin)) if *number > FORMAT as i64 => {
-            errors.push(origin, Problem::NewerFormat { found: *number });
+            errors.push(origin, mistake::newer_format(*number, FORMAT));
         }
         _ => {}
     }

@@ -8,8 +8,9 @@
 use std::ops::Range;
 
 use crate::error::Errors;
-use crate::problem::Problem;
-use crate::source::Origin;
+use crate::mistake;
+use crate::origin::Origin;
+use crate::path::KeyPath;
 use crate::tree::{Entry, Node, Value};
 
 /// Number of the present grammar, as the key `format` of a scenario states it.
@@ -140,16 +141,6 @@ pub(crate) fn new_value(path: &[&str], word: &str) -> Option<NewValue> {
     })
 }
 
-/// The path with present names for old ones.
-pub(crate) fn present<'a>(path: &[&'a str]) -> Vec<&'a str> {
-    let mut present: Vec<&'a str> = Vec::with_capacity(path.len());
-    for key in path {
-        let key = new_key(&present, key).unwrap_or(key);
-        present.push(key);
-    }
-    present
-}
-
 /// True if `path` is one of the patterns, in which `*` is any one key.
 fn is_any_of(path: &[&str], patterns: &[&str]) -> bool {
     patterns.iter().any(|pattern| {
@@ -176,8 +167,7 @@ pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, e
             for i in 0..entries.len() {
                 let Some(new) = new_key(path, &entries[i].key) else { continue };
                 if entries.iter().any(|entry| entry.key == new) {
-                    let problem = Problem::BothNames { old: entries[i].key.clone(), new: new.to_owned() };
-                    errors.push(entries[i].key_origin, problem);
+                    errors.push(entries[i].key_origin, mistake::both_names(&entries[i].key, new));
                 }
                 let old = std::mem::replace(&mut entries[i].key, new.to_owned());
                 found.push(OldName { origin: entries[i].key_origin, old, new: new.to_owned() });
@@ -206,10 +196,9 @@ pub(crate) fn changes(text: &str, root: &Node, errors: &mut Errors) -> Vec<(Rang
 fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
     match &node.value {
         Value::Text(text) if is_any_of(path, PATHS) => {
-            let old: Vec<&str> = text.split('.').map(str::trim).collect();
-            let new = present(&old);
-            if new != old {
-                let (old, new) = (format!("\"{text}\""), format!("\"{}\"", new.join(".")));
+            let path = KeyPath::new(text);
+            if path.old_names().next().is_some() {
+                let (old, new) = (format!("\"{text}\""), format!("\"{}\"", path.present()));
                 found.push(OldName { origin: node.origin, old, new });
             }
         }
@@ -222,14 +211,13 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
         }
         Value::Table(entries) => {
             let key = match node.get("key").map(|key| &key.value) {
-                Some(Value::Text(key)) => present(&key.split('.').map(str::trim).collect::<Vec<_>>()),
-                _ => Vec::new(),
+                Some(Value::Text(key)) => Some(KeyPath::new(key)),
+                _ => None,
             };
             for entry in entries {
-                match &entry.node.value {
-                    Value::Array(values)
-                        if ["values", "choices"].contains(&&*entry.key) && !key.is_empty() =>
-                    {
+                match (&entry.node.value, &key) {
+                    (Value::Array(values), Some(key)) if ["values", "choices"].contains(&&*entry.key) => {
+                        let key: Vec<&str> = key.keys().collect();
                         let mut values = values.clone();
                         values
                             .iter_mut()
@@ -245,16 +233,12 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
 
 /// The old names in a key of a condition, dotted or nested, and in its value.
 fn of_change(entry: &Entry, found: &mut Vec<OldName>) {
-    let old: Vec<&str> = entry.key.split('.').map(str::trim).collect();
-    let new = present(&old);
-    if new != old {
-        let written = |path: &[&str]| match path.len() {
-            1 => path.concat(),
-            _ => format!("\"{}\"", path.join(".")),
-        };
-        found.push(OldName { origin: entry.key_origin, old: written(&old), new: written(&new) });
+    let path = KeyPath::new(&entry.key);
+    if path.old_names().next().is_some() {
+        let (old, new) = (format!("\"{}\"", entry.key), format!("\"{}\"", path.present()));
+        found.push(OldName { origin: entry.key_origin, old, new });
     }
-    rename(&mut entry.node.clone(), &new, found, &mut Errors::default());
+    rename(&mut entry.node.clone(), &path.keys().collect::<Vec<_>>(), found, &mut Errors::default());
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
 use papilio_display::scene::Scene;
 use papilio_formats::DataFile;
@@ -11,7 +12,6 @@ use serde_json::{Map, Value, json};
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
-use crate::problem::Problem;
 use crate::read::Read;
 use crate::renamed::OldName;
 use crate::resolve::{self, Found, VirtualMeasurement};
@@ -86,8 +86,8 @@ impl Scenario {
         library: impl Into<Library>,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let (root, sources) = parse(text, name, overrides)?;
-        let assembled = assemble(root, &sources, &[])?;
+        let sources = parse(text, name, overrides)?;
+        let assembled = assemble(&sources, &[])?;
         Self::read(assembled, library.into(), sources)
     }
 
@@ -101,8 +101,8 @@ impl Scenario {
         let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
-        let written = Arc::new(Written { root: assembled.root, sources });
-        Ok(Self { file, library, written, warnings: assembled.warnings, notes: assembled.notes })
+        let Assembled { root, warnings, notes } = assembled;
+        Ok(Self { file, library, written: Arc::new(Written { root, sources }), warnings, notes })
     }
 
     /// The scenario as it was read, with every default filled in, in the order of the grammar and the text.
@@ -169,27 +169,35 @@ impl Resolved {
     /// ```
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } = error else { return None };
-        let (thickness_nm, fringes, nm, most_mm) = (*thickness_nm, *fringes, *nm, *most_mm);
-        let Written { root, sources } = &*self.written;
+        let wrong = Diagnostic::new(format!(
+            "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than are \
+             tabulated"
+        ))
+        .expected(format!("films of about {most_mm} mm in all at most"))
+        .hint(
+            "a layer so thick does not interfere in room light: describe it as a layer of the display, \
+             { kind = \"medium\", index = 1.5 }, with the thin films below it as the pixel's film or a coating",
+        );
         let mut errors = Errors::default();
-        errors.push(root.place_of(key), Problem::TooManyFringes { thickness_nm, fringes, nm, most_mm });
-        errors.check(sources).err()
+        errors.push(self.written.root.place_of(key), wrong);
+        errors.check(&self.written.sources).err()
     }
 }
 
-/// The tree of a text, and the texts that will have a say in it.
-pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<(Node, Sources), ScenarioErrors> {
+/// The tree of a text, and the texts that change it.
+pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sources, ScenarioErrors> {
     if text.len() > LONGEST_TEXT {
         let problem =
             papilio_formats::Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
-        return Err(ScenarioError::about_file(name, problem.into()).into());
+        return Err(ScenarioError::about_file(name, problem).into());
     }
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let sources = Sources::new(name, text, overrides);
+    let (document, wrong) = Node::parse_document(text);
+    let sources = Sources::new(name, text, document, overrides);
     let mut errors = Errors::default();
-    let root = Node::parse_document(text, &mut errors);
+    wrong.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
     errors.check(&sources)?;
-    Ok((root, sources))
+    Ok(sources)
 }
 
 /// A tree to which nothing is to be added.
@@ -202,11 +210,8 @@ pub(crate) struct Assembled {
 }
 
 /// The tree with its preset, each `--set`, and other changes.
-pub(crate) fn assemble(
-    mut root: Node,
-    sources: &Sources,
-    changes: &[Change],
-) -> Result<Assembled, ScenarioErrors> {
+pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assembled, ScenarioErrors> {
+    let mut root = sources.document().clone();
     let mut errors = Errors::default();
     let mut old = Vec::new();
     renamed::rename(&mut root, &[], &mut old, &mut errors);

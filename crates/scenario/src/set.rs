@@ -1,18 +1,18 @@
 //! `--set PATH=VALUE`: changes to a scenario from the command line, and those of a sweep or a search.
 //!
-//! The path is dotted; arrays are indexed from 0, and the index one beyond the
-//! last appends. Of two keys that exclude each other (`haze` and `width`) a set one
+//! PATH is a [`KeyPath`]. Of two keys that exclude each other (`haze` and `width`) a set one
 //! replaces the file's; two set ones are an error. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
-use crate::error::Errors;
-use crate::problem::Problem;
-use crate::renamed::{OldName, present, rename};
-use crate::source::{Origin, Sources};
-use crate::tree::{Entry, Node, Value};
+use papilio_diagnostics::Diagnostic;
 
-/// A path longer than this leads nowhere.
-pub(crate) const MOST_SEGMENTS: usize = 16;
+use crate::error::Errors;
+use crate::mistake;
+use crate::origin::Origin;
+use crate::path::{At, Grow, KeyPath, Step};
+use crate::renamed::{OldName, rename};
+use crate::source::Sources;
+use crate::tree::{Entry, Node, Value};
 
 /// Where presets are named; they are set before any other key.
 pub(crate) const PRESET_PATH: &str = "lighting.preset";
@@ -20,8 +20,8 @@ pub(crate) const PRESET_PATH: &str = "lighting.preset";
 /// A change that is none of the user's `--set`: a value of a sweep, a search or a condition.
 #[derive(Debug, Clone)]
 pub(crate) struct Change {
-    /// Dotted, as of `--set`.
-    pub(crate) path: String,
+    /// The key.
+    pub(crate) path: KeyPath,
     /// Where the path stands.
     pub(crate) origin: Origin,
     pub(crate) value: Node,
@@ -37,83 +37,109 @@ pub(crate) fn apply(
     old: &mut Vec<OldName>,
     errors: &mut Errors,
 ) {
-    let mut set: Vec<(Vec<&str>, Vec<&str>)> = Vec::new();
+    let mut set: Vec<KeyPath> = Vec::new();
+    let preset = KeyPath::new(PRESET_PATH);
     for source in 1..=sources.overrides() {
         let text = sources.text(source);
         let Some((path, value)) = text.split_once('=') else {
             if !presets {
-                errors.push(Origin { source, start: 0, end: text.len().max(1) }, Problem::SetWithoutValue);
+                let wrong = Diagnostic::new("this is not PATH=VALUE");
+                let all = Origin { source, start: 0, end: text.len().max(1) };
+                errors.push(all, wrong.expected("for example display.glass.index=1.52"));
             }
             continue;
         };
-        if (path.trim() == PRESET_PATH) == presets {
+        let path = KeyPath::new(path);
+        if (path == preset) == presets {
             let blanks = value.len() - value.trim_start().len();
-            let value = Node::parse_value(text, path.len() + 1 + blanks, source, errors);
-            let path = segments(path, source);
-            let spelt: Vec<&str> = path.iter().map(|(key, _)| *key).collect();
-            let now = present(&spelt);
-            if let Some((_, other)) = set.iter().find(|(path, other)| *path == now && *other != spelt) {
-                let problem = Problem::BothNames { old: other.join("."), new: spelt.join(".") };
-                errors.push(Origin { source, start: 0, end: text.len().max(1) }, problem);
+            let (value, wrong) = Node::parse_value(text, path.text().len() + 1 + blanks, source);
+            wrong.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
+            let all = Origin { source, start: 0, end: path.text().len() };
+            let differs = |other: &&KeyPath| **other == path && !other.written_keys().eq(path.written_keys());
+            if let Some(other) = set.iter().find(differs) {
+                errors.push(all, mistake::both_names(other.text(), path.text()));
             }
-            set.push((now, spelt));
-            if let Err((origin, problem)) = put(root, &path, value, old, errors) {
-                errors.push(origin, problem);
-            }
+            put(root, &path, Place { path: all, whole: false }, value, old, errors);
+            set.push(path);
         }
     }
-    for change in changes.iter().filter(|change| (change.path == PRESET_PATH) == presets) {
-        let path: Vec<_> = change.path.split('.').map(|key| (key.trim(), change.origin)).collect();
-        if let Err((origin, problem)) = put(root, &path, change.value.clone(), old, errors) {
-            errors.push(origin, problem);
-        }
+    for change in changes.iter().filter(|change| (change.path == preset) == presets) {
+        let place = Place { path: change.origin, whole: true };
+        put(root, &change.path, place, change.value.clone(), old, errors);
     }
 }
 
-/// The keys of a path, each with its place.
-fn segments(path: &str, source: usize) -> Vec<(&str, Origin)> {
-    let mut start = 0;
-    let mut segments = Vec::new();
-    for part in path.split('.') {
-        let trimmed = part.trim();
-        let lead = part.len() - part.trim_start().len();
-        let end = start + lead + trimmed.len().max(1);
-        segments.push((trimmed, Origin { source, start: start + lead, end }));
-        start += part.len() + 1;
-    }
-    segments
+/// Where a path stands.
+#[derive(Clone, Copy)]
+struct Place {
+    path: Origin,
+    /// Whether all of it counts as the place of each of its keys: it may be spread over a table.
+    whole: bool,
 }
 
-/// Puts a value at a path, whose old names are brought to the present ones, as are those in the value.
+impl Place {
+    fn of(self, range: std::ops::Range<usize>) -> Origin {
+        if self.whole {
+            return self.path;
+        }
+        let end = self.path.start + range.end.max(range.start + 1);
+        Origin { source: self.path.source, start: self.path.start + range.start, end }
+    }
+}
+
+/// Puts a value at a path, and brings both to the present names.
 fn put(
     root: &mut Node,
-    path: &[(&str, Origin)],
+    path: &KeyPath,
+    place: Place,
     mut value: Node,
     old: &mut Vec<OldName>,
     errors: &mut Errors,
-) -> Result<(), (Origin, Problem)> {
-    if let Some((_, origin)) = path.iter().find(|(key, _)| key.is_empty()) {
-        return Err((*origin, Problem::SetPath { why: "this key is empty".to_owned() }));
+) {
+    for (range, name, new) in path.old_names() {
+        old.push(OldName { origin: place.of(range), old: name.to_owned(), new: new.to_owned() });
     }
-    if let Some((_, origin)) = path.get(MOST_SEGMENTS) {
-        return Err((*origin, Problem::SetPath { why: "this path is too long".to_owned() }));
+    rename(&mut value, &path.keys().collect::<Vec<_>>(), old, errors);
+    match path.put(root, false, &mut Maker { place }) {
+        Ok(node) => *node = value,
+        Err(error) => errors.push(place.of(error.range), mistake::of_path(Diagnostic::new(error.message))),
     }
-    let spelt: Vec<&str> = path.iter().map(|(key, _)| *key).collect();
-    let now = present(&spelt);
-    for ((key, origin), new) in path.iter().zip(&now).filter(|((key, _), new)| key != *new) {
-        old.push(OldName { origin: *origin, old: (*key).to_owned(), new: (*new).to_owned() });
-    }
-    rename(&mut value, &now, old, errors);
-    let mut node = root;
-    for (i, (key, (_, origin))) in now.iter().zip(path).enumerate() {
-        if i + 1 == path.len() {
+}
+
+/// Makes tables and arrays, and takes the rival of the key at the end of the path out.
+struct Maker {
+    place: Place,
+}
+
+impl Grow for Maker {
+    type Tree = Node;
+
+    fn child<'a>(&mut self, node: &'a mut Node, at: At<'_>) -> Result<&'a mut Node, String> {
+        let origin = self.place.of(at.range());
+        let value = if at.array { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
+        let new = Node { origin, value };
+        if let Step::Key(key) = at.step
+            && at.is_last()
+        {
             drop_rival(node, key);
         }
-        let next_is_index = path.get(i + 1).is_some_and(|(key, _)| key.parse::<usize>().is_ok());
-        node = child(node, key, *origin, next_is_index)?;
+        match (&mut node.value, at.step) {
+            (Value::Table(entries), Step::Key(key)) => {
+                let found = entries.iter().position(|entry| entry.key == key).unwrap_or(entries.len());
+                if found == entries.len() {
+                    entries.push(Entry { key: key.to_owned(), key_origin: origin, node: new });
+                }
+                Ok(&mut entries[found].node)
+            }
+            (Value::Array(items), Step::Index(index)) if index <= items.len() => {
+                if index == items.len() {
+                    items.push(new);
+                }
+                Ok(&mut items[index])
+            }
+            _ => Err("this key leads nowhere".to_owned()),
+        }
     }
-    *node = value;
-    Ok(())
 }
 
 /// Keys of which a table may have one: setting one means to replace the other.
@@ -133,45 +159,5 @@ fn drop_rival(table: &mut Node, key: &str) {
     });
     if let (Value::Table(entries), Some(rival)) = (&mut table.value, rival) {
         entries.retain(|entry| entry.key != rival || entry.node.origin.source != Origin::FILE.source);
-    }
-}
-
-/// The node under `key`, made if it may be.
-fn child<'a>(
-    node: &'a mut Node,
-    key: &str,
-    origin: Origin,
-    next_is_index: bool,
-) -> Result<&'a mut Node, (Origin, Problem)> {
-    let kind = node.kind();
-    let value = if next_is_index { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
-    let new = Node { origin, value };
-    match &mut node.value {
-        Value::Table(entries) => {
-            let at = entries.iter().position(|entry| entry.key == key).unwrap_or(entries.len());
-            if at == entries.len() {
-                entries.push(Entry { key: key.to_owned(), key_origin: origin, node: new });
-            }
-            Ok(&mut entries[at].node)
-        }
-        Value::Array(items) => {
-            let why = match key.parse::<usize>() {
-                Ok(i) if i < items.len() => return Ok(&mut items[i]),
-                Ok(i) if i == items.len() => {
-                    items.push(new);
-                    return Ok(&mut items[i]);
-                }
-                Ok(_) if items.is_empty() => {
-                    "this array is empty or not there, its first index is 0".to_owned()
-                }
-                Ok(_) => format!("this array has the indices 0 to {}", items.len() - 1),
-                Err(_) if key.parse::<i64>().is_ok() && !items.is_empty() => {
-                    format!("indices count from 0: this array has 0 to {}", items.len() - 1)
-                }
-                Err(_) => "this is an array: an index is needed here".to_owned(),
-            };
-            Err((origin, Problem::SetPath { why }))
-        }
-        _ => Err((origin, Problem::SetPath { why: format!("what stands here is {kind}, it has no keys") })),
     }
 }

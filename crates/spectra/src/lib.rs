@@ -27,6 +27,7 @@ mod illuminant;
 mod material;
 mod primaries;
 mod spectrum;
+mod table;
 
 pub use dispersion::Dispersion;
 pub use error::SpectraError;

@@ -258,18 +258,12 @@ mod tests {
             let row = field.cells.squares.partition_point(|square| *square <= beta.squared()) - 1;
             counts[row * 4 + field.cells.column(beta)] += 1.0;
         }
-        let mut chi_square = 0.0;
-        for (cell, count) in counts.iter().enumerate() {
-            let expected =
-                field.cells.radiance[cell] * cell_area(&field.cells.squares[cell / 4..], 4) * samples as f64;
-            if expected == 0.0 {
-                assert_eq!(*count, 0.0);
-            } else {
-                chi_square += (count - expected).powi(2) / expected;
-            }
-        }
-        // Nine lit cells: eight degrees of freedom, .9999 quantile.
-        assert!(chi_square < 31.8, "{chi_square}");
+        let expected = |cell: usize| {
+            field.cells.radiance[cell] * cell_area(&field.cells.squares[cell / 4..], 4) * samples as f64
+        };
+        let cells = counts.iter().enumerate().map(|(cell, count)| (*count, expected(cell)));
+        let found = papilio_testing::ChiSquare::of(cells, 5.0);
+        assert!(found.is_likely() && found.freedom == 8.0, "{found:?}");
     }
 
     /// Two roads to the irradiance of one: the sum over cells, and uniform directions in the disc.

@@ -98,11 +98,7 @@ pub(super) async fn cone(site: Site, asked: ConeOf) -> Result<ConeSeen, Fault> {
 }
 
 /// All directions so many degrees apart.
-pub(super) fn survey(
-    resolved: &Resolved,
-    step_deg: f64,
-    stop: &AtomicBool,
-) -> Result<ConeResult, Fault> {
+pub(super) fn survey(resolved: &Resolved, step_deg: f64, stop: &AtomicBool) -> Result<ConeResult, Fault> {
     let scene = &resolved.scene;
     let mut grid = ConeGrid::within(scene)?;
     if step_deg > 1.0 {

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
+use axum::http::StatusCode;
+use papilio_figures::PngError;
 use papilio_formats::{write_json, write_spectra, write_states};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -80,7 +82,10 @@ fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fa
         "svg" => Ok(Exported { kind: "image/svg+xml", bytes: svg.into_bytes() }),
         "png" => {
             let png = papilio_figures::png(&svg, papilio_figures::PNG_SCALE);
-            let bytes = png.map_err(|error| Fault::internal(&format!("no picture can be made: {error}")))?;
+            let bytes = png.map_err(|error| match error {
+                PngError::NotBuilt => Fault::new(StatusCode::NOT_IMPLEMENTED, error.to_string(), ""),
+                error => Fault::internal(&format!("no picture can be made: {error}")),
+            })?;
             Ok(Exported { kind: "image/png", bytes })
         }
         _ => Err(unknown()),

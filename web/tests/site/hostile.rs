@@ -5,9 +5,8 @@ use std::net::{IpAddr, TcpStream};
 use std::time::{Duration, Instant};
 
 use papilio_scenario::Edit;
+use papilio_testing::{Dice, laws};
 use papilio_web::{Options, openapi};
-use proptest::prelude::*;
-use proptest::test_runner::{Config, TestRunner};
 use serde_json::{Value, json};
 
 use crate::answers::indoor;
@@ -126,8 +125,15 @@ fn what_is_too_large_too_deep_or_too_much_is_refused() {
     assert!(is_alive(&server));
 }
 
-/// A body, and a header, that never end are given up after ten seconds, and others are served meanwhile.
+/// The two that wait for clocks, at the same time.
 #[test]
+fn who_dawdles_and_who_never_reads_is_given_up() {
+    let never_read = std::thread::spawn(clients_that_never_read_do_not_shut_others_out);
+    who_dawdles_is_given_up();
+    never_read.join().unwrap();
+}
+
+/// A body, and a header, that never end are given up after ten seconds, and others are served meanwhile.
 fn who_dawdles_is_given_up() {
     let server = Server::start();
     let started = Instant::now();
@@ -147,7 +153,6 @@ fn who_dawdles_is_given_up() {
 
 /// Connections that ask for much and never read, more than there are places: another client is served at once, and each of
 /// them is ended within seconds.
-#[test]
 fn clients_that_never_read_do_not_shut_others_out() {
     let server = Server::start();
     let port = server.address.port();
@@ -226,7 +231,7 @@ fn the_description_is_whole() {
 }
 
 /// Any path of keys and indices, most of them real ones.
-fn path() -> impl Strategy<Value = String> {
+fn path(dice: &mut Dice) -> String {
     let keys = [
         "display",
         "pixel",
@@ -244,7 +249,7 @@ fn path() -> impl Strategy<Value = String> {
         "",
         "a b",
     ];
-    prop::collection::vec(prop::sample::select(keys.to_vec()), 0..5).prop_map(|keys| keys.join("."))
+    dice.several(0..=4, |dice| dice.of(keys)).join(".")
 }
 
 /// Whatever the edits, the text is TOML afterwards, or they are refused: never a panic, never broken text.
@@ -256,46 +261,46 @@ fn any_edits_leave_a_text_or_an_error() {
             server.get(&format!("/api/v1/examples/{name}")).json()["scenario"].as_str().unwrap().to_owned()
         })
         .into();
-    let one =
-        (path(), junk(), 0..4_u8, 0..4_usize, 0..4_usize).prop_map(|(path, value, op, from, to)| match op {
-            0 => Edit::Set { path, value },
+    let edit = |dice: &mut Dice| {
+        let (path, from, to) = (path(dice), dice.below(4), dice.below(4));
+        match dice.below(4) {
+            0 => Edit::Set { path, value: junk(dice, 3) },
             1 => Edit::Remove { path },
-            2 => Edit::Insert { path, index: (from < 3).then_some(from), value },
+            2 => Edit::Insert { path, index: (from < 3).then_some(from), value: junk(dice, 3) },
             _ => Edit::Move { path, from, to },
-        });
-    let edits = prop::collection::vec(one, 1..5);
-    let mut runner = TestRunner::new(Config { cases: 1500, failure_persistence: None, ..Config::default() });
-    let tried = runner.run(&(0..texts.len(), edits), |(text, edits)| {
-        if let Ok(edited) = papilio_scenario::edit(&texts[text], &edits) {
-            prop_assert!(
-                papilio_scenario::edit(&edited, &[]).is_ok_and(|again| again == edited),
-                "{edits:?}"
-            );
         }
-        Ok(())
-    });
-    tried.unwrap_or_else(|error| panic!("{error}"));
+    };
+    laws(
+        1500,
+        |dice| (dice.below(texts.len()), dice.several(1..=4, edit)),
+        |(text, edits)| {
+            if let Ok(edited) = papilio_scenario::edit(&texts[*text], edits) {
+                assert!(papilio_scenario::edit(&edited, &[]).is_ok_and(|again| again == edited));
+            }
+        },
+    );
 }
 
-/// Any JSON, up to a few levels.
-fn junk() -> impl Strategy<Value = Value> {
-    let leaf = prop_oneof![
-        Just(Value::Null),
-        any::<bool>().prop_map(Value::from),
-        any::<f64>().prop_map(Value::from),
-        any::<i64>().prop_map(Value::from),
-        "[ -~]{0,12}".prop_map(Value::from),
-        Just(json!("[display.pixel]\nmodel = \"film\"")),
-        Just(json!("lighting.directed.0.theta_deg")),
-        Just(json!("..")),
-    ];
-    leaf.prop_recursive(3, 16, 4, |inner| {
-        prop_oneof![
-            prop::collection::vec(inner.clone(), 0..4).prop_map(Value::from),
-            prop::collection::hash_map("[a-z_.0]{0,8}", inner, 0..4)
-                .prop_map(|all| Value::Object(all.into_iter().collect())),
-        ]
-    })
+/// Any JSON, up to so many levels.
+fn junk(dice: &mut Dice, levels: usize) -> Value {
+    let printable: String = (' '..='~').collect();
+    match dice.below(if levels > 0 { 12 } else { 8 }) {
+        0 => Value::Null,
+        1 => Value::from(dice.one_in(2)),
+        2 => Value::from(f64::from_bits(dice.bits())),
+        3 => Value::from(dice.bits() as i64),
+        4 => Value::from(dice.text(&printable, 12)),
+        5 => json!("[display.pixel]\nmodel = \"film\""),
+        6 => json!("lighting.directed.0.theta_deg"),
+        7 => json!(".."),
+        8 | 9 => Value::from(dice.several(0..=3, |dice| junk(dice, levels - 1))),
+        _ => {
+            let key = |dice: &mut Dice| dice.text("abcdefghijklmnopqrstuvwxyz_.0", 8);
+            Value::Object(
+                dice.several(0..=3, |dice| (key(dice), junk(dice, levels - 1))).into_iter().collect(),
+            )
+        }
+    }
 }
 
 /// The properties that a schema names, resolved.
@@ -317,10 +322,8 @@ fn generated_requests_have_an_answer() {
             continue;
         };
         let keys = properties(&all, schema);
-        let one = prop::collection::vec((junk(), 0..4_u8), keys.len());
-        let mut runner =
-            TestRunner::new(Config { cases: 12, failure_persistence: None, ..Config::default() });
-        let tried = runner.run(&one, |values| {
+        let values = |dice: &mut Dice| keys.iter().map(|_| (junk(dice, 3), dice.below(4))).collect();
+        laws(12, values, |values: &Vec<(Value, usize)>| {
             let mut body = serde_json::Map::new();
             for (key, (value, kind)) in keys.iter().zip(values) {
                 match (kind, key.as_str()) {
@@ -330,18 +333,13 @@ fn generated_requests_have_an_answer() {
                         drop(body.insert(key.clone(), json!([{ "op": "set", "path": "a", "value": value }])))
                     }
                     (1, "files") => drop(body.insert(key.clone(), json!({ "a": "b" }))),
-                    _ => drop(body.insert(key.clone(), value)),
+                    _ => drop(body.insert(key.clone(), value.clone())),
                 }
             }
-            let answer =
-                server.send(path, "application/json", Value::Object(body.clone()).to_string().as_bytes());
-            prop_assert!(
-                answer.status == 200 || (400..500).contains(&answer.status),
-                "{path} {body:?}: {answer:?}"
-            );
-            Ok(())
+            let body = Value::Object(body).to_string();
+            let answer = server.send(path, "application/json", body.as_bytes());
+            assert!(answer.status == 200 || (400..500).contains(&answer.status), "{path} {body}: {answer:?}");
         });
-        tried.unwrap_or_else(|error| panic!("{error}"));
         asked += 1;
     }
     assert!(asked >= 8 && is_alive(&server));

@@ -67,9 +67,11 @@ impl Level {
 
     /// The kernel, ready for these views of the setup; `None` if the run was stopped.
     fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint], control: &Control<'_>) -> Option<&Kernel> {
-        // Operators of any layers know nothing of the base; a panel's kernel plans for it,
+        // Operators of any layers know little of the base; a panel's kernel plans for it,
         // and sees for itself what it can keep.
-        let serves = matches!(setup.stack, Stack::Layered(_)) && self.version == Some(setup.version);
+        let serves = matches!(setup.stack, Stack::Layered(_))
+            && self.version == Some(setup.version)
+            && self.kernel.serves(&setup.stack);
         if !serves {
             let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
             self.version = None;

@@ -350,13 +350,23 @@ fn a_pixel_scan_has_a_panel_for_each_state() {
     }
 }
 
+/// Without the feature the function says so.
+#[cfg(not(feature = "png"))]
+#[test]
+fn without_the_feature_there_is_no_picture() {
+    let error = png("<svg/>", 1.0).unwrap_err().to_string();
+    assert!(error.contains("feature `png`"), "{error}");
+}
+
 /// Width and height of a PNG (ISO/IEC 15948, 11.2.2).
+#[cfg(feature = "png")]
 fn pixels(png: &[u8]) -> (u32, u32) {
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
     let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
     (number(16), number(20))
 }
 
+#[cfg(feature = "png")]
 #[test]
 fn a_figure_is_a_picture_with_letters() {
     let run = made_up::result(&[8.0], 0.01);

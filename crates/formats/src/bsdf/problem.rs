@@ -110,7 +110,9 @@ impl BsdfProblem {
                 "copy the file again, or write it once more: `papilio diffuser convert` and numpy.savez (not \
                  numpy.savez_compressed) write what is read here"
             }
-            Self::Damaged { .. } => "copy the file again, or export it once more from the program that wrote it",
+            Self::Damaged { .. } => {
+                "copy the file again, or export it once more from the program that wrote it"
+            }
             _ => return None,
         })
     }

@@ -16,7 +16,7 @@ use serde_json::value::RawValue;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 pub use folder::{
     Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals, trusted_lines,
@@ -185,11 +185,10 @@ mod tests {
 
     #[test]
     fn numbers_are_kept_to_the_last_bit() {
-        let mut state = 1_u64;
+        let mut dice = papilio_testing::Dice::new(1, 0);
         let mut values = vec![0.1 + 0.2, -0.0, 5e-324, f64::MAX, 27.123_456_789_012_345, f64::NAN];
         for _ in 0..2000 {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            values.push(f64::from_bits((state >> 2) | (1 << 61)));
+            values.push(f64::from_bits((dice.bits() >> 2) | (1 << 61)));
         }
         let row = JournalRow { row: 3, values: values.into_iter().map(JournalNumber).collect() };
         let mut bytes = Vec::new();

@@ -184,3 +184,43 @@ fn absurd_data_do_no_harm() {
         assert!(fits.iter().all(|fit| fit.relative_rms > 0.9 && fit.parameters[0].at_bound), "{fits:?}");
     }
 }
+
+/// Of a lobe that was measured up to 15 deg from its peak, the right formula is right: where tails would go on says nothing of it.
+#[test]
+fn what_is_extrapolated_has_no_part_in_the_ranking() {
+    let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect::<Vec<_>>();
+    let grid = crate::SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: steps(60, 20),
+        azimuths_deg: steps(180, 30),
+        radials_deg: steps(15, 1),
+        symmetry: crate::Symmetry::Plane,
+    };
+    let model = Kind::Ggx.model(&truth(Kind::Ggx));
+    let mut values = Vec::new();
+    for theta in &grid.incidences_deg {
+        let from = crate::Direction::new(*theta, 180.0).arriving();
+        for azimuth in &grid.azimuths_deg {
+            values.extend(grid.radials_deg.iter().map(|radial| {
+                let to = crate::SpecularGrid::direction(*theta, *azimuth, *radial);
+                to.map_or(f64::NAN, |to| model.value(from, to.leaving()))
+            }));
+        }
+    }
+    let mut part = crate::Part {
+        way: crate::Way::FrontTransmission,
+        channels: vec![crate::Channel::Monochrome],
+        geometry: crate::Geometry::Specular(grid),
+        values,
+        tis: Vec::new(),
+    };
+    let best = &fitted(&part, 0, Some(Kind::Ggx), &FitOptions::default()).unwrap()[0];
+    assert!(best.fit.relative_rms < 1e-6, "{best:?}");
+    let score = best.score.unwrap();
+    assert!(score < 0.02, "{score}");
+    // Light of one incidence crosses no lobe twice.
+    let crate::Geometry::Specular(grid) = &mut part.geometry else { unreachable!() };
+    grid.incidences_deg.truncate(1);
+    part.values.truncate(part.values.len() / 4);
+    assert_eq!(fitted(&part, 0, Some(Kind::Ggx), &FitOptions::default()).unwrap()[0].score, None);
+}

@@ -41,8 +41,10 @@ pub fn fringe_spacing_nm(layers: impl IntoIterator<Item = (Complex64, f64)>, nm:
 /// ```
 pub fn most_fringes(layers: impl IntoIterator<Item = (Complex64, f64)>, nm: f64) -> LayerFringes {
     let of_layers = layers.into_iter().enumerate();
-    let of_layers = of_layers
-        .map(|(layer, (index, thickness_nm))| LayerFringes { layer, fringes: fringes(index, thickness_nm, nm) });
+    let of_layers = of_layers.map(|(layer, (index, thickness_nm))| LayerFringes {
+        layer,
+        fringes: fringes(index, thickness_nm, nm),
+    });
     let none = LayerFringes { layer: 0, fringes: 0.0 };
     of_layers.fold(none, |most, one| if one.fringes > most.fringes { one } else { most })
 }

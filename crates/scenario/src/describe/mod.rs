@@ -19,11 +19,12 @@ pub(crate) mod sweep;
 pub(crate) mod tolerance;
 pub(crate) mod viewer;
 
-use papilio_formats::words::{is_formula, is_override};
+use papilio_diagnostics::{Diagnostic, is_override};
+use papilio_formats::words::is_formula;
 
 use crate::error::Errors;
 use crate::grammar::table;
-use crate::problem::Problem;
+use crate::mistake;
 use crate::read::{At, Read};
 use crate::renamed::FORMAT;
 use crate::tree::{Node, Value};
@@ -83,7 +84,7 @@ impl Read for Format {
         match node.value {
             Value::Integer(number) if (1..=FORMAT as i64).contains(&number) => Some(Self(FORMAT)),
             Value::Integer(number) if number > FORMAT as i64 => {
-                errors.push(node.origin, Problem::NewerFormat { found: number });
+                errors.push(node.origin, mistake::newer_format(number, FORMAT));
                 None
             }
             _ => node.wrong_type(Self::in_words(), errors),
@@ -115,7 +116,9 @@ impl Read for Title {
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let text = String::read(node, errors)?;
         if text.chars().any(|c| c.is_control() || is_override(c)) {
-            errors.push(node.origin, Problem::ControlCharacters);
+            let wrong =
+                Diagnostic::new("this text has control characters").expected("one line of plain text");
+            errors.push(node.origin, wrong);
             return None;
         }
         Some(Self(text))

@@ -4,16 +4,7 @@ use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, resolve, shipped};
 use papilio_scenario::Scenario;
-
-/// A linear congruential generator (Knuth, MMIX): the tests need no more.
-struct Numbers(u64);
-
-impl Numbers {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % limit
-    }
-}
+use papilio_testing::Dice;
 
 /// Words that have broken readers before.
 const WORDS: &[&str] = &[
@@ -146,7 +137,7 @@ dark_beyond_deg = 85
 
 #[test]
 fn mutated_scenarios_do_not_panic() {
-    let mut numbers = Numbers(2012);
+    let mut numbers = Dice::new(2012, 0);
     let mut texts = vec![GOOD.to_owned(), LAYERED.to_owned(), MEASURED.to_owned()];
     for entry in std::fs::read_dir(shipped()).unwrap() {
         let path = entry.unwrap().path();

@@ -100,25 +100,25 @@ fn mistakes_are_answered_with_their_places() {
         (
             "key = \"display.pixel.film.0.thickness_nm\"",
             "key = \"optimize.starts\"",
-            "a search does not change",
+            "cannot be variables",
             "key = ",
         ),
         ("bounds = [5, 20]", "", "none of `bounds` and `choices` is given", "[[optimize.variables]]"),
         (
             "key = \"display.pixel.film.0.material\"",
             "key = \"display.pixel.film.0.thickness_nm\"",
-            "varies twice",
+            "more than one variable sets",
             "key = ",
         ),
-        ("against = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
-        ("area.green\"\nbounds", "area.grey\"\nbounds", "no sub-pixel `grey`", "against = "),
-        ("area.green\"\nbounds", "area\"\nbounds", "have no sum", "against = "),
+        ("compensated_by = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
+        ("area.green\"\nbounds", "area.grey\"\nbounds", "no sub-pixel `grey`", "compensated_by = "),
+        ("area.green\"\nbounds", "area\"\nbounds", "have no sum", "compensated_by = "),
         ("[0.3, 0.6]", "[0.3, 0.95]", "at this bound `display.pixel.area.green` is -0.15", "bounds = "),
         ("gamut_percent_srgb", "gamut_percent_srg", "did you mean `gamut_percent_srgb`?", "metric = "),
         ("\"white.Y\"", "\"wite.Y\"", "there is no state `wite`", "metric = "),
         ("condition = \"room\"", "condition = \"rom\"", "did you mean `room`?", "condition = "),
         ("condition = \"room\"", "view = 1", "there is no view 1", "view = "),
-        ("name = \"steep\"", "name = \"room\"", "there are two conditions `room`", "name = "),
+        ("name = \"steep\"", "name = \"room\"", "there are two conditions named `room`", "name = "),
         ("aim = \"maximise\"", "", "the key `aim` is missing", "[[optimize.objectives]]"),
         ("at_least = 0.1", "", "the key `at_least` is missing", "[[optimize.constraints]]"),
         ("[700, 0.5]", "[650, 0.5]", "`a list` reaches from 400 to 650 nm", "spectrum = "),
@@ -132,5 +132,5 @@ fn mistakes_are_answered_with_their_places() {
     }
     assert!(read(GOOD).unwrap_err().contains("the scenario has no `[optimize]`"));
     let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"monte-carlo\"\n[optimize]")]);
-    assert!(read(&walk).unwrap_err().contains("follow its noise"));
+    assert!(read(&walk).unwrap_err().contains("follow the noise of the walk"));
 }

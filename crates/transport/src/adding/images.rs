@@ -5,11 +5,11 @@
 //! of a circle that lies within the other cone is known in closed form (half-side formula of
 //! spherical trigonometry), and a square root ends the range of radii where arcs begin.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 
 use papilio_optics::Beta;
 
-use super::quadrature::{Point, cone_points, gauss, smooth_at};
+use super::quadrature::{Nodes, Point, cone_points, cone_points_of, gauss, smooth_at};
 use crate::field::Light;
 use crate::formula::{Formula, Polar};
 use crate::{Cone, Field, Source};
@@ -22,22 +22,28 @@ pub(super) struct ImagePoints {
     pub(super) points: Vec<Point>,
 }
 
-/// The images of all sources in this field of view.
-pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64) -> Vec<ImagePoints> {
+/// The images of all sources in this field of view, `across` which lie so many nodes of the base's table: a film's fringes have a few
+/// each.
+pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64, across: f64) -> Vec<ImagePoints> {
     let seen = |(source, light): (usize, &Source)| {
         let points = match light {
             Source::Diffuse | Source::Beam(_) => return None,
-            Source::Disc(disc) => overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), digits),
-            Source::Field(field) => in_view(view, field, digits),
+            Source::Disc(disc) => {
+                overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), (digits, across))
+            }
+            Source::Field(field) => in_view(view, field, (digits, across)),
         };
         (!points.is_empty()).then_some(ImagePoints { source, points })
     };
     sources.iter().enumerate().filter_map(seen).collect()
 }
 
+/// Digits, and nodes of the base's table across the view.
+type Fine = (f64, f64);
+
 /// The mean over the view of a field's radiance: light that is even within the view needs few points. Other light is summed at many, by parts
-/// of the view so small that what mirrors them is alike, each at its centre of light.
-fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
+/// of the view so small that what mirrors them is hardly curved, each at points that have its moments.
+fn in_view(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     match field.light() {
         Light::Formula(..) if view.is_point() => {
             let beta = view.axis_towards();
@@ -47,22 +53,24 @@ fn in_view(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
         // In a medium angles are not those of the formula.
         Light::Formula(formula, scale) if view.is_in_air() => {
             let formula = formula.about(Polar::mirrored(view));
-            of_formula(view, &formula, PI * scale / view.solid_angle(), digits)
+            of_formula(view, &formula, PI * scale / view.solid_angle(), fine)
         }
-        _ => of_cells(view, field, digits),
+        _ => of_cells(view, field, fine),
     }
 }
 
 /// By a rule that knows where the formula is not smooth.
-fn of_formula(view: &Cone, formula: &Formula, scale: f64, digits: f64) -> Vec<Point> {
+fn of_formula(view: &Cone, formula: &Formula, scale: f64, fine: Fine) -> Vec<Point> {
+    let (digits, across) = fine;
+    let degree = digits + across;
     let mut points = Vec::new();
-    for ring in formula.over_angle(0.0, view.half_angle(), digits, digits) {
-        for spoke in formula.around(ring.x, digits, digits as usize) {
+    for ring in formula.over_angle(0.0, view.half_angle(), digits, degree) {
+        for spoke in formula.around(ring.x, digits, degree as usize) {
             let light = scale * ring.weight * ring.x.sin() * spoke.weight * formula.seen_at(ring.x, spoke.x);
             points.push((ring.x, spoke.x, light));
         }
     }
-    let mut parts = Parts::new(view, digits);
+    let mut parts = Parts::new(view, fine);
     if points.len() <= parts.sums.len() {
         let point = |(angle, turn, weight)| Point { beta: view.around(angle, turn), weight };
         return points.into_iter().map(point).filter(|point| point.weight > 0.0).collect();
@@ -76,19 +84,21 @@ fn of_formula(view: &Cone, formula: &Formula, scale: f64, digits: f64) -> Vec<Po
 /// Of parts of a view.
 const MOST_RINGS: f64 = 64.0;
 
-/// Light of parts of a view, by its first moments.
+/// Light of parts of a view, by its moments: sums of 1, x, y, xx, xy and yy of the directions from the axis.
 struct Parts {
+    axis: Beta,
     rings: f64,
     sectors: f64,
-    sums: Vec<[f64; 3]>,
+    sums: Vec<[f64; 6]>,
 }
 
 impl Parts {
-    fn new(view: &Cone, digits: f64) -> Self {
+    fn new(view: &Cone, (digits, across): Fine) -> Self {
         let size = view.half_angle() / smooth_at(view, SMOOTH);
-        let rings = (1.0 + (3.0 * digits * size).ceil()).min(MOST_RINGS);
+        // Two points lie across each part: one for each node of a fringe, more at finer levels.
+        let rings = (1.0 + (2.0 * digits * size).ceil()).max((0.05 * digits * across).ceil()).min(MOST_RINGS);
         let sectors = 4.0 * rings;
-        Self { rings, sectors, sums: vec![[0.0; 3]; (rings * sectors) as usize] }
+        Self { axis: view.axis_towards(), rings, sectors, sums: vec![[0.0; 6]; (rings * sectors) as usize] }
     }
 
     /// `along`: part of the way from the axis to the rim; `turn` around it, radians.
@@ -96,28 +106,44 @@ impl Parts {
         let turn = (turn / TAU).rem_euclid(1.0);
         let (ring, sector) = ((along * self.rings).floor(), (turn * self.sectors).floor());
         let part = ring.min(self.rings - 1.0) * self.sectors + sector.min(self.sectors - 1.0);
-        let sums = self.sums[part as usize].iter_mut().zip([1.0, beta.x, beta.y]);
+        let (x, y) = (beta.x - self.axis.x, beta.y - self.axis.y);
+        let sums = self.sums[part as usize].iter_mut().zip([1.0, x, y, x * x, x * y, y * y]);
         sums.for_each(|(sum, moment)| *sum += light * moment);
     }
 
     fn points(self) -> Vec<Point> {
         let lit = self.sums.into_iter().filter(|part| part[0] > 0.0);
-        let at_centre =
-            |[light, x, y]: [f64; 3]| Point { beta: Beta { x: x / light, y: y / light }, weight: light };
-        lit.map(at_centre).collect()
+        lit.flat_map(|[light, sums @ ..]| of_moments(light, sums.map(|sum| sum / light), self.axis)).collect()
     }
 }
 
+/// Four points of a part: with its light, its centre and its extent (mean squares and product of directions from the centre). What is a
+/// parabola over the part is summed exactly.
+fn of_moments(light: f64, [x, y, xx, xy, yy]: [f64; 5], axis: Beta) -> [Point; 4] {
+    // Any root of the matrix of the extent serves: its columns are half of a point's way, squared.
+    let wide = (xx - x * x).max(0.0).sqrt();
+    let aslant = if wide > 0.0 { (xy - x * y) / wide } else { 0.0 };
+    let high = (yy - y * y - aslant * aslant).max(0.0).sqrt();
+    let (x, y) = (axis.x + x, axis.y + y);
+    let at = |(dx, dy): (f64, f64)| Beta { x: x + SQRT_2 * dx, y: y + SQRT_2 * dy };
+    let around = [(wide, aslant), (-wide, -aslant), (0.0, high), (0.0, -high)].map(at);
+    // Beyond the horizon there is no direction.
+    let is_above = around.iter().all(|beta| beta.squared() < 1.0);
+    around.map(|beta| Point { beta: if is_above { beta } else { Beta { x, y } }, weight: 0.25 * light })
+}
+
 /// Of cells, whose edges may be anywhere, by chance.
-fn of_cells(view: &Cone, field: &Field, digits: f64) -> Vec<Point> {
+fn of_cells(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
+    let (digits, across) = fine;
     let seen = |p: Point| Point { weight: PI * p.weight * field.radiance(p.beta), ..p };
-    let few = cone_points(view, SMOOTH, digits);
-    let (half, mut many) = (view.half_angle(), cone_points(view, view.half_angle() / digits, digits));
+    let half = view.half_angle();
+    let few = cone_points_of(view, SMOOTH, digits, Nodes { rings: 0, across });
+    let mut many = cone_points(view, half / digits, digits);
     many.iter_mut().for_each(|point| point.weight = field.radiance(point.beta));
     if view.is_point() || many.iter().all(|point| point.weight == many[0].weight) {
         return few.into_iter().map(seen).filter(|point| point.weight > 0.0).collect();
     }
-    let mut parts = Parts::new(view, digits);
+    let mut parts = Parts::new(view, fine);
     let count = seeds(&many, digits);
     let whole = 2.0 * (0.5 * half).sin();
     for k in 0..count {
@@ -154,7 +180,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const SMOOTH: f64 = 0.3;
 
 /// The mean over the view of the indicator of the mirrored source, times `scale`.
-fn overlap(view: &Cone, mirrored: &Cone, scale: f64, digits: f64) -> Vec<Point> {
+fn overlap(view: &Cone, mirrored: &Cone, scale: f64, (digits, across): Fine) -> Vec<Point> {
     if view.is_point() {
         let beta = view.axis_towards();
         let seen = mirrored.holds(beta);
@@ -168,8 +194,9 @@ fn overlap(view: &Cone, mirrored: &Cone, scale: f64, digits: f64) -> Vec<Point> 
         return Vec::new();
     }
     let scale = scale / view.solid_angle();
-    // Images change over a tenth of a radian or more.
-    let across = 2 + (digits * a).ceil() as usize;
+    // Faces change over a tenth of a radian or more; of a table's nodes, the smaller cone holds its part.
+    let of_table = 0.05 * digits * across * a / view.half_angle();
+    let across = 2 + (digits * a + of_table).ceil() as usize;
     let mut points = Vec::new();
     let whole = (b - distance).clamp(0.0, a);
     for ring in gauss(0.0, whole, across) {
@@ -177,7 +204,7 @@ fn overlap(view: &Cone, mirrored: &Cone, scale: f64, digits: f64) -> Vec<Point> 
     }
     let first = (b - distance).abs().min(a);
     if first < a {
-        for ring in gauss(0.0, FRAC_PI_2, digits as usize) {
+        for ring in gauss(0.0, FRAC_PI_2, digits as usize + of_table as usize) {
             let (sin, cos) = ring.x.sin_cos();
             let angle = first + (a - first) * sin * sin;
             let weight = scale * ring.weight * 2.0 * sin * cos * (a - first) * angle.sin();

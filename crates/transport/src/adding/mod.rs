@@ -84,7 +84,7 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
 /// finer one: a rough face's refracted light ends abruptly in direction, and its levels gain as
 /// little as a factor of 1.3 (the sum of the differences to come is then up to 4 times the last); what
 /// a front sends back through a lobe too narrow for a grid gains 1.2 on the mean, now more and now less (the rest
-/// was up to 6.3 times the last in `tests/narrow_lobes.rs`); all others gain 2 or far more.
+/// was up to 6.3 times the last in `tests/transport/narrow_lobes.rs`); all others gain 2 or far more.
 pub fn error_over_difference(stack: &Stack) -> f64 {
     let rough = |layer: &Layer| matches!(layer.interface, Interface::Rough(_));
     match stack {
@@ -160,11 +160,12 @@ impl Kernel {
     }
 
     /// Whether an estimate of this stack, whose layers it was prepared for, needs nothing that is not prepared: a panel's
-    /// kernel depends on the nodes of the base's table, and on how much light the base sends back at most.
+    /// kernel depends on the nodes of the base's table, and on how much light the base sends back at most; that of any layers on
+    /// how many of those nodes lie across a field of view.
     pub fn serves(&self, stack: &Stack) -> bool {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.serves(panel),
-            (Stack::Layered(_), Kind::Layered(_)) => true,
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.serves(layered),
             _ => false,
         }
     }

@@ -183,6 +183,13 @@ pub(super) struct Nodes {
     pub(super) across: f64,
 }
 
+impl Nodes {
+    /// Rings and spokes more. Both are exponential once there are two points for what a few nodes follow.
+    pub(super) fn more(&self) -> usize {
+        (0.5 * self.across) as usize
+    }
+}
+
 /// [`cone_points`] with so many more.
 pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes) -> Vec<Point> {
     let half_angle = cone.half_angle();
@@ -193,8 +200,7 @@ pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes)
     let z = 1.0 + 2.0 / (size * size);
     let rings = points_for(digits, 2.0 * (z + (z * z - 1.0).sqrt()).ln()).min(digits as usize);
     let spokes = (digits / (1.0 / size).asinh()).ceil().clamp(3.0, 4.0 * digits) as usize;
-    // Both are exponential once there are two points for what a few nodes follow.
-    let more = (0.5 * nodes.across) as usize;
+    let more = nodes.more();
     let (rings, spokes) = ((rings + more).max(nodes.rings), spokes + more);
     let mut points = Vec::with_capacity(rings * spokes);
     let rule = if rings > MOST_POINTS { legendre(rings) } else { RULES[rings].clone() };

@@ -164,8 +164,8 @@ mod tests {
         Guide::new(1.5, &peaks, |to| lobe.density(a, to) * lobe.density(b, to) + 0.1).unwrap()
     }
 
-    /// On 20 x 20 cells the mean of 1/density over draws is the cell's area: chi-square, in its own
-    /// standard deviations, of the cells that lie in the disc.
+    /// On 20 x 20 cells the mean of 1/density over draws is the cell's area: chi-square of the cells that lie in the disc, as a
+    /// standard normal variable.
     fn statistic(distort: f64) -> f64 {
         const SIDE: usize = 20;
         const DRAWS: u64 = 200_000;
@@ -186,9 +186,9 @@ mod tests {
         };
         let cells = sums.iter().enumerate().filter(|(k, _)| whole(*k));
         let z = cells.map(|(_, (sum, squares))| (sum - area).powi(2) / (squares - sum * sum / DRAWS as f64));
-        let (mut total, mut count) = (0.0, 0.0);
-        z.for_each(|z| (total, count) = (total + z, count + 1.0));
-        (total - count) / (2.0_f64 * count).sqrt()
+        let (mut statistic, mut freedom) = (0.0, 0.0);
+        z.for_each(|z| (statistic, freedom) = (statistic + z, freedom + 1.0));
+        papilio_testing::ChiSquare { statistic, freedom }.z()
     }
 
     #[test]

@@ -231,8 +231,7 @@ mod tests {
     use super::*;
     use papilio_sampling::{Numbers, Sampler};
 
-    /// Chi-square of draws on the cells of a square grid against the density times `distorted`, in
-    /// standard deviations.
+    /// Chi-square of draws on the cells of a square grid against the density times `distorted`, as a standard normal variable.
     fn statistic(drawing: &Drawing, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
         const SIDE: usize = 12;
         const DRAWS: u64 = 60_000;
@@ -259,10 +258,8 @@ mod tests {
                 expected[cell(to)] += density * step * step * DRAWS as f64;
             }
         }
-        let cells = met.iter().zip(&expected).filter(|(_, expected)| **expected > 20.0);
-        let (mut chi_square, mut count) = (0.0, 0.0);
-        cells.for_each(|(n, e)| (chi_square, count) = (chi_square + (n - e).powi(2) / e, count + 1.0));
-        (chi_square - count) / (2.0_f64 * count).sqrt()
+        let cells = met.iter().copied().zip(expected).filter(|(_, expected)| *expected > 20.0);
+        papilio_testing::ChiSquare::of(cells, 20.0).z()
     }
 
     /// Below the glass and above it; the lamps' lobes make the kernel's a mixture.

@@ -9,7 +9,15 @@ import { List, Text, type Props } from "./text.tsx";
 
 /** Names that are suggested; the program knows them, and refuses others in words. */
 const MATERIALS = "air SiO2 MgF2 Al2O3 AlOx Si3N4 BK7 ITO Al Cr W Ni Ti Au Ag Al:BB Cr:BB W:BB Cr:Johnson".split(" ");
-const LIGHTS = "D65 D50 A E LED-B1 LED-B2 LED-B3 LED-B4 LED-B5 LED-BH1 LED-RGB1 LED-V1 LED-V2".split(" ");
+const numbered = (name: string, count: number) => Array.from({ length: count }, (_, i) => `${name}${i + 1}`);
+const LIGHTS = [
+  ..."D65 D50 A C D55 D60 D75 E".split(" "),
+  ...numbered("LED-B", 5),
+  ..."LED-BH1 LED-RGB1 LED-V1 LED-V2".split(" "),
+  ...numbered("FL", 12),
+  ...numbered("FL3.", 15),
+  ...numbered("HP", 5),
+];
 
 /** A refractive index: a name or a file, or a number, or n and k. */
 export function Material(props: Props) {

@@ -6,8 +6,8 @@ use papilio_optics::lobe::Lobe;
 use super::precision::Precision;
 use super::rough;
 use crate::adding::field::{Peaks, Ring, rings};
-use crate::adding::quadrature::{Point, cone_points, disc_points, smooth_at};
-use crate::{Cone, Interface, Layered, Source};
+use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points, smooth_at};
+use crate::{Cone, Interface, Layer, Layered, Source};
 
 /// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,20 +26,32 @@ pub(super) struct Directions {
     pub(super) beta: Vec<f64>,
     /// For each view, its rays; the weights sum to one.
     pub(super) views: Vec<Vec<Ray>>,
+    /// For each view, what it takes more for the base's fringes.
+    more: Vec<usize>,
     /// For each source, its rays: none for diffuse light.
     pub(super) sources: Vec<Vec<Ray>>,
 }
 
 impl Directions {
+    /// Whether these are the directions of the views over this base, too: as many of its fringes lie across them.
+    pub(super) fn serve(&self, stack: &Layered, views: &[Cone]) -> bool {
+        let now = views.iter().map(|view| nodes_of(stack, view, 0.0).more());
+        now.eq(self.more.iter().copied())
+    }
+
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
-        let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH)];
+        // What else a rough face does is so close from the first levels on that a single direction would be the largest error.
+        let is_rough = stack.layers.iter().any(|layer| matches!(layer.interface, Interface::Rough(_)));
+        let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH && !is_rough)];
         // Layers that scatter, and flat ones.
         let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
-        let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };
+        let mut directions = Self::default();
         for view in views {
-            let rays = directions.rays(&cone_points(view, at(view), of_cones));
+            let nodes = nodes_of(stack, view, of_cones);
+            let rays = directions.rays(&cone_points_of(view, at(view), of_cones, nodes));
             directions.views.push(rays);
+            directions.more.push(nodes.more());
         }
         for source in sources {
             let rays = match source {
@@ -87,6 +99,45 @@ impl Directions {
             self.beta.len() - 1
         })
     }
+}
+
+/// What a field of view takes because the base's fringes are seen in it, by light that passes all layers straight. Each direction costs
+/// time, most where something scatters: beyond these numbers the difference of two levels says what is left.
+fn nodes_of(stack: &Layered, view: &Cone, digits: f64) -> Nodes {
+    const MOST: f64 = 256.0;
+    const MOST_WHERE_LIGHT_SCATTERS: f64 = 32.0;
+    let passes = |layer: &Layer| match &layer.interface {
+        Interface::Diffuser(diffuser) => diffuser.straight_through > 0.0,
+        Interface::Scatter(face) => face.straight().max() > 0.0,
+        Interface::Rough(_) => false,
+        _ => true,
+    };
+    let Some(last) = stack.layers.last() else { return Nodes::default() };
+    if !stack.base.is_specular() || !stack.layers.iter().all(passes) {
+        return Nodes::default();
+    }
+    let across = stack.base.nodes_across(view, &last.medium);
+    if scatters(stack) {
+        return Nodes { rings: 0, across: across.min(MOST_WHERE_LIGHT_SCATTERS) };
+    }
+    Nodes { rings: (digits / DIGITS_OF_A_RING) as usize, across: across.min(MOST) }
+}
+
+/// Rings of a field have so many digits each, so that two levels differ.
+const DIGITS_OF_A_RING: f64 = 2.5;
+
+fn scatters(stack: &Layered) -> bool {
+    stack.layers.iter().any(|layer| {
+        let flat = matches!(
+            layer.interface,
+            Interface::Open
+                | Interface::Coated
+                | Interface::Fresnel
+                | Interface::Sheet { .. }
+                | Interface::Coating(_)
+        );
+        !flat || layer.medium.scattering().is_some()
+    })
 }
 
 /// Films and faces change over angles of this size, whatever scatters.

@@ -20,8 +20,8 @@
 //!
 //! # What the level decides
 //! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
-//! error falls by a factor of five to ten from level to level. Wide rough faces do worse, two or
-//! three: light that facets refract along the face jumps to zero there.
+//! error falls by a factor of five to ten from level to level. Wide rough faces do worse where their light meets more
+//! than a Lambertian base, two or three: light that facets refract along the face jumps to zero there.
 //!
 //! # Cost
 //! Wavelengths at which the layers above the base are alike share their operators; where indices
@@ -141,10 +141,17 @@ impl Kernel {
             return;
         }
         self.directions = Directions::new(stack, views, sources, &self.precision);
-        self.images = views.iter().map(|view| super::images::image_points(view, sources, digits)).collect();
+        // They serve any base: none's fringes are known.
+        self.images =
+            views.iter().map(|view| super::images::image_points(view, sources, digits, 0.0)).collect();
         let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
+    }
+
+    /// Whether its directions are right over this base, too.
+    pub(super) fn serves(&self, stack: &Layered) -> bool {
+        !stack.base.is_specular() || self.directions.serve(stack, &self.asked.0)
     }
 
     pub(super) fn nodes(&self) -> usize {

@@ -68,7 +68,7 @@ impl Kernel {
                 cone: *cone,
                 across,
                 points: cone_points_of(cone, smooth_at(cone, SMOOTH), digits, Nodes { rings, across }),
-                images: image_points(cone, sources, digits),
+                images: image_points(cone, sources, digits, across),
             }
         };
         let light = |source: &Source| match source {

@@ -308,17 +308,17 @@ impl Kernel {
         kept: &[Option<usize>],
         same_recycling: bool,
     ) -> View {
+        // Only light that goes straight through sees the table as sharp as it is.
+        let across = if self.diffuser.straight_through > 0.0 { across } else { 0.0 };
         let groups = match old {
             Some(old) => old.groups.clone(),
             None => {
                 let axis = Point { beta: cone.axis_towards(), weight: 1.0 };
-                // Only light that goes straight through sees the table as sharp as it is.
-                let across = if self.diffuser.straight_through > 0.0 { across } else { 0.0 };
                 let nodes = QuadratureNodes { rings: 0, across };
                 self.bundles(cone_points_of(cone, self.scale(), self.digits, nodes), axis)
             }
         };
-        let images = image_points(cone, sources, self.digits);
+        let images = image_points(cone, sources, self.digits, across);
         let at = (0..self.indices.nodes.len())
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));

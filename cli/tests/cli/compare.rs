@@ -1,0 +1,144 @@
+//! `papilio compare` as its users meet it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn papilio(arguments: &[&Path]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
+}
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name)
+}
+
+/// The overcast display seen from 8 and 20 deg, run into `folder`.
+fn run_into(folder: &Path) {
+    let set = Path::new("viewer.theta_deg=[8, 20]");
+    let scenario = shipped("overcast.toml");
+    let output = papilio(&[Path::new("run"), &scenario, Path::new("--set"), set, Path::new("--out"), folder]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn compare(result: &Path, measured: &Path, more: &[&Path]) -> Output {
+    papilio(&[&[Path::new("compare"), result, measured], more].concat())
+}
+
+/// The synthetic panel is what its first lines say: gaps off by a few nm, more haze, more front reflection. Its
+/// differences from the simulation have the signs and sizes that these make.
+#[test]
+fn the_synthetic_panel_differs_as_it_was_made_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, out) = (folder.path().join("run"), folder.path().join("compare"));
+    run_into(&run);
+    let panel = shipped("data/synthetic-panel.csv");
+    let output = compare(&run, &panel, &[Path::new("--out"), &out]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = String::from_utf8(output.stdout).unwrap();
+    for words in ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "nm apart on average"]
+    {
+        assert!(table.contains(words), "{words} is not in\n{table}");
+    }
+    assert!(
+        String::from_utf8_lossy(&output.stderr)
+            .contains("note: not measured: cyan, magenta, yellow at theta 8, 20 deg")
+    );
+    for name in ["comparison.csv", "comparison-spectra.csv", "compared-spectra_theta8_phi0.svg"] {
+        assert!(out.join(name).exists(), "{name}");
+    }
+    let all: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("comparison.json")).unwrap()).unwrap();
+    assert_eq!(all["states"].as_array().unwrap().len(), 10);
+    let red = all["states"].as_array().unwrap().iter().find(|one| one["state"] == "red").unwrap();
+    // A gap of 271.5 instead of 275.9 nm moves a peak near 690 nm by its share of it, 11 nm, and noise by some.
+    let peaks = ["simulated", "measured"].map(|side| red[side]["peak_nm"].as_f64().unwrap());
+    assert!((5.0..17.0).contains(&(peaks[0] - peaks[1])), "{peaks:?}");
+    // .003 more of front reflection in diffuse light is .003 more of everything, black above all.
+    let black = all["states"].as_array().unwrap().iter().find(|one| one["state"] == "black").unwrap();
+    let brighter = -black["difference_Y"].as_f64().unwrap();
+    assert!((0.0025..0.004).contains(&brighter), "{brighter}");
+    let contrast = &all["views"][0]["contrast_ratio"];
+    assert!(contrast[0].as_f64() > contrast[1].as_f64());
+}
+
+/// A run's own tables are measurements of it: nothing differs but by rounding.
+#[test]
+fn a_run_is_its_own_measurement() {
+    let folder = tempfile::tempdir().unwrap();
+    run_into(folder.path());
+    let json = folder.path().join("result.json");
+    for (table, most) in [("spectra.csv", 1e-9_f64), ("states.csv", 1e-9)] {
+        let output = compare(&json, &folder.path().join(table), &[Path::new("--json")]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let all: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let states = all["states"].as_array().unwrap();
+        assert_eq!((states.len(), all["left_out"].as_array().unwrap().len()), (16, 0));
+        for one in states {
+            assert!(one["delta_E_2000"].as_f64().unwrap() < most.sqrt(), "{table}: {one}");
+            assert!(one["difference_Y"].as_f64().unwrap().abs() < most, "{table}: {one}");
+        }
+    }
+}
+
+#[test]
+fn wrong_input_is_said_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    run_into(folder.path());
+    let (run, out) = (folder.path().to_owned(), folder.path().join("out"));
+    let measured = folder.path().join("measured.csv");
+    for (text, words) in [
+        ("state,theta,Y\nwhite,8,0.2\n", ":1:1"),
+        ("state,theta_deg,X,Y,Z\nwhite,8,0.2,zero,0.2\n", ":2:13"),
+        ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\nwhite,50,0.2,0.2,0.2\n", "no such state"),
+        ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\n", "measured.csv: nothing that was measured"),
+        ("state,theta_deg,X,Y,Z\nwhte,8,0.2,0.2,0.2\n", "did you mean `white` for `whte`?"),
+        ("", "expected a first row with the names of the columns"),
+    ] {
+        fs::write(&measured, text).unwrap();
+        let output = compare(&run, &measured, &[Path::new("--out"), &out]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(words), "{words} is not in {said}");
+    }
+    fs::write(&measured, "state,theta_deg,X,Y,Z\nwhite,8,0.2,0.2,0.2\n").unwrap();
+    for result in [folder.path().join("none"), folder.path().join("states.csv"), shipped("overcast.toml")] {
+        let output = compare(&result, &measured, &[Path::new("--out"), &out]);
+        assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert!(!out.exists());
+}
+
+/// Per cent for shares of 1 is what users mistake most, and contrast and gamut do not show it. Figures of an
+/// earlier comparison do not stay.
+#[test]
+fn per_cent_is_noticed_and_old_figures_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, out) = (folder.path().join("run"), folder.path().join("compare"));
+    run_into(&run);
+    let states = fs::read_to_string(run.join("states.csv")).unwrap();
+    let mut lines = states.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    let mut shares = String::from("theta_deg,phi_deg,state,X,Y,Z\n");
+    let mut percent = shares.clone();
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = ["theta_deg", "phi_deg", "state"].map(|name| cells[at(name)]).join(",");
+        let xyz = ["X", "Y", "Z"].map(|name| cells[at(name)].parse::<f64>().unwrap());
+        for (text, factor) in [(&mut shares, 1.0), (&mut percent, 100.0)] {
+            let [x, y, z] = xyz.map(|value| factor * value);
+            text.push_str(&format!("{place},{x},{y},{z}\n"));
+        }
+    }
+    let file = folder.path().join("measured.csv");
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("compared-gamuts_theta60_phi0.svg"), "old").unwrap();
+    for (text, warns) in [(percent, true), (shares, false)] {
+        fs::write(&file, text).unwrap();
+        let output = compare(&run, &file, &[Path::new("--out"), &out]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.contains("per cent"), warns, "{said}");
+    }
+    assert!(!out.join("compared-gamuts_theta60_phi0.svg").exists());
+}

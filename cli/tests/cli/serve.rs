@@ -1,0 +1,122 @@
+//! `papilio serve` as a process: where it is, what it opens, and what a kill takes away (nothing that was saved).
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+/// A running server; killed when it is dropped.
+struct Server {
+    child: Child,
+    port: u16,
+    url: String,
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // As kill -9 does.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn scenarios() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join("scenarios")
+}
+
+fn papilio(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_papilio"));
+    command.arg("serve").args(arguments).current_dir(scenarios());
+    command
+}
+
+impl Server {
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = papilio(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let url = line.trim().rsplit(' ').next().unwrap().to_owned();
+        let port = url.split(':').nth(2).unwrap().split('/').next().unwrap().parse().unwrap();
+        Self { child, port, url }
+    }
+
+    /// Status and JSON.
+    fn ask(&self, method: &str, path: &str, kind: &str, body: &[u8]) -> (u16, Value) {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        let (port, length) = (self.port, body.len());
+        let head = format!(
+            "{method} /api/v1{path} HTTP/1.1\r\nHost: localhost:{port}\r\nConnection: close\r\nContent-Type: {kind}\r\n\
+             Content-Length: {length}\r\n\r\n"
+        );
+        stream.write_all(&[head.as_bytes(), body].concat()).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let text = String::from_utf8(answer).unwrap();
+        let (head, body) = text.split_once("\r\n\r\n").unwrap();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        (status, serde_json::from_str(body).unwrap())
+    }
+
+    fn post(&self, path: &str, body: &Value) -> (u16, Value) {
+        self.ask("POST", path, "application/json", body.to_string().as_bytes())
+    }
+
+    fn upload(&self, name: &str, bytes: &[u8]) -> Value {
+        let (status, kept) =
+            self.ask("POST", &format!("/files?name={name}"), "application/octet-stream", bytes);
+        assert_eq!(status, 200, "{kept}");
+        kept["id"].clone()
+    }
+}
+
+/// A scenario's files are opened with it.
+#[test]
+fn the_page_opens_the_scenario_that_is_named() {
+    let server = Server::start(&["measured-diffused.toml", "--port", "0"]);
+    let (_, start) = server.ask("GET", "/start", "", b"");
+    assert_eq!(start["name"], "measured-diffused.toml");
+    assert_eq!(start["files"].as_object().unwrap().len(), 2, "{}", start["files"]);
+    let asked = json!({ "scenario": start["scenario"], "files": start["files"] });
+    assert_eq!(server.post("/live", &asked).0, 200);
+}
+
+/// Everything that matters is in the browser: after kill -9 and a new start, the same request has the same answer, once
+/// the page has sent its files again.
+#[test]
+fn a_kill_loses_nothing_that_was_saved() {
+    let server = Server::start(&["--port", "0"]);
+    let bytes = std::fs::read(scenarios().join("data").join("H65.bsdf")).unwrap();
+    let id = server.upload("mine.bsdf", &bytes);
+    let text = std::fs::read_to_string(scenarios().join("measured-h65.toml")).unwrap();
+    let scenario = text.replace("data/H65.bsdf", "mine.bsdf").replace("theta_deg = {", "theta_deg = 8 #");
+    let asked = json!({ "scenario": scenario, "files": { "mine.bsdf": id } });
+    let (status, before) = server.post("/live", &asked);
+    assert_eq!(status, 200, "{before}");
+    let port = server.port.to_string();
+    drop(server);
+    let server = Server::start(&["--port", &port]);
+    let (status, gone) = server.post("/live", &asked);
+    assert_eq!((status, &gone["missing"]), (410, &json!([id])));
+    assert_eq!(server.upload("mine.bsdf", &bytes), id);
+    let (_, after) = server.post("/live", &asked);
+    assert_eq!(before["result"], after["result"]);
+}
+
+#[test]
+fn elsewhere_there_is_a_token_and_a_warning() {
+    let server = Server::start(&["--listen", "0.0.0.0", "--port", "0"]);
+    assert!(server.url.contains("/#token="), "{}", server.url);
+    assert_eq!(server.ask("GET", "/health", "", b"").0, 401);
+    let own = Server::start(&["--port", "0"]);
+    assert!(own.url.starts_with("http://127.0.0.1:") && !own.url.contains('#'));
+    assert_eq!(own.ask("GET", "/health", "", b"").0, 200);
+    // Its port is taken.
+    let second = papilio(&["--port", &own.port.to_string()]).output().unwrap();
+    let said = String::from_utf8_lossy(&second.stderr);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(said.contains("cannot be listened on") && said.contains("--port"), "{said}");
+}

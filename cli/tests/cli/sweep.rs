@@ -1,0 +1,426 @@
+//! Sweeps as their users meet them: killed and gone on with, in parts, changed, wrong.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use papilio_formats::HAS_PARQUET;
+
+use crate::common::{files, papilio, place, same, stderr, stdout};
+
+/// A bare film pixel: quick, and not so quick that a sweep of it cannot be killed.
+const SCENARIO: &str = r#"
+title = "Bare"
+[display.pixel]
+model = "film"
+substrate = "Al"
+area = { red = 0.4, green = 0.4, blue = 0.2 }
+gap_nm = { red = 275.9, green = 192.3, blue = 137.8, dark = 20.0 }
+film = [
+  { material = "Si3N4", thickness_nm = 55.9 },
+  { material = "Cr:Johnson", thickness_nm = 12.15 },
+  { material = "air", thickness_nm = "gap" },
+]
+[display.diffuser]
+model = "k-correlation"
+haze = 0.78
+transmittance = 0.9
+[solver]
+relative_error = 0.01
+[sweep]
+figures = ["contrast_ratio", "white.L_star"]
+[[sweep.axes]]
+"display.pixel.film.1.thickness_nm" = { from = 6, to = 14, count = 5 }
+[[sweep.axes]]
+viewer.theta_deg = [0, 10, 20]
+lighting.directed = [[], [], []]
+"#;
+
+/// What a sweep that nothing disturbs leaves.
+fn undisturbed() -> BTreeMap<String, Vec<u8>> {
+    undisturbed_with(&[])
+}
+
+fn undisturbed_with(more: &[&str]) -> BTreeMap<String, Vec<u8>> {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&[&["sweep", &file, "--out", &out], more].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    files(Path::new(&out))
+}
+
+#[test]
+fn a_sweep_writes_its_table_and_figures() {
+    let files = undisturbed();
+    let names: Vec<&str> = files.keys().map(String::as_str).collect();
+    let expected = [
+        "sweep.csv",
+        "sweep.jsonl",
+        "sweep_contrast_ratio.svg",
+        "sweep_contrast_ratio_map.svg",
+        "sweep_white.L_star.svg",
+        "sweep_white.L_star_map.svg",
+    ];
+    assert_eq!(names, expected);
+    let table = String::from_utf8(files["sweep.csv"].clone()).unwrap();
+    let mut lines = table.lines();
+    let keys = "point,display.pixel.film.1.thickness_nm,viewer.theta_deg,lighting.directed,theta_deg";
+    assert!(lines.next().unwrap().starts_with(keys), "{table}");
+    // 15 points, each with eight states.
+    let states = lines.clone().filter(|line| line.starts_with("14,14,20,[],20,0,")).count();
+    assert_eq!((states, lines.count()), (8, 15 * 8));
+}
+
+/// A point has the numbers that `papilio run` gives for it, to the last digit.
+#[test]
+fn a_point_is_a_run() {
+    let (folder, file, out) = place(SCENARIO);
+    assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
+    let table = fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap();
+    let alone = folder.path().join("run");
+    let set = ["display.pixel.film.1.thickness_nm=10", "viewer.theta_deg=20"];
+    let output = papilio(&["run", &file, "--out", alone.to_str().unwrap(), "--set", set[0], "--set", set[1]]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let states = fs::read_to_string(alone.join("states.csv")).unwrap();
+    let swept: Vec<&str> = table.lines().filter_map(|line| line.strip_prefix("8,10,20,[],")).collect();
+    assert_eq!(swept, states.lines().skip(1).collect::<Vec<_>>());
+}
+
+/// What is printed as JSON is what the table holds; figures may be asked for on the command line.
+#[test]
+fn json_is_the_table() {
+    let (_folder, file, out) = place(SCENARIO);
+    let figures = r#"sweep.figures=["black.Y"]"#;
+    let output = papilio(&["sweep", &file, "--out", &out, "--json", "--set", figures]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let all: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let table = fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap();
+    let mut lines = table.lines();
+    let titles: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let y = titles.iter().position(|title| *title == "Y").unwrap();
+    let expected: Vec<f64> = lines.map(|line| line.split(',').nth(y).unwrap().parse().unwrap()).collect();
+    let points = all["points"].as_array().unwrap();
+    let rows = points.iter().flat_map(|point| point["rows"].as_array().unwrap());
+    let printed: Vec<f64> = rows.map(|row| row["Y"].as_f64().unwrap()).collect();
+    assert_eq!(printed.len(), expected.len());
+    // The test's own reader of JSON may miss the last digit.
+    assert!(printed.iter().zip(&expected).all(|(one, other)| (one - other).abs() < 1e-15));
+    assert_eq!(points[4]["swept"]["viewer.theta_deg"], 10);
+    assert!(Path::new(&out).join("sweep_black.Y.svg").exists());
+}
+
+/// Every view is printed, and is an axis of the figures.
+#[test]
+fn views_are_an_axis() {
+    let swept = "viewer.theta_deg = [0, 10, 20]\nlighting.directed = [[], [], []]\n";
+    let text = SCENARIO.replace(&format!("[[sweep.axes]]\n{swept}"), "[viewer]\ntheta_deg = [8, 20]\n");
+    for light in
+        ["sweep.figures=[\"contrast_ratio\"]", "sweep.metrics=[\"contrast_ratio\", \"white.L_star\"]"]
+    {
+        let (_folder, file, out) = place(&text);
+        let output = papilio(&["sweep", &file, "--out", &out, "--set", light]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let printed = stdout(&output);
+        assert_eq!(printed.lines().count(), 1 + 5 * 2, "{printed}");
+        let map = String::from_utf8(files(Path::new(&out))["sweep_contrast_ratio.svg"].clone()).unwrap();
+        for words in ["theta_deg", ">8<", ">20<"] {
+            assert!(map.contains(words) && printed.contains(words.trim_matches(['>', '<'])), "{words}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_merged_or_swept_is_said() {
+    let (folder, file, _) = place(&SCENARIO[..SCENARIO.find("[sweep]").unwrap()]);
+    let none = folder.path().join("none");
+    let merged = papilio(&["sweep", "merge", none.to_str().unwrap()]);
+    assert_eq!(merged.status.code(), Some(2));
+    assert!(stderr(&merged).contains("does not exist\n  = help: expected a folder"), "{}", stderr(&merged));
+    for more in [&[][..], &["--set", "sweep.figures=[\"white.Y\"]"]] {
+        let swept = papilio(&[&["sweep", &file][..], more].concat());
+        assert_eq!(swept.status.code(), Some(2));
+        assert!(stderr(&swept).contains("has no `[[sweep.axes]]`"), "{}", stderr(&swept));
+    }
+}
+
+/// Killed at many moments and gone on with, it ends in the same bytes; and no point is computed twice.
+#[test]
+fn a_killed_sweep_goes_on() {
+    // Slow points: a busy machine looks rarely, and must find the sweep amid its work.
+    let slow = ["--set", "solver.method=monte-carlo", "--set", "solver.relative_error=0.0005"];
+    let expected = undisturbed_with(&slow);
+    let mut dice = papilio_testing::Dice::new(1, 0);
+    let mut patience = std::iter::repeat_with(|| dice.below(8) as u64);
+    let mut amid = 0;
+    // Where the machine looked too rarely, again from the beginning.
+    for _ in 0..20 {
+        let (_folder, file, out) = place(SCENARIO);
+        let arguments = [&["sweep", &file, "--out", &out], &slow[..]].concat();
+        amid += kills_until_done(&arguments, &Path::new(&out).join("sweep.jsonl"), &mut patience);
+        same(&files(Path::new(&out)), &expected);
+        // With all of it there, nothing is computed.
+        let output = papilio(&arguments);
+        assert!(stderr(&output).contains("15 points, 0 computed"), "{}", stderr(&output));
+        same(&files(Path::new(&out)), &expected);
+        if amid >= 3 {
+            return;
+        }
+    }
+    panic!("it was killed amid its work {amid} times only");
+}
+
+/// Starts a sweep again and again, and kills it some milliseconds after it has got on, until it is done; how often
+/// it was killed with some points done and not all.
+fn kills_until_done(arguments: &[&str], journal: &Path, patience: &mut impl Iterator<Item = u64>) -> usize {
+    let lines = || {
+        let bytes = fs::read(journal).unwrap_or_default();
+        bytes.iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)
+    };
+    let (mut amid, mut before) = (0, 0);
+    for _ in 0..100 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_papilio"))
+            .args(arguments)
+            .args(["--threads", "1"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // Not a clock: how far the sweep is decides, and a little chance.
+        while lines() <= before && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_millis(patience.next().unwrap()));
+        let over = child.try_wait().unwrap().is_some();
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        if over {
+            assert!(output.status.success(), "{}", stderr(&output));
+            return amid;
+        }
+        before = lines();
+        assert!(before <= 15, "{before} lines for 15 points");
+        amid += usize::from((1..15).contains(&before));
+    }
+    panic!("it was killed a hundred times and is not done");
+}
+
+/// A line that was cut off in its middle is computed again.
+#[test]
+fn a_torn_line_is_no_loss() {
+    let expected = undisturbed();
+    let (_folder, file, out) = place(SCENARIO);
+    fs::create_dir(&out).unwrap();
+    let journal = &expected["sweep.jsonl"];
+    fs::write(Path::new(&out).join("sweep.jsonl"), &journal[..journal.len() - 100]).unwrap();
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(stderr(&output).contains("15 points, 1 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+}
+
+/// A digit that was changed in a line that stays JSON is found, in whole sweeps and in light ones; nothing is written then.
+#[test]
+fn a_damaged_line_is_found() {
+    let light = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
+    for (text, name, before) in
+        [(SCENARIO, "sweep.jsonl", "\"rows\":[[\""), (light.as_str(), "sweep-light.jsonl", "\"values\":[")]
+    {
+        let (_folder, file, out) = place(text);
+        let arguments = ["sweep", &file, "--out", &out];
+        assert!(papilio(&arguments).status.success());
+        let journal = Path::new(&out).join(name);
+        let whole = fs::read_to_string(&journal).unwrap();
+        let line = whole.lines().nth(2).unwrap();
+        fs::write(&journal, whole.replace(line, &line.replacen(before, &format!("{before}1"), 1))).unwrap();
+        fs::remove_file(Path::new(&out).join("sweep.csv")).unwrap();
+        let output = papilio(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        for words in
+            [&format!("{name}:3:1"), "this line of a journal is damaged", "= help: take the line out"]
+        {
+            assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
+        }
+        assert!(!Path::new(&out).join("sweep.csv").exists());
+    }
+}
+
+/// Parts on many machines, joined, are the whole.
+#[test]
+fn parts_make_the_whole() {
+    let expected = undisturbed();
+    let (folder, file, _) = place(SCENARIO);
+    let parts: Vec<String> = (1..=3)
+        .map(|k| {
+            let out = folder.path().join(format!("part{k}")).to_str().unwrap().to_owned();
+            let output = papilio(&["sweep", &file, "--out", &out, "--shard", &format!("{k}/3")]);
+            assert!(output.status.success() && stderr(&output).contains("5 points"), "{}", stderr(&output));
+            out
+        })
+        .collect();
+    let whole = folder.path().join("whole");
+    let whole_name = whole.to_str().unwrap();
+    let missing = papilio(&["sweep", "merge", &parts[0], &parts[2], "--out", whole_name]);
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(stderr(&missing).contains("5 of 15 points are missing: 1, 4, 7, 10, 13"), "{}", stderr(&missing));
+    assert!(!whole.exists());
+    let output = papilio(&["sweep", "merge", &parts[0], &parts[1], &parts[2], "--out", whole_name]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut expected = expected;
+    expected.remove("sweep.jsonl");
+    same(&files(&whole), &expected);
+    // A part counts as done for the whole sweep in its folder.
+    let output = papilio(&["sweep", &file, "--out", &parts[0]]);
+    assert!(stderr(&output).contains("15 points, 10 computed"), "{}", stderr(&output));
+}
+
+/// What was computed for a sweep serves it when it is changed.
+#[test]
+fn a_longer_sweep_computes_what_is_new() {
+    let (_folder, file, out) = place(SCENARIO);
+    assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
+    fs::write(&file, SCENARIO.replace("from = 6, to = 14, count = 5", "from = 4, to = 14, count = 6"))
+        .unwrap();
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    assert!(stderr(&output).contains("18 points, 3 computed"), "{}", stderr(&output));
+}
+
+#[test]
+fn wrong_sweeps_say_where_and_compute_nothing() {
+    for (from, to, spot, words) in [
+        (
+            "\"display.pixel.film.1.thickness_nm\"",
+            "\"display.pixel.film.1.thicknes_nm\"",
+            "s.toml:22:1",
+            "thickness_nm",
+        ),
+        ("[0, 10, 20]", "[0, 10, 95]", "s.toml:24:28", "out of range"),
+        ("[0, 10, 20]", "[0, 10]", "s.toml:25:10", "has 3 values"),
+        ("[0, 10, 20]", "[]", "s.toml:24:20", "at least one item"),
+        ("[0, 10, 20]", "5", "s.toml:24:20", "a list of values"),
+        ("count = 5", "step = -1", "s.toml:22:67", "do not lead from 6 to 14"),
+        ("count = 5", "count = 5, step = 2", "s.toml:22:39", "more than one"),
+        ("count = 5", "step = 1e-9", "s.toml:22:39", "expected at most 100000"),
+        ("viewer.theta_deg", "sweep.theta_deg", "s.toml:24:7", "cannot be swept"),
+        ("white.L_star", "white.Lstar", "s.toml:20:30", "L_star"),
+        ("[[sweep.axes]]", "[[sweep.axis]]", "s.toml:21:9", "axes"),
+    ] {
+        let (_folder, file, out) = place(&SCENARIO.replace(from, to));
+        let output = papilio(&["sweep", &file, "--out", &out]);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{to}: {text}");
+        assert!(text.contains(spot) && text.contains(words), "{to}: {text}");
+        assert!(output.stdout.is_empty() && !Path::new(&out).join("sweep.csv").exists());
+    }
+    let (_folder, file, out) = place(SCENARIO.split("[sweep]").next().unwrap());
+    let output = papilio(&["sweep", &file, "--out", &out, "--shard", "3/2"]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+/// A scenario with a sweep is a scenario: `run` computes it as it stands, and it is the same one.
+#[test]
+fn a_run_does_not_sweep() {
+    let hash = |text: &str| {
+        let (_folder, file, _) = place(text);
+        let output = papilio(&["run", &file, "--json"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        result["hash"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(hash(SCENARIO), hash(SCENARIO.split("[sweep]").next().unwrap()));
+}
+
+/// The option, where the program has it.
+fn parquet() -> &'static [&'static str] {
+    if HAS_PARQUET { &["--parquet"] } else { &[] }
+}
+
+#[test]
+fn the_table_may_be_parquet() {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["sweep", &file, "--out", &out, "--parquet"]);
+    if !HAS_PARQUET {
+        // What the program was built without is said before anything is computed.
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("feature `parquet`") && !Path::new(&out).exists());
+        return;
+    }
+    assert!(output.status.success(), "{}", stderr(&output));
+    let bytes = fs::read(Path::new(&out).join("sweep.parquet")).unwrap();
+    assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+}
+
+/// A sweep of a few metrics has the numbers of one that keeps everything, to the last digit, in parts and killed, too.
+#[test]
+fn a_light_sweep_has_the_numbers_of_a_whole_one() {
+    let text = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
+    let (folder, file, out) = place(&text);
+    let output = papilio(&[&["sweep", &file, "--out", &out, "--json"], parquet()].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let light = files(Path::new(&out));
+    let whole = String::from_utf8(undisturbed()["sweep.csv"].clone()).unwrap();
+    let columns: Vec<&str> = whole.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let cells = |line: &str| -> Vec<String> { line.split(',').map(str::to_owned).collect() };
+    let white = whole.lines().map(cells).filter(|row| row[at("state")] == "white");
+    let expected: Vec<String> = white
+        .map(|row| {
+            [&row[..4], &[row[at("contrast_ratio")].clone(), row[at("L_star")].clone()]].concat().join(",")
+        })
+        .collect();
+    let table = String::from_utf8(light["sweep.csv"].clone()).unwrap();
+    assert_eq!(table.lines().skip(1).collect::<Vec<_>>(), expected);
+    assert_eq!(light.keys().any(|name| name == "sweep.parquet"), HAS_PARQUET);
+    assert!(light.contains_key("sweep_white.L_star_map.svg"));
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(printed["points"][14]["values"].as_array().unwrap().len(), 2);
+    // Without figures asked for, all that is kept is drawn and listed.
+    let bare = text.replace("figures = [\"contrast_ratio\", \"white.L_star\"]\n", "");
+    let (_folder, file, out) = place(&bare);
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    let listed = String::from_utf8(output.stdout).unwrap();
+    assert!(bare != text && listed.contains("white.L_star") && listed.contains("contrast_ratio"), "{listed}");
+    assert!(files(Path::new(&out)).contains_key("sweep_white.L_star_map.svg"));
+
+    let parts: Vec<String> = (1..=2)
+        .map(|k| {
+            let part = folder.path().join(format!("part{k}")).to_str().unwrap().to_owned();
+            let shard = format!("{k}/2");
+            let arguments = ["sweep", &file, "--out", &part, "--shard", &shard];
+            assert!(papilio(&arguments).status.success());
+            // As a kill leaves it: one line is whole, the next is not.
+            let journal = Path::new(&part).join(format!("sweep-light.{k}-of-2.jsonl"));
+            let text = fs::read_to_string(&journal).unwrap();
+            let two: usize = text.lines().take(2).map(|line| line.len() + 1).sum();
+            fs::write(&journal, &text[..two + 9]).unwrap();
+            let again = papilio(&arguments);
+            assert!(!stderr(&again).contains(" 0 computed"), "{}", stderr(&again));
+            assert_eq!(fs::read_to_string(&journal).unwrap(), text);
+            part
+        })
+        .collect();
+    let merged = folder.path().join("merged");
+    let output = papilio(
+        &[&["sweep", "merge", &parts[0], &parts[1], "--out", merged.to_str().unwrap()], parquet()].concat(),
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let mut expected = light;
+    expected.remove("sweep-light.jsonl");
+    same(&files(&merged), &expected);
+    let half = papilio(&["sweep", "merge", &parts[0], "--out", merged.to_str().unwrap()]);
+    assert!(stderr(&half).contains("7 of 15 points are missing: 1, 3, 5"), "{}", stderr(&half));
+
+    let wrong = text.replace("metrics = [\"contrast_ratio\"", "metrics = [\"contrast\"");
+    fs::write(&file, &wrong).unwrap();
+    let output = papilio(&["sweep", &file, "--out", &out]);
+    for words in ["s.toml:20:12", "there is no metric `contrast`", "did you mean `contrast_ratio`?"] {
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+    for (metrics, words) in [
+        ("[]", "at least one item"),
+        ("[\"white.L_star\"]", "does not compute `contrast_ratio`, only white.L_star"),
+    ] {
+        let set = format!("sweep.metrics={metrics}");
+        let output = papilio(&["sweep", &file, "--out", &out, "--set", &set]);
+        assert!(stderr(&output).contains(words), "{metrics}: {}", stderr(&output));
+    }
+}

@@ -1,0 +1,366 @@
+//! Tolerances as their users meet them: whole, killed and gone on with, in parts, more of them, wrong.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::common::{files, papilio, place, same, stderr, stdout};
+
+/// A bare film pixel: quick, and not so quick that its analysis cannot be killed.
+const SCENARIO: &str = r#"
+title = "Bare"
+[display.pixel]
+model = "film"
+substrate = "Al"
+area = { red = 0.4, green = 0.4, blue = 0.2 }
+gap_nm = { red = 275.9, green = 192.3, blue = 137.8, dark = 20.0 }
+film = [
+  { material = "Si3N4", thickness_nm = 55.9 },
+  { material = "Cr:Johnson", thickness_nm = 12.15 },
+  { material = "air", thickness_nm = "gap" },
+]
+[display.diffuser]
+model = "k-correlation"
+haze = 0.78
+transmittance = 0.9
+[solver]
+relative_error = 0.01
+[tolerance]
+samples = 96
+sensitivity_samples = 32
+[[tolerance.keys]]
+name = "absorber"
+key = "display.pixel.film.1.thickness_nm"
+normal = { sigma = 0.3 }
+[[tolerance.keys]]
+name = "gaps"
+keys = ["display.pixel.gap_nm.red", "display.pixel.gap_nm.green"]
+uniform = { plus_minus = 4 }
+[[tolerance.keys]]
+name = "matching layer"
+key = "display.pixel.film.0.material"
+choices = { values = ["Si3N4", "AlOx"], weights = [3, 1] }
+[[tolerance.correlations]]
+keys = ["gaps", "absorber"]
+coefficient = -0.5
+[[tolerance.limits]]
+metric = "contrast_ratio"
+at_least = 1.1
+[[tolerance.limits]]
+metric = "white.Y"
+at_least = 0.1
+at_most = 0.185
+"#;
+
+fn undisturbed() -> BTreeMap<String, Vec<u8>> {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    files(Path::new(&out))
+}
+
+/// The report agrees with the table of all displays, and a display of it with `papilio run`, to the last digit.
+#[test]
+fn the_report_is_that_of_its_displays() {
+    let (folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out, "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["groups"], serde_json::json!([["absorber", "gaps"], ["matching layer"]]));
+    let table = fs::read_to_string(Path::new(&out).join("tolerance.csv")).unwrap();
+    let mut lines = table.lines();
+    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let at = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    assert_eq!(rows.len(), 96);
+    let good = rows.iter().filter(|row| row[at("good")] == "1").count();
+    assert_eq!(report["verdict"]["yield_share"]["value"], serde_json::json!(good as f64 / 96.0));
+    assert!((1..96).contains(&good), "limits that decide nothing show nothing: {good}");
+    // The worst display has the least contrast of all, or a white beyond its limits.
+    let least = report["metrics"][0]["spread"]["range"][0].as_f64().unwrap();
+    let contrasts = rows.iter().map(|row| row[at("contrast_ratio")].parse::<f64>().unwrap());
+    assert_eq!(contrasts.fold(f64::INFINITY, f64::min), least);
+
+    let row = &rows[5];
+    let deviation = row[at("gaps")].parse::<f64>().unwrap() - 275.9;
+    let set = [
+        format!("display.pixel.film.1.thickness_nm={}", row[at("absorber")]),
+        format!("display.pixel.gap_nm.red={}", row[at("gaps")]),
+        format!("display.pixel.gap_nm.green={}", 192.3 + deviation),
+        format!("display.pixel.film.0.material={}", row[at("matching layer")]),
+    ];
+    let alone = folder.path().join("run");
+    let mut arguments = vec!["run", &file, "--json", "--out", alone.to_str().unwrap()];
+    set.iter().for_each(|set| arguments.extend(["--set", set]));
+    let output = papilio(&arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let run: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let (run, row) = (run["views"][0]["contrast_ratio"].as_f64().unwrap(), row[at("contrast_ratio")]);
+    // The gap of green goes through a difference here.
+    assert!((run - row.parse::<f64>().unwrap()).abs() < 1e-9 * run, "{run} {row}");
+}
+
+#[test]
+fn the_terminal_says_yield_and_reasons() {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    let text = stdout(&output);
+    for words in [
+        "Bare\n96 displays, and 96 more for sensitivities",
+        "yield ",
+        "fails alone",
+        "first-order index / total-order index",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let again = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(stderr(&again).contains("96 samples, 0 computed"), "{}", stderr(&again));
+    assert_eq!(stdout(&again), text);
+}
+
+/// Killed and gone on with, on one thread or on three: the same bytes.
+#[test]
+fn a_kill_makes_no_difference() {
+    let expected = undisturbed();
+    let (_folder, file, out) = place(SCENARIO);
+    let journal = Path::new(&out).join("tolerance.jsonl");
+    let lines = || fs::read(&journal).map_or(0, |text| text.iter().filter(|byte| **byte == b'\n').count());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_papilio"))
+        .args(["tolerance", &file, "--out", &out, "--threads", "1"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while lines() < 10 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let done = lines();
+    assert!((10..97).contains(&done), "killed too early or too late: {done}");
+    // The kill met it in the middle of a line.
+    let mut text = fs::read(&journal).unwrap();
+    text.extend(b"{\"row\":");
+    fs::write(&journal, text).unwrap();
+    let output = papilio(&["tolerance", &file, "--out", &out, "--threads", "3"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("96 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+}
+
+/// Parts in folders of their own, put together by the same command.
+#[test]
+fn parts_make_the_whole() {
+    let expected = undisturbed();
+    let (folder, file, out) = place(SCENARIO);
+    let parts: Vec<String> =
+        (1..=3).map(|k| folder.path().join(format!("part{k}")).to_str().unwrap().to_owned()).collect();
+    for (k, part) in parts.iter().enumerate() {
+        let shard = format!("{}/3", k + 1);
+        let output = papilio(&["tolerance", &file, "--out", part, "--shard", &shard]);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let merge: Vec<&str> = parts.iter().flat_map(|part| ["--merge", part.as_str()]).collect();
+    let output = papilio(&[&["tolerance", &file, "--out", &out][..], &merge].concat());
+    assert!(stderr(&output).contains(" 0 computed"), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &expected);
+    // Parts of something else are not passed over.
+    let output =
+        papilio(&[&["tolerance", &file, "--out", &out, "--set", "tolerance.seed=5"][..], &merge].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("this is the journal of something else"), "{}", stderr(&output));
+}
+
+/// More samples begin with those that are known; other limits need none anew; another seed all.
+#[test]
+fn what_is_known_is_not_computed_again() {
+    let (_folder, file, out) = place(SCENARIO);
+    let computed = |set: &[&str]| {
+        let set: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+        let output = papilio(&[&["tolerance", &file, "--out", &out][..], &set].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let text = stderr(&output);
+        let line = text.lines().find(|line| line.contains(" computed in ")).unwrap().to_owned();
+        line.split(" computed").next().unwrap().rsplit(' ').next().unwrap().parse::<usize>().unwrap()
+    };
+    assert_eq!(computed(&["tolerance.samples=64"]), 64);
+    assert_eq!(computed(&[]), 32);
+    assert_eq!(computed(&["tolerance.limits.0.at_least=1.2"]), 0);
+    assert_eq!(computed(&["tolerance.sensitivity_samples=48"]), 16);
+    assert_eq!(computed(&["tolerance.seed=1", "tolerance.samples=64"]), 64);
+}
+
+/// A change of the text, and what the answer must say.
+/// Another distribution does not cost what was done before; and taken back, it computes nothing.
+#[test]
+fn another_distribution_sets_the_journal_aside() {
+    let (_folder, file, out) = place(SCENARIO);
+    let said = |text: &str| {
+        fs::write(&file, text).unwrap();
+        let output = papilio(&["tolerance", &file, "--out", &out]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let first = said(SCENARIO);
+    assert!(!first.contains("was moved to"), "{first}");
+    let done = files(Path::new(&out));
+    assert!(said(&SCENARIO.replace("sigma = 0.3", "sigma = 0.4")).contains("tolerance.jsonl.before"));
+    assert_eq!(files(Path::new(&out))["tolerance.jsonl.before"], done["tolerance.jsonl"]);
+    let again = said(SCENARIO);
+    assert!(again.contains(", 0 computed"), "{again}");
+    let mut now = files(Path::new(&out));
+    assert!(now.remove("tolerance.jsonl.before").is_some());
+    same(&now, &done);
+}
+
+#[test]
+fn mistakes_are_answered_with_their_place() {
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("normal = { sigma = 0.3 }", "normal = { sigma = -1 }", &["s.toml:25:20", "-1 is out of range"]),
+        (
+            "uniform = { plus_minus = 4 }",
+            "uniform = { plus_minus = 400 }",
+            &["is out of range", "s.toml:29:26", "a display of this production has it\n"],
+        ),
+        (
+            "normal = { sigma = 0.3 }",
+            "",
+            &["none of normal, lognormal, uniform, triangular, choices is given"],
+        ),
+        (
+            "normal = { sigma = 0.3 }",
+            "normal = { sigma = 30 }",
+            &[
+                "is out of range",
+                "s.toml:25:20",
+                "expected a number from 0",
+                "`from` and `to` sort such displays out",
+            ],
+        ),
+        ("film.1.thickness_nm\"\nnormal", "film.1.thick\"\nnormal", &["s.toml:24:7", "no key `thick`"]),
+        (
+            "film.1.thickness_nm\"\nnormal = {",
+            "film.1.thicknes_nm\"\nnormal = { mean = 3,",
+            &["no key `thicknes_nm`", "did you mean `thickness_nm`?"],
+        ),
+        ("film.1.thickness_nm", "film.7.thickness_nm", &["s.toml:24:7", "this array has the indices 0 to 2"]),
+        ("film.1.thickness_nm", "film.-1.thickness_nm", &["indices count from 0: this array has 0 to 2"]),
+        (
+            "gap_nm.green\"]",
+            "gap_nm.gren\"]",
+            &["s.toml:28:37", "no sub-pixel `gren`", "did you mean `green`?"],
+        ),
+        (
+            "key = \"display.pixel.film.1",
+            "key = \"display.pixle.film.1",
+            &["no key `pixle`", "did you mean `pixel`?"],
+        ),
+        ("coefficient = -0.5", "coefficient = -1", &["-1 is out of range"]),
+        ("\"gaps\", ", "\"gap\", ", &["no key with a distribution is named `gap`", "did you mean `gaps`?"]),
+        ("weights = [3, 1]", "weights = [3]", &["1 weights for 2 values", "expected 2 weights"]),
+        ("\"AlOx\"]", "\"Alox\"]", &["no material named `Alox`"]),
+        ("metric = \"white.Y\"", "metric = \"whit.Y\"", &["no state `whit`", "did you mean `white`?"]),
+        ("metric = \"white.Y\"", "metric = \"Y\"", &["no metric `Y`", "did you mean `white.Y`?"]),
+        ("at_least = 1.1", "", &["neither `at_least` nor `at_most`"]),
+        (
+            "at_least = 1.1",
+            "at_least = 1.1\nview = 3",
+            &["3 is out of range", "the number of a view, 0 to 0"],
+        ),
+        (
+            "name = \"gaps\"\nkeys",
+            "name = \"gaps\"\nkey = \"a\"\nkeys",
+            &["more than one of key, keys is given"],
+        ),
+        ("gap_nm.green\"]", "gap_nm.red\"]", &["`display.pixel.gap_nm.red` has more than one distribution"]),
+    ];
+    for (from, to, words) in cases {
+        assert!(SCENARIO.contains(from), "{from}");
+        let (_folder, file, out) = place(&SCENARIO.replacen(from, to, 1));
+        let output = papilio(&["tolerance", &file, "--out", &out]);
+        assert_eq!(output.status.code(), Some(2), "{from} -> {to}: {}", stdout(&output));
+        words.iter().for_each(|words| assert!(stderr(&output).contains(words), "{to}: {}", stderr(&output)));
+        assert!(!Path::new(&out).exists(), "wrong input writes nothing: {to}");
+    }
+    let (_folder, file, out) = place(&SCENARIO[..SCENARIO.find("[tolerance]").unwrap()]);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(stderr(&output).contains("the scenario has no `[tolerance]`"), "{}", stderr(&output));
+}
+
+/// docs/tolerance.md says what the shipped example comes to.
+#[test]
+fn the_docs_say_what_is_found() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let (_folder, _, out) = place("");
+    let file = root.join("scenarios/tolerance.toml");
+    let without = ["--set", "tolerance.sensitivity_samples=0", "--json"];
+    let output = papilio(&[&["tolerance", file.to_str().unwrap(), "--out", &out], &without[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let share = &found["verdict"]["yield_share"];
+    let percent = |key: &str| format!("{:.1}", 100.0 * share[key].as_f64().unwrap());
+    let said = format!("{} ± {} %", percent("value"), percent("standard_error"));
+    let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();
+    assert!(docs.contains(&said), "{said}");
+}
+
+/// A digit that was changed in a line that stays JSON is found; the line taken out, what was in it is computed again.
+#[test]
+fn a_damaged_journal_is_refused() {
+    let (_folder, file, out) = place(SCENARIO);
+    let arguments = ["tolerance", &file, "--out", &out];
+    assert!(papilio(&arguments).status.success());
+    let done = files(Path::new(&out));
+    let journal = Path::new(&out).join("tolerance.jsonl");
+    let whole = fs::read_to_string(&journal).unwrap();
+    let line = whole.lines().nth(4).unwrap();
+    let changed = line.replacen("\"values\":[", "\"values\":[1", 1);
+    fs::write(&journal, whole.replace(line, &changed)).unwrap();
+    let output = papilio(&arguments);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    for words in ["tolerance.jsonl:5:1", "its checksum is that of another line", "take the line out"] {
+        assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
+    }
+    assert!(!stderr(&output).contains("sweep"), "{}", stderr(&output));
+    fs::write(&journal, whole.replace(&format!("{line}\n"), "")).unwrap();
+    let output = papilio(&arguments);
+    assert!(stderr(&output).contains(" 1 computed in "), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &done);
+    // A journal of a version without checksums goes on, and has them at the end.
+    let old: String =
+        whole.lines().map(|line| format!("{}}}\n", &line[..line.rfind(",\"crc\"").unwrap()])).collect();
+    fs::write(&journal, old).unwrap();
+    let output = papilio(&arguments);
+    assert!(stderr(&output).contains(" 0 computed in "), "{}", stderr(&output));
+    same(&files(Path::new(&out)), &done);
+}
+
+/// No index by itself is shown above its total, each has its error, and both come from the displays that stand in the table.
+#[test]
+fn sensitivities_do_not_contradict_themselves() {
+    let (_folder, file, out) = place(SCENARIO);
+    let output = papilio(&["tolerance", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    let table = &text[text.find("fraction of the variance, %").unwrap()..];
+    let number = |cell: &str| cell.split('(').next().unwrap().parse::<f64>().unwrap();
+    let mut pairs = 0;
+    for line in table.lines().skip(2).take_while(|line| !line.is_empty()) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        for at in (0..words.len()).filter(|at| words[*at] == "/") {
+            assert!(words[at - 1].contains('(') && words[at + 1].contains('('), "{line}");
+            assert!(number(words[at - 1]) <= number(words[at + 1]), "{line}");
+            pairs += 1;
+        }
+    }
+    assert!(pairs >= 2, "{table}");
+    let found: Value =
+        serde_json::from_slice(&fs::read(Path::new(&out).join("tolerance.json")).unwrap()).unwrap();
+    let metric = &found["metrics"][0];
+    assert!(metric["surrogate"]["terms"].as_u64().unwrap() > 1, "{metric:#}");
+    assert!(metric["surrogate"]["unexplained"].as_f64().unwrap() < 0.01, "{metric:#}");
+}

@@ -1,0 +1,176 @@
+//! Metrics that a scenario asks for: the other observer, the gamut's volume, appearance, a reference state.
+
+use crate::common::{run, scenario};
+use papilio_colour::{CORNERS, Corners, Surround, Viewing, Xy, Xyz};
+use papilio_display::result::{RunResult, State};
+
+fn indoor(overrides: &[&str]) -> RunResult {
+    run(&scenario("indoor", overrides).unwrap().scene).unwrap()
+}
+
+fn state<'a>(result: &'a RunResult, name: &str) -> &'a State {
+    result.views[0].states.get(name).unwrap()
+}
+
+fn xyz(state: &State) -> Xyz {
+    Xyz { x: state.value.X, y: state.value.Y, z: state.value.Z }
+}
+
+/// Luminance is photometric whoever looks, a perfect white has Y = 1 for both, and colours are others.
+#[test]
+fn the_other_observer_sees_other_colours_and_the_same_luminance() {
+    let [two, ten] = ["1931", "1964"].map(|year| indoor(&[&format!("metrics.observer=\"{year}\"")]));
+    for (name, seen) in two.views[0].states.iter() {
+        let other = state(&ten, name);
+        let (a, b) = (seen.value.luminance_cd_m2, other.value.luminance_cd_m2);
+        assert!((a - b).abs() < 1e-9 * a, "{name}: {a} {b}");
+        assert_eq!(seen.value.reflectance_factor, other.value.reflectance_factor);
+    }
+    let (green, other) = (state(&two, "green"), state(&ten, "green"));
+    assert!((green.value.u_prime.unwrap() - other.value.u_prime.unwrap()).abs() > 1e-3);
+    // D65 of either observer, on whole wavelengths of 5 nm.
+    for (result, x, y) in [(&two, 0.31272, 0.32903), (&ten, 0.31381, 0.33098)] {
+        assert!((result.illuminant.x - x).abs() < 2e-4 && (result.illuminant.y - y).abs() < 2e-4);
+    }
+    let metrics = &ten.views[0].metrics;
+    assert_eq!((metrics.gamut_percent_srgb, metrics.coverage_percent_ebu), (None, None));
+    assert!(metrics.contrast_ratio.is_some() && other.value.hue_rgb.is_none());
+    assert!(other.value.distance_from_d65_uv.is_some());
+    let terms = &other.value.terms;
+    assert!((terms.diffuse + terms.directed[0] + terms.front_reflection - other.value.Y).abs() < 1e-12);
+}
+
+#[test]
+fn the_volume_is_that_of_the_states_and_there_where_asked_for() {
+    assert_eq!(indoor(&[]).views[0].metrics.gamut_volume_cielab, None);
+    let result = indoor(&["metrics.gamut_volume=true"]);
+    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
+    let corners = Corners { xyz: CORNERS.map(|name| xyz(state(&result, name))) };
+    let (view, volume) = (&result.views[0], corners.solid(white).unwrap().volume());
+    let found = view.metrics.gamut_volume_cielab.unwrap();
+    assert!((found / volume - 1.0).abs() < 1e-9, "{found} {volume}");
+    let error = view.discretisation_error.unwrap().gamut_volume_cielab.unwrap();
+    assert!(error > 0.0 && error < 1e-2 * found, "{error}");
+    // Without cyan there is no cube.
+    let fewer = [
+        "display.pixel.default_states=false",
+        "display.pixel.states={ white = { red = 1, green = 1, blue = 1 } }",
+    ];
+    let result = indoor(&[&["metrics.gamut_volume=true"], &fewer[..]].concat());
+    assert_eq!(result.views[0].metrics.gamut_volume_cielab, None);
+}
+
+#[test]
+fn appearance_is_that_of_the_room() {
+    assert!(state(&indoor(&[]), "red").value.cam16.is_none());
+    let result = indoor(&["metrics.appearance={ surround = \"dim\", background = 0.3 }"]);
+    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
+    // 500 lx on the background.
+    let adapting_luminance_cd_m2 = 0.3 * 500.0 / std::f64::consts::PI;
+    let viewing = Viewing { adapting_luminance_cd_m2, background: 0.3, surround: Surround::Dim };
+    for (name, state) in result.views[0].states.iter() {
+        let looks = xyz(state).appearance(white, &viewing).unwrap();
+        let found = state.value.cam16.unwrap();
+        assert!((found.J.unwrap() - looks.lightness).abs() < 1e-6, "{name}");
+        assert!((found.b_prime.unwrap() - looks.uniform[2]).abs() < 1e-6, "{name}");
+    }
+}
+
+#[test]
+fn any_state_may_be_the_reference() {
+    let result = indoor(&["metrics.reference_state=\"green\""]);
+    let green = state(&result, "green").value.metrics;
+    assert_eq!((green.delta_E_2000_from_reference, green.distance_from_reference_uv), (Some(0.0), Some(0.0)));
+    let red = &state(&result, "red").value;
+    let uv = |name: &str| {
+        (state(&result, name).value.u_prime.unwrap(), state(&result, name).value.v_prime.unwrap())
+    };
+    let ((u, v), (gu, gv)) = (uv("red"), uv("green"));
+    assert!((red.metrics.distance_from_reference_uv.unwrap() - (u - gu).hypot(v - gv)).abs() < 1e-12);
+    assert!(red.metrics.delta_E_2000_from_reference.unwrap() > 20.0);
+}
+
+/// Differences with the angle, and CIELUV, are those of the colours that the views report.
+#[test]
+fn colours_shift_with_the_angle_as_they_are_seen() {
+    let result = indoor(&["viewer.theta_deg=[30, 0, 8]"]);
+    let normal = |name: &str| result.views[1].states.get(name).unwrap().value.clone();
+    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
+    let lab = |state: &State| xyz(state).lab(white).unwrap();
+    for (view, least) in result.views.iter().zip([5.0, 0.0, 0.5]) {
+        for (name, state) in view.states.iter() {
+            let (here, there, metrics) = (&state.value, normal(name), &state.value.metrics);
+            let [du, dv] = [(here.u_prime, there.u_prime), (here.v_prime, there.v_prime)]
+                .map(|(here, there)| here.unwrap() - there.unwrap());
+            assert!((metrics.shift_with_angle_uv.unwrap() - du.hypot(dv)).abs() < 1e-12, "{name}");
+            let delta_e = lab(state).delta_e_2000(lab(result.views[1].states.get(name).unwrap()));
+            let found = metrics.delta_E_2000_with_angle.unwrap();
+            assert!((found - delta_e).abs() < 1e-6 && found >= least, "{name}: {found} {delta_e}");
+            let thirteen = 13.0 * here.L_star.unwrap();
+            let u_star = thirteen * (here.u_prime.unwrap() - result.illuminant.u_prime);
+            let v_star = thirteen * (here.v_prime.unwrap() - result.illuminant.v_prime);
+            assert!((metrics.u_star.unwrap() - u_star).abs() < 1e-9, "{name}");
+            assert!((metrics.v_star.unwrap() - v_star).abs() < 1e-9, "{name}");
+        }
+    }
+}
+
+/// The reader's age changes nothing but the performance at that age, and between two ages it lies between theirs.
+#[test]
+fn the_readers_age_is_said_alone() {
+    let lit = ["lighting.illuminance_lx=12000", "display.front=[{ reflectance = 0.08, absorptance = 0.01 }]"];
+    let plain = indoor(&lit);
+    assert_eq!(plain.views[0].metrics.reading_surrogate, None);
+    for (age, known) in [(20, 0), (50, 1), (75, 2)] {
+        let asked = indoor(&[&lit[..], &[&format!("viewer.age_years={age}")]].concat());
+        let view = &asked.views[0].metrics;
+        let ages =
+            [view.reading_surrogate_age_20, view.reading_surrogate_age_50, view.reading_surrogate_age_75];
+        assert!(ages[known].is_some() && view.reading_surrogate == ages[known], "{age}: {view:?}");
+        assert_eq!(view.text_contrast, plain.views[0].metrics.text_contrast);
+    }
+    let between = indoor(&[&lit[..], &["viewer.age_years=60"]].concat()).views[0].metrics;
+    let read = between.reading_surrogate.unwrap();
+    assert!(
+        between.reading_surrogate_age_75.unwrap() < read && read < between.reading_surrogate_age_50.unwrap()
+    );
+}
+
+/// Without light of its own, a display's text is as many times as bright as the room and keeps its contrast: what the
+/// maps over illuminance and age count on.
+#[test]
+fn text_grows_with_the_light_and_keeps_its_contrast() {
+    let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
+    let [dim, lit] = [2e4, 8e4].map(|lux| {
+        let light = format!("lighting.illuminance_lx={lux}");
+        let scene = scenario("overcast", &[cover, &light, "viewer.age_years=62.5"]).unwrap().scene;
+        run(&scene).unwrap().views[0].metrics
+    });
+    let (l, c) = (dim.text_luminance_cd_m2.unwrap(), dim.text_contrast.unwrap());
+    assert!((lit.text_luminance_cd_m2.unwrap() / l - 4.0).abs() < 1e-9);
+    assert!((lit.text_contrast.unwrap() - c).abs() < 1e-9);
+    // Halfway between 50 and 75 years, by the formula of docs/metrics.md: p0 + p1 ln(C/.35) + p2 ln(L/1000).
+    let (p0, p1, p2) = (0.5 * (0.6619 + 0.2971), 0.5 * (0.1845 + 0.3141), 0.5 * (0.0481 + 0.0074));
+    let expected = p0 + p1 * (c / 0.35).ln() + p2 * (4.0 * l / 1000.0).ln();
+    assert!((lit.reading_surrogate.unwrap() - expected).abs() < 1e-9, "{lit:?}");
+}
+
+/// What is asked for costs what is not asked for nothing: the other numbers stay, bit by bit.
+#[test]
+fn asking_changes_no_other_number() {
+    let (plain, all) = (indoor(&[]), indoor(&["metrics.gamut_volume=true", "metrics.appearance={}"]));
+    let mut forgotten = all;
+    for view in &mut forgotten.views {
+        for metrics in
+            [Some(&mut view.metrics), Some(&mut view.standard_error), view.discretisation_error.as_mut()]
+        {
+            metrics.unwrap().gamut_volume_cielab = None;
+        }
+        for (_, state) in &mut view.states.0 {
+            let errors = [&mut state.standard_error, state.discretisation_error.as_mut().unwrap()];
+            errors.into_iter().for_each(|values| values.cam16 = None);
+            state.value.cam16 = None;
+        }
+    }
+    assert_eq!(plain, forgotten);
+}

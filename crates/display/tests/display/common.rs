@@ -1,0 +1,37 @@
+//! Displays of the repository's scenarios, run without a word.
+//!
+//! Scenarios are read by a crate above this one: displays are written as their users write them.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::result::RunResult;
+use papilio_display::scene::Scene;
+use papilio_display::{Control, DisplayError};
+use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
+
+/// Where the example scenarios are.
+pub(crate) fn scenarios() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
+}
+
+/// An example scenario, with overrides `PATH=VALUE`.
+pub(crate) fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Scenario::load(&scenarios().join(name).with_extension("toml"), &overrides)?.resolve()
+}
+
+/// An example scenario by the walk, with overrides `PATH=VALUE`.
+pub(crate) fn walked(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
+    scenario(name, &[&["solver.method=monte-carlo"], overrides].concat())
+}
+
+/// Runs a scene on this many threads.
+pub(crate) fn run_on(scene: &Scene, threads: Option<usize>) -> Result<RunResult, DisplayError> {
+    papilio_display::run(scene, &Control { threads, progress: &|_| {}, stop: &AtomicBool::new(false) })
+}
+
+/// Runs a scene on all threads.
+pub(crate) fn run(scene: &Scene) -> Result<RunResult, DisplayError> {
+    run_on(scene, None)
+}

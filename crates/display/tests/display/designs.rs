@@ -1,0 +1,301 @@
+//! Designs through a kept kernel: the numbers of a run, in any order.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::common::scenario;
+use papilio_colour::{Lab, UvPrime};
+use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Stop, Thickness};
+use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
+use papilio_sampling::{Numbers, Sampler};
+use papilio_spectra::Spectrum;
+
+/// Displays of every kind that designs go through, on few wavelengths. The target is so wide that two levels are enough
+/// for any design: a run then reports the level that designs are computed at.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let scene = |name: &str, overrides: &[&str]| {
+        let overrides = [&["spectrum.step_nm=20", "metrics.gamut_volume=true"], overrides].concat();
+        let mut scene = scenario(name, &overrides).unwrap().scene;
+        scene.solver.method = Method::Adding;
+        scene.solver.stop = Stop::RelativeError { target: 0.9, every_bin: false };
+        scene
+    };
+    vec![
+        ("diffuser and front", scene("indoor", &[])),
+        ("a mirror for a front", scene("indoor", &["display.front.0.reflectance=0.3"])),
+        (
+            "straight light",
+            scene("indoor", &["display.diffuser.regular_fraction=0.1", "lighting.directed.0.radius_deg=2"]),
+        ),
+        ("a narrow lobe", scene("indoor", &["display.diffuser.haze=0.3"])),
+        ("dispersive glass", scene("indoor", &["display.glass.index=BK7"])),
+        ("two views", scene("indoor", &["viewer.theta_deg=[8, 40]"])),
+        ("bare", scene("reference-pixel", &[])),
+        ("front light", scene("front-light", &[])),
+        ("any layers", scene("slab", &[])),
+    ]
+}
+
+fn film(scene: &Scene) -> &FilmPixel {
+    match &scene.display.pixel {
+        Pixel::Film(film) => film,
+        other => panic!("no film: {other:?}"),
+    }
+}
+
+/// Layers, gaps and shares moved at random: thicknesses by up to a third, one layer gone, gaps by up to 30 nm.
+fn moved(film: &FilmPixel, number: u64) -> FilmPixel {
+    let numbers = Numbers::new(Sampler::Random, 8, 0);
+    let mut thrown = 0;
+    let mut random = || {
+        thrown += 1;
+        2.0 * numbers.block(number, thrown)[0] - 1.0
+    };
+    let mut moved = film.clone();
+    for (k, layer) in moved.layers.iter_mut().enumerate() {
+        if let Thickness::Fixed(nm) = &mut layer.thickness {
+            *nm *= if k as u64 == number { 0.0 } else { 1.0 + random() / 3.0 };
+        }
+    }
+    moved.sub_pixels.iter_mut().for_each(|sub_pixel| sub_pixel.gap_nm += 30.0 * random());
+    moved.dark_gap_nm = moved.dark_gap_nm.map(|nm| nm + 15.0 * random());
+    moved.fill_factor *= 0.95 + 0.05 * random();
+    moved
+}
+
+/// Every metric of every state in every view, and distances from made-up wants.
+fn everything(scene: &Scene) -> Vec<Quantity> {
+    let views = scene.viewer.theta_deg.len();
+    let mut all = Vec::new();
+    for view in 0..views {
+        let together = Metric::ALL.iter().filter(|metric| metric.is_of_view());
+        all.extend(together.map(|&metric| Quantity::Metric { view, state: None, metric }));
+        for state in &film(scene).states {
+            let state = state.name.clone();
+            let own = Metric::ALL.iter().filter(|metric| !metric.is_of_view());
+            all.extend(own.map(|&metric| Quantity::Metric { view, state: Some(state.clone()), metric }));
+            let wanted = Spectrum::constant(&scene.grid, 0.3);
+            all.push(Quantity::SpectrumDistance { view, state: state.clone(), wanted });
+            let wanted = Lab { l: 50.0, a: 10.0, b: -20.0 };
+            all.push(Quantity::ColourDistance { view, state: state.clone(), wanted });
+            all.push(Quantity::ChromaticityDistance { view, state, wanted: UvPrime { u: 0.2, v: 0.47 } });
+        }
+    }
+    all
+}
+
+fn control(stop: &AtomicBool) -> Control<'_> {
+    Control { threads: Some(1), progress: &|_| {}, stop }
+}
+
+fn designs(scene: &Scene, quantities: &[Quantity]) -> Designs {
+    Designs::new(scene, quantities, &control(&AtomicBool::new(false))).unwrap()
+}
+
+/// Peaks of spectra that are flat within their errors, which a run forgets, are the one thing that differs.
+#[test]
+fn a_design_is_what_a_run_reports() {
+    for (name, scene) in scenes() {
+        let quantities = everything(&scene);
+        let mut designs = designs(&scene, &quantities);
+        let mut prepared = Prepared::new(&scene).unwrap();
+        for number in 0..6 {
+            let mut other = scene.clone();
+            let film = moved(film(&scene), number);
+            other.display.pixel = Pixel::Film(film.clone());
+            let result = prepared.run(&other, &control(&AtomicBool::new(false))).unwrap();
+            let found = designs.evaluate(&film).unwrap();
+            let mut defined = 0;
+            for (quantity, found) in quantities.iter().zip(found) {
+                let expected = quantity.of(&result);
+                let is_peak = format!("{quantity:?}").contains("peak");
+                if expected.is_some() || !is_peak {
+                    assert_eq!(found, expected, "{name}, design {number}: {quantity:?}");
+                }
+                defined += usize::from(expected.is_some());
+            }
+            assert!(defined > quantities.len() / 3, "{name}: {defined} of {}", quantities.len());
+        }
+    }
+}
+
+/// All parameters of a film.
+fn parameters(film: &FilmPixel) -> Vec<Parameter> {
+    let mut all = vec![Parameter::DarkGap, Parameter::FillFactor, Parameter::SubstrateIndex];
+    all.push(Parameter::SubstrateExtinction);
+    for (layer, one) in film.layers.iter().enumerate() {
+        all.extend([Parameter::Index { layer }, Parameter::Extinction { layer }]);
+        all.extend((one.thickness != Thickness::Gap).then_some(Parameter::Thickness { layer }));
+    }
+    for sub_pixel in 0..film.sub_pixels.len() {
+        all.extend([Parameter::Gap { sub_pixel }, Parameter::Area { sub_pixel }]);
+    }
+    for (state, one) in film.states.iter().enumerate() {
+        let set = one.drives.iter().enumerate().filter(|(_, drive)| matches!(drive, Drive::Gap(_)));
+        all.extend(set.map(|(sub_pixel, _)| Parameter::StateGap { state, sub_pixel }));
+    }
+    all
+}
+
+/// What one unit of a parameter is to a designer.
+fn unit(parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::Thickness { .. } | Parameter::Gap { .. } | Parameter::DarkGap => 1.0,
+        Parameter::StateGap { .. } => 1.0,
+        _ => 0.01,
+    }
+}
+
+fn shifted(film: &FilmPixel, parameter: Parameter, by: f64) -> FilmPixel {
+    let mut film = film.clone();
+    match parameter {
+        Parameter::Thickness { layer } => {
+            if let Thickness::Fixed(nm) = &mut film.layers[layer].thickness {
+                *nm += by;
+            }
+        }
+        Parameter::Gap { sub_pixel } => film.sub_pixels[sub_pixel].gap_nm += by,
+        Parameter::DarkGap => film.dark_gap_nm = film.dark_gap_nm.map(|nm| nm + by),
+        Parameter::StateGap { state, sub_pixel } => {
+            if let Drive::Gap(nm) = &mut film.states[state].drives[sub_pixel] {
+                *nm += by;
+            }
+        }
+        Parameter::Area { sub_pixel } => film.sub_pixels[sub_pixel].area += by,
+        Parameter::FillFactor => film.fill_factor += by,
+        Parameter::Index { layer } => film.layers[layer].index.iter_mut().for_each(|n| n.re += by),
+        Parameter::Extinction { layer } => film.layers[layer].index.iter_mut().for_each(|n| n.im += by),
+        Parameter::SubstrateIndex => film.substrate.iter_mut().for_each(|n| n.re += by),
+        Parameter::SubstrateExtinction => film.substrate.iter_mut().for_each(|n| n.im += by),
+    }
+    film
+}
+
+/// A film to differentiate at: moved, with an analogue gap equal to another, and absorbing everywhere, so that k can go both ways.
+fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
+    let mut film = moved(film(scene), number);
+    film.layers.iter_mut().flat_map(|layer| &mut layer.index).for_each(|n| n.im += 0.01);
+    for layer in &mut film.layers {
+        if let Thickness::Fixed(nm) = &mut layer.thickness {
+            *nm += 2.0;
+        }
+    }
+    film.inactive_reflectance = film.inactive_reflectance.map(|_| 0.1);
+    let green = film.sub_pixels[1].gap_nm;
+    film.states[7].drives[0] = Drive::Gap(green);
+    film
+}
+
+/// Differences of sixth order with two steps, the shorter's first; `None` where a quantity is not defined on the way.
+fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f64>>; 2] {
+    let pairs = [1.0, 2.0, 3.0, 4.0, 6.0].map(|k| (at(k * step), at(-k * step)));
+    let of = |steps: [usize; 3], step: f64, k: usize| {
+        let [a, b, c] = steps.map(|n| pairs[n].0[k].zip(pairs[n].1[k]).map(|(a, b)| a - b));
+        Some((45.0 * a? - 9.0 * b? + c?) / (60.0 * step))
+    };
+    let all = |steps, step| (0..pairs[0].0.len()).map(|k| of(steps, step, k)).collect();
+    [all([0, 1, 2], step), all([1, 3, 4], 2.0 * step)]
+}
+
+/// To 1e-6 of the gradient's largest part, wherever differences with two steps agree on what the truth is: a peak has kinks
+/// where another wavelength becomes the highest, a distance where it is small, and a film's table where it takes other nodes.
+#[test]
+fn derivatives_are_those_of_the_numbers() {
+    let (mut compared, mut unclear) = (0, 0);
+    for (number, (name, scene)) in scenes().into_iter().enumerate() {
+        let quantities = everything(&scene);
+        let mut own = designs(&scene, &quantities);
+        let film = film_with_everything(&scene, number as u64);
+        let parameters = parameters(&film);
+        let found = own.derivatives(&film, &parameters).unwrap();
+        // Gaps that are equal are one to a design, and several to its derivatives: sums differ in their last bits.
+        for (found, value) in found.values.iter().zip(own.evaluate(&film).unwrap()) {
+            let off = found.zip(value).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
+            assert!(found.is_some() == value.is_some() && off.unwrap_or(0.0) < 1e-11, "{name}: {off:?}");
+        }
+        let differences = parameters.iter().map(|parameter| {
+            let at = |by: f64| own.clone().evaluate(&shifted(&film, *parameter, by)).unwrap();
+            differences(at, 0.01 * unit(*parameter))
+        });
+        let differences: Vec<_> = differences.collect();
+        for (k, quantity) in quantities.iter().enumerate() {
+            if format!("{quantity:?}").contains("peak_shift") {
+                continue;
+            }
+            let truth = |p: usize| {
+                let [near, far] =
+                    differences[p].each_ref().map(|all| all[k].map(|d| d * unit(parameters[p])));
+                near.zip(far)
+            };
+            let scale = (0..parameters.len()).filter_map(truth).fold(0.0, |most: f64, t| most.max(t.0.abs()));
+            for (p, parameter) in parameters.iter().enumerate() {
+                let Some((near, far)) = truth(p) else { continue };
+                let off = (found.gradients[k * parameters.len() + p] * unit(*parameter) - near).abs();
+                if (near - far).abs() <= 3e-7 * scale {
+                    assert!(off <= 1e-6 * scale, "{name}, {parameter:?}, {quantity:?}: {off:e} of {scale:e}");
+                    compared += 1;
+                } else {
+                    unclear += 1;
+                }
+            }
+        }
+    }
+    // 2.4 %: peaks, mostly.
+    assert!(unclear < compared / 30, "{unclear} of {compared}");
+}
+
+#[test]
+fn what_is_no_parameter_is_refused() {
+    let scene = &scenes()[0].1;
+    let mut designs = designs(scene, &[]);
+    let film = film(scene);
+    let refused = |designs: &mut Designs, parameter| designs.derivatives(film, &[parameter]).err();
+    let missing = |what, number| Some(DisplayError::NoSuchParameter { what, number });
+    let gap_layer = film.layers.iter().position(|layer| layer.thickness == Thickness::Gap).unwrap();
+    for layer in [gap_layer, 99] {
+        let expected = missing("layer of fixed thickness", layer);
+        assert_eq!(refused(&mut designs, Parameter::Thickness { layer }), expected);
+    }
+    assert_eq!(refused(&mut designs, Parameter::Index { layer: 99 }), missing("layer", 99));
+    assert_eq!(refused(&mut designs, Parameter::Area { sub_pixel: 3 }), missing("sub-pixel", 3));
+    let analogue = Parameter::StateGap { state: 0, sub_pixel: 0 };
+    assert_eq!(refused(&mut designs, analogue), missing("state that sets the gap of this sub-pixel", 0));
+}
+
+#[test]
+fn the_order_of_designs_changes_nothing() {
+    for (name, scene) in scenes() {
+        let quantities = everything(&scene);
+        let films: Vec<FilmPixel> = (0..8).map(|number| moved(film(&scene), number)).collect();
+        let mut first = designs(&scene, &quantities);
+        let forwards: Vec<_> = films.iter().map(|film| first.evaluate(film).unwrap()).collect();
+        let mut second = designs(&scene, &quantities);
+        for number in [5, 0, 7, 2, 2, 6, 1, 4, 3] {
+            assert_eq!(second.evaluate(&films[number]).unwrap(), forwards[number], "{name}, design {number}");
+        }
+        assert_eq!(second.clone().evaluate(&films[3]).unwrap(), forwards[3], "{name}: a clone");
+    }
+}
+
+#[test]
+fn what_is_no_design_is_refused() {
+    let scene = &scenes()[0].1;
+    let stop = AtomicBool::new(false);
+    let refused = |scene: &Scene, quantity: Quantity| Designs::new(scene, &[quantity], &control(&stop)).err();
+    let white =
+        |view, state: &str| Quantity::Metric { view, state: Some(state.to_owned()), metric: Metric::Y };
+    let missing = |what: &str| Some(DisplayError::NoSuchQuantity { what: what.to_owned(), quantity: "Y" });
+    assert_eq!(refused(scene, white(1, "white")), missing("view 1"));
+    assert_eq!(refused(scene, white(0, "pink")), missing("state `pink`"));
+    let stateless = Quantity::Metric { view: 0, state: None, metric: Metric::Y };
+    assert_eq!(refused(scene, stateless), missing("state given"));
+    let mut walk = scene.clone();
+    walk.solver.method = Method::Walk;
+    assert_eq!(refused(&walk, white(0, "white")), Some(DisplayError::NotByAdding));
+    let paint = scenario("slab", &["display.pixel.model=uniform"]);
+    assert!(paint.is_err());
+    let mut fewer = film(scene).clone();
+    fewer.states.pop();
+    assert_eq!(designs(scene, &[white(0, "white")]).evaluate(&fewer), Err(DisplayError::OtherStates));
+    stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(refused(scene, white(0, "white")), Some(DisplayError::Interrupted));
+}

@@ -1,0 +1,103 @@
+//! Standard errors of the walk mean what they say, of derived metrics too: over many seeds, the
+//! deviations from a long run have the size that the errors claim.
+use crate::common::{run, run_on, walked};
+use papilio_display::result::{RunResult, View};
+
+/// Metrics and their standard errors, linear and not.
+fn metrics(view: &View) -> Vec<(&'static str, f64, f64)> {
+    let mut all = vec![
+        ("contrast", view.metrics.contrast_ratio.unwrap(), view.standard_error.contrast_ratio.unwrap()),
+        ("gamut", view.metrics.gamut_percent_srgb.unwrap(), view.standard_error.gamut_percent_srgb.unwrap()),
+    ];
+    let red = view.states.get("red").unwrap();
+    let (value, error) = (&red.value, &red.standard_error);
+    all.push(("Y", value.Y, error.Y));
+    all.push(("diffuse part", value.terms.diffuse, error.terms.diffuse));
+    all.push(("directed part", value.terms.directed[0], error.terms.directed[0]));
+    all.push(("u'", value.u_prime.unwrap(), error.u_prime.unwrap()));
+    all.push(("a*", value.a_star.unwrap(), error.a_star.unwrap()));
+    all.push(("L*", value.L_star.unwrap(), error.L_star.unwrap()));
+    all.push(("peak", value.peak_nm.unwrap(), error.peak_nm.unwrap()));
+    all.push(("from white", value.distance_from_white_uv.unwrap(), error.distance_from_white_uv.unwrap()));
+    let (other, other_error) = (&value.metrics, &error.metrics);
+    all.push((
+        "dE2000",
+        other.delta_E_2000_from_reference.unwrap(),
+        other_error.delta_E_2000_from_reference.unwrap(),
+    ));
+    all.push(("v*", other.v_star.unwrap(), other_error.v_star.unwrap()));
+    all.push(("R_hemi", value.R_hemi.unwrap(), error.R_hemi.unwrap()));
+    all.push(("R_dir", value.R_dir[0].unwrap(), error.R_dir[0].unwrap()));
+    let (together, together_error) = (&view.metrics, &view.standard_error);
+    all.push((
+        "coverage",
+        together.coverage_percent_ebu.unwrap(),
+        together_error.coverage_percent_ebu.unwrap(),
+    ));
+    all.push(("text", together.text_contrast.unwrap(), together_error.text_contrast.unwrap()));
+    all.push((
+        "shift",
+        together.average_peak_shift_nm.unwrap(),
+        together_error.average_peak_shift_nm.unwrap(),
+    ));
+    all.push(("radiance", value.radiance[40], error.radiance[40]));
+    let ledger = view.ledger.get("red").unwrap();
+    all.push(("returned", ledger.returned, ledger.standard_error.returned));
+    all.push(("absorbed", ledger.absorbed.pixel, ledger.standard_error.absorbed.pixel));
+    all
+}
+
+fn indoor(sampler: &str, seed: u64, relative_error: f64) -> RunResult {
+    let overrides = [
+        format!("solver.seed={seed}"),
+        format!("solver.sampler=\"{sampler}\""),
+        format!("solver.relative_error={relative_error}"),
+    ];
+    let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+    run(&walked("indoor", &overrides).unwrap().scene).unwrap()
+}
+
+/// z-scores are Student's (Sidak over 40 metrics: 3e-4), each with 48 seeds or more.
+#[test]
+fn z_scores_of_every_metric() {
+    let seeds = papilio_testing::seeds().max(48);
+    for (sampler, target) in [("sobol", 0.01), ("random", 0.02)] {
+        // A run takes a second round at least, which leaves a good deal less than these targets.
+        let truth = metrics(&indoor("sobol", 1_000_000, 2e-5).views[0]);
+        let mut scores = vec![Vec::new(); truth.len()];
+        for seed in 0..seeds {
+            let found = metrics(&indoor(sampler, seed, target).views[0]);
+            for ((scores, (_, value, error)), (name, exact, exact_error)) in
+                scores.iter_mut().zip(found).zip(&truth)
+            {
+                assert!(*exact_error < 0.3 * error, "{name}: the reference is not good enough");
+                scores.push((value - exact) / error.hypot(*exact_error));
+            }
+        }
+        for (scores, (name, ..)) in scores.iter().zip(truth) {
+            papilio_testing::assert_student(&format!("{sampler}, {name}"), scores, seeds as f64);
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let scene = walked("angle-scan", &[]).unwrap().scene;
+    let one = run_on(&scene, Some(1)).unwrap();
+    assert_eq!(one, run_on(&scene, Some(3)).unwrap());
+    assert_eq!(one, run_on(&scene, None).unwrap());
+}
+
+#[test]
+fn a_run_stops_where_it_is_told() {
+    let result = indoor("random", 3, 0.02);
+    assert!(result.solver.relative_error_reached <= 0.02);
+    let every_bin = walked("overcast", &["solver.per_wavelength=true"]).unwrap().scene;
+    let result = run(&every_bin).unwrap();
+    for (name, state) in result.views[0].states.iter() {
+        let most = state.value.radiance.iter().copied().fold(0.0, f64::max);
+        let worst = state.standard_error.radiance.iter().copied().fold(0.0, f64::max);
+        assert!(worst <= 0.001 * most, "{name}");
+        assert!(state.standard_error.Y <= 0.001 * state.value.Y, "{name}");
+    }
+}

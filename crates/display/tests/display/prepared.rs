@@ -1,0 +1,231 @@
+//! A prepared display gives what a plain run gives, to the last bit, whatever was run before;
+//! so does any number of threads.
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::common::{run_on, scenario};
+use papilio_display::result::RunResult;
+use papilio_display::scene::{Layers, Lobe, Method, Pixel, Scene, Stop, Thickness};
+use papilio_display::{Control, DisplayError, Prepared};
+use papilio_spectra::Grid;
+
+/// A scenario's scene, to be run by adding, on few wavelengths.
+fn scene(name: &str, overrides: &[&str]) -> Scene {
+    let overrides: Vec<&str> = ["spectrum.step_nm=40"].iter().chain(overrides).copied().collect();
+    let mut scene = scenario(name, &overrides).unwrap().scene;
+    scene.solver.method = Method::Adding;
+    scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+    scene
+}
+
+fn with_stop<T>(threads: usize, run: impl FnOnce(&Control<'_>) -> T) -> T {
+    run(&Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) })
+}
+
+/// What is changed, and how.
+type Change = (&'static str, fn(&mut Scene));
+
+/// Changes of every kind of key, in an order in which each meets what the others left.
+fn changes() -> Vec<Change> {
+    vec![
+        ("nothing", |_| {}),
+        ("a light's direction", |s| s.lighting.directed[0].theta_deg = -31.0),
+        ("a view", |s| s.viewer.theta_deg = vec![12.0]),
+        ("a film's thickness", |s| film(s).layers[1].thickness = Thickness::Fixed(11.0)),
+        ("the illuminance", |s| s.lighting.illuminance_lx = 321.0),
+        ("areas", |s| film(s).sub_pixels[0].area = 0.4),
+        ("a gap", |s| film(s).sub_pixels[1].gap_nm = 200.0),
+        ("views", |s| s.viewer.theta_deg = vec![0.0, 12.0, -20.0]),
+        ("a state less", |s| drop(film(s).states.pop())),
+        ("shares of light", |s| s.lighting.diffuse = 0.9),
+        ("a light's spectrum", |s| {
+            s.lighting.directed[0].spectrum = s.lighting.directed[0].spectrum.map(|e| e * e);
+        }),
+        ("a lamp with a size", |s| s.lighting.directed[0].radius_deg = Some(3.0)),
+        ("the field of view", |s| s.viewer.field_deg = 2.0),
+        ("a front that mirrors", |s| front(s, 0.03)),
+        ("another front", |s| front(s, 0.04)),
+        ("the lobe", |s| lobe(s, 0.08)),
+        ("the glass", |s| {
+            if let Layers::Panel(panel) = &mut s.display.layers {
+                panel.glass.index = panel.glass.index.map(|_| 1.6);
+            }
+        }),
+        ("the method", |s| (s.solver.method, s.solver.stop) = (Method::Walk, Stop::Paths(64))),
+        ("back to adding", |s| {
+            s.solver.method = Method::Adding;
+            s.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: true };
+        }),
+        ("no diffuser", |s| {
+            if let Layers::Panel(panel) = &mut s.display.layers {
+                panel.diffuser = None;
+            }
+        }),
+        ("any layers", |s| s.display.layers = scene("two-diffusers", &[]).display.layers),
+        ("a light over any layers", |s| s.lighting.directed[0].theta_deg = 40.0),
+        ("a film under any layers", |s| film(s).layers[2].thickness = Thickness::Fixed(40.0)),
+        ("a view of any layers", |s| s.viewer.theta_deg = vec![3.0]),
+        ("no directed light", |s| {
+            s.lighting.directed.clear();
+            s.lighting.diffuse = 1.0;
+        }),
+        ("another pixel", |s| s.display.pixel = scene("epaper", &[]).display.pixel),
+        ("the grid", |s| *s = scene("indoor", &["spectrum.step_nm=80"])),
+    ]
+}
+
+fn film(scene: &mut Scene) -> &mut papilio_display::scene::FilmPixel {
+    match &mut scene.display.pixel {
+        Pixel::Film(film) => film,
+        other => panic!("{other:?} is no film"),
+    }
+}
+
+fn front(scene: &mut Scene, reflectance: f64) {
+    if let Layers::Panel(panel) = &mut scene.display.layers {
+        panel.front[0].reflectance = panel.front[0].reflectance.map(|_| reflectance);
+    }
+}
+
+fn lobe(scene: &mut Scene, width: f64) {
+    if let Layers::Panel(panel) = &mut scene.display.layers {
+        panel.diffuser.as_mut().unwrap().lobe = Lobe::KCorrelation { width };
+    }
+}
+
+/// As written: 17 digits tell any two numbers apart, and two NaN are alike.
+fn text(result: &RunResult) -> String {
+    format!("{result:?}")
+}
+
+#[test]
+fn a_prepared_display_equals_a_plain_run() {
+    with_stop(1, |control| {
+        let mut scene = scene("indoor", &[]);
+        let mut prepared = Prepared::new(&scene).unwrap();
+        for (what, change) in changes() {
+            change(&mut scene);
+            let kept = prepared.run(&scene, control).unwrap();
+            let plain = papilio_display::run(&scene, control).unwrap();
+            assert!(text(&kept) == text(&plain), "after a change of {what}");
+        }
+    });
+}
+
+/// Back and forth: what is kept is never what another scene left.
+#[test]
+fn scenes_in_turn_do_not_mix() {
+    with_stop(1, |control| {
+        let scenes =
+            ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny"].map(|name| scene(name, &[]));
+        let plain = scenes.each_ref().map(|scene| text(&papilio_display::run(scene, control).unwrap()));
+        let mut prepared = Prepared::new(&scenes[0]).unwrap();
+        for k in [0, 1, 0, 2, 3, 2, 4, 0, 3, 1, 4, 4] {
+            assert!(text(&prepared.run(&scenes[k], control).unwrap()) == plain[k], "{k}");
+        }
+    });
+}
+
+#[test]
+fn after_a_scene_that_cannot_be_the_next_is_right() {
+    with_stop(1, |control| {
+        let good = scene("indoor", &[]);
+        let mut prepared = Prepared::new(&good).unwrap();
+        let before = prepared.run(&good, control).unwrap();
+        let mut below = good.clone();
+        below.viewer.theta_deg = vec![89.99];
+        let error = prepared.run(&below, control).unwrap_err();
+        assert!(matches!(error, DisplayError::BelowHorizon { what: "view", .. }), "{error}");
+        assert_eq!(text(&prepared.run(&good, control).unwrap()), text(&before));
+    });
+}
+
+#[test]
+fn threads_do_not_matter() {
+    for name in ["angle-scan", "two-diffusers"] {
+        let mut scene = scene(name, &[]);
+        scene.viewer.theta_deg = vec![-40.0, -3.0, 0.0, 8.0, 20.0, 33.0, 75.0];
+        let results = [Some(1), Some(2), Some(3), None].map(|threads| run_on(&scene, threads).unwrap());
+        results.iter().for_each(|result| assert!(text(result) == text(&results[0]), "{name}"));
+        assert_eq!(results[0].views.len(), scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len());
+    }
+}
+
+/// No noise: standard errors are 0, and null where there is no number; discretisation errors
+/// are there, of the same shapes, and below the target.
+#[test]
+fn errors_of_adding() {
+    let scene = scene("indoor", &[]);
+    let result = run_on(&scene, Some(1)).unwrap();
+    let solver = &result.solver;
+    assert_eq!((solver.method.as_str(), solver.paths, solver.degrees_of_freedom), ("adding", None, 0));
+    assert!(solver.nodes.unwrap() > 10 && solver.relative_error_reached <= 1e-3 && !solver.interrupted);
+    let view = &result.views[0];
+    assert_eq!(view.standard_error.contrast_ratio, Some(0.0));
+    assert!(view.discretisation_error.unwrap().contrast_ratio.unwrap() < 1e-2);
+    let mut largest = 0.0_f64;
+    for (name, state) in view.states.iter() {
+        let (value, none) = (&state.value, &state.standard_error);
+        let error = state.discretisation_error.as_ref().unwrap();
+        assert_eq!((none.Y, none.u_prime, none.hue_rgb), (0.0, Some(0.0), Some([0.0; 3])), "{name}");
+        assert_eq!(none.radiance, vec![0.0; result.wavelength_nm.len()]);
+        assert_eq!(none.peak_nm.is_some(), value.peak_nm.is_some(), "{name}");
+        assert_eq!(error.peak_nm.is_some(), value.peak_nm.is_some(), "{name}");
+        assert_eq!(error.terms.directed.len(), value.terms.directed.len());
+        assert_eq!(
+            error.reflectance_factor.as_ref().map(Vec::len),
+            value.reflectance_factor.as_ref().map(Vec::len)
+        );
+        assert_eq!(error.specular, vec![0.0; value.specular.len()]);
+        largest = largest.max(error.Y / value.Y);
+    }
+    assert!((largest / solver.relative_error_reached - 1.0).abs() < 1e-6, "{largest:e} {solver:?}");
+    let (_, ledger) = view.ledger.iter().next().unwrap();
+    assert_eq!(ledger.standard_error.returned, 0.0);
+    assert!(ledger.discretisation_error.as_ref().unwrap().returned < 1e-3);
+}
+
+#[test]
+fn a_number_of_paths_is_refused() {
+    let mut scene = scene("indoor", &[]);
+    scene.solver.stop = Stop::Paths(1000);
+    assert_eq!(run_on(&scene, Some(1)), Err(DisplayError::NoPaths));
+}
+
+/// A target that no level reaches is said.
+#[test]
+fn a_target_out_of_reach_is_said() {
+    let mut scene = scene("overcast", &[]);
+    scene.solver.stop = Stop::RelativeError { target: 0.0, every_bin: true };
+    let result = run_on(&scene, Some(1)).unwrap();
+    assert!(result.warnings.iter().any(|w| w.contains("finest level")), "{:?}", result.warnings);
+    assert!(result.solver.relative_error_reached > 0.0, "{:?}", result.solver);
+}
+
+/// Stopped at once there is nothing; stopped after some views, these are reported.
+#[test]
+fn interrupted() {
+    let mut scene = scene("indoor", &[]);
+    scene.viewer.theta_deg = vec![0.0, 10.0, 20.0, 30.0];
+    let stop = AtomicBool::new(true);
+    let run = |progress: &(dyn Fn(papilio_display::Progress<'_>) + Sync)| {
+        papilio_display::run(&scene, &Control { threads: Some(1), progress, stop: &stop })
+    };
+    assert_eq!(run(&|_| {}), Err(DisplayError::Interrupted));
+    stop.store(false, Ordering::Relaxed);
+    let result = run(&|progress| stop.store(progress.views_done.0 == 2, Ordering::Relaxed)).unwrap();
+    assert!(result.solver.interrupted && result.views.len() == 2, "{:?}", result.solver);
+    assert!(result.warnings.iter().any(|w| w.contains("interrupted: 2 of 4 views")), "{:?}", result.warnings);
+}
+
+/// Equal to what a grid made anew gives: a coarser grid is not served what a finer one left.
+#[test]
+fn grids_do_not_mix() {
+    let (fine, coarse) = (scene("indoor", &[]), scene("indoor", &["spectrum.step_nm=80"]));
+    assert_ne!(fine.grid, Grid::new(380.0, 780.0, 80.0).unwrap());
+    with_stop(1, |control| {
+        let mut prepared = Prepared::new(&fine).unwrap();
+        prepared.run(&fine, control).unwrap();
+        let kept = prepared.run(&coarse, control).unwrap();
+        assert_eq!(text(&kept), text(&papilio_display::run(&coarse, control).unwrap()));
+    });
+}

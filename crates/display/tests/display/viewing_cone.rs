@@ -1,0 +1,213 @@
+//! The viewing cone and the display's BSDF against plain runs.
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use crate::common::{run_on, scenario};
+use papilio_display::scene::{Method, Scene, Stop};
+use papilio_display::{BrdfGrid, ConeGrid, ConeResult, Control, DisplayError, brdf, cone};
+use papilio_optics::Beta;
+use papilio_optics::rough::{Rough, Side};
+
+fn scene(name: &str, target: f64) -> Scene {
+    let mut scene = scenario(name, &["spectrum.step_nm=20"]).unwrap().scene;
+    scene.solver.method = Method::Adding;
+    scene.solver.stop = Stop::RelativeError { target, every_bin: false };
+    scene
+}
+
+fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> ConeResult {
+    let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec() };
+    let stop = AtomicBool::new(false);
+    cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
+}
+
+/// Beyond what was measured nothing is known: no number, whatever a front reflects; beside it all as ever.
+#[test]
+fn beyond_a_measurement_there_are_no_numbers() {
+    let sets = [
+        "spectrum.step_nm=20",
+        "display.diffuser.extrapolate=none",
+        "display.front=[{ reflectance = 0.05 }]",
+    ];
+    let mut scene = scenario("measured-h65", &sets).unwrap().scene;
+    scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+    let found = seen(&scene, &[0.0, 60.0, 75.0, 76.0, 89.0], &[0.0, 180.0], 1);
+    for (k, view) in found.views.iter().enumerate() {
+        let known = k % 5 < 3;
+        assert_eq!((view.contrast_ratio.is_some(), view.gamut_percent_srgb.is_some()), (known, known), "{k}");
+        for state in &view.states {
+            assert_eq!(state.luminance_cd_m2.is_finite(), known, "{k}: {state:?}");
+            assert_eq!(state.reflectance_factor_y > 0.0, known);
+            assert_eq!((state.u_prime.is_some(), state.uv_shift.is_some()), (known, known));
+        }
+    }
+    assert!(found.warnings.iter().any(|line| line.contains("from beyond 75 deg")), "{:?}", found.warnings);
+    // A lobe that holds, a diffuser over it, and what has another form are known everywhere.
+    let held = scenario("measured-h65", &["spectrum.step_nm=20"]).unwrap().scene;
+    let everywhere = seen(&held, &[0.0, 89.0], &[0.0], 1);
+    assert!(everywhere.views.iter().all(|view| view.contrast_ratio.is_some()));
+}
+
+/// Two roads: a direction of the cone is what a run with that view says.
+#[test]
+fn a_direction_of_the_cone_is_a_run_with_that_view() {
+    for (name, thetas) in [("indoor", [0.0, 15.0, 40.0, 80.0]), ("two-diffusers", [0.0, 15.0, 40.0, 80.0])] {
+        let target = 1e-4;
+        let mut scene = scene(name, target);
+        let phis = [0.0, 40.0, 180.0, 320.0];
+        let cone = seen(&scene, &thetas, &phis, 1);
+        assert!(cone.discretisation_error <= target && cone.nodes > 0, "{name}");
+        (scene.viewer.theta_deg, scene.viewer.phi_deg) = (thetas.to_vec(), phis.to_vec());
+        let run = run_on(&scene, Some(1)).unwrap();
+        assert_eq!((cone.views.len(), &cone.states[0]), (16, &"white".to_owned()));
+        for (k, (in_cone, view)) in cone.views.iter().zip(&run.views).enumerate() {
+            let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 3.0 * target, "{name} {k}: {a} {b}");
+            for (state, (_, exact)) in in_cone.states.iter().zip(view.states.iter()) {
+                close(state.reflectance_factor_y, exact.value.Y);
+                close(state.luminance_cd_m2, exact.value.luminance_cd_m2);
+                close(state.u_prime.unwrap(), exact.value.u_prime.unwrap());
+                close(state.v_prime.unwrap(), exact.value.v_prime.unwrap());
+            }
+            let pairs = [
+                (in_cone.contrast_ratio, view.metrics.contrast_ratio),
+                (in_cone.gamut_percent_srgb, view.metrics.gamut_percent_srgb),
+                (in_cone.gamut_percent_ebu, view.metrics.gamut_percent_ebu),
+            ];
+            for (here, there) in pairs {
+                assert_eq!(here.is_some(), there.is_some(), "{name}");
+                here.zip(there).into_iter().for_each(|(here, there)| close(here, there));
+            }
+            assert_eq!(cone.view(k % 4, k / 4), Some(in_cone));
+        }
+        let last = cone.states.len() - 1;
+        let along = cone.views[0].states[last];
+        assert!(along.uv_shift.unwrap() < 1e-12, "{along:?}");
+        let aside = cone.views[2].states[last];
+        let from = |a: Option<f64>, b: Option<f64>| a.unwrap() - b.unwrap();
+        let shift = from(aside.u_prime, along.u_prime).hypot(from(aside.v_prime, along.v_prime));
+        assert!((aside.uv_shift.unwrap() - shift).abs() < 1e-12);
+    }
+}
+
+/// What is taken from the other side of the plane of light is what is seen there.
+#[test]
+fn mirrored_directions_are_what_is_computed_there() {
+    let scene = scene("indoor", 1e-5);
+    let thetas = [0.0, 20.0, 50.0];
+    // The first grid holds mirror images, the second none.
+    let both = seen(&scene, &thetas, &[30.0, 120.0, 240.0, 330.0], 1);
+    let one_side = seen(&scene, &thetas, &[240.0, 330.0], 1);
+    for theta in 0..3 {
+        for (mirrored, computed) in [(2, 0), (3, 1)] {
+            let pair = (both.view(theta, mirrored).unwrap(), one_side.view(theta, computed).unwrap());
+            for (a, b) in pair.0.states.iter().zip(&pair.1.states) {
+                let relative = a.reflectance_factor_y / b.reflectance_factor_y - 1.0;
+                assert!(relative.abs() < 2e-5, "{theta} {mirrored}: {relative:e}");
+            }
+        }
+        assert_eq!(both.view(theta, 0), both.view(theta, 3));
+    }
+}
+
+#[test]
+fn threads_do_not_matter_to_a_cone() {
+    for name in ["indoor", "two-diffusers"] {
+        let scene = scene(name, 1e-3);
+        let cones = [1, 2].map(|threads| seen(&scene, &[0.0, 25.0, 60.0], &[0.0, 45.0, 200.0], threads));
+        assert_eq!(cones[0], cones[1]);
+    }
+}
+
+#[test]
+fn cones_that_cannot_be() {
+    let mut scene = scene("indoor", 1e-3);
+    let stop = AtomicBool::new(true);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    assert_eq!(cone(&scene, ConeGrid::default(), &control), Err(DisplayError::Interrupted));
+    scene.viewer.field_deg = 5.0;
+    let below = cone(&scene, ConeGrid::default(), &control);
+    assert!(matches!(below, Err(DisplayError::BelowHorizon { what: "view", .. })), "{below:?}");
+}
+
+fn table(scene: &Scene, grid: BrdfGrid) -> papilio_display::BrdfTable {
+    let stop = AtomicBool::new(false);
+    brdf(scene, grid, &Control { threads: Some(2), progress: &|_| {}, stop: &stop }).unwrap()
+}
+
+/// The BSDF of a display is reciprocal, and alike all around for light along the normal.
+#[test]
+fn a_bsdf_is_reciprocal() {
+    for name in ["epaper", "indoor"] {
+        let scene = scene(name, 1e-5);
+        let table = table(&scene, BrdfGrid::even(30.0));
+        assert!(table.discretisation_error <= 1e-5 && table.nodes > 0);
+        let (n, phis, bins) =
+            (table.grid.theta_i_deg.len(), table.grid.dphi_deg.len(), table.wavelength_nm.len());
+        let state = &table.states[0];
+        assert_eq!((state.brdf.len(), state.specular.len()), (n * n * phis * bins, n * bins));
+        let at =
+            |i: usize, o: usize, phi: usize| f64::from(state.brdf[((i * n + o) * phis + phi) * bins + 5]);
+        for i in 0..n {
+            for o in 0..n {
+                for phi in 0..phis {
+                    let (there, back) = (at(i, o, phi), at(o, i, phi));
+                    assert!(
+                        (there - back).abs() < 1e-5 * there + 1e-9,
+                        "{name} {i} {o} {phi}: {there} {back}"
+                    );
+                }
+            }
+            // Light along the normal is scattered alike all around.
+            assert!((at(0, i, 0) / at(0, i, 2) - 1.0).abs() < 1e-4, "{name} {i}");
+        }
+        // The mirror's side is that of azimuth 180 deg: there the lobe is seen.
+        assert!(at(1, 1, phis - 1) >= 0.999 * at(1, 1, 0), "{name}");
+    }
+}
+
+/// A beam in a run is the BSDF at its directions: L = BRDF E.
+#[test]
+fn a_beam_in_a_run_is_the_bsdf() {
+    let mut scene = scene("indoor", 1e-5);
+    scene.lighting.diffuse = 0.0;
+    scene.lighting.directed[0].share = 1.0;
+    (scene.lighting.directed[0].theta_deg, scene.lighting.directed[0].phi_deg) = (30.0, 100.0);
+    (scene.viewer.theta_deg, scene.viewer.phi_deg, scene.viewer.field_deg) = (vec![20.0], vec![250.0], 0.01);
+    let run = run_on(&scene, Some(1)).unwrap();
+    let one = BrdfGrid { theta_i_deg: vec![30.0], theta_o_deg: vec![20.0], dphi_deg: vec![150.0] };
+    let table = table(&scene, one);
+    for (state, (name, exact)) in table.states.iter().zip(run.views[0].states.iter()) {
+        assert_eq!(state.name, name);
+        for (brdf, factor) in state.brdf.iter().zip(exact.value.reflectance_factor.as_ref().unwrap()) {
+            assert!((f64::from(*brdf) * PI / factor - 1.0).abs() < 1e-4, "{name}: {brdf} {factor}");
+        }
+    }
+}
+
+/// A rough face in grazing light: the lobe in the mirror direction is the face's own kernel, and what comes by way of the white
+/// pixel below it is less than its reflectance. Its rows say how good they are, and are not handed on silently.
+#[test]
+fn a_rough_face_in_grazing_light_is_its_kernel() {
+    let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
+    let mut scene = scenario("rough-glass", &sets).unwrap().scene;
+    scene.solver.stop = Stop::RelativeError { target: 1e-4, every_bin: false };
+    let grid =
+        BrdfGrid { theta_i_deg: vec![85.0, 89.0], theta_o_deg: vec![85.0], dphi_deg: vec![0.0, 180.0] };
+    let table = table(&scene, grid);
+    let face = Rough::new(0.35, 1.0, 1.5);
+    let white = table.states.iter().position(|state| state.name == "white").unwrap();
+    let bins = table.wavelength_nm.len();
+    for (row, (theta, phi)) in
+        [(85.0, 0.0), (85.0, 180.0), (89.0, 0.0), (89.0, 180.0)].into_iter().enumerate()
+    {
+        let (from, to) = (Beta::from_source(theta, 0.0, 1.0), Beta::towards(85.0, phi, 1.0));
+        let alone = face.density(Side::Above, from, Side::Above, to);
+        let found = f64::from(table.states[white].brdf[row * bins]);
+        assert!((0.0..0.7 / PI).contains(&(found - alone)), "{theta} {phi}: {found}, alone {alone}");
+        let error = table.row_errors.relative[white * 4 + row];
+        assert!(error > 0.0 && error < 0.1, "{theta} {phi}: {error}");
+    }
+    let refused = table.clone().allowing(None).unwrap_err().to_string();
+    assert!(refused.contains("rows of the BRDF") && refused.contains("--allow-error"), "{refused}");
+    assert!(table.allowing(Some(0.1)).is_ok());
+}

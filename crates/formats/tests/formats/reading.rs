@@ -1,0 +1,419 @@
+//! What the readers take, and where they say that a file is wrong.
+
+use papilio_formats::{
+    DataFile, FormatError, PixelTable, Problem, is_name, read_index, read_index_within, read_light,
+    read_pixel_table, read_shares, read_spectrum,
+};
+use papilio_spectra::{Grid, material};
+
+fn file(text: &str) -> DataFile {
+    DataFile { name: "data.csv".to_owned(), bytes: text.as_bytes().to_vec() }
+}
+
+fn place<T: std::fmt::Debug>(result: Result<T, FormatError>) -> (Option<(usize, usize)>, Problem) {
+    let error = result.unwrap_err();
+    (error.place.line_column(), error.problem)
+}
+
+#[test]
+fn spectra_come_in_many_dresses() {
+    for text in [
+        "400,1\n500,3\n",
+        "# c\nnm;R\r\n400;1\r\n500;3\r\n",
+        "\u{feff}nm R\n400 1\n500 3",
+        "400\t1\n\n500\t3",
+        "500,3\n400,1\n",
+    ] {
+        assert_eq!(read_spectrum(&file(text)).unwrap().at(450.0).unwrap(), 2.0, "{text:?}");
+    }
+}
+
+#[test]
+fn wrong_spectra_say_where() {
+    let bad = |text: &str| place(read_spectrum(&file(text)));
+    assert_eq!(bad("nm,R\n400,1\n500,NaN\n"), (Some((3, 5)), Problem::NotFinite { found: "NaN".to_owned() }));
+    assert_eq!(bad("400,1\n500,x\n"), (Some((2, 5)), Problem::NotANumber { found: "x".to_owned() }));
+    assert_eq!(bad("400,1\n400,2\n"), (Some((2, 1)), Problem::OutOfOrder { nm: 400.0, before: 400.0 }));
+    assert!(matches!(bad("400,1\n500,1,2\n"), (Some((2, 1)), Problem::Columns { found: 3, .. })));
+    // Falling wavelengths are taken, turning ones are not.
+    assert_eq!(
+        bad("500,1\n400,2\n450,3\n"),
+        (Some((3, 1)), Problem::OutOfOrder { nm: 450.0, before: 400.0 })
+    );
+    assert_eq!(bad("0.5,1\n0.4,2\n"), (None, Problem::Micrometres));
+    assert_eq!(bad("0.4,1\n0.5,2\n"), (None, Problem::Micrometres));
+    assert_eq!(bad(""), (None, Problem::TooFew { rows: 0 }));
+    assert_eq!(bad("nm,R\n400,1\n"), (None, Problem::TooFew { rows: 1 }));
+    assert!(matches!(bad("-400,1\n500,1\n"), (Some((1, 1)), Problem::OutOfRange { .. })));
+}
+
+#[test]
+fn an_error_shows_the_line_and_what_to_do() {
+    let error = read_spectrum(&file("400,1\n500,1e999\n")).unwrap_err();
+    let expected = "error: `1e999` is not a finite number\n --> data.csv:2:5\n  |\n2 | 500,1e999\n  |     ^^^^^ \
+                    expected a number\n  = help: leave the row out, or give its value";
+    assert_eq!(error.to_string(), expected);
+}
+
+#[test]
+fn decimal_commas_are_named() {
+    for (text, place) in [("nm;R\n380;0\n390;0,5\n", (3, 5)), ("380\t0,1\n390\t0,5\n", (1, 1))] {
+        let error = read_spectrum(&file(text)).unwrap_err();
+        assert_eq!(error.place.line_column(), Some(place));
+        assert!(error.to_string().contains("decimal commas are not read"), "{error}");
+    }
+}
+
+/// A header has no number: a mistyped first row is an error, not a header.
+#[test]
+fn a_mistyped_first_row_is_no_header() {
+    let bad = |text: &str| place(read_spectrum(&file(text)));
+    let mistyped = Problem::NotANumber { found: "36O".to_owned() };
+    assert_eq!(bad("36O,0.9\n380,1\n780,1\n"), (Some((1, 1)), mistyped));
+    assert_eq!(bad(",0.5\n380,1\n780,1\n"), (Some((1, 1)), Problem::EmptyCell));
+    assert_eq!(bad("380,1\n500,\n780,1\n"), (Some((2, 5)), Problem::EmptyCell));
+}
+
+#[test]
+fn wrong_numbers_of_columns_and_rows_in_words() {
+    let shown = |text: &str| read_spectrum(&file(text)).unwrap_err().to_string();
+    assert!(
+        shown("380\n").contains("this row has 1 column\n") && shown("380\n").contains("separate the columns")
+    );
+    assert!(shown("380,1,2\n").contains("leave out what is too much"));
+    assert!(shown("380,1\n").contains("too few rows of data") && shown("380,1\n").contains("at least two"));
+    assert!(shown("380,\"1\n").contains("the quotes of this cell do not match"));
+}
+
+#[test]
+fn values_out_of_range_are_shown_in_their_row() {
+    let shares = |text: &str| place(read_shares(&file(text)));
+    let (at, problem) = shares("nm,R\n380,0.1\n780,20\n");
+    assert!(matches!(problem, Problem::OutOfRange { what: "the share", value: 20.0, .. }));
+    assert_eq!(at, Some((3, 5)));
+    let light = |text: &str| place(read_light(&file(text)));
+    assert!(matches!(light("380,1\n780,-2\n"), (Some((2, 5)), Problem::OutOfRange { value: -2.0, .. })));
+    assert!(matches!(light("380,1\n780,2e30\n"), (Some((2, 5)), Problem::OutOfRange { .. })));
+    assert!(matches!(light("380,1e-31\n780,1e-40\n"), (None, Problem::OutOfRange { .. })));
+    assert_eq!(read_light(&file("380,0\n780,1e-30\n")).unwrap().values(), [0.0, 1e-30]);
+}
+
+#[test]
+fn negative_k_is_the_other_convention() {
+    let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 -2\n      0.5 2 -3\n";
+    for text in ["400,2,-1\n600,3,-1\n", page] {
+        let error = read_index(&file(text)).unwrap_err().to_string();
+        assert!(error.contains("n + ik") && error.contains("change the sign"), "{error}");
+    }
+}
+
+#[test]
+fn indices_with_and_without_k() {
+    let index = read_index(&file("nm,n,k\n400,2,0.2\n600,3,0.4\n")).unwrap().index(500.0).unwrap();
+    assert!((index.re - 2.5).abs() < 1e-12 && (index.im - 0.3).abs() < 1e-12);
+    assert_eq!(read_index(&file("400,2\n600,3\n")).unwrap().index(600.0).unwrap().im, 0.0);
+    assert!(matches!(
+        place(read_index(&file("400,2,1\n600,3,-1\n"))),
+        (Some((2, 7)), Problem::OutOfRange { .. })
+    ));
+    assert!(matches!(place(read_index(&file("400,2,1\n600,3\n"))), (Some((2, 1)), Problem::Columns { .. })));
+}
+
+const SELLMEIER: &str = "# CC0
+REFERENCES: |
+    Malitson 1965
+DATA:
+  - type: formula 1
+    wavelength_range: 0.21 6.7
+    coefficients: 0 0.6961663 0.0684043 0.4079426 0.1162414 0.8974794 9.896161
+  - type: tabulated k
+    data: |
+        0.3 0.0
+        0.9 0.06
+  - type: formula n2
+    coefficients: 1
+";
+
+/// The page's formula is the named SiO2 (n_d 1.458464, Malitson 1965); k comes from the second entry.
+#[test]
+fn a_refractiveindex_info_page() {
+    let page = read_index(&file(SELLMEIER)).unwrap();
+    assert_eq!(page.range_nm(), (300.0, 900.0));
+    let index = page.index(587.5618).unwrap();
+    assert!((index.re - 1.458464).abs() < 1e-6);
+    assert!((index.im - 0.06 * 287.5618 / 600.0).abs() < 1e-12);
+    assert_eq!(index.re, material("SiO2").unwrap().index(587.5618).unwrap().re);
+}
+
+#[test]
+fn pages_with_tables_and_lone_numbers() {
+    let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 2\n      0.5 2 3\n";
+    let index = read_index(&file(page)).unwrap().index(450.0).unwrap();
+    assert!((index.re - 1.5).abs() < 1e-12 && (index.im - 2.5).abs() < 1e-12);
+    let falling = "DATA:\n  - type: tabulated nk\n    data: |\n      0.5 2 3\n      0.4 1 2\n";
+    assert_eq!(read_index(&file(falling)).unwrap(), read_index(&file(page)).unwrap());
+    let constant = "DATA:\n - type: \"formula 5\"\n   range: 0.3 0.9\n   coefficients: 1.5\n";
+    assert_eq!(read_index(&file(constant)).unwrap().index(500.0).unwrap().re, 1.5);
+}
+
+/// A page that another program has read and written again: other marks, other order, rows in quotes, folded text.
+#[test]
+fn pages_in_other_forms_of_yaml() {
+    let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 2\n      0.5 2 3\n";
+    let read = read_index(&file(page)).unwrap();
+    for same in [
+        "REFERENCES: 'a: b # c'\nDATA:\n- data: '0.4 1 2\n\n    0.5 2 3\n\n    '\n  type: tabulated nk\nSPECS:\n  - a\n",
+        "DATA: # rows\n-   name: x\n    more:\n    - {a: b}\n    type: \"tabulated nk\" # um\n    data: \"0.4 1 2\\n0.5\\\n        \\ 2 3\\n\"\n",
+        "---\nDATA:\r\n# two rows\r\n- type: 'tabulated nk'\r\n\r\n  data: |-\r\n    0.4 1 2\r\n\r\n    0.5 2 3\r\n...\r\n",
+        "DATA:\n-\n  type: tabulated\n    nk\n  data: >2\n      0.4 1 2\n\n      0.5 2 3\n# end\n",
+    ] {
+        assert_eq!(read_index(&file(same)).unwrap_or_else(|e| panic!("{same}: {e}")), read, "{same}");
+    }
+}
+
+#[test]
+fn what_is_no_page_says_where() {
+    for (text, place_of) in [
+        ("DATA: 5\n", (1, 7)),
+        ("DATA:\n  type: formula 1\n", (2, 3)),
+        ("DATA:\n  - type: formula 1\n    type: formula 2\n", (3, 5)),
+        ("DATA:\n  - type: formula 1\n      data: |\n   coefficients: 1\n", (4, 4)),
+        ("DATA:\n  - type: tabulated nk\n\tdata: |\n      0.4 1 2\n", (3, 1)),
+        ("DATA:\n  - type: tabulated nk\n    data: [0.4, 1, 2]\n", (3, 11)),
+        ("DATA:\n  - type: tabulated nk\n    data: \"0.4 1 2\n", (3, 11)),
+        ("DATA:\n  - type: tabulated nk\n    data: | 0.4 1 2\n", (3, 11)),
+        ("DATA:\n  - type: tabulated nk\n    rows\n", (3, 5)),
+        ("DATA:\n  - data: |\n      0.4 1 2\n", (2, 3)),
+        ("DATA:\n  - type: tabulated nk\nDATA:\n", (3, 1)),
+    ] {
+        let (at, problem) = place(read_index(&file(text)));
+        assert!(
+            matches!(problem, Problem::Yaml { .. }) && at == Some(place_of),
+            "{text}: {at:?} {problem:?}"
+        );
+    }
+}
+
+#[test]
+fn wrong_pages_say_where() {
+    let bad = |text: String| place(read_index(&file(&text)));
+    let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 nan"));
+    assert_eq!(wrong, (Some((11, 9)), Problem::NotFinite { found: "nan".to_owned() }));
+    let wrong = bad(SELLMEIER.replace("formula 1\n", "formula 12\n"));
+    assert_eq!(wrong, (Some((5, 11)), Problem::UnknownData { found: "formula 12".to_owned() }));
+    let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 0.06 3"));
+    assert!(matches!(wrong, (Some((11, 9)), Problem::Columns { found: 3, .. })));
+    assert!(matches!(bad(SELLMEIER.replace("    wavelength_range: 0.21 6.7\n", "")).1, Problem::Yaml { .. }));
+    assert!(matches!(bad("DATA:\n  - [\n".to_owned()).1, Problem::Yaml { .. }));
+    assert_eq!(bad("DATA: []\n".to_owned()).1, Problem::NoIndex);
+}
+
+/// Faults of a page that 400 to 700 nm do not depend on are told, and the data end before them; what they depend on is as
+/// wrong as ever. Values are linear in wavelength, so that any good reading has n = nm/400.
+#[test]
+fn faults_beyond_the_wanted_wavelengths_are_notes() {
+    let page = |kind: &str, rows: &str| {
+        let rows: String = rows.split(';').map(|row| format!("      {}\n", row.trim())).collect();
+        format!("DATA:\n  - type: tabulated {kind}\n    data: |\n{rows}")
+    };
+    let within = |text: &str| read_index_within(&file(text), (400.0, 700.0));
+    let sound = "0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0";
+    assert_eq!(within(&page("n", sound)).unwrap().warnings, Vec::<String>::new());
+    assert_eq!(within(&page("n", sound)).unwrap().value, read_index(&file(&page("n", sound))).unwrap());
+    for (rows, line) in [
+        // Repeated, below and above; unsorted; negative.
+        ("0.36 0.9; 0.36 0.8; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
+        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.90 2.1", 9),
+        ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.85 2.1; 0.95 2", 9),
+        ("0.30 0.1; 0.36 -0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
+        ("0.90 2; 0.90 2.2; 0.80 2.0; 0.60 1.5; 0.40 1.0; 0.36 0.9", 5),
+        // A repeated neighbour of the wanted wavelengths that says the same twice.
+        ("0.36 0.9; 0.36 0.9; 0.60 1.5; 0.80 2.0", 5),
+    ] {
+        let text = page("n", rows);
+        assert!(read_index(&file(&text)).is_err(), "{rows}");
+        let read = within(&text).unwrap();
+        assert!((read.value.index(450.0).unwrap().re - 450.0 / 400.0).abs() < 1e-12, "{rows}");
+        let [note] = &read.warnings[..] else { panic!("{rows}: {:?}", read.warnings) };
+        assert!(note.contains(&format!("line {line}:")) && note.contains("400 to 700 nm"), "{rows}: {note}");
+    }
+    for (rows, line) in [
+        ("0.36 0.9; 0.50 1.25; 0.50 1.3; 0.60 1.5; 0.80 2.0", 6),
+        ("0.36 0.9; 0.60 1.5; 0.50 1.25; 0.80 2.0", 6),
+        ("0.36 0.9; 0.50 -1.25; 0.60 1.5; 0.80 2.0", 5),
+        // The neighbour of 400 nm is given twice, or negative.
+        ("0.36 0.9; 0.36 0.8; 0.60 1.5; 0.80 2.0", 5),
+        ("0.30 0.75; 0.36 -0.9; 0.60 1.5; 0.80 2.0", 5),
+        // And that of 700 nm is given twice, or has another one before it.
+        ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.80 2.1", 7),
+        ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.79 2.1; 0.9 2", 7),
+    ] {
+        let error = within(&page("n", rows)).unwrap_err();
+        assert_eq!(error.place.line_column().map(|(line, _)| line), Some(line), "{rows}: {error}");
+    }
+}
+
+/// Of a formula page the faulty k is named, with its row; n given twice counts where both are wanted.
+#[test]
+fn a_faulty_k_is_named_and_n_given_twice_counts_where_it_is_wanted() {
+    let page = SELLMEIER.replace("0.9 0.06", "0.9 0.06\n        2.4 -0.0000138");
+    let (at, problem) = place(read_index(&file(&page)));
+    assert_eq!(at, Some((12, 9)));
+    assert!(matches!(problem, Problem::OutOfRange { what: "k", value: -0.0000138, .. }), "{problem:?}");
+    let read = read_index_within(&file(&page), (400.0, 700.0)).unwrap();
+    assert!((read.value.index(587.5618).unwrap().re - 1.458464).abs() < 1e-6);
+    assert!(
+        read.warnings[0].contains("line 12") && read.warnings[0].contains("k is read"),
+        "{:?}",
+        read.warnings
+    );
+    let two = "DATA:\n - type: formula 5\n   wavelength_range: 1.0 2.0\n   coefficients: 1.6\n - type: formula 5\n   wavelength_range: 0.3 0.9\n   coefficients: 1.5\n";
+    assert!(read_index(&file(two)).is_err());
+    let read = read_index_within(&file(two), (400.0, 700.0)).unwrap();
+    assert_eq!((read.value.index(500.0).unwrap().re, read.warnings.len()), (1.5, 1));
+    let (at, _) = place(read_index_within(&file(&two.replace("1.0 2.0", "0.6 2.0")), (400.0, 700.0)));
+    assert_eq!(at.map(|(line, _)| line), Some(5));
+}
+
+const PIXEL: &str = "state,theta_deg,wavelength_nm,reflectance
+white,30,400,0.3
+white,0,400,0.1
+white,0,500,0.2
+white,30,500,0.4
+\"dim, grey\",0,400,0
+\"dim, grey\",0,500,0.5
+\"dim, grey\",30,400,1
+\"dim, grey\",30,500,1
+";
+
+#[test]
+fn a_pixel_table_in_any_order_reads_back_as_written() {
+    let table = read_pixel_table(&file(PIXEL)).unwrap();
+    assert_eq!(
+        (table.theta_deg.as_slice(), table.wavelength_nm.as_slice()),
+        (&[0.0, 30.0][..], &[400.0, 500.0][..])
+    );
+    assert_eq!(table.states[0], ("white".to_owned(), vec![0.1, 0.2, 0.3, 0.4]));
+    assert_eq!(table.states[1].0, "dim, grey");
+    let grid = Grid::new(400.0, 500.0, 50.0).unwrap();
+    let spectra = table.spectra(0, &grid).unwrap();
+    assert!((spectra[1][1] - 0.35).abs() < 1e-12);
+    let mut text = Vec::new();
+    table.write(&mut text).unwrap();
+    assert_eq!(read_pixel_table(&DataFile { name: "again".to_owned(), bytes: text }).unwrap(), table);
+}
+
+#[test]
+fn numbers_of_a_pixel_table_keep_every_bit() {
+    let values: Vec<f64> = (0..12).map(|i| f64::from(i).sqrt() / 7.3).collect();
+    let table = PixelTable {
+        theta_deg: vec![0.0, 0.1 + 0.2, 90.0],
+        wavelength_nm: vec![380.0, 1e3 / 2.3, 500.0, 780.0],
+        states: vec![("a".to_owned(), values)],
+    };
+    let mut text = Vec::new();
+    table.write(&mut text).unwrap();
+    assert_eq!(read_pixel_table(&DataFile { name: "t".to_owned(), bytes: text }).unwrap(), table);
+}
+
+/// Whatever a state may be called, the table that names it reads back.
+#[test]
+fn odd_names_read_back() {
+    let names =
+        ["#1", "# c", "q\"x\"", "\"", "\"\"", "a, b", "a; b", "it's 5\"", "a\tb", " white ", "white", "0"];
+    let states = names.map(|name| (name.to_owned(), vec![0.25, 0.5]));
+    let write = |states: &[(String, Vec<f64>)]| {
+        let table =
+            PixelTable { theta_deg: vec![0.0], wavelength_nm: vec![400.0, 500.0], states: states.to_vec() };
+        let mut bytes = Vec::new();
+        table.write(&mut bytes).unwrap();
+        (table, DataFile { name: "t".to_owned(), bytes })
+    };
+    for state in &states {
+        let (table, file) = write(std::slice::from_ref(state));
+        match is_name(&state.0) {
+            true => assert_eq!(read_pixel_table(&file).unwrap(), table),
+            false => {
+                assert_eq!(place(read_pixel_table(&file)), (Some((2, place_of(&file))), Problem::BadName))
+            }
+        }
+    }
+    let good: Vec<_> = states.into_iter().filter(|(name, _)| is_name(name)).collect();
+    assert_eq!(good.len(), 10);
+    let (table, file) = write(&good);
+    assert_eq!(read_pixel_table(&file).unwrap(), table);
+}
+
+/// Column of the first name below the header: behind its quote, if it has one.
+fn place_of(file: &DataFile) -> usize {
+    let text = file.text().unwrap();
+    1 + usize::from(text.lines().nth(1).unwrap().starts_with('"'))
+}
+
+#[test]
+fn comments_of_a_pixel_table_are_no_points() {
+    let commented =
+        format!("# made, by, a, tool\n{}", PIXEL.replace("white,0,400", "# half way\nwhite,0,400"));
+    assert_eq!(read_pixel_table(&file(&commented)).unwrap(), read_pixel_table(&file(PIXEL)).unwrap());
+    let mistyped = PIXEL.replace("white,0,400", "#white,0,4OO");
+    assert_eq!(place(read_pixel_table(&file(&mistyped))).0, Some((3, 10)));
+    let empty = PIXEL.replace("white,0,400,0.1", "white,0,400,");
+    assert_eq!(place(read_pixel_table(&file(&empty))), (Some((3, 13)), Problem::EmptyCell));
+}
+
+#[test]
+fn wrong_pixel_tables_say_where() {
+    let bad = |from: &str, to: &str| place(read_pixel_table(&file(&PIXEL.replace(from, to))));
+    assert_eq!(bad("reflectance", "R"), (Some((1, 1)), Problem::Header));
+    assert_eq!(
+        bad("0,500,0.2", "0,500,nan"),
+        (Some((4, 13)), Problem::NotFinite { found: "nan".to_owned() })
+    );
+    let range = bad("0,500,0.2", "0,500,20");
+    assert!(matches!(range, (Some((4, 13)), Problem::OutOfRange { what: "reflectance", value: 20.0, .. })));
+    let hole = Problem::Hole { state: "white".to_owned(), theta_deg: 0.0, nm: 500.0 };
+    assert_eq!(bad("white,0,500,0.2\n", ""), (None, hole));
+    let twice = Problem::Duplicate { state: "white".to_owned(), theta_deg: 0.0, nm: 400.0 };
+    assert_eq!(bad("white,0,500,0.2", "white,0,400,0.1"), (Some((4, 1)), twice));
+    let (_, normal) = bad(",0,", ",5,");
+    assert_eq!(normal, Problem::NoNormal { theta_deg: 5.0 });
+    assert!(matches!(bad("30,400,0.3", "91,400,0.3"), (Some((2, 7)), Problem::OutOfRange { .. })));
+    assert_eq!(place(read_pixel_table(&file(""))).1, Problem::TooFew { rows: 0 });
+    assert_eq!(
+        place(read_pixel_table(&file("state,theta_deg,wavelength_nm,reflectance\n"))).1,
+        Problem::TooFew { rows: 0 }
+    );
+}
+
+/// A line of separators alone takes time in proportion to its length, and little memory.
+#[test]
+fn a_long_line_of_nothing_is_soon_refused() {
+    for byte in [b' ', b',', b';', b'"', b'\t', b'#'] {
+        let bytes = [&b"1 "[..], &vec![byte; 4 << 20], b" 1"].concat();
+        let file = DataFile { name: "x".to_owned(), bytes };
+        assert!(
+            read_spectrum(&file).is_err() && read_pixel_table(&file).is_err() && read_index(&file).is_err()
+        );
+    }
+}
+
+/// Every reader survives every single-byte change of a good file, and never grows memory.
+#[test]
+fn no_bytes_make_a_reader_panic() {
+    for good in [SELLMEIER, PIXEL, "nm,n,k\n400,2,0.2\n600,3,0.4\n"] {
+        for at in 0..good.len() {
+            for byte in [0, b'\n', b'"', b',', b'-', b'9', b':', b'e', 0xFF] {
+                let mut bytes = good.as_bytes().to_vec();
+                bytes[at] = byte;
+                let file = DataFile { name: "x".to_owned(), bytes };
+                for shown in [
+                    read_index(&file).err().map(|e| e.to_string()),
+                    read_spectrum(&file).err().map(|e| e.to_string()),
+                    read_pixel_table(&file).err().map(|e| e.to_string()),
+                ] {
+                    assert!(shown.is_none_or(|text| text.len() < 2000));
+                }
+            }
+        }
+    }
+}

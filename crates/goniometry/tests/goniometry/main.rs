@@ -1,0 +1,6 @@
+//! Measured scattering against what it was made of, and against other programs.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
+
+mod measured;
+mod scipy;

@@ -1,0 +1,184 @@
+//! Tabulated coatings against the plain road, closed forms and laws.
+
+use num_complex::Complex64;
+use papilio_optics::OpticsError;
+use papilio_optics::film::{Coating, Film, Layer, Polarisation, SpectralLayer, Thickness, coherent};
+use papilio_optics::interface::fresnel_reflectance;
+use papilio_sampling::{Numbers, Sampler};
+
+const NM: f64 = 550.0;
+
+fn spectral(layers: &[Layer]) -> Vec<SpectralLayer> {
+    let one = |layer: &Layer| SpectralLayer {
+        index: vec![layer.index],
+        thickness: Thickness::Fixed(layer.thickness_nm),
+    };
+    layers.iter().map(one).collect()
+}
+
+fn layer(n: f64, k: f64, thickness_nm: f64) -> Layer {
+    Layer { index: Complex64::new(n, k), thickness_nm }
+}
+
+fn coating(above: f64, layers: &[Layer], below: f64) -> Coating {
+    Coating::new(&[NM], &[above], &spectral(layers), &[below]).unwrap()
+}
+
+/// Transmittance and reflectance, mean of s and p, by the plain road.
+fn plain(incidence: f64, layers: Vec<Layer>, substrate: f64, beta: f64) -> [f64; 2] {
+    let film = Film { incidence, layers, substrate: substrate.into() };
+    let [s, p] = [Polarisation::S, Polarisation::P]
+        .map(|polarisation| coherent(&film, NM, beta, polarisation).unwrap());
+    [0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)]
+}
+
+/// The largest difference from the plain road at random beta in either medium, and R + T <= 1.
+fn worst_difference(above: f64, layers: &[Layer], below: f64, stream: u64) -> f64 {
+    let table = coating(above, layers, below);
+    let upside_down: Vec<Layer> = layers.iter().rev().copied().collect();
+    let numbers = Numbers::new(Sampler::Random, 5, stream);
+    let mut worst = 0.0_f64;
+    for path in 0..2000 {
+        // Half of them towards grazing, where square roots begin.
+        let u = numbers.block(path, 0);
+        let beta = above.max(below) * if path % 2 == 0 { u[0] } else { 1.0 - 1e-3 * u[0] * u[0] };
+        let part = table.part(beta * beta, 0);
+        let smaller = above.min(below);
+        let beta_low = smaller * beta / above.max(below);
+        for beta in [beta, beta_low] {
+            let part = if beta == beta_low { table.part(beta * beta, 0) } else { part };
+            let mut expected = [0.0; 3];
+            if beta < above {
+                [expected[0], expected[1]] = plain(above, layers.to_vec(), below, beta);
+            }
+            if beta < below {
+                let [t, r] = plain(below, upside_down.clone(), above, beta);
+                assert!(beta >= above || (t - expected[0]).abs() < 1e-9, "reciprocity at {beta}");
+                (expected[0], expected[2]) = (t, r);
+            }
+            let found = [part.transmittance, part.above, part.below];
+            assert!(found[0] + found[1].max(found[2]) <= 1.0 + 1e-15, "{beta}: {part:?}");
+            worst = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(worst, f64::max);
+        }
+    }
+    worst
+}
+
+/// Twice what is asked for midway between the nodes.
+const TOLERANCE: f64 = 2e-9;
+
+#[test]
+fn tables_equal_the_plain_road() {
+    let quarter = NM / (4.0 * 1.38);
+    let stacks: [(f64, Vec<Layer>, f64); 9] = [
+        (1.0, vec![layer(1.38, 0.0, quarter)], 1.52),
+        (1.5, vec![layer(1.38, 0.0, quarter)], 1.0),
+        (1.5, vec![layer(1.0, 0.0, 300.0)], 1.5),
+        (1.5, vec![layer(1.0, 0.0, 5000.0)], 1.6),
+        (
+            1.0,
+            vec![
+                layer(2.35, 0.0, 13.0),
+                layer(1.46, 0.0, 34.0),
+                layer(2.35, 0.0, 115.0),
+                layer(1.46, 0.0, 87.0),
+            ],
+            1.52,
+        ),
+        (1.5, vec![layer(0.06, 3.6, 40.0)], 1.0),
+        (1.7, vec![layer(2.0, 0.01, 800.0), layer(1.0, 0.0, 500.0), layer(0.97, 6.4, 8.0)], 1.6),
+        (1.5, vec![layer(1.45, 0.0, 20_000.0)], 1.500_001),
+        (1.0, vec![layer(1.5, 0.0, 40_000.0)], 1.33),
+    ];
+    for (stream, (above, layers, below)) in (0..).zip(stacks) {
+        let worst = worst_difference(above, &layers, below, stream);
+        assert!(worst < TOLERANCE, "{above} {layers:?} {below}: {worst:e}");
+    }
+}
+
+#[test]
+fn random_stacks_equal_the_plain_road() {
+    for stream in 0..40 {
+        let numbers = Numbers::new(Sampler::Random, 77, stream);
+        let media = numbers.block(0, 0);
+        let layers: Vec<Layer> = (1..=(1 + stream % 5))
+            .map(|path| {
+                let u = numbers.block(path, 0);
+                let k = if u[3] < 0.5 { 0.0 } else { 3.0 * u[2] };
+                layer(1.0 + 1.5 * u[0], k, 400.0 * u[1])
+            })
+            .collect();
+        let worst = worst_difference(1.0 + media[0], &layers, 1.0 + media[1], 1000 + stream);
+        assert!(worst < TOLERANCE, "{stream}: {worst:e}");
+    }
+}
+
+/// H. A. Macleod, "Thin-Film Optical Filters", 4th ed., section 4.1: MgF2 on glass of 1.52.
+#[test]
+fn a_quarter_wave_on_glass_reflects_1_26_percent() {
+    let part = coating(1.0, &[layer(1.38, 0.0, NM / (4.0 * 1.38))], 1.52).part(0.0, 0);
+    let closed = ((1.52 - 1.38 * 1.38) / (1.52 + 1.38 * 1.38_f64)).powi(2);
+    assert!((closed - 0.0126).abs() < 5e-5);
+    assert!((part.above - closed).abs() < 1e-9 && (part.below - closed).abs() < 1e-9);
+    assert!((part.transmittance - (1.0 - closed)).abs() < 1e-9);
+}
+
+#[test]
+fn no_layers_are_fresnels_face() {
+    for (above, below) in [(1.0, 1.5), (1.5, 1.0), (1.5, 1.51), (2.4, 1.0)] {
+        let table = coating(above, &[], below);
+        for step in 0..1000 {
+            let beta = 1.1 * above.max(below) * f64::from(step) / 1000.0;
+            let part = table.part(beta * beta, 0);
+            let r = fresnel_reflectance(above, below, beta);
+            let exists = |n: f64| if beta < n { r } else { 0.0 };
+            assert!((part.above - exists(above)).abs() < 1e-8, "{above} {below} {beta}: {part:?} {r}");
+            assert!((part.below - exists(below)).abs() < 1e-8, "{above} {below} {beta}: {part:?} {r}");
+            assert!((part.transmittance - (1.0 - r)).abs() < 1e-8, "{above} {below} {beta}: {part:?}");
+        }
+    }
+}
+
+/// Frustrated total reflection, s and p, in closed form: S. Zhu et al., Am. J. Phys. 54, 601
+/// (1986): 1/T = 1 + a sinh^2(k0 kappa d), with a of the like of (q^2 + kappa^2)^2/(2 q kappa)^2.
+#[test]
+fn light_tunnels_through_a_thin_gap_of_air() {
+    let (n, gap_nm) = (1.5_f64, 120.0);
+    let table = coating(n, &[layer(1.0, 0.0, gap_nm)], n);
+    for beta in [1.05_f64, 1.2, 1.35, 1.45] {
+        let (q, kappa) = ((n * n - beta * beta).sqrt(), (beta * beta - 1.0).sqrt());
+        let sinh = (2.0 * std::f64::consts::PI / NM * kappa * gap_nm).sinh();
+        let through = |q: f64| 1.0 / (1.0 + ((q * q + kappa * kappa) / (2.0 * q * kappa) * sinh).powi(2));
+        let expected = 0.5 * (through(q) + through(q / (n * n)));
+        let part = table.part(beta * beta, 0);
+        assert!(part.transmittance > 0.02);
+        assert!((part.transmittance - expected).abs() < 1e-8, "{beta}: {part:?} {expected}");
+        assert!((part.above + part.transmittance - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn each_wavelength_has_its_own_indices() {
+    let index = vec![1.38.into(), 1.39.into()];
+    let layers = [SpectralLayer { index, thickness: Thickness::Fixed(100.0) }];
+    let both = Coating::new(&[500.0, 600.0], &[1.0, 1.0], &layers, &[1.53, 1.51]).unwrap();
+    let second = [SpectralLayer { index: vec![1.39.into()], thickness: Thickness::Fixed(100.0) }];
+    let alone = Coating::new(&[600.0], &[1.0], &second, &[1.51]).unwrap();
+    for beta_squared in [0.0, 0.5, 0.99, 1.2, 2.27, 3.0] {
+        assert_eq!(both.part(beta_squared, 1), alone.part(beta_squared, 0));
+    }
+    assert!(both.part(1.515 * 1.515, 0).below > 0.99 && both.part(1.515 * 1.515, 1).below == 0.0);
+}
+
+#[test]
+fn what_is_no_coating_is_refused() {
+    let new = |above: f64, layer: Layer| Coating::new(&[NM], &[above], &spectral(&[layer]), &[1.5]);
+    assert!(matches!(new(0.0, layer(1.4, 0.0, 1.0)), Err(OpticsError::Incidence { .. })));
+    assert!(matches!(new(1.0, layer(1.4, -1.0, 1.0)), Err(OpticsError::Index { .. })));
+    assert!(matches!(new(1.0, layer(1.4, 0.0, -1.0)), Err(OpticsError::Thickness { .. })));
+    assert!(matches!(new(1.0, layer(1.4, 0.0, 1e6)), Err(OpticsError::Fringes { .. })));
+    let gap = SpectralLayer { index: vec![1.0.into()], thickness: Thickness::Gap };
+    assert_eq!(Coating::new(&[NM], &[1.0], &[gap], &[1.5]), Err(OpticsError::CoatingGap));
+    let short = Coating::new(&[NM, NM], &[1.0; 2], &spectral(&[layer(1.4, 0.0, 1.0)]), &[1.5; 2]);
+    assert!(matches!(short, Err(OpticsError::Length { expected: 2, found: 1, .. })));
+}

@@ -1,0 +1,13 @@
+//! Films, coatings, rough faces and kernels, each against something independent of it.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
+
+mod coatings_two_roads;
+mod films_derivatives;
+mod films_equal_tmm;
+mod films_known_killers;
+mod films_laws;
+mod films_reference_imod;
+mod films_two_roads;
+mod rough_faces;
+mod scatter;

@@ -1,0 +1,171 @@
+//! Films whose interference fringes over wavelength are narrower than the grid can hold.
+//!
+//! Two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, tells at no cost that almost all films are thin
+//! enough. For any other the error is computed: how far X, Y and Z of light along the normal are off when the film's
+//! reflectance is known at the grid's wavelengths alone, and is linear between them, as colours take it.
+
+use num_complex::Complex64;
+use papilio_colour::Observer;
+use papilio_display::scene::{FilmLayer, Interface, Layers, Pixel, Scene, Thickness};
+use papilio_optics::film::{Film, Layer, Polarisation, coherent, fringe_spacing_nm};
+use papilio_spectra::Grid;
+
+use super::Resolver;
+use super::film::distinct_gaps;
+
+/// Fringes with more wavelengths than this in each are held: Y is off by 0.04 % or less (docs/films.md, "Thick films").
+const ENOUGH_PER_FRINGE: f64 = 12.0;
+
+/// Colours that are off by less than this, where a perfect white has 1, go without saying: the default error target.
+const SMALL: f64 = 1e-3;
+
+/// The true spectrum is looked at in so many places of each fringe, and at as many as this in each step.
+const PER_FRINGE: f64 = 32.0;
+const MOST_PER_STEP: f64 = 512.0;
+
+/// Steps that may be advised, nm. Colours are sums over whole nanometres: a finer step changes none.
+const STEPS_NM: [f64; 3] = [2.5, 2.0, 1.0];
+
+/// A film of the scene, and what is on its two sides.
+struct Thick<'a> {
+    key: &'a str,
+    layers: &'a [FilmLayer],
+    gap_nm: f64,
+    above: &'a [f64],
+    below: Vec<Complex64>,
+}
+
+impl Resolver<'_> {
+    /// Warns of the film whose colours the wavelength grid spoils most, if there is one.
+    pub(super) fn warn_of_fringes(&mut self, scene: &Scene) {
+        let grid = &scene.grid;
+        let Some((film, error)) = worst(scene, |film| {
+            let is_held = film.spacing_nm(grid) >= ENOUGH_PER_FRINGE * grid.step_nm();
+            if is_held { None } else { film.colour_error(grid, grid.step_nm()) }
+        }) else {
+            return;
+        };
+        if error <= SMALL {
+            return;
+        }
+        let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm());
+        let enough =
+            finer.into_iter().find(|step| film.colour_error(grid, *step).is_some_and(|error| error <= SMALL));
+        let remedy = match enough {
+            Some(step) => format!("set spectrum.step_nm = {step}"),
+            None => "no step holds them, for colours are sums over whole nanometres: describe so thick a layer as a layer of \
+                     the display, which does not interfere"
+                .to_owned(),
+        };
+        let (nm, step_nm) = (grid.wavelength_nm(grid.len() / 2), grid.step_nm());
+        self.warnings.push(format!(
+            "{}: the film's interference fringes are {:.1} nm apart near {nm} nm, too close for spectrum.step_nm = {step_nm}: of \
+             light along the normal X, Y or Z is off by {error:.4} of a perfect white's (a wide lobe averages over fringes, and \
+             is off by less); {remedy}",
+            film.key,
+            film.spacing_nm(grid)
+        ));
+    }
+}
+
+/// The film, at the gap, whose error is the largest.
+fn worst<'a>(scene: &'a Scene, error: impl Fn(&Thick<'a>) -> Option<f64>) -> Option<(Thick<'a>, f64)> {
+    let errors = films(scene).into_iter().filter_map(|film| error(&film).map(|error| (film, error)));
+    errors.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// All films of a scene, at all of their gaps.
+fn films(scene: &Scene) -> Vec<Thick<'_>> {
+    let mut films = Vec::new();
+    if let Layers::General(layers) = &scene.display.layers {
+        let mut above = None;
+        for layer in layers {
+            let below = &*layer.medium.index;
+            if let Interface::Coating(coating) = &layer.interface {
+                let below = below.iter().map(|n| (*n).into()).collect();
+                films.push(Thick {
+                    key: &coating.key,
+                    layers: &coating.films,
+                    gap_nm: 0.0,
+                    above: above.unwrap_or(&[]),
+                    below,
+                });
+            }
+            above = Some(below);
+        }
+    }
+    if let Pixel::Film(film) = &scene.display.pixel {
+        films.extend(distinct_gaps(film).into_iter().map(|gap_nm| Thick {
+            key: "display.pixel",
+            layers: &film.layers,
+            gap_nm,
+            above: scene.display.index_above_pixel(),
+            below: film.substrate.clone(),
+        }));
+    }
+    films
+}
+
+impl Thick<'_> {
+    fn thickness_nm(&self, layer: &FilmLayer) -> f64 {
+        match layer.thickness {
+            Thickness::Fixed(nm) => nm,
+            Thickness::Gap => self.gap_nm,
+        }
+    }
+
+    /// How far apart its fringes are at the centre of the grid.
+    fn spacing_nm(&self, grid: &Grid) -> f64 {
+        let bin = grid.len() / 2;
+        let layers = self.layers.iter().map(|layer| (layer.index[bin], self.thickness_nm(layer)));
+        fringe_spacing_nm(layers, grid.wavelength_nm(bin))
+    }
+
+    /// Its reflectance along the normal, with indices that are linear between the grid's wavelengths.
+    fn reflectance(&self, grid: &Grid, nm: f64) -> Option<f64> {
+        let at = ((nm - grid.start_nm()) / grid.step_nm()).clamp(0.0, (grid.len() - 1) as f64);
+        let bin = (at as usize).min(grid.len() - 2);
+        let share = at - bin as f64;
+        let between = |index: &[Complex64]| index[bin] * (1.0 - share) + index[bin + 1] * share;
+        let layer = |layer: &FilmLayer| Layer {
+            index: between(&layer.index),
+            thickness_nm: self.thickness_nm(layer),
+        };
+        let film = Film {
+            // Above all layers is air.
+            incidence: self.above.get(bin).copied().unwrap_or(1.0),
+            layers: self.layers.iter().map(layer).collect(),
+            substrate: between(&self.below),
+        };
+        coherent(&film, nm, 0.0, Polarisation::S).ok().map(|film| film.reflectance)
+    }
+
+    /// How far X, Y and Z of equal-energy light are off, the largest, over those of a perfect white, if the reflectance is
+    /// known in these steps alone.
+    fn colour_error(&self, grid: &Grid, step_nm: f64) -> Option<f64> {
+        let step_nm = step_nm.max(1.0);
+        let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));
+        let every_nm = Grid::new(first, last, 1.0).ok()?;
+        let observer = Observer::new(&every_nm).ok()?;
+        let parts = (step_nm * PER_FRINGE / self.spacing_nm(grid)).ceil().clamp(2.0, MOST_PER_STEP) as usize;
+        let (mut off, mut white) = ([0.0; 3], [0.0; 3]);
+        let mut from = (first, self.reflectance(grid, first)?);
+        while from.0 + step_nm <= last + 1e-6 {
+            let to_nm = from.0 + step_nm;
+            let to = (to_nm, self.reflectance(grid, to_nm)?);
+            for part in 0..parts {
+                let share = (part as f64 + 0.5) / parts as f64;
+                let nm = from.0 + share * step_nm;
+                let missed = (1.0 - share) * from.1 + share * to.1 - self.reflectance(grid, nm)?;
+                let nearest = ((nm - first).round() as usize).min(every_nm.len() - 1);
+                for (k, weight) in observer.weights().into_iter().enumerate() {
+                    off[k] += weight[nearest] * missed;
+                    white[k] += weight[nearest];
+                }
+            }
+            from = to;
+        }
+        let errors = off.iter().zip(white).map(|(off, white)| (off / white).abs());
+        errors.reduce(f64::max).filter(|error| error.is_finite())
+    }
+}

@@ -1,0 +1,55 @@
+//! A stream of random choices, of which random cases are made.
+
+use papilio_sampling::{Numbers, Sampler};
+
+/// The choices of one member of one family: always the same.
+#[derive(Debug, Clone)]
+pub struct Dice {
+    numbers: Numbers,
+    thrown: u32,
+}
+
+impl Dice {
+    /// The choices of member `number` of family `family`.
+    pub fn new(family: u64, number: u64) -> Self {
+        Self { numbers: Numbers::new(Sampler::Random, family, number), thrown: 0 }
+    }
+
+    /// Uniform between 0 and 1.
+    pub fn throw(&mut self) -> f64 {
+        let thrown = self.thrown;
+        self.thrown += 1;
+        self.numbers.block(0, thrown / 4)[(thrown % 4) as usize]
+    }
+
+    /// Uniform between two numbers.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.throw()
+    }
+
+    /// Of uniform logarithm between two numbers above 0.
+    pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    /// True with a probability of 1 over `count`.
+    pub fn one_in(&mut self, count: u32) -> bool {
+        self.throw() * f64::from(count) < 1.0
+    }
+
+    /// A whole number from 0 to `count - 1`.
+    pub fn below(&mut self, count: usize) -> usize {
+        (self.throw() * count as f64) as usize
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        let half = |dice: &mut Self| (dice.throw() * 2.0_f64.powi(32)) as u64;
+        (half(self) << 32) | half(self)
+    }
+
+    /// One of these.
+    pub fn of<T: Copy, const N: usize>(&mut self, all: [T; N]) -> T {
+        all[self.below(N)]
+    }
+}

@@ -1,0 +1,21 @@
+//! Both solvers against closed forms, published tables, laws and each other.
+
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "helpers of tests, too, say what they expect by unwrapping"
+)]
+
+mod adding_layered;
+mod adding_layered_laws;
+mod adding_panel;
+mod closed_forms;
+mod common;
+mod double_pass;
+mod few_wavelengths;
+mod fields;
+mod layered_walk;
+mod layers;
+mod narrow_lobes;
+mod scatter_faces;
+mod strategies;

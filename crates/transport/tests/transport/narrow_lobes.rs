@@ -1,0 +1,88 @@
+//! Light that a front sends back through lobes too narrow for a grid: two levels claim no less than the
+//! finer one's error. The truth is a far finer level, whose grid has the lobe itself or nearly: views are near
+//! the normal, where few azimuthal orders are needed.
+
+use crate::common::{self, one};
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_sampling::{Numbers, Sampler};
+use papilio_transport::adding::{Kernel, error_over_difference};
+use papilio_transport::{
+    AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+};
+
+/// A panel, how it is looked at, and the share of diffuse light besides a beam.
+struct Case {
+    name: String,
+    stack: Stack,
+    view: Cone,
+    beam: Source,
+    diffuse: f64,
+}
+
+/// Its number among the streams of random numbers.
+const FAMILY: u64 = 35;
+
+fn case(number: u64) -> Case {
+    let numbers = Numbers::new(Sampler::Random, FAMILY, number);
+    let dice: Vec<f64> = (0..3).flat_map(|block| numbers.block(0, block)).collect();
+    let between = |k: usize, low: f64, high: f64| low + (high - low) * dice[k];
+    let log_between = |k: usize, low: f64, high: f64| between(k, low.ln(), high.ln()).exp();
+    let width = log_between(0, 0.006, 0.034);
+    let straight_through = between(1, -0.6, 0.6).max(0.0);
+    let reflectance = log_between(2, 0.005, 0.3);
+    let view_deg = between(3, 0.0, 1.0);
+    let (light_deg, phi_deg) = (between(4, 0.0, 75.0), between(5, 0.0, 360.0));
+    let lobe = Lobe::KCorrelation { width };
+    let panel = Panel {
+        front: Front::exact(1, std::iter::once((&[reflectance][..], &[0.0][..]))),
+        top: Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), straight_through }),
+        medium: Medium::new(one(between(6, 1.3, 1.8))),
+        base: mirror([between(7, 0.05, 0.5), between(8, 0.0, 0.4), between(9, 0.5, 6.0)]),
+        single_pass: false,
+    };
+    Case {
+        name: format!(
+            "{number}: b {width:.4}, s {straight_through:.2}, r {reflectance:.3}, from {light_deg:.0} deg"
+        ),
+        stack: Stack::Panel(panel),
+        view: Cone::new(view_deg, 0.0, 0.0, 1.0),
+        beam: Source::Beam(Beta::from_source(light_deg, phi_deg, 1.0)),
+        diffuse: dice[10],
+    }
+}
+
+/// Smooth over the cosine, as films are.
+fn mirror([level, swing, speed]: [f64; 3]) -> Base {
+    let value = |node: u32| level + swing * (0.5 + 0.5 * (speed * f64::from(node) / 32.0).cos());
+    let table = AngularTable {
+        nodes: Nodes::Cosines(33),
+        basis: (0..33).map(value).collect(),
+        mixture: vec![1.0],
+        common: vec![0.0],
+    };
+    Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) }
+}
+
+impl Case {
+    fn seen(&self, level: u32) -> f64 {
+        let mut kernel = Kernel::new(level);
+        kernel.prepare(&self.stack, &[self.view], &[Source::Diffuse, self.beam.clone()]);
+        let estimate = kernel.estimate(&self.stack, 0);
+        let [diffuse, beam] = [0, 1].map(|source| common::rho(&estimate, source));
+        self.diffuse * diffuse + (1.0 - self.diffuse) * beam
+    }
+}
+
+#[test]
+fn no_error_is_above_the_claim() {
+    for number in 0..24 {
+        let case = case(number);
+        let times = error_over_difference(&case.stack);
+        assert!(times > 1.0, "{}", case.name);
+        let [coarse, fine, truth] = [0, 1, 3].map(|level| case.seen(level));
+        let claimed = times * (coarse / fine - 1.0).abs();
+        let error = (fine / truth - 1.0).abs();
+        assert!(error < claimed, "{}: {error:.2e} instead of {claimed:.2e}", case.name);
+    }
+}

@@ -1,0 +1,106 @@
+//! The search for better designs, held to what is known of the reference pixel and to a global method.
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use papilio_design::search::{Chosen, Course, FEASIBLE, Found, Kept, Record, Search};
+use papilio_design::{DesignError, Evaluator, Study};
+use papilio_display::scene::{Method, Stop};
+use papilio_scenario::Optimisation;
+use papilio_validation::{run, scenario};
+
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// The search of scenarios/optimize.toml, with changes.
+fn search(overrides: &[String]) -> (Arc<Search>, Vec<Found>, Chosen) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/optimize.toml");
+    let said = Optimisation::load(&file, overrides).unwrap();
+    let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
+    let search = Arc::new(Search::new(said, &mut evaluator).unwrap());
+    let mut tell = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut course = Course::new(Arc::clone(&search), Kept::default(), 2);
+    course.run(&evaluator, 2, &mut tell).unwrap();
+    let found = course.found();
+    let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
+    (search, found, best)
+}
+
+/// Enough to find it, from the scenario's own design.
+const FEW: [&str; 2] = ["optimize.starts=3", "optimize.evaluations=900"];
+
+/// Gamut, luminous reflectance factor of white, contrast.
+fn worth(chosen: &Chosen) -> [f64; 3] {
+    [0, 1, 2].map(|at| chosen.values[at].unwrap())
+}
+
+/// From a plain stack without the matching layer, a pixel whose gamut through H78 indoors is 3 points and more above the reference
+/// pixel's, at no less reflectance and contrast; and the walk agrees.
+#[test]
+fn a_better_pixel_than_the_reference_is_found() {
+    let reference = run(&scenario("indoor", &[]).unwrap().scene).unwrap();
+    let view = &reference.views[0];
+    let white = view.states.get("white").unwrap().value.Y;
+    let (search, _, best) = search(&FEW.map(str::to_owned));
+    let [gamut, found_white, contrast] = worth(&best);
+    assert!(gamut >= view.metrics.gamut_percent_srgb.unwrap() + 3.0, "{gamut}");
+    assert!(found_white >= white, "{found_white}, {white}");
+    assert!(contrast >= view.metrics.contrast_ratio.unwrap(), "{contrast}");
+    let study = search.study();
+    let values = study.values(&best.design).unwrap();
+    for (name, limit) in [("red.Y", "red"), ("green.Y", "green"), ("blue.Y", "blue")] {
+        let at = study.quantities.iter().position(|one| one.name == name).unwrap();
+        let reference = view.states.get(limit).unwrap().value.Y;
+        assert!(best.values[at].unwrap() >= reference, "{name}");
+    }
+    let mut scene = study.conditions[0].varied.scenario(&values).unwrap().resolve().unwrap().scene;
+    scene.solver.method = Method::Walk;
+    scene.solver.stop = Stop::RelativeError { target: 0.002, every_bin: false };
+    let walked = run(&scene).unwrap();
+    for (asked, adding) in study.quantities.iter().zip(worth(&best)) {
+        let walk = asked.quantity.of(&walked).unwrap();
+        let error = asked.quantity.standard_error(&walked).unwrap();
+        // Four sigma, and what adding's levels differ by.
+        assert!(
+            (walk - adding).abs() < 4.0 * error + 1e-3 * adding,
+            "{}: {walk} ({error}), {adding}",
+            asked.name
+        );
+    }
+}
+
+/// What the best of many searches by derivatives has found (60 starts of two seeds, of which 18 end there), and a population of 125 300
+/// designs.
+const BEST_GAMUT: f64 = 35.518;
+
+/// Seeds that a search is begun with: `PAPILIO_SEARCH_SEEDS`, and then a population of 100 times the evaluations is held to it, too.
+fn seeds() -> (u64, bool) {
+    let seeds = std::env::var("PAPILIO_SEARCH_SEEDS").ok().and_then(|text| text.parse().ok());
+    (seeds.unwrap_or(1), seeds.is_some())
+}
+
+/// For nine of ten seeds the search by derivatives is within .1 of the best that is known, and that a global method finds with a hundred
+/// times the evaluations. The first start is the scenario's own design, whatever the seed, and does not count.
+#[test]
+fn descents_find_what_populations_find() {
+    let (seeds, by_population) = seeds();
+    let (mut best, mut near) = (BEST_GAMUT, Vec::new());
+    for seed in 1..=seeds {
+        let (search, found, _) = self::search(&[format!("optimize.seed={seed}")]);
+        let evaluations: usize = found.iter().map(|one| one.evaluations).sum();
+        let sound = |one: &&Found| one.task > 0 && search.aims().missed(&one.values) <= FEASIBLE;
+        near.push(found.iter().filter(sound).filter_map(|one| one.values[0]).fold(0.0, f64::max));
+        // A population takes as long as a hundred searches: two of them say what there is to find.
+        if by_population && seed <= 2 {
+            let overrides = [
+                "optimize.method=global".to_owned(),
+                format!("optimize.seed={seed}"),
+                format!("optimize.evaluations={}", 100 * evaluations),
+            ];
+            let (_, _, chosen) = self::search(&overrides);
+            println!("seed {seed}: {near:?} by {evaluations} designs, {} by a population", worth(&chosen)[0]);
+            best = worth(&chosen)[0].max(best);
+        }
+    }
+    let missed = near.iter().filter(|gamut| **gamut < best - 0.1).count() as u64;
+    assert!(missed <= seeds / 10, "{near:?}, {best}");
+}

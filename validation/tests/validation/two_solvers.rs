@@ -1,0 +1,352 @@
+//! The two solvers against each other: a family of random displays, every kind of layer,
+//! light and view. Each number that the walk estimates is compared with adding's, and all
+//! z-scores together must scatter as Student's t does.
+use papilio_display::result::{State, StateValues, View};
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_sampling::{Numbers, Sampler};
+use papilio_testing::{assert_student, mean_and_error};
+use papilio_transport::adding::{Kernel, error_over_difference, nodes_needed};
+use papilio_transport::walk::Walk;
+use papilio_transport::{
+    Base, Cone, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source,
+    Stack, Top,
+};
+use papilio_validation::random_stacks::{Member, STATES, WAVELENGTHS_NM, member, rare_member};
+use papilio_validation::{run, scenario};
+use rayon::prelude::*;
+
+const REPLICATES: u64 = 32;
+
+/// Every number of an estimate that both solvers claim, `unaccounted` apart.
+fn numbers(estimate: &Estimate) -> Vec<f64> {
+    let bins = WAVELENGTHS_NM.len();
+    let mut all = Vec::new();
+    for rho in &estimate.rho {
+        all.extend((0..STATES * bins).map(|k| rho.base[k] + rho.front[k % bins]));
+    }
+    let ledger = &estimate.ledger;
+    for part in
+        [&ledger.returned, &ledger.front, &ledger.diffuser, &ledger.glass, &ledger.pixel, &ledger.inactive]
+    {
+        all.extend(part);
+    }
+    all
+}
+
+/// What both solvers say of one number.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    walk: f64,
+    standard_error: f64,
+    adding: f64,
+    discretisation_error: f64,
+}
+
+/// What the tables of films and coatings may add up to, as a share of the light.
+const TABLES: f64 = 1e-7;
+
+impl Pair {
+    /// True if the walk's noise is nearly all there is between the two: only then is z Student's t.
+    /// (Closed forms have none; of a rough face adding leaves much.)
+    fn is_noisy(self) -> bool {
+        self.standard_error > 3.0 * self.discretisation_error.hypot(TABLES)
+    }
+
+    fn z(self) -> f64 {
+        let error = self.standard_error.hypot(self.discretisation_error).hypot(TABLES);
+        (self.walk - self.adding) / error
+    }
+}
+
+/// Mean and standard error of each number over the walk's replicates.
+fn walk(member: &Member, (sampler, seed): (Sampler, u64), paths: u64) -> Vec<(f64, f64)> {
+    let walk = Walk::new(&member.stack, member.view, &member.sources);
+    let replicates: Vec<Vec<f64>> = (0..REPLICATES)
+        .map(|stream| {
+            let mut replicate = walk.replicate();
+            walk.trace(&mut replicate, &Numbers::new(sampler, seed, stream), paths);
+            numbers(&walk.estimate(&replicate))
+        })
+        .collect();
+    let numbers = 0..replicates[0].len();
+    numbers.map(|k| mean_and_error(replicates.iter().map(|replicate| replicate[k]))).collect()
+}
+
+/// The finest level that is tried, and the most nodes: rough faces take minutes beyond. What
+/// error is left then is part of the z-scores.
+const FINEST: u32 = 2;
+const MOST_NODES: usize = 150;
+
+/// Each number and its discretisation error, refined until the latter is small against
+/// the walk's standard errors.
+fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut before: Option<Vec<f64>> = None;
+    let mut found = Vec::new();
+    let bound = error_over_difference(&member.stack);
+    for level in 0..=FINEST {
+        if level > 1 && nodes_needed(&member.stack, level) > MOST_NODES {
+            break;
+        }
+        let mut kernel = Kernel::new(level);
+        kernel.prepare(&member.stack, &[member.view], &member.sources);
+        let now = numbers(&kernel.estimate(&member.stack, 0));
+        if let Some(before) = before {
+            found =
+                now.iter().zip(&before).map(|(now, before)| (*now, bound * (now - before).abs())).collect();
+            let good =
+                |((_, error), (_, standard)): (&(f64, f64), &(f64, f64))| *error <= 0.2 * standard + 1e-9;
+            if found.iter().zip(walk).all(good) {
+                break;
+            }
+        }
+        before = Some(now);
+    }
+    found
+}
+
+/// Both solvers' numbers: those of adding once, with those of the walk for each seed.
+fn compare(member: &Member, sampler: Sampler, seeds: &[u64], paths: u64) -> Vec<Vec<Pair>> {
+    let walks: Vec<_> = seeds.iter().map(|seed| walk(member, (sampler, *seed), paths)).collect();
+    let adding = adding(member, &walks[0]);
+    let pairs = |walk: Vec<(f64, f64)>| {
+        let pair = |((walk, standard_error), (adding, discretisation_error)): (&(f64, f64), &(f64, f64))| {
+            let (walk, standard_error) = (*walk, *standard_error);
+            let (adding, discretisation_error) = (*adding, *discretisation_error);
+            Pair { walk, standard_error, adding, discretisation_error }
+        };
+        walk.iter().zip(&adding).map(pair).collect()
+    };
+    walks.into_iter().map(pairs).collect()
+}
+
+/// True if there is more time than every day has.
+fn has_time() -> bool {
+    std::env::var_os("PAPILIO_STACKS").is_some()
+}
+
+/// How many members: so many, or as `PAPILIO_STACKS` says, and then with two seeds each.
+fn count(everyday: u64) -> (u64, u64) {
+    std::env::var("PAPILIO_STACKS").map_or((everyday, 1), |more| (more.parse().unwrap(), 2))
+}
+
+/// What is fainter is met by few of some thousand paths (light that gets through eleven mean free paths of an absorbing
+/// slab), so that means of replicates are far from normal: it is not looked at for the largest deviation.
+const FAINT: f64 = 1e-4;
+
+/// What one member adds to the statistics.
+#[derive(Debug, Default)]
+struct Scores {
+    /// One number of each source, drawn by the member's number.
+    sources: Vec<f64>,
+    /// One number of the ledger.
+    ledger: Vec<f64>,
+    /// The largest deviation of all, and what it is of.
+    worst: Vec<(f64, String)>,
+}
+
+fn scores(member: &Member, number: u64, sampler: Sampler, seeds: u64, paths: u64) -> Scores {
+    let seeds: Vec<u64> = (0..seeds).map(|seed| number + 1_000_000 * seed).collect();
+    let mut scores = Scores::default();
+    for pairs in compare(member, sampler, &seeds, paths) {
+        let each = STATES * WAVELENGTHS_NM.len();
+        let ledger = member.sources.len() * each;
+        let noisy = |k: usize| Some(pairs[k]).filter(|pair| pair.is_noisy()).map(Pair::z);
+        let drawn = (0..member.sources.len()).map(|source| source * each + number as usize % each);
+        scores.sources.extend(drawn.filter_map(noisy));
+        // Of the ledger the first one from a drawn place on that is noisy: most parts of most members are nothing.
+        let parts = pairs.len() - ledger;
+        let turned = (0..parts).map(|k| ledger + (number as usize + k) % parts);
+        scores.ledger.extend(turned.filter_map(noisy).next());
+        let bright = pairs.iter().enumerate().filter(|(_, pair)| pair.adding.abs() > FAINT);
+        let worst = bright.max_by(|a, b| a.1.z().abs().total_cmp(&b.1.z().abs()));
+        let (k, pair) = worst.unwrap();
+        scores.worst.push((pair.z(), format!("{number} ({}) [{k}] {pair:?}", member.name)));
+    }
+    scores
+}
+
+/// Mean and mean square of z against those of Student's t.
+fn hold_to_student(what: &str, z: &[f64]) {
+    let n = z.len() as f64;
+    let (mean, square) = (z.iter().sum::<f64>() / n, z.iter().map(|z| z * z).sum::<f64>() / n);
+    println!("{what}: {n} z-scores: mean {mean:.3}, mean square {square:.3}; Student's t: 0, 1.069");
+    assert_student(what, z, n);
+}
+
+/// All numbers of a member share their paths and are far from independent, so the
+/// distribution is tested on a few of each; the largest deviation is looked for among all.
+fn hold_together(what: &str, all: &[Scores], most: f64) {
+    let gathered = |of: fn(&Scores) -> &Vec<f64>| all.iter().flat_map(of).copied().collect::<Vec<f64>>();
+    let mut worst: Vec<&(f64, String)> = all.iter().flat_map(|scores| &scores.worst).collect();
+    worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    for (z, what) in worst.iter().take(10) {
+        println!("z {z:.2}: {what}");
+    }
+    hold_to_student(&format!("{what}, sources"), &gathered(|scores| &scores.sources));
+    hold_to_student(&format!("{what}, ledger"), &gathered(|scores| &scores.ledger));
+    assert!(worst[0].0.abs() < most, "{worst:?}");
+}
+
+/// The largest deviation: 36 numbers each of 40 members, of Student's t with 31 degrees of freedom; 6.5 happens
+/// to one of 5 million.
+#[test]
+fn random_stacks_scatter_as_they_should() {
+    let (count, seeds) = count(40);
+    let one = |number| {
+        let member = member(number);
+        // A panel's path is cheap; faint light of a lamp far from a narrow lobe's peak needs many.
+        let paths = if matches!(member.stack, Stack::Panel(_)) { 1 << 14 } else { 1 << 10 };
+        scores(&member, number, Sampler::Random, seeds, paths)
+    };
+    let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
+    hold_together("random stacks", &all, 6.5);
+}
+
+/// Where some of the light takes rare ways, the spread of replicates still tells of it, with the sampler and about the fewest
+/// paths that a run stops with. (Of so few paths the means of replicates are not quite normal, and differences of a hundred
+/// thousandth of a number that is nearly a closed form may be many of its errors: the largest deviation may be more.)
+#[test]
+fn rare_ways_are_seen_by_every_replicate() {
+    let (count, seeds) = count(20);
+    let one = |number| scores(&rare_member(number), number, Sampler::Sobol, seeds, 1 << 7);
+    let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
+    hold_together("rare ways", &all, if seeds > 1 { 25.0 } else { 10.0 });
+}
+
+/// Light from 89.9999999 deg, whose sine is 1 to the last bit, is seen by every tracer, from every azimuth: a Lambertian base
+/// under a face that passes everything returns what it does for any other light.
+#[test]
+fn light_just_above_the_horizon_is_seen_by_every_tracer() {
+    let bins = WAVELENGTHS_NM.len();
+    let base = || Base {
+        reflector: Reflector::Lambertian(vec![0.5; STATES * bins]),
+        inactive_absorptance: vec![0.0; bins].into(),
+    };
+    let air = || Medium::new(vec![1.0; bins].into());
+    let panel =
+        |top| Panel { front: Front::none(bins), top, medium: air(), base: base(), single_pass: false };
+    let coated = || Layer { interface: Interface::Coated, medium: air() };
+    let diffuser = Diffuser {
+        lobe: Lobe::KCorrelation { width: 0.1 },
+        transmittance: vec![1.0; bins].into(),
+        straight_through: 0.3,
+    };
+    for theta in [89.999_999, 89.999_999_9, 89.999_999_999] {
+        for phi in [0.0, 33.3, 90.0, 217.0] {
+            let sources = vec![Source::Beam(Beta::from_source(theta, phi, 1.0))];
+            let stacks = [
+                (Stack::Panel(panel(Top::Coated)), Some(0.5)),
+                (Stack::Layered(Layered { layers: vec![coated()], base: base() }), Some(0.5)),
+                (Stack::Panel(panel(Top::Diffuser(diffuser.clone()))), None),
+            ];
+            for (number, (stack, exact)) in stacks.into_iter().enumerate() {
+                let view = Cone::new(8.0, 0.0, 0.05, 1.0);
+                let member = Member { name: String::new(), stack, view, sources: sources.clone() };
+                let walk = walk(&member, (Sampler::Sobol, 1), 64);
+                let adding = adding(&member, &walk);
+                for ((found, error), (truth, of_adding)) in walk.iter().zip(&adding).take(STATES * bins) {
+                    let truth = exact.unwrap_or(*truth);
+                    let off = (found - truth).abs();
+                    assert!(
+                        truth > 0.0 && off <= 5.0 * error.hypot(*of_adding) + 1e-6,
+                        "{number} {theta} {phi}: {found} {truth}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A gap of 16 um has 85 fringes over angle, and resonances far narrower than they: the walk used to give .33 for white, and
+/// adding no number.
+#[test]
+fn thick_gaps_are_the_same_by_both_solvers_or_refused_by_both() {
+    let by = |gap: &str, solver: &str| {
+        let all =
+            ["spectrum.range_nm=[500,600]", "spectrum.step_nm=50", "display.diffuser.haze=0.3", gap, solver];
+        run(&scenario("indoor", &all).unwrap().scene)
+    };
+    let [adding, walk] = ["solver.method=adding", "solver.method=monte-carlo"]
+        .map(|solver| by("display.pixel.gap_nm.red=16000", solver));
+    let (adding, walk) = (adding.unwrap(), walk.unwrap());
+    for (name, noisy) in walk.views[0].states.iter() {
+        let exact = adding.views[0].states.get(name).unwrap();
+        let z = (noisy.value.Y - exact.value.Y) / noisy.standard_error.Y;
+        assert!(z.abs() < 5.0, "{name}: {} {}", noisy.value.Y, exact.value.Y);
+        assert!(noisy.value.radiance.iter().all(|radiance| *radiance > 0.0), "{name}");
+    }
+    for solver in ["solver.method=adding", "solver.method=monte-carlo"] {
+        let error = by("display.pixel.gap_nm.red=100000", solver).unwrap_err().to_string();
+        assert!(error.contains("display.pixel.gap_nm.red") && error.contains("fringes"), "{error}");
+    }
+}
+
+/// A few paths are taken as they are wanted, but their errors are not believed.
+#[test]
+fn too_few_paths_are_warned_of_and_hold_errors_up() {
+    let of =
+        |paths: &str| run(&scenario("indoor", &["solver.method=monte-carlo", paths]).unwrap().scene).unwrap();
+    let few = of("solver.paths=64");
+    assert!(
+        few.warnings.iter().any(|warning| warning.contains("64 paths a view are too few")),
+        "{:?}",
+        few.warnings
+    );
+    for (_, state) in few.views[0].states.iter() {
+        assert!(state.standard_error.Y >= state.value.Y / 64.0);
+    }
+    let enough = of("solver.paths=4096");
+    assert!(!enough.warnings.iter().any(|warning| warning.contains("too few")), "{:?}", enough.warnings);
+}
+
+/// Values of a view with their errors, in a fixed order.
+fn of_view(view: &View, of_solver: impl Fn(&State) -> &StateValues) -> Vec<(String, f64, f64)> {
+    let mut all = Vec::new();
+    for (name, state) in view.states.iter() {
+        let (value, error) = (&state.value, of_solver(state));
+        all.push((format!("{name} Y"), value.Y, error.Y));
+        all.push((format!("{name} X"), value.X, error.X));
+        all.push((format!("{name} Z"), value.Z, error.Z));
+        all.push((format!("{name} diffuse"), value.terms.diffuse, error.terms.diffuse));
+        for bin in (0..value.radiance.len()).step_by(16) {
+            all.push((format!("{name} radiance {bin}"), value.radiance[bin], error.radiance[bin]));
+        }
+    }
+    all
+}
+
+/// Every scenario of the repository through both solvers, at every view: colours, spectra and parts.
+/// About 3000 numbers: 6.5 of Student's 31 degrees of freedom happens to one of 5 million.
+#[test]
+fn every_scenario_agrees() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+    let mut names: Vec<String> = folder
+        .read_dir()
+        .unwrap()
+        .flatten()
+        .filter(|entry| entry.path().extension().is_some_and(|extension| extension == "toml"))
+        .map(|entry| entry.path().file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert!(names.len() >= 13, "{names:?}");
+    let paths = if has_time() { "solver.paths=65536" } else { "solver.paths=16384" };
+    for name in names {
+        let by = |overrides: &[&str]| run(&scenario(&name, overrides).unwrap().scene).unwrap();
+        // A coarse grid: what is compared is transport, wavelength by wavelength.
+        let adding = by(&["solver.method=adding", "spectrum.step_nm=20"]);
+        let walk = by(&["solver.method=monte-carlo", paths, "spectrum.step_nm=20"]);
+        for (exact, noisy) in adding.views.iter().zip(&walk.views) {
+            let exact = of_view(exact, |state| state.discretisation_error.as_ref().unwrap());
+            let noisy = of_view(noisy, |state| &state.standard_error);
+            for ((what, exact, discretisation), (_, noisy, standard)) in exact.into_iter().zip(noisy) {
+                let error = standard.hypot(discretisation) + 1e-7 * exact.abs() + 1e-12;
+                let z = (noisy - exact) / error;
+                assert!(
+                    z.abs() < 6.5,
+                    "{name}: {what}: walk {noisy} +- {standard}, adding {exact} +- {discretisation}"
+                );
+            }
+        }
+    }
+}
