@@ -38,17 +38,17 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
     Run(Run),
     /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
-    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n \
+    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n\n\
                       For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at \
                       all angles in the glass.")]
     Pixel(Pixel),
     /// Export the spectral BRDF of the whole display, for each state
-    #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n \
+    #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
                       docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
     Brdf(Brdf),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(
-        after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n \
+        after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
                       MEASURED needs the columns state, theta_deg (optionally phi_deg), and either wavelength_nm \
                       and reflectance_factor, or X, Y and Z. docs/compare.md describes them."
     )]
@@ -59,7 +59,7 @@ pub(crate) enum Command {
                       The error for an unknown preset lists all names.")]
     New(New),
     /// Replace old names of keys and values in a scenario file
-    #[command(after_help = "Example: papilio migrate old.toml\n \
+    #[command(after_help = "Example: papilio migrate old.toml\n\n\
                       Every command accepts old names; this command replaces them in the file. Comments, order and layout \
                       do not change.")]
     Migrate(Migrate),
@@ -67,17 +67,17 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Diffuser(Diffuser),
     /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
-    #[command(after_help = "Example: papilio sweep scenarios/sweep.toml\n \
+    #[command(after_help = "Example: papilio sweep scenarios/sweep.toml\n\n\
                       Each finished point is saved. To resume an interrupted sweep, run the same command again. If the \
                       sweep has changed, only new points are computed.")]
     Sweep(Sweep),
     /// Search for better designs (`[optimize]`): best.toml or a Pareto front; can be resumed
-    #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n \
+    #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
                       Finished work is saved. To resume an interrupted search, run the same command again: the final files \
                       are the same as without the interruption.")]
     Optimize(Optimize),
     /// Run a tolerance analysis (`[tolerance]`): percentiles, yield, sensitivities; can be resumed
-    #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n \
+    #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
                       Each finished sample is saved. To resume an interrupted analysis, run the same command again. If the \
                       number of samples is increased, only the additional ones are computed.")]
     Tolerance(Tolerance),
@@ -85,11 +85,11 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Study(Study),
     /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML
-    #[command(after_help = "Example: papilio validate --out out/validate\n \
+    #[command(after_help = "Example: papilio validate --out out/validate\n\n\
                       Then open out/validate/report.html in a browser. Feng (2012) is the dissertation that Papilio follows.")]
     Validate(Validate),
     /// Start the web app: edit a display and see its result in the browser (local access only)
-    #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n \
+    #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
                       A program built with cargo alone does not contain the page; `cargo xtask serve` builds both.")]
     Serve(Serve),
     /// Print the JSON Schema of a scenario, for editors
