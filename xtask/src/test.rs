@@ -20,7 +20,8 @@ const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 /// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.
 const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
 
-/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format.
+/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format. Where it is set, those of
+/// scenarios mutate ten times as many.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
 /// Long enough for some hundred thousand files of each format.
