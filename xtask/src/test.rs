@@ -26,7 +26,8 @@ const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
 /// As many as make the mean square of z-scores known to a tenth.
 const SCENARIOS: &str = "300";
 
-/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format.
+/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format. Where it is set, those of
+/// scenarios mutate ten times as many.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
 /// Long enough for some hundred thousand files of each format.

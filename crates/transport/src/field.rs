@@ -263,7 +263,7 @@ mod tests {
         };
         let cells = counts.iter().enumerate().map(|(cell, count)| (*count, expected(cell)));
         let found = papilio_testing::ChiSquare::of(cells, 5.0);
-        assert!(found.is_likely() && found.freedom == 8.0, "{found:?}");
+        assert!(found.is_likely() && found.freedom == 7.0, "eight lit cells: {found:?}");
     }
 
     /// Two roads to the irradiance of one: the sum over cells, and uniform directions in the disc.
