@@ -16,7 +16,7 @@ use papilio_formats::{
 use papilio_scenario::nearest;
 
 use crate::arguments::Compare;
-use crate::{Failure, interrupt, output, report, say};
+use crate::{Failure, interrupt, output, print_message, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let result = result_file(&arguments.result);
@@ -28,40 +28,42 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     out.as_deref().map_or(Ok(()), output::check)?;
     let read = read_result(&open(&result)?).map_err(Failure::Data)?;
     let measured = read_measured_panel(&open(&arguments.measured)?).map_err(Failure::Data)?;
-    let meant = meant(&read.simulated, &measured);
+    let suggestion = suggestion(&read.simulated, &measured);
     let all = compare(&read.simulated, &measured).map_err(|error| {
-        let help = meant
-            .clone()
-            .unwrap_or_else(|| "names and angles must be those of the result, to within a degree".to_owned());
+        let help = suggestion.clone().unwrap_or_else(|| {
+            "the names of states must equal those of the result, and angles must agree to within 1 deg"
+                .to_owned()
+        });
         let (result, measured) = (result.display(), arguments.measured.display());
         Failure::Input(format!("{result} and {measured}: {error}\n  = help: {help}"))
     })?;
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
-    let of = named(&title, read.hash.as_deref(), &result, &arguments.measured);
+    let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
     let written =
-        out.as_deref().map(|folder| interrupt::whole(|| write(folder, &all, &title))).transpose()?;
+        out.as_deref().map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title))).transpose()?;
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
         write_json(&mut stdout, &all)?;
     } else {
-        stdout.write_all(told(&of, &all).as_bytes())?;
+        stdout.write_all(report_text(&heading, &all).as_bytes())?;
     }
     stdout.flush()?;
     if let (Some(folder), Some(names)) = (out, written) {
-        output::announce(&folder, &names);
+        output::print_written(&folder, &names);
     }
-    all.left_out.iter().for_each(|reason| say(&format!("note: {reason}")));
-    meant.iter().for_each(|meant| say(&format!("  = help: {meant}")));
+    all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
+    suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
     if looks_like_percent(&all) {
-        say(
-            &"warning: what was measured is about a hundred times what was simulated: is it in per cent? Shares of 1 are compared",
+        print_message(
+            &"warning: the measured Y is about a hundred times the simulated Y; expected reflectance factors and Y as fractions of 1, \
+               not in per cent",
         );
     }
     Ok(())
 }
 
-/// The simulated states that names without a counterpart were probably meant to be.
-fn meant(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
+/// A suggestion for measured states whose names are not in the result.
+fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
     let all = simulated.views.iter().flat_map(|view| &view.states);
     let known: BTreeSet<&str> = all.map(|(name, ..)| name.as_str()).collect();
     let unknown: BTreeSet<&str> =
@@ -72,13 +74,13 @@ fn meant(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
     (!close.is_empty()).then(|| format!("did you mean {}?", close.join(", ")))
 }
 
-/// Whether every state's Y is measured a hundred times too large, as numbers in per cent are: by a factor of 20 to 500.
+/// True if the measured Y of every state is 20 to 500 times the simulated Y, as for numbers in per cent.
 fn looks_like_percent(all: &Comparison) -> bool {
     let ratios = all.states.iter().map(|one| one.measured.Y / one.simulated.Y);
     !all.states.is_empty() && ratios.into_iter().all(|ratio| (20.0..500.0).contains(&ratio))
 }
 
-/// A folder stands for the `result.json` in it.
+/// Path of the result; for a folder, of the `result.json` in it.
 fn result_file(path: &Path) -> PathBuf {
     if path.is_dir() { path.join("result.json") } else { path.to_owned() }
 }
@@ -89,7 +91,7 @@ fn open(path: &Path) -> Result<DataFile, Failure> {
 
 fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
-    // Figures of an earlier comparison would be mistaken for those of this one.
+    // Figures of an earlier comparison could be mistaken for those of this one.
     output::remove(folder, |name| name.starts_with("compared-") || name == "comparison-spectra.csv")?;
     let mut names = vec!["comparison.csv".to_owned(), "comparison.json".to_owned()];
     write_file(&folder.join("comparison.csv"), |out| write_comparison(out, all))?;
@@ -99,49 +101,49 @@ fn write(folder: &Path, all: &Comparison, title: &str) -> Result<Vec<String>, Fa
         names.push("comparison-spectra.csv".to_owned());
     }
     for view in &all.views {
-        let at = if all.views.len() == 1 {
+        let suffix = if all.views.len() == 1 {
             String::new()
         } else {
             format!("_theta{}_phi{}", view.theta_deg, view.phi_deg)
         };
         if let Some(svg) = compared_spectra(all, view, title) {
-            names.extend(output::write_figure(folder, &format!("compared-spectra{at}"), &svg)?);
+            names.extend(output::write_figure(folder, &format!("compared-spectra{suffix}"), &svg)?);
         }
         let gamuts = compared_gamuts(all, view, title);
-        names.extend(output::write_figure(folder, &format!("compared-gamuts{at}"), &gamuts)?);
+        names.extend(output::write_figure(folder, &format!("compared-gamuts{suffix}"), &gamuts)?);
     }
     Ok(names)
 }
 
-/// What is held to what: a folder may hold the result of another scenario than one thinks.
-fn named(title: &str, hash: Option<&str>, result: &Path, measured: &Path) -> String {
+/// Lines that identify the two sides: the folder may contain the result of another scenario than the user expects.
+fn heading(title: &str, hash: Option<&str>, result: &Path, measured: &Path) -> String {
     let hash =
         hash.map_or(String::new(), |hash| format!(" (hash {})", hash.chars().take(12).collect::<String>()));
     let title = report::plain(title);
     format!("{title}\nsimulated: {}{hash}\nmeasured: {}\n", result.display(), measured.display())
 }
 
-/// A table for each direction, below what is compared.
-fn told(of: &str, all: &Comparison) -> String {
-    let mut text = of.to_owned();
+/// Report of a comparison: a table for each view.
+fn report_text(heading: &str, all: &Comparison) -> String {
+    let mut text = heading.to_owned();
     for view in &all.views {
         let _ = write!(text, "\nseen from {} deg", view.theta_deg);
         if view.phi_deg != 0.0 {
             let _ = write!(text, ", azimuth {} deg", view.phi_deg);
         }
         let _ = write!(text, ": simulated / measured\n{}", report::table(&rows(all, view)));
-        text.push_str(&together(view));
+        text.push_str(&display_metrics(view));
     }
     text
 }
 
 fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
-    let titles = ["state", "Y", "contrast", "peak nm", "dE2000", "du'v'", "mean dR", "rms dR"];
+    let titles = ["state", "Y", "contrast", "peak (nm)", "dE2000", "du'v'", "mean dR", "rms dR"];
     let mut rows = vec![titles.map(str::to_owned).to_vec()];
     let here = |one: &&StateComparison| one.theta_deg == view.theta_deg && one.phi_deg == view.phi_deg;
     for one in all.states.iter().filter(here) {
         let pair = |get: fn(&Colour) -> Option<f64>, decimals: usize| {
-            both([get(&one.simulated), get(&one.measured)], decimals)
+            pair_text([get(&one.simulated), get(&one.measured)], decimals)
         };
         let spectrum = one.spectrum.as_ref();
         rows.push(vec![
@@ -158,8 +160,8 @@ fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
     rows
 }
 
-/// The metrics of the states together, those that there are.
-fn together(view: &ViewComparison) -> String {
+/// Metrics of the display, simulated and measured; undefined ones are omitted.
+fn display_metrics(view: &ViewComparison) -> String {
     let pairs = [
         ("contrast ratio", view.contrast_ratio, ""),
         ("gamut", view.gamut_percent_srgb, " % of sRGB"),
@@ -167,15 +169,15 @@ fn together(view: &ViewComparison) -> String {
     ];
     let known = pairs.into_iter().filter(|(_, pair, _)| pair.iter().any(Option::is_some));
     let mut parts: Vec<String> = known
-        .map(|(name, pair, unit)| format!("{name} {}{unit}", both(pair, 2)).trim_start().to_owned())
+        .map(|(name, pair, unit)| format!("{name} {}{unit}", pair_text(pair, 2)).trim_start().to_owned())
         .collect();
     if let Some(peaks) = view.average_peak_difference_nm {
-        parts.push(format!("peaks {} nm apart on average", report::signed(peaks, 1)));
+        parts.push(format!("mean difference of the peaks {} nm", report::signed(peaks, 1)));
     }
     if parts.is_empty() { String::new() } else { format!("  {}\n", parts.join(", ")) }
 }
 
-fn both(pair: [Option<f64>; 2], decimals: usize) -> String {
+fn pair_text(pair: [Option<f64>; 2], decimals: usize) -> String {
     match pair {
         [None, None] => "-".to_owned(),
         pair => pair.map(|value| number(value, decimals)).join(" / "),

@@ -1,8 +1,8 @@
-//! Where results go that the user has named no folder for.
+//! Folder for results if `--out` is not given.
 //!
-//! `out/NAME`, unless that holds the result of another hash: of the same file with other keys, or before it was edited. Then
-//! `out/NAME-` and the first digits of this one's hash: nothing is replaced but by itself. Commands with a journal, which
-//! sets itself aside, stay in `out/NAME`.
+//! The folder is `out/NAME`, unless it contains a result with another hash (other keys, or the file before an edit). Then it is
+//! `out/NAME-` followed by the first digits of the new hash, so that a result only replaces itself. Commands with a journal
+//! always use `out/NAME`; the journal identifies its scenario.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,21 +11,21 @@ use papilio_formats::{write_file, write_json};
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::ScenarioArguments;
-use crate::{Failure, output, say};
+use crate::{Failure, output, print_message};
 
-/// What `pixel`, `brdf` and `study` write beside their tables, which do not name their scenario.
+/// File that `pixel`, `brdf` and `study` write next to their tables, which do not contain the hash of the scenario.
 pub(crate) const ABOUT: &str = "about.json";
 
-/// Files that name the scenario that they are of.
-const NAMED: [&str; 3] = ["result.json", "cone.json", ABOUT];
+/// Files that contain the hash of their scenario.
+const WITH_HASH: [&str; 3] = ["result.json", "cone.json", ABOUT];
 
-/// Files that do not.
-const UNNAMED: [&str; 4] = ["pixel.csv", "display-bsdf.npz", "reflection.csv", "study.csv"];
+/// Files that do not contain the hash of their scenario.
+const WITHOUT_HASH: [&str; 4] = ["pixel.csv", "display-bsdf.npz", "reflection.csv", "study.csv"];
 
-/// As many digits of the hash are in a folder's name, at first.
+/// Digits of the hash in a folder's name, unless more are needed.
 const DIGITS: usize = 6;
 
-/// Which scenario the files of a folder are of.
+/// Content of `about.json`: the scenario of the files in a folder.
 #[derive(Debug, Serialize)]
 struct About<'a> {
     papilio: &'a str,
@@ -33,79 +33,83 @@ struct About<'a> {
     hash: &'a str,
 }
 
-/// The hash in a file, whatever else is there.
+/// The hash in a file, among other fields.
 #[derive(Debug, Deserialize)]
 struct Hash {
     hash: String,
 }
 
-/// What a folder holds.
+/// Content of a folder for results.
 #[derive(Debug, PartialEq)]
-enum Held {
-    /// Nothing of another hash than this.
+enum Content {
+    /// No result, or one with the same hash.
     Free,
-    /// The result of another one.
+    /// A result with another hash.
     Other(String),
-    /// One that does not say of which.
+    /// A result without a hash.
     Unknown,
 }
 
-/// The folder for a result of this hash, which can be written to.
+/// Returns the folder for a result with this hash, after checking that it can be written.
 pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<PathBuf, Failure> {
     if let Some(folder) = &arguments.out {
         output::check(folder)?;
         return Ok(folder.clone());
     }
     let own = arguments.default_out();
-    let held = held(&own, hash);
-    let folder = match &held {
-        Held::Free => own.clone(),
-        Held::Other(_) | Held::Unknown => beside(&own, hash),
+    let content = content(&own, hash);
+    let folder = match &content {
+        Content::Free => own.clone(),
+        Content::Other(_) | Content::Unknown => hash_folder(&own, hash),
     };
     output::check(&folder)?;
-    let of = match held {
-        Held::Free => return Ok(folder),
-        Held::Other(other) => format!(" (hash {})", other.chars().take(DIGITS).collect::<String>()),
-        Held::Unknown => String::new(),
+    let hash_of_other = match content {
+        Content::Free => return Ok(folder),
+        Content::Other(other) => format!(" (hash {})", other.chars().take(DIGITS).collect::<String>()),
+        Content::Unknown => String::new(),
     };
-    say(&format!(
-        "note: {} holds the result of another scenario or of other keys{of}, which is not replaced: this one goes to {}\n  \
-         = help: --out DIR names a folder, and replaces what is there",
+    print_message(&format!(
+        "note: {} contains the result of another scenario or of other keys{hash_of_other}, which is not replaced; this result \
+         is written to {}\n  = help: with --out DIR, the files in DIR are replaced",
         own.display(),
         folder.display()
     ));
     Ok(folder)
 }
 
-/// Says in a folder of which scenario its files are.
-pub(crate) fn sign(folder: &Path, title: &str, hash: &str) -> Result<(), Failure> {
+/// Writes `about.json`, which identifies the scenario of the files in a folder.
+pub(crate) fn write_about(folder: &Path, title: &str, hash: &str) -> Result<(), Failure> {
     let about = About { papilio: env!("CARGO_PKG_VERSION"), title, hash };
     Ok(write_file(&folder.join(ABOUT), |out| write_json(out, &about))?)
 }
 
-/// A folder named after the hash: with so many digits of it that it is no other's.
-fn beside(own: &Path, hash: &str) -> PathBuf {
+/// A folder named by the hash, with as many digits as are needed to avoid the folders of other results.
+fn hash_folder(own: &Path, hash: &str) -> PathBuf {
     let named = |digits: usize| {
         let mut name = own.file_name().unwrap_or_default().to_owned();
         name.push(format!("-{}", hash.get(..digits).unwrap_or(hash)));
         own.with_file_name(name)
     };
-    let is_free = |folder: &PathBuf| held(folder, hash) == Held::Free;
+    let is_free = |folder: &PathBuf| content(folder, hash) == Content::Free;
     (DIGITS..hash.len()).map(named).find(is_free).unwrap_or_else(|| named(hash.len()))
 }
 
-/// What a folder holds beside what is of this hash.
-fn held(folder: &Path, hash: &str) -> Held {
+/// Returns whether a folder contains a result with another hash.
+fn content(folder: &Path, hash: &str) -> Content {
     let mut is_ours = false;
-    for name in NAMED {
+    for name in WITH_HASH {
         let Ok(bytes) = fs::read(folder.join(name)) else { continue };
         match serde_json::from_slice::<Hash>(&bytes) {
             Ok(found) if found.hash == hash => is_ours = true,
-            Ok(found) => return Held::Other(found.hash),
-            Err(_) => return Held::Unknown,
+            Ok(found) => return Content::Other(found.hash),
+            Err(_) => return Content::Unknown,
         }
     }
-    if !is_ours && UNNAMED.iter().any(|name| folder.join(name).exists()) { Held::Unknown } else { Held::Free }
+    if !is_ours && WITHOUT_HASH.iter().any(|name| folder.join(name).exists()) {
+        Content::Unknown
+    } else {
+        Content::Free
+    }
 }
 
 #[cfg(test)]
@@ -113,24 +117,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_is_free_of_others_or_named_by_the_hash() {
+    fn folder_with_another_result_is_replaced_by_one_named_by_the_hash() {
         let base = tempfile::tempdir().unwrap();
         let own = base.path().join("s");
         let [ours, other] = ["a".repeat(64), "b".repeat(64)];
-        assert_eq!(held(&own, &ours), Held::Free);
+        assert_eq!(content(&own, &ours), Content::Free);
         fs::create_dir(&own).unwrap();
-        sign(&own, "t", &ours).unwrap();
-        assert_eq!((held(&own, &ours), held(&own, &other)), (Held::Free, Held::Other(ours.clone())));
-        assert_eq!(beside(&own, &other), base.path().join("s-bbbbbb"));
-        // Another hash that begins alike.
+        write_about(&own, "t", &ours).unwrap();
+        assert_eq!(
+            (content(&own, &ours), content(&own, &other)),
+            (Content::Free, Content::Other(ours.clone()))
+        );
+        assert_eq!(hash_folder(&own, &other), base.path().join("s-bbbbbb"));
+        // Another hash with the same first digits.
         let close = format!("bbbbbb{}", "c".repeat(58));
         fs::create_dir(base.path().join("s-bbbbbb")).unwrap();
-        sign(&base.path().join("s-bbbbbb"), "t", &close).unwrap();
-        assert_eq!(beside(&own, &other), base.path().join("s-bbbbbbb"));
-        // A table of an earlier version, which does not say what it is of.
+        write_about(&base.path().join("s-bbbbbb"), "t", &close).unwrap();
+        assert_eq!(hash_folder(&own, &other), base.path().join("s-bbbbbbb"));
+        // A table of an earlier version, without a hash.
         let old = base.path().join("old");
         fs::create_dir(&old).unwrap();
         fs::write(old.join("pixel.csv"), "").unwrap();
-        assert_eq!(held(&old, &ours), Held::Unknown);
+        assert_eq!(content(&old, &ours), Content::Unknown);
     }
 }

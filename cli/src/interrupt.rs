@@ -1,16 +1,16 @@
-//! Ctrl-C: the first ends the computation with what is there, a second one the program.
+//! Ctrl-C: the first one ends the computation with the finished work, a second one ends the program.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the first Ctrl-C.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Files are being written: they are finished first.
+/// True while files are written: the program does not end before they are complete.
 static WRITING: AtomicBool = AtomicBool::new(false);
 
-/// Heeds Ctrl-C from now on.
-pub(crate) fn heed() {
-    // Without a handler Ctrl-C still ends the program, only less politely.
+/// Installs the handler of Ctrl-C.
+pub(crate) fn catch_ctrl_c() {
+    // If this fails, Ctrl-C ends the program without saving the current result.
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::Relaxed) && !WRITING.load(Ordering::Relaxed) {
             std::process::exit(130);
@@ -18,8 +18,8 @@ pub(crate) fn heed() {
     });
 }
 
-/// Does something that Ctrl-C must not cut in two.
-pub(crate) fn whole<T>(write: impl FnOnce() -> T) -> T {
+/// Runs `write` to its end, even if the user presses Ctrl-C twice.
+pub(crate) fn uninterrupted<T>(write: impl FnOnce() -> T) -> T {
     WRITING.store(true, Ordering::Relaxed);
     let result = write();
     WRITING.store(false, Ordering::Relaxed);

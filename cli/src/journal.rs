@@ -1,4 +1,4 @@
-//! Journals as commands use them: what is wrong with one is the user's, and a folder without any is asked for by its name.
+//! Access to the journals of a folder. Errors of journals are reported as invalid input.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use papilio_formats::{JournalRows, Journals, RowsHead, read_journals};
 use serde::de::DeserializeOwned;
 
-use crate::{Failure, say};
+use crate::{Failure, print_message};
 
-/// All journals of this stem in a folder; without lines where the head is not `wanted`.
+/// Reads all journals in a folder whose names begin with `stem`. Journals whose head is not `wanted` have no lines.
 pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
     folder: &Path,
     stem: &str,
@@ -19,24 +19,24 @@ pub(crate) fn read_all<H: DeserializeOwned, L: DeserializeOwned>(
     Ok(read_journals(folder, stem, wanted)?)
 }
 
-/// Whether a folder can have journals of this stem.
+/// Fails if a folder of journals cannot be read.
 pub(crate) fn check_folder(folder: &Path, stem: &str) -> Result<(), Failure> {
     let command = stem.split('-').next().unwrap_or(stem);
     let unreadable = |error: std::io::Error| {
-        let why = match error.kind() {
-            ErrorKind::NotFound => "is not there".to_owned(),
+        let reason = match error.kind() {
+            ErrorKind::NotFound => "does not exist".to_owned(),
             ErrorKind::NotADirectory => "is not a folder".to_owned(),
             _ => format!("cannot be read: {error}"),
         };
         Failure::Input(format!(
-            "{} {why}\n  = help: expected a folder that `papilio {command} FILE --out DIR` wrote a journal into",
+            "{} {reason}\n  = help: expected a folder with a journal of `papilio {command} FILE --out DIR`",
             folder.display()
         ))
     };
     fs::read_dir(folder).map(drop).map_err(unreadable)
 }
 
-/// A light journal in a folder; what is in these other folders is known, too.
+/// Opens a journal of rows in a folder, and reads those in other folders.
 pub(crate) fn open_rows<H: RowsHead>(
     folder: &Path,
     stem: &str,
@@ -46,15 +46,15 @@ pub(crate) fn open_rows<H: RowsHead>(
 ) -> Result<JournalRows<H>, Failure> {
     others.iter().try_for_each(|other| check_folder(other, stem))?;
     let rows = JournalRows::open(folder, stem, part, head, others)?;
-    tell_of(rows.set_aside());
+    report_moved(rows.set_aside());
     Ok(rows)
 }
 
-/// Says where the journal of something else is that was in the way.
-pub(crate) fn tell_of(set_aside: Option<&Path>) {
+/// Prints the new name of a previous journal that belongs to another form of the scenario.
+pub(crate) fn report_moved(set_aside: Option<&Path>) {
     if let Some(path) = set_aside {
-        say(&format!(
-            "what was done here before this scenario was changed is kept as {}: the scenario as it was goes on from there",
+        print_message(&format!(
+            "note: the scenario has changed; the previous journal was moved to {} and is used again if the change is undone",
             path.display()
         ));
     }

@@ -1,7 +1,7 @@
-//! Papilio on the command line: a thin face over `scenario`, `display`, `formats` and `figures`.
+//! The program `papilio`: a thin layer over `scenario`, `display`, `formats` and `figures`.
 //!
-//! Exit codes: 0 done; 2 the user's input is wrong; 1 an internal fault; 3 a search without a feasible design; 130
-//! interrupted, what is done is saved. Results go to standard output, all else to standard error.
+//! Exit codes: 0 success; 1 internal error; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with
+//! finished work saved. Results are printed on standard output, all messages on standard error.
 
 mod arguments;
 mod brdf;
@@ -14,12 +14,12 @@ mod migrate;
 mod new;
 mod optimize;
 mod output;
+mod parallel;
 mod pixel;
 mod progress;
 mod report;
 mod run;
 mod serve;
-mod side_by_side;
 mod study;
 mod sweep;
 mod terminal;
@@ -33,29 +33,29 @@ use clap::Parser;
 
 use arguments::{Arguments, Command, Study, SweepCommand};
 use papilio_formats::words::visible;
-use terminal::say;
+use terminal::print_message;
 
-/// Small vectors come and go in every evaluation of a prepared display, which takes 5 to 8 % longer with the
-/// system's allocator.
+/// Every evaluation of a prepared display allocates many small vectors: with the system's allocator it takes 5 to 8 %
+/// longer.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Why a command did not end well.
+/// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    /// The user's input is wrong.
+    /// The scenario is invalid.
     #[error(transparent)]
     Scenario(#[from] papilio_scenario::ScenarioErrors),
-    /// The user's input is wrong, beyond what the scenario can know.
+    /// Another input is invalid: an argument, a file or a combination of them.
     #[error("error: {0}")]
     Input(String),
-    /// A data file of the user's is wrong.
+    /// A data file is invalid.
     #[error(transparent)]
     Data(papilio_formats::FormatError),
     /// A file could not be written.
     #[error(transparent)]
     Write(papilio_formats::FormatError),
-    /// A figure could not be made a picture.
+    /// A figure could not be converted to PNG.
     #[error("error: {0}")]
     Png(#[from] papilio_figures::PngError),
     /// The scene could not be computed.
@@ -64,26 +64,26 @@ enum Failure {
     /// A design could not be evaluated.
     #[error("error: {0}")]
     Design(papilio_design::DesignError),
-    /// The report could not be made.
+    /// The reproduction report could not be computed.
     #[error("error: {0}")]
     Report(#[from] papilio_reproduction::ReproductionError),
     /// The web app could not be served.
     #[error("error: {0}")]
     Serve(#[from] papilio_web::ServeError),
-    /// Standard output went away, or the like.
+    /// Standard output could not be written.
     #[error("error: standard output cannot be written: {0}")]
     Io(#[from] std::io::Error),
-    /// A search ended, and found nothing that meets all limits.
-    #[error("no feasible design: {0}")]
+    /// A search ended without a design that satisfies all constraints.
+    #[error("error: {0}")]
     Infeasible(&'static str),
-    /// Ctrl-C; what is done is saved.
+    /// The user pressed Ctrl-C; finished work is saved.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),
 }
 
 impl Failure {
-    /// Why a scene could not be computed, with the place in the scenario where one is at fault.
-    fn of(resolved: &papilio_scenario::Resolved, error: papilio_display::DisplayError) -> Self {
+    /// Failure of a computation, with its place in the scenario if a key caused it.
+    fn from_display(resolved: &papilio_scenario::Resolved, error: papilio_display::DisplayError) -> Self {
         resolved.located(&error).map_or(Self::Display(error), Self::Scenario)
     }
 
@@ -121,7 +121,7 @@ impl From<papilio_design::DesignError> for Failure {
 }
 
 impl From<papilio_formats::FormatError> for Failure {
-    /// A file that cannot be written is the system's fault, any other the user's.
+    /// A file that cannot be written is an internal error; any other problem of a file is invalid input.
     fn from(error: papilio_formats::FormatError) -> Self {
         match error.problem {
             papilio_formats::Problem::Unwritable { .. } => Self::Write(error),
@@ -130,15 +130,18 @@ impl From<papilio_formats::FormatError> for Failure {
     }
 }
 
-/// Says what is wrong with the arguments, as clap does it: which quotes them as they are. So one that a terminal would obey is
-/// itself what is wrong.
-fn refused(error: &clap::Error) -> ExitCode {
-    let mut arguments = std::env::args_os().map(|one| one.to_string_lossy().into_owned());
-    let obeyed = arguments.find(|one| matches!(visible(one), Cow::Owned(_)));
-    match obeyed.filter(|_| error.use_stderr()) {
-        Some(one) => {
-            say(&format!(
-                "error: the argument `{one}` holds control characters, and the command cannot be understood"
+/// Prints the error of the arguments, and returns the exit code.
+///
+/// Clap quotes arguments unchanged. An argument with control characters, which a terminal would execute, is therefore
+/// reported as the error itself.
+fn report_invalid_arguments(error: &clap::Error) -> ExitCode {
+    let mut arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    let unsafe_argument = arguments.find(|argument| matches!(visible(argument), Cow::Owned(_)));
+    match unsafe_argument.filter(|_| error.use_stderr()) {
+        Some(argument) => {
+            print_message(&format!(
+                "error: the arguments are invalid: `{argument}` contains control characters\n  = help: papilio --help lists \
+                 the commands and their options"
             ));
             ExitCode::from(2)
         }
@@ -153,9 +156,9 @@ fn not_built(command: &Command) -> Option<String> {
         Command::Optimize(optimize) => (optimize.png, false),
         Command::Tolerance(tolerance) => (tolerance.png, false),
         Command::Sweep(sweep) => {
-            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| merge.wanted);
-            let wanted = merge.unwrap_or(sweep.wanted);
-            (wanted.png, wanted.parquet)
+            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| merge.outputs);
+            let outputs = merge.unwrap_or(sweep.outputs);
+            (outputs.png, outputs.parquet)
         }
         _ => (false, false),
     };
@@ -169,13 +172,13 @@ fn not_built(command: &Command) -> Option<String> {
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => return refused(&error),
+        Err(error) => return report_invalid_arguments(&error),
     };
     if let Some(missing) = not_built(&arguments.command) {
-        say(&format!("error: {missing}"));
+        print_message(&format!("error: {missing}"));
         return ExitCode::from(2);
     }
-    let done = match arguments.command {
+    let result = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
@@ -191,12 +194,12 @@ fn main() -> ExitCode {
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),
         Command::Schema { result } => output::schema(result),
     };
-    match done {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
-        // A reader that has seen enough (`papilio run ... | head`) is no fault.
+        // The reader closed the pipe (`papilio run ... | head`): this is not an error.
         Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(failure) => {
-            say(&failure);
+            print_message(&failure);
             ExitCode::from(failure.exit_code())
         }
     }

@@ -1,4 +1,4 @@
-//! `papilio migrate`: a scenario file with the present names of keys and values.
+//! `papilio migrate`: replaces old names of keys and values in a scenario file.
 
 use std::io::Write;
 
@@ -7,7 +7,7 @@ use papilio_scenario::{Migrated, migrate};
 use serde_json::json;
 
 use crate::arguments::Migrate;
-use crate::{Failure, say};
+use crate::{Failure, print_message};
 
 pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
     let name = arguments.file.display().to_string();
@@ -26,11 +26,11 @@ pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
         return Ok(stdout.flush()?);
     }
     for one in &renamed {
-        say(&format!("{name}:{}: {} -> {}", one.line, one.old, one.new));
+        print_message(&format!("{name}:{}: {} -> {}", one.line, one.old, one.new));
     }
-    say(&match (is_new, arguments.dry_run) {
-        (false, _) => format!("{name} has the present names already; nothing was changed"),
-        (true, true) => format!("{name} would be changed: {}", count(renamed.len())),
+    print_message(&match (is_new, arguments.dry_run) {
+        (false, _) => format!("{name} contains no old names; nothing was changed"),
+        (true, true) => format!("--dry-run: {name} would be changed: {}", count(renamed.len())),
         (true, false) => format!("wrote {}: {}", target.display(), count(renamed.len())),
     });
     Ok(())
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
 
 fn count(renamed: usize) -> String {
     match renamed {
-        0 => "no name replaced, `format` stated".to_owned(),
+        0 => "no name replaced, key `format` added".to_owned(),
         1 => "1 name replaced".to_owned(),
         more => format!("{more} names replaced"),
     }

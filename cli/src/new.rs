@@ -1,4 +1,4 @@
-//! `papilio new`: a commented scenario to begin with.
+//! `papilio new`: a commented scenario to start from.
 
 use std::io::Write;
 
@@ -6,13 +6,13 @@ use papilio_formats::write_file;
 use papilio_scenario::{new_scenario, preset_names};
 
 use crate::arguments::New;
-use crate::{Failure, say};
+use crate::{Failure, print_message};
 
 pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
     let name = &arguments.preset;
     let text = new_scenario(name).ok_or_else(|| {
         let known = preset_names().collect::<Vec<_>>().join(", ");
-        Failure::Input(format!("there is no preset `{name}`\n  = help: the presets are {known}"))
+        Failure::Input(format!("unknown preset `{name}`\n  = help: the presets are {known}"))
     })?;
     let Some(file) = &arguments.file else {
         let mut stdout = crate::terminal::stdout();
@@ -21,10 +21,10 @@ pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
     };
     if file.exists() {
         let message =
-            format!("{} is there already\n  = help: name another file, or move it away", file.display());
+            format!("{} already exists\n  = help: specify another file, or move this one", file.display());
         return Err(Failure::Input(message));
     }
     write_file(file, |out| out.write_all(text.as_bytes()))?;
-    say(&format!("wrote {}; compute it with: papilio run {0}", file.display()));
+    print_message(&format!("wrote {}; to compute it: papilio run {0}", file.display()));
     Ok(())
 }

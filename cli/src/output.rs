@@ -1,4 +1,4 @@
-//! Files and JSON.
+//! Files of results.
 
 use std::io::Write;
 use std::path::Path;
@@ -11,7 +11,7 @@ use papilio_formats::{
 
 use crate::Failure;
 
-/// Prints the JSON Schema of a scenario or of `result.json`.
+/// Prints the JSON Schema of a scenario, or of `result.json`.
 pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
     let schema = if of_result { papilio_formats::result_schema() } else { papilio_scenario::schema() };
     let mut out = std::io::stdout().lock();
@@ -19,64 +19,68 @@ pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
     Ok(writeln!(out)?)
 }
 
-/// Fails if results could not be written to `folder`; leaves nothing behind.
+/// Fails if results cannot be written to `folder`; creates nothing.
 pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
-    let there = folder.ancestors().find(|path| path.exists()).filter(|path| !path.as_os_str().is_empty());
-    let there = there.unwrap_or(Path::new("."));
-    let why = |reason: &str| {
-        let (folder, there) = (folder.display(), there.display());
+    let existing = folder.ancestors().find(|path| path.exists()).filter(|path| !path.as_os_str().is_empty());
+    let existing = existing.unwrap_or(Path::new("."));
+    let failure = |reason: &str| {
+        let (folder, existing) = (folder.display(), existing.display());
         Failure::Input(format!(
-            "results cannot be written to {folder}: {there} {reason}\n  = help: choose another folder with --out DIR"
+            "results cannot be written to {folder}: {existing} {reason}\n  = help: choose another folder with --out DIR"
         ))
     };
-    // A link that leads nowhere, or to itself, is there and does not exist.
+    // A link without a target, or to itself, is a link but does not exist.
     if let Some(link) = folder.ancestors().find(|path| path.is_symlink() && !path.exists()) {
-        let where_to = link.display();
+        let link = link.display();
         return Err(Failure::Input(format!(
-            "results cannot be written to {}: {where_to} is a link that leads to nothing\n  = help: remove the link, or choose \
-             another folder with --out DIR",
+            "results cannot be written to {}: {link} is a link to a path that does not exist\n  = help: remove the link, or \
+             choose another folder with --out DIR",
             folder.display()
         )));
     }
-    if !there.is_dir() {
-        return Err(why("is not a folder"));
+    if !existing.is_dir() {
+        return Err(failure("is not a folder"));
     }
-    let probe = there.join(format!(".papilio.{}.tmp", std::process::id()));
+    let probe = existing.join(format!(".papilio.{}.tmp", std::process::id()));
     std::fs::write(&probe, "")
         .and_then(|()| std::fs::remove_file(&probe))
-        .map_err(|_| why("cannot be written"))
+        .map_err(|_| failure("is not writable"))
 }
 
-/// Makes the folder for results.
+/// Creates the folder for results.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let why = |error| {
+    let failure = |error| {
         let folder = folder.display();
         Failure::Input(format!(
-            "cannot make the folder {folder}: {error}\n  = help: choose another folder with --out DIR"
+            "the folder {folder} cannot be created: {error}\n  = help: choose another folder with --out DIR"
         ))
     };
-    std::fs::create_dir_all(folder).map_err(why)
+    std::fs::create_dir_all(folder).map_err(failure)
 }
 
-/// Makes the folder for results, and takes the figures of an earlier run out of it: beside
-/// new ones they would be mistaken for them.
-fn make(folder: &Path) -> Result<(), Failure> {
+/// Creates the folder for a run, and removes the figures of an earlier run, which could be mistaken for new ones.
+fn prepare_folder(folder: &Path) -> Result<(), Failure> {
     make_folder(folder)?;
     remove(folder, is_figure_or_cone)
 }
 
-/// Takes files of an earlier command out of a folder.
+/// Removes files of an earlier command from a folder.
 pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(), Failure> {
-    let why = |error| Failure::Input(format!("cannot tidy the folder {}: {error}", folder.display()));
-    for entry in std::fs::read_dir(folder).map_err(why)?.flatten() {
+    let failure = |error| {
+        Failure::Input(format!(
+            "files of an earlier run cannot be removed from {}: {error}",
+            folder.display()
+        ))
+    };
+    for entry in std::fs::read_dir(folder).map_err(failure)?.flatten() {
         if entry.file_name().to_str().is_some_and(&is_old) {
-            std::fs::remove_file(entry.path()).map_err(why)?;
+            std::fs::remove_file(entry.path()).map_err(failure)?;
         }
     }
     Ok(())
 }
 
-/// The names that [`papilio_figures::of_run`] gives, and those of a cone.
+/// True for names of figures from [`papilio_figures::of_run`], and of files of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
     let of_view = ["overview", "spectra", "chromaticity", "patches", "rings", "light"];
     let figure = |stem: &str| {
@@ -91,23 +95,23 @@ fn is_figure_or_cone(name: &str) -> bool {
 
 const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
 
-/// What `papilio run` writes.
+/// Content of the files that `papilio run` writes.
 pub(crate) struct Files<'a> {
-    /// Above the figures.
+    /// Title of the figures.
     pub(crate) title: &'a str,
     /// The result.
     pub(crate) result: &'a ResultFile<'a>,
-    /// Where the light comes from, if that is worth a figure.
+    /// Incident light by direction, if it gets a figure.
     pub(crate) light: Option<&'a RoomLight>,
-    /// All directions, if wanted.
+    /// Conoscopic maps, if requested.
     pub(crate) cone: Option<&'a ConeResult>,
-    /// Whether figures are wanted as PNG, too.
+    /// True if figures are written as PNG too.
     pub(crate) png: bool,
 }
 
-/// Writes everything that `papilio run` writes, and returns the names.
+/// Writes the files of `papilio run`, and returns their names.
 pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>, Failure> {
-    make(folder)?;
+    prepare_folder(folder)?;
     let mut names = Vec::new();
     let mut write = |name: &str, with: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
         names.push(name.to_owned());
@@ -123,11 +127,11 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         write("cone.npy", &|out| write_cone_npy(out, cone))?;
         write("cone.json", &|out| write_json(out, &about))?;
     }
-    let of_cone =
+    let cone_figure =
         cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
-    let of_light = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
-    let of_run = papilio_figures::of_run(file.result, title);
-    for (name, svg) in of_run.into_iter().chain(of_light).chain(of_cone) {
+    let light_figure = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
+    let run_figures = papilio_figures::of_run(file.result, title);
+    for (name, svg) in run_figures.into_iter().chain(light_figure).chain(cone_figure) {
         write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
         if HAS_PNG && (png || name == "cone") {
             let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;
@@ -137,7 +141,7 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
     Ok(names)
 }
 
-/// Writes a figure as SVG, and as PNG if the program can; returns the names.
+/// Writes a figure as SVG, and as PNG if the program supports it; returns the names of the files.
 pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<Vec<String>, Failure> {
     let mut names = vec![format!("{name}.svg")];
     write_file(&folder.join(&names[0]), |out| out.write_all(svg.as_bytes()))?;
@@ -149,7 +153,7 @@ pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<Vec<S
     Ok(names)
 }
 
-/// Writes figures, each under its name without an end, as PNG too if that is wanted; returns the names.
+/// Writes figures (name without extension, SVG), as PNG too if `png`; returns the names of the files.
 pub(crate) fn write_figures(
     folder: &Path,
     drawn: Vec<(String, String)>,
@@ -168,8 +172,8 @@ pub(crate) fn write_figures(
     Ok(names)
 }
 
-/// Says on standard error what was written; figures beyond the first few only by number.
-pub(crate) fn announce(folder: &Path, names: &[String]) {
+/// Prints the names of the written files on standard error; of more than four figures only their number.
+pub(crate) fn print_written(folder: &Path, names: &[String]) {
     let (figures, tables): (Vec<&str>, Vec<&str>) =
         names.iter().map(String::as_str).partition(|name| name.ends_with(".svg") || name.ends_with(".png"));
     let mut shown = tables.join(", ");
@@ -182,5 +186,5 @@ pub(crate) fn announce(folder: &Path, names: &[String]) {
         many if shown.is_empty() => shown = format!("{} figures", many.len()),
         many => shown = format!("{shown} and {} figures", many.len()),
     }
-    crate::say(&format!("wrote {}: {shown}", folder.display()));
+    crate::print_message(&format!("wrote {}: {shown}", folder.display()));
 }

@@ -1,4 +1,4 @@
-//! `papilio pixel`.
+//! `papilio pixel`: the reflectance of the pixel alone.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,10 +13,10 @@ use papilio_scenario::Scenario;
 use crate::arguments::{Angles, Pixel};
 use crate::{Failure, folder, interrupt, output, report};
 
-/// A larger scan is a mistake, and a file that nothing opens.
+/// Largest size of a scan; few programs can open a larger file.
 const MOST_NUMBERS: usize = 10_000_000;
 
-/// Angles that the table on the terminal shows, degrees.
+/// Angles in the table on the terminal, degrees.
 const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
@@ -29,29 +29,29 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     }
     let theta_deg = angles(arguments.step, &scene)?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
-    let scan = scan(&scene, &theta_deg).map_err(|error| Failure::of(&resolved, error))?;
+    let scan = scan(&scene, &theta_deg).map_err(|error| Failure::from_display(&resolved, error))?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::stdout();
     stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
     stdout.flush()?;
-    interrupt::heed();
-    interrupt::whole(|| {
+    interrupt::catch_ctrl_c();
+    interrupt::uninterrupted(|| {
         write(&folder, scan, &title, medium)?;
-        folder::sign(&folder, &title, &resolved.hash)
+        folder::write_about(&folder, &title, &resolved.hash)
     })?;
-    output::announce(&folder, &["pixel.csv", "pixel.svg", folder::ABOUT].map(str::to_owned));
+    output::print_written(&folder, &["pixel.csv", "pixel.svg", folder::ABOUT].map(str::to_owned));
     Ok(())
 }
 
-/// 0 to 90 deg, if the scan is of a size that can be held.
+/// Angles from 0 to 90 deg. Fails if the scan would be too large.
 fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
     let steps = (90.0 / step).round() as usize;
     let numbers = (steps + 1) * state_names(&scene.display.pixel).len() * scene.grid.len();
     if numbers > MOST_NUMBERS {
         return Err(Failure::Input(format!(
-            "the scan would have {numbers} numbers (angles x states x wavelengths)\n  = help: take a larger --step, a \
-             larger spectrum.step_nm or fewer states, at most {MOST_NUMBERS} numbers"
+            "the scan would have {numbers} numbers (angles x states x wavelengths); expected at most {MOST_NUMBERS}\n  \
+             = help: use a larger --step, a larger spectrum.step_nm or fewer states"
         )));
     }
     Ok((0..=steps).map(|k| 90.0 * k as f64 / steps as f64).collect())
@@ -77,8 +77,7 @@ fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<()
     Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure, title).as_bytes()))?)
 }
 
-/// For each state, at the shown angles that the scan has: peak wavelength and the largest
-/// reflectance from 400 to 700 nm.
+/// Peak wavelength and largest reflectance from 400 to 700 nm of each state, at the angles of the table.
 fn peaks(scene: &Scene, scan: &PixelScan) -> report::Peaks {
     let bins = scan.wavelength_nm.len();
     let shown: Vec<usize> = SHOWN_DEG

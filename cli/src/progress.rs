@@ -1,4 +1,4 @@
-//! How far many pieces of work are: a bar on a terminal, a line now and then in a log.
+//! Progress of a computation: a bar on a terminal, a line every 20 s in a log.
 
 use std::io::{IsTerminal, stderr};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -7,37 +7,37 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::say;
+use crate::print_message;
 
-/// A log gets a line as often as this.
+/// Time between two lines in a log.
 const BETWEEN_LINES: Duration = Duration::from_secs(20);
 
-/// Pieces of work that are done one after the other, or side by side.
+/// Progress of work items, sequential or parallel.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    known: usize,
+    reused: usize,
     computed: usize,
     started: Instant,
     _log: Option<Heartbeat>,
 }
 
 impl Progress {
-    /// So many pieces; `unit` is what they are called.
-    pub(crate) fn new(pieces: usize, unit: &'static str) -> Self {
-        let bar = bar(pieces, unit);
+    /// Progress of `items` work items; `unit` is their name in the plural.
+    pub(crate) fn new(items: usize, unit: &'static str) -> Self {
+        let bar = bar(items, unit);
         let log = in_log(&bar, move |bar| {
             format!("{} of {} {unit}{}", bar.position(), bar.length().unwrap_or_default(), bar.message())
         });
-        Self { bar, known: 0, computed: 0, started: Instant::now(), _log: log }
+        Self { bar, reused: 0, computed: 0, started: Instant::now(), _log: log }
     }
 
-    /// One piece more is done, computed now or known before.
+    /// Counts a finished item, computed now or known before.
     pub(crate) fn done(&mut self, computed: bool) {
-        *(if computed { &mut self.computed } else { &mut self.known }) += 1;
-        let done = (self.known + self.computed) as u64;
-        let rest = self.bar.length().unwrap_or_default().saturating_sub(done) as usize;
+        *(if computed { &mut self.computed } else { &mut self.reused }) += 1;
+        let done = (self.reused + self.computed) as u64;
+        let remaining = self.bar.length().unwrap_or_default().saturating_sub(done) as usize;
         self.bar.set_position(done);
-        self.bar.set_message(left(self.started.elapsed(), self.computed, rest));
+        self.bar.set_message(time_left(self.started.elapsed(), self.computed, remaining));
     }
 }
 
@@ -47,28 +47,28 @@ impl Drop for Progress {
     }
 }
 
-/// On standard error, and only where that is a terminal.
-pub(crate) fn bar(pieces: usize, unit: &str) -> ProgressBar {
-    let bar = ProgressBar::new(pieces as u64);
+/// A progress bar on standard error, visible only on a terminal.
+pub(crate) fn bar(items: usize, unit: &str) -> ProgressBar {
+    let bar = ProgressBar::new(items as u64);
     if let Ok(style) = ProgressStyle::with_template(&format!("  {{bar:30}} {{pos}} of {{len}} {unit}{{msg}}"))
     {
         bar.set_style(style);
     }
-    // It is there before the first piece is.
+    // Show the bar before the first item is finished.
     bar.tick();
     bar
 }
 
-/// What a bar shows as a line now and then, where standard error is no terminal, until this is dropped.
+/// Prints the state of a bar as a line every 20 s, if standard error is not a terminal, until the result is dropped.
 pub(crate) fn in_log(
     bar: &ProgressBar,
     line: impl Fn(&ProgressBar) -> String + Send + 'static,
 ) -> Option<Heartbeat> {
     let bar = bar.clone();
-    (!stderr().is_terminal()).then(|| Heartbeat::every(BETWEEN_LINES, move || say(&line(&bar))))
+    (!stderr().is_terminal()).then(|| Heartbeat::every(BETWEEN_LINES, move || print_message(&line(&bar))))
 }
 
-/// Does something again and again until it is dropped.
+/// A thread that calls a function periodically until this is dropped.
 pub(crate) struct Heartbeat {
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -89,21 +89,21 @@ impl Heartbeat {
 impl Drop for Heartbeat {
     fn drop(&mut self) {
         drop(self.stop.take());
-        // A beat that panicked has said so.
+        // A panic in the thread has already been reported.
         let _ = self.thread.take().map(JoinHandle::join);
     }
 }
 
-/// How long the rest takes, if pieces go on as they went: what was known before took no time.
-fn left(elapsed: Duration, computed: usize, rest: usize) -> String {
-    if computed == 0 || rest == 0 {
+/// Estimated remaining time, from the mean time of the computed items (reused items take no time).
+fn time_left(elapsed: Duration, computed: usize, remaining: usize) -> String {
+    if computed == 0 || remaining == 0 {
         return String::new();
     }
-    let seconds = elapsed.as_secs_f64() / computed as f64 * rest as f64;
+    let seconds = elapsed.as_secs_f64() / computed as f64 * remaining as f64;
     match seconds {
-        s if s < 90.0 => format!(", {:.0} s to go", s.max(1.0)),
-        s if s < 5400.0 => format!(", {:.0} min to go", s / 60.0),
-        s => format!(", {:.1} h to go", s / 3600.0),
+        s if s < 90.0 => format!(", {:.0} s left", s.max(1.0)),
+        s if s < 5400.0 => format!(", {:.0} min left", s / 60.0),
+        s => format!(", {:.1} h left", s / 3600.0),
     }
 }
 
@@ -112,24 +112,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_known_took_no_time() {
-        let after = |seconds, computed, rest| left(Duration::from_secs(seconds), computed, rest);
-        assert_eq!(after(10, 5, 20), ", 40 s to go");
-        assert_eq!(after(60, 1, 9), ", 9 min to go");
-        assert_eq!(after(3600, 10, 100), ", 10.0 h to go");
+    fn remaining_time_excludes_reused_items() {
+        let after = |seconds, computed, rest| time_left(Duration::from_secs(seconds), computed, rest);
+        assert_eq!(after(10, 5, 20), ", 40 s left");
+        assert_eq!(after(60, 1, 9), ", 9 min left");
+        assert_eq!(after(3600, 10, 100), ", 10.0 h left");
         assert_eq!((after(10, 0, 20), after(10, 5, 0)), (String::new(), String::new()));
     }
 
-    /// It beats while something long goes on, and no more afterwards.
     #[test]
-    fn a_log_hears_of_long_work() {
+    fn heartbeat_stops_when_dropped() {
         let (sender, beats) = channel();
         let heart = Heartbeat::every(Duration::from_millis(1), move || {
             let _ = sender.send(());
         });
         assert!(beats.recv().is_ok() && beats.recv().is_ok());
         drop(heart);
-        // What was under way is heard, and then that there is nobody any more.
+        // Calls that were already made are received; then the channel is closed.
         assert!(beats.iter().count() < 1000);
     }
 }

@@ -1,4 +1,4 @@
-//! The table on the terminal.
+//! Reports on the terminal: tables with the results of a command.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -7,46 +7,47 @@ use papilio_display::result::{RunResult, State, StateValues, View};
 use papilio_display::{BrdfTable, ConeResult, Reflection};
 pub(crate) use papilio_formats::words::table;
 
-/// States that a line of a view shows, where they are not the ordinary ones.
-const STATES_IN_A_LINE: usize = 6;
+/// Most states in the row of a view, for displays without white and black.
+const STATES_IN_A_ROW: usize = 6;
 
-/// More views than this are summed up, a line each.
+/// Most views that are printed in full; more views have one row each.
 const VIEWS_IN_FULL: usize = 3;
 
-/// The title of a scenario that has none: the name of its file.
+/// Title of a scenario without `title`: the name of its file.
 pub(crate) fn file_title(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A title as one line of plain text, whatever the user put into it.
+/// A title as one line, with control characters replaced by spaces.
 pub(crate) fn plain(title: &str) -> String {
     title.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-/// What `papilio run` prints; `in_glass`: the scenario's angles are in glass.
+/// Report of `papilio run`; `in_glass`: the angles of the scenario are in glass.
 pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64) -> String {
     let mut text = format!("{}\n", plain(title));
     if result.views.len() <= VIEWS_IN_FULL {
-        result.views.iter().for_each(|view| text.push_str(&in_full(view, in_glass)));
+        result.views.iter().for_each(|view| text.push_str(&view_in_full(view, in_glass)));
     } else {
-        text.push_str(&line_by_line(result));
+        text.push_str(&view_rows(result));
     }
     let solver = &result.solver;
     let reached = percent(solver.relative_error_reached);
-    let how = match (solver.paths, solver.nodes) {
-        (Some(paths), _) => format!("{paths} paths, relative error {reached}"),
+    let effort = match (solver.paths, solver.nodes) {
+        (Some(paths), _) => format!("{paths} paths, relative standard error {reached}"),
         (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
     };
-    let _ = write!(text, "\n{}: {how}, {seconds:.2} s", solver.method);
+    let _ = write!(text, "\n{}: {effort}, {seconds:.2} s", solver.method);
     if let (Some(paths), Some(target)) = (solver.paths, &solver.target) {
         let [likely, most] = target.paths_for_a_tenth.map(|more| more / paths as f64);
         let over = target
             .error_over_tolerance
             .map_or("undefined".to_owned(), |over| format!("{over:.2} of its tolerance"));
-        let most = if most > 1.1 * likely { format!(", {most:.0} times at most") } else { String::new() };
+        let most = if most > 1.1 * likely { format!(" (at most {most:.0} times)") } else { String::new() };
         let _ = write!(
             text,
-            ".\nThe target's standard error is {over}; a tenth of it would take about {likely:.0} times as many paths{most}"
+            ".\nThe standard error of the target is {over}; reducing it to a tenth takes about {likely:.0} times as many \
+             paths{most}"
         );
     }
     if solver.paths.is_some() {
@@ -56,42 +57,44 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
     text
 }
 
-/// What `papilio run --cone` prints besides.
+/// Additional report of `papilio run --cone`.
 pub(crate) fn cone(cone: &ConeResult, seconds: f64) -> String {
     let (thetas, phis) = (cone.theta_deg.len(), cone.phi_deg.len());
     let error = percent(cone.discretisation_error);
     format!("cone: {thetas} x {phis} directions, discretisation error {error}, {seconds:.2} s\n")
 }
 
-/// Inclinations of the light and the wavelength that the table of a BSDF shows.
-const SHOWN_LIGHTS_DEG: [f64; 4] = [0.0, 30.0, 45.0, 60.0];
+/// Incidences in the table of a BSDF.
+const SHOWN_INCIDENCES_DEG: [f64; 4] = [0.0, 30.0, 45.0, 60.0];
+
+/// Wavelength of the table of a BSDF; the nearest one of the grid is used.
 const SHOWN_NM: f64 = 550.0;
 
-/// What `papilio brdf` prints.
+/// Report of `papilio brdf`: reflectances at a few incidences.
 pub(crate) fn brdf(title: &str, table: &BrdfTable) -> String {
     let bins = table.wavelength_nm.len();
-    let off = |nm: &f64| (nm - SHOWN_NM).abs();
-    let nearest =
-        (0..bins).min_by(|a, b| off(&table.wavelength_nm[*a]).total_cmp(&off(&table.wavelength_nm[*b])));
+    let distance = |nm: &f64| (nm - SHOWN_NM).abs();
+    let nearest = (0..bins)
+        .min_by(|a, b| distance(&table.wavelength_nm[*a]).total_cmp(&distance(&table.wavelength_nm[*b])));
     let Some(bin) = nearest else { return format!("{}\n", plain(title)) };
-    let lights = &table.grid.theta_i_deg;
-    let shown: Vec<usize> = SHOWN_LIGHTS_DEG
+    let incidences = &table.grid.theta_i_deg;
+    let shown: Vec<usize> = SHOWN_INCIDENCES_DEG
         .iter()
-        .filter_map(|deg| lights.iter().position(|theta| (theta - deg).abs() < 1e-9))
+        .filter_map(|deg| incidences.iter().position(|theta| (theta - deg).abs() < 1e-9))
         .collect();
     let mut rows = vec![vec!["state".to_owned()]];
-    rows[0].extend(shown.iter().map(|i| format!("{} deg", lights[*i])));
+    rows[0].extend(shown.iter().map(|i| format!("{} deg", incidences[*i])));
     for state in &table.states {
         let cells = shown.iter().map(|i| {
-            let at =
+            let cell =
                 |values: &[f64]| values.get(i * bins + bin).map_or("-".to_owned(), |v| format!("{v:.4}"));
-            format!("{} / {}", at(&state.directional_hemispherical), at(&state.specular))
+            format!("{} / {}", cell(&state.directional_hemispherical), cell(&state.specular))
         });
         rows.push(std::iter::once(state.name.clone()).chain(cells).collect());
     }
     let error = percent(table.discretisation_error);
     format!(
-        "{}\n\nshare of a beam that leaves / of it mirrored, at {} nm, by the light's angle\n{}\nadding: {} nodes, \
+        "{}\n\ndirectional-hemispherical reflectance / regular reflectance, at {} nm, by incidence\n{}\nadding: {} nodes, \
          discretisation error {error}\n",
         plain(title),
         table.wavelength_nm[bin],
@@ -100,22 +103,24 @@ pub(crate) fn brdf(title: &str, table: &BrdfTable) -> String {
     )
 }
 
-/// Inclinations at which the reflection is split.
+/// Incidences at which the reflected light is divided into its components.
 pub(crate) const SPLIT_AT_DEG: [f64; 4] = [0.0, 8.0, 30.0, 45.0];
 
-/// What kind of mirror the display is.
+/// Additional report of `papilio brdf`: regular, haze and Lambertian components of the reflected light.
 pub(crate) fn reflection(all: &[Reflection]) -> String {
-    let mut text = "\nof a beam of the scene's light, %: all that leaves = mirror + haze + Lambertian; beyond 2.5 deg of the mirror\n"
+    let mut text = "\nreflectance in the scene's light, %, by incidence: total = regular + haze + Lambertian; fraction of the total\n\
+         that leaves more than 2.5 deg from the mirror direction, %\n"
         .to_owned();
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(all.iter().map(|one| format!("{} deg", one.theta_deg)));
     let states = all.first().map_or(&[][..], |one| &one.states);
     for (k, state) in states.iter().enumerate() {
         let cells = all.iter().filter_map(|one| one.states.get(k)).map(|one| {
-            let [all, mirror, haze, lambertian] = [one.returned, one.mirror, one.haze, one.lambertian]
-                .map(|share| format!("{:.1}", 100.0 * share));
-            let beyond = one.beyond_straight.map_or("-".to_owned(), |share| format!("{:.0}", 100.0 * share));
-            format!("{all} = {mirror} + {haze} + {lambertian}; {beyond}")
+            let [total, regular, haze, lambertian] = [one.returned, one.mirror, one.haze, one.lambertian]
+                .map(|fraction| format!("{:.1}", 100.0 * fraction));
+            let outside =
+                one.beyond_straight.map_or("-".to_owned(), |fraction| format!("{:.0}", 100.0 * fraction));
+            format!("{total} = {regular} + {haze} + {lambertian}; {outside}")
         });
         rows.push(std::iter::once(state.name.clone()).chain(cells).collect());
     }
@@ -123,9 +128,9 @@ pub(crate) fn reflection(all: &[Reflection]) -> String {
     text
 }
 
-/// A share in %, two decimals or as many as show its first digit.
-fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
+/// A fraction in %, with two decimals, or as many as its first digit needs.
+fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
     let decimals = if percent > 0.0 { (-percent.log10().floor()).clamp(2.0, 12.0) as usize } else { 2 };
     format!("{percent:.decimals$} %")
 }
@@ -133,7 +138,7 @@ fn percent(share: f64) -> String {
 /// A peak wavelength, nm, and the largest reflectance.
 pub(crate) type Peak = (Option<f64>, f64);
 
-/// Where the states of a pixel peak, and how high.
+/// Peaks of the states of a pixel.
 pub(crate) struct Peaks {
     /// Angles, degrees.
     pub(crate) theta_deg: Vec<f64>,
@@ -141,7 +146,7 @@ pub(crate) struct Peaks {
     pub(crate) states: Vec<(String, Vec<Peak>)>,
 }
 
-/// What `papilio pixel` prints.
+/// Report of `papilio pixel`.
 pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
     let angles = peaks.theta_deg.iter().map(|theta| format!("{theta} deg"));
     let mut rows = vec![std::iter::once("state".to_owned()).chain(angles).collect::<Vec<_>>()];
@@ -154,27 +159,28 @@ pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
     }
     let title = plain(title);
     format!(
-        "{title}\n\npeak in nm / largest reflectance, 400 to 700 nm, angles in {medium}\n{}",
+        "{title}\n\npeak wavelength (nm) / largest reflectance from 400 to 700 nm, by angle in {medium}\n{}",
         table(&rows)
     )
 }
 
-/// A column of the table of states: its title, its usual decimals, and its number.
+/// A column of the table of states: its title, its decimals without an error, and its value.
 type Column = (&'static str, usize, fn(&StateValues) -> Option<f64>);
 
 const COLUMNS: [Column; 9] = [
     ("Y", 4, |s| Some(s.Y)),
-    ("cd/m2", 2, |s| Some(s.luminance_cd_m2)),
+    ("L (cd/m2)", 2, |s| Some(s.luminance_cd_m2)),
     ("contrast", 2, |s| s.contrast),
     ("L*", 2, |s| s.L_star),
     ("a*", 2, |s| s.a_star),
     ("b*", 2, |s| s.b_star),
     ("u'", 4, |s| s.u_prime),
     ("v'", 4, |s| s.v_prime),
-    ("peak nm", 1, |s| s.peak_nm),
+    ("peak (nm)", 1, |s| s.peak_nm),
 ];
 
-fn in_full(view: &View, in_glass: bool) -> String {
+/// Report of a view: all states, metrics, and the energy balance.
+fn view_in_full(view: &View, in_glass: bool) -> String {
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(COLUMNS.iter().map(|(title, ..)| (*title).to_owned()));
     for (name, State { value, standard_error, .. }) in view.states.iter() {
@@ -188,20 +194,20 @@ fn in_full(view: &View, in_glass: bool) -> String {
     }
     text.push('\n');
     text.push_str(&table(&rows));
-    text.push_str(&together(view));
-    text.push_str(&by_light(view));
-    text.push_str(&ledger(view));
+    text.push_str(&display_metrics(view));
+    text.push_str(&by_source(view));
+    text.push_str(&energy_balance(view));
     text
 }
 
-/// The metrics of the states together.
-fn together(view: &View) -> String {
+/// Metrics of the display: contrast, gamut, text.
+fn display_metrics(view: &View) -> String {
     let error = &view.standard_error;
     let parts = [
         ("contrast ratio ", view.metrics.contrast_ratio, error.contrast_ratio, ""),
         ("gamut ", view.metrics.gamut_percent_srgb, error.gamut_percent_srgb, " % of sRGB"),
         ("", view.metrics.gamut_percent_ebu, error.gamut_percent_ebu, " % of EBU"),
-        ("covers ", view.metrics.coverage_percent_srgb, error.coverage_percent_srgb, " % of sRGB"),
+        ("coverage ", view.metrics.coverage_percent_srgb, error.coverage_percent_srgb, " % of sRGB"),
     ];
     let known = parts.into_iter().filter(|(_, value, ..)| value.is_some());
     let shown: Vec<String> = known
@@ -209,7 +215,7 @@ fn together(view: &View) -> String {
         .collect();
     let volume = view.metrics.gamut_volume_cielab.map_or(String::new(), |volume| {
         let volume = measured(Some(volume), error.gamut_volume_cielab, 0);
-        format!("  gamut's volume {volume} in CIELAB (sRGB: 819000)\n")
+        format!("  gamut volume {volume} in CIELAB (sRGB: 819000)\n")
     });
     if shown.is_empty() {
         return volume;
@@ -217,38 +223,38 @@ fn together(view: &View) -> String {
     format!("  {}\n{volume}{}", shown.join(", "), text_on_white(view))
 }
 
-/// How black text on white reads.
+/// Luminance, contrast and readability of black text on white.
 fn text_on_white(view: &View) -> String {
     let (text, error) = (&view.metrics, &view.standard_error);
     let (Some(luminance), Some(contrast)) = (text.text_luminance_cd_m2, text.text_contrast) else {
         return String::new();
     };
     let ages = [text.reading_surrogate_age_20, text.reading_surrogate_age_50, text.reading_surrogate_age_75];
-    let read = match ages {
+    let reading = match ages {
         [Some(young), Some(middle), Some(old)] => {
-            let [young, middle, old] = [young, middle, old].map(|share| 100.0 * share);
-            let reader = text
-                .reading_surrogate
-                .map_or(String::new(), |share| format!(", {:.0} % at the reader's age", 100.0 * share));
+            let [young, middle, old] = [young, middle, old].map(|fraction| 100.0 * fraction);
+            let reader = text.reading_surrogate.map_or(String::new(), |fraction| {
+                format!(", {:.0} % at the age of the reader", 100.0 * fraction)
+            });
             format!(
-                "read to {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years{reader} (calibrated surrogate)"
+                "reading performance {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years{reader} (calibrated surrogate)"
             )
         }
-        _ => "reading performance: out of the surrogate's range".to_owned(),
+        _ => "reading performance: outside the range of the surrogate".to_owned(),
     };
     format!(
-        "  text: {} cd/m2, contrast {}; {read}\n",
+        "  black text on white: mean luminance {} cd/m2, contrast {}\n  {reading}\n",
         measured(Some(luminance), error.text_luminance_cd_m2, 1),
         measured(Some(contrast), error.text_contrast, 3)
     )
 }
 
-/// What the first state reflects of each light, where there are several.
-fn by_light(view: &View) -> String {
+/// Luminance factor of the first state in the light of each source, if there are several.
+fn by_source(view: &View) -> String {
     let Some((name, State { value, standard_error, .. })) = view.states.iter().next() else {
         return String::new();
     };
-    let lights = |name: &str, values: &[Option<f64>], errors: &[Option<f64>]| -> Vec<String> {
+    let sources = |name: &str, values: &[Option<f64>], errors: &[Option<f64>]| -> Vec<String> {
         let one = |(k, value): (usize, &Option<f64>)| {
             let number = if values.len() > 1 { format!(" {}", k + 1) } else { String::new() };
             let error = errors.get(k).copied().flatten();
@@ -257,16 +263,20 @@ fn by_light(view: &View) -> String {
         values.iter().enumerate().filter_map(one).collect()
     };
     let all = [
-        lights("R_hemi", &[value.R_hemi], &[standard_error.R_hemi]),
-        lights("R_dir", &value.R_dir, &standard_error.R_dir),
-        lights("R_environment", &value.R_environment, &standard_error.R_environment),
+        sources("R_hemi", &[value.R_hemi], &[standard_error.R_hemi]),
+        sources("R_dir", &value.R_dir, &standard_error.R_dir),
+        sources("R_environment", &value.R_environment, &standard_error.R_environment),
     ];
     let all = all.concat();
-    if all.len() < 2 { String::new() } else { format!("  {name} by light: {}\n", all.join(", ")) }
+    if all.len() < 2 {
+        String::new()
+    } else {
+        format!("  luminance factor by source, {name}: {}\n", all.join(", "))
+    }
 }
 
-/// Where the light of the first state goes.
-fn ledger(view: &View) -> String {
+/// Energy balance of the first state.
+fn energy_balance(view: &View) -> String {
     let Some((name, ledger)) = view.ledger.iter().next() else { return String::new() };
     let absorbed = &ledger.absorbed;
     let parts = [
@@ -276,45 +286,45 @@ fn ledger(view: &View) -> String {
         ("pixel", absorbed.pixel),
         ("inactive", absorbed.inactive),
     ];
-    // What roulette leaves over is noise around zero; what a single pass leaves out is not.
+    // Russian roulette leaves noise around zero, which is not reported; a computation of a single pass leaves out light.
     let noise = 5.0 * ledger.standard_error.unaccounted;
     let unaccounted = if ledger.unaccounted.abs() > noise.max(5e-4) {
-        format!("; not followed: {:.1} %", 100.0 * ledger.unaccounted)
+        format!("; unaccounted: {:.1} %", 100.0 * ledger.unaccounted)
     } else {
         String::new()
     };
     let parts: Vec<String> = parts
         .iter()
-        .filter(|(_, share)| *share > 5e-5)
-        .map(|(at, share)| format!("{at} {:.1} %", 100.0 * share))
+        .filter(|(_, fraction)| *fraction > 5e-5)
+        .map(|(part, fraction)| format!("{part} {:.1} %", 100.0 * fraction))
         .collect();
     format!(
-        "  a beam from here, {name}: {:.1} % returns; absorbed: {}{unaccounted}\n",
+        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {}{unaccounted}\n",
         100.0 * ledger.returned,
         parts.join(", ")
     )
 }
 
-/// A line for each view: of an ordinary display its white, black and gamut, of any other
-/// the Y of its states.
-fn line_by_line(result: &RunResult) -> String {
+/// A row for each view: contrast, gamut and white of a display with the states white and black, otherwise the Y of its
+/// states.
+fn view_rows(result: &RunResult) -> String {
     let names: Vec<&str> = result.views[0].states.iter().map(|(name, _)| name).collect();
-    let ordinary = ["white", "black"].iter().all(|name| names.contains(name));
+    let has_white_and_black = ["white", "black"].iter().all(|name| names.contains(name));
     let y = |view: &View, name: &str| {
         let state = view.states.get(name);
         state.map_or("-".to_owned(), |s| measured(Some(s.value.Y), Some(s.standard_error.Y), 4))
     };
     let angles = |view: &View| vec![view.theta_deg.to_string(), view.phi_deg.to_string()];
-    let mut rows = vec![["theta", "phi"].map(str::to_owned).to_vec()];
-    if ordinary {
-        let titles = ["Y white", "Y black", "contrast", "% sRGB", "% EBU", "white u'", "white v'"];
+    let mut rows = vec![["theta (deg)", "phi (deg)"].map(str::to_owned).to_vec()];
+    if has_white_and_black {
+        let titles = ["Y white", "Y black", "contrast", "sRGB (%)", "EBU (%)", "white u'", "white v'"];
         rows[0].extend(titles.map(str::to_owned));
     } else {
-        rows[0].extend(names.iter().take(STATES_IN_A_LINE).map(|name| format!("Y {name}")));
+        rows[0].extend(names.iter().take(STATES_IN_A_ROW).map(|name| format!("Y {name}")));
     }
     for view in &result.views {
         let mut row = angles(view);
-        if ordinary {
+        if has_white_and_black {
             let error = &view.standard_error;
             row.extend(["white", "black"].map(|name| y(view, name)));
             row.push(measured(view.metrics.contrast_ratio, error.contrast_ratio, 2));
@@ -328,23 +338,23 @@ fn line_by_line(result: &RunResult) -> String {
                 white.map_or("-".to_owned(), |s| measured(s.value.v_prime, s.standard_error.v_prime, 4)),
             );
         } else {
-            row.extend(names.iter().take(STATES_IN_A_LINE).map(|name| y(view, name)));
+            row.extend(names.iter().take(STATES_IN_A_ROW).map(|name| y(view, name)));
         }
         rows.push(row);
     }
     format!("\n{}", table(&rows))
 }
 
-/// `0.1523(2)`: a value and its standard error in units of its last digit (GUM, 7.2.2);
-/// without an error of half a digit or more, the value to its usual decimals.
+/// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
+/// half of the last digit, only the value is printed.
 fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
     if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {
         return unsigned_zero(format!("{value:.decimals$}"));
     }
-    // The error's first digit decides how many decimals are worth printing: rounded to one
-    // digit first, or 0.96 would have two.
+    // The first digit of the error decides the number of decimals. Round the error to one digit first, so that 0.96
+    // counts as 1.
     let magnitude = format!("{error:.0e}");
     let exponent: i32 = magnitude.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
     let decimals = decimals.min((-exponent).max(0) as usize);
@@ -352,18 +362,18 @@ fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     unsigned_zero(format!("{value:.decimals$}({last})"))
 }
 
-/// With its sign, unless it is zero as it is written.
+/// A number with its sign, unless its rounded value is zero.
 pub(crate) fn signed(value: f64, decimals: usize) -> String {
     unsigned_zero(format!("{value:+.decimals$}"))
 }
 
-/// Five digits, those behind the point included; as many before it as there are.
+/// A number with five digits, and all digits before the decimal point; numbers below 1 have five decimals.
 pub(crate) fn digits(value: f64) -> String {
     let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
     unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
 }
 
-/// Without the sign of a zero.
+/// Removes the sign of a number whose digits are all zero.
 pub(crate) fn unsigned_zero(number: String) -> String {
     match number.strip_prefix(['-', '+']) {
         Some(rest) if rest.chars().take_while(|c| *c != '(').all(|c| matches!(c, '0' | '.')) => {
@@ -378,13 +388,13 @@ mod tests {
     use super::{digits, measured, percent, signed};
 
     #[test]
-    fn numbers_have_five_digits() {
+    fn number_is_printed_with_five_digits() {
         let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
         assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
     }
 
     #[test]
-    fn small_errors_show_their_first_digit() {
+    fn percentage_of_small_error_shows_its_first_digit() {
         assert_eq!(percent(0.1234), "12.34 %");
         assert_eq!(percent(3.2e-5), "0.003 %");
         assert_eq!(percent(0.96e-5), "0.0010 %");
@@ -392,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_stand_in_units_of_the_last_digit() {
+    fn error_is_printed_in_units_of_the_last_digit() {
         assert_eq!(measured(Some(0.15234), Some(0.00021), 4), "0.1523(2)");
         assert_eq!(measured(Some(0.15234), Some(0.0021), 4), "0.152(2)");
         assert_eq!(measured(Some(0.15234), Some(1e-9), 4), "0.1523");

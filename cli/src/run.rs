@@ -1,4 +1,4 @@
-//! `papilio run`.
+//! `papilio run`: the result of a scenario.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,21 +15,21 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::progress::in_log;
-use crate::{Failure, folder, interrupt, output, report, say};
+use crate::{Failure, folder, interrupt, output, print_message, report};
 
-/// Less goes without saying, in seconds of one processor.
+/// Shortest computation that is announced, in seconds of one processor.
 const LONG_SECONDS: f64 = 20.0;
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
     let out = out_folder(arguments, &resolved.hash)?;
-    cost(&resolved)?.iter().for_each(|note| say(note));
+    cost_note(&resolved)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();
     let mut result = compute(&resolved, arguments.workers.threads)?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let cone = if arguments.cone && !result.solver.interrupted {
-        survey(&resolved, arguments.allow_error, arguments.workers.threads)?
+        compute_cone(&resolved, arguments.allow_error, arguments.workers.threads)?
     } else {
         None
     };
@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         result: &result,
     };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let light = light(&resolved.scene)?;
+    let light = light_map(&resolved.scene)?;
     let files = output::Files {
         title: &title,
         result: &file,
@@ -52,8 +52,8 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         cone: cone.as_ref(),
         png: arguments.png,
     };
-    let written = out.as_deref().map(|folder| interrupt::whole(|| output::write_run(folder, &files)));
-    // What was computed is shown even if it cannot be written.
+    let written = out.as_deref().map(|folder| interrupt::uninterrupted(|| output::write_run(folder, &files)));
+    // Print the result even if the files cannot be written.
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
         write_json(&mut stdout, &file)?;
@@ -64,55 +64,57 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;
-    tell(out.as_deref(), written.transpose()?, &resolved.notes, &result);
-    let of_cone = cone.iter().flat_map(|cone| &cone.warnings).filter(|w| !result.warnings.contains(w));
-    of_cone.for_each(|warning| say(&format!("warning: cone: {warning}")));
+    print_messages(out.as_deref(), written.transpose()?, &resolved.notes, &result);
+    let cone_warnings = cone.iter().flat_map(|cone| &cone.warnings).filter(|w| !result.warnings.contains(w));
+    cone_warnings.for_each(|warning| print_message(&format!("warning: cone: {warning}")));
     match (result.solver.interrupted, arguments.cone && cone.is_none()) {
-        (true, _) => Err(Failure::Interrupted("the result is that of the work done so far")),
-        (false, true) => Err(Failure::Interrupted("the cone is not there, all else is")),
+        (true, _) => Err(Failure::Interrupted("the result contains the work done so far")),
+        (false, true) => {
+            Err(Failure::Interrupted("the cone map was not computed; all other results were written"))
+        }
         (false, false) => Ok(()),
     }
 }
 
-/// Says beforehand that adding will take long, if it will.
-fn cost(resolved: &Resolved) -> Result<Option<String>, Failure> {
+/// A note if adding will take long, before it begins.
+fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
     if resolved.scene.solver.method != Method::Adding {
         return Ok(None);
     }
-    let seconds = adding_seconds(&resolved.scene).map_err(|error| Failure::of(resolved, error))?;
+    let seconds = adding_seconds(&resolved.scene).map_err(|error| Failure::from_display(resolved, error))?;
     Ok((seconds >= LONG_SECONDS).then(|| {
         format!(
-            "note: adding will take about {seconds:.0} s of one processor for these layers (an estimate, right to within a \
-             factor of ten); --solver walk needs no such preparation"
+            "note: adding will take about {seconds:.0} s of one processor for these layers (estimated to within a factor of \
+             ten)\n  = help: --solver monte-carlo does not need this preparation"
         )
     }))
 }
 
-/// Where the light comes from, where that is more than one direction or the same from all.
-fn light(scene: &Scene) -> Result<Option<RoomLight>, Failure> {
+/// Incident light by direction, unless it has a single direction or is uniform.
+fn light_map(scene: &Scene) -> Result<Option<RoomLight>, Failure> {
     let is_plain = scene.lighting.environment.is_empty() && scene.lighting.directed.len() < 2;
     Ok(if is_plain { None } else { Some(room_light(scene)?) })
 }
 
-/// Where files go, if they do.
+/// Folder for the files, if any are written.
 fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
     if arguments.scenario.out.is_some() || !arguments.json {
         return folder::choose(&arguments.scenario, hash).map(Some);
     }
     if arguments.cone || arguments.png {
-        let message = "--json writes no files by itself, and --cone and --png are about files\n  = help: name a folder with --out DIR";
+        let message = "--cone and --png write files, but --json writes none without --out\n  = help: specify a folder with --out DIR";
         return Err(Failure::Input(message.to_owned()));
     }
     Ok(None)
 }
 
-/// What belongs on standard error.
-fn tell(folder: Option<&Path>, written: Option<Vec<String>>, notes: &[String], result: &RunResult) {
+/// Prints the messages of a run on standard error.
+fn print_messages(folder: Option<&Path>, written: Option<Vec<String>>, notes: &[String], result: &RunResult) {
     if let (Some(folder), Some(names)) = (folder, written) {
-        output::announce(folder, &names);
+        output::print_written(folder, &names);
     }
-    notes.iter().for_each(|note| say(&format!("note: {note}")));
-    result.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+    result.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
 }
 
 fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
@@ -129,14 +131,14 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     Ok(Scenario::load(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
-/// Computes the display that a scenario describes.
+/// Computes the result of a scenario.
 pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunResult, Failure> {
     let result = with_progress(resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
-    result.ok_or(Failure::Interrupted("nothing was computed yet, nothing is written"))
+    result.ok_or(Failure::Interrupted("no result was computed; no file was written"))
 }
 
-/// All directions; `None` if interrupted.
-fn survey(
+/// Computes the conoscopic maps; `None` if interrupted.
+fn compute_cone(
     resolved: &Resolved,
     allow_error: Option<f64>,
     threads: Option<u16>,
@@ -147,26 +149,26 @@ fn survey(
     })
 }
 
-/// Computes something of a scenario under a progress bar; `None` if it was interrupted before there was a result.
+/// Computes a quantity of a scenario with a progress bar; `None` if interrupted before there was a result.
 pub(crate) fn with_progress<T>(
     resolved: &Resolved,
     threads: Option<u16>,
     compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError>,
 ) -> Result<Option<T>, Failure> {
-    interrupt::heed();
+    interrupt::catch_ctrl_c();
     let bar = progress_bar();
-    let _log = in_log(&bar, |bar| format!("{} %  {}", bar.position() / 10, bar.message()));
+    let _log = in_log(&bar, |bar| format!("{} % done, {}", bar.position() / 10, bar.message()));
     let show = |progress: Progress<'_>| show(&bar, progress);
     let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
     let result = compute(&control);
     bar.finish_and_clear();
     match result {
         Err(DisplayError::Interrupted) => Ok(None),
-        other => other.map(Some).map_err(|error| Failure::of(resolved, error)),
+        other => other.map(Some).map_err(|error| Failure::from_display(resolved, error)),
     }
 }
 
-/// On standard error, and only where that is a terminal.
+/// A progress bar on standard error, visible only on a terminal.
 fn progress_bar() -> ProgressBar {
     let bar = ProgressBar::new(1000);
     if let Ok(style) = ProgressStyle::with_template("  {bar:30} {percent:>3} %  {msg}  {elapsed}") {
@@ -177,14 +179,15 @@ fn progress_bar() -> ProgressBar {
 
 fn show(bar: &ProgressBar, progress: Progress<'_>) {
     let (views_done, views) = progress.views_done;
-    let of_view = match progress.target {
+    let fraction = match progress.target {
         Some(target) => (target / progress.relative_error).min(1.0),
         None => progress.share_of_paths.unwrap_or(0.0),
     };
-    let of_view = if of_view < 1.0 { of_view } else { 0.0 };
-    bar.set_position((1000.0 * (views_done as f64 + of_view) / views as f64) as u64);
+    // A complete view is already counted in `views_done`.
+    let fraction = if fraction < 1.0 { fraction } else { 0.0 };
+    bar.set_position((1000.0 * (views_done as f64 + fraction) / views as f64) as u64);
     let target = progress.target.map_or(String::new(), |target| format!(" (target {:.2} %)", 100.0 * target));
     let views = if views == 1 { String::new() } else { format!(", {views_done} of {views} views done") };
     let paths = progress.paths.map_or(String::new(), |paths| format!(", {paths} paths"));
-    bar.set_message(format!("error {:.2} %{target}{paths}{views}", 100.0 * progress.relative_error));
+    bar.set_message(format!("relative error {:.2} %{target}{paths}{views}", 100.0 * progress.relative_error));
 }

@@ -8,7 +8,7 @@ use papilio_scenario::Scenario;
 use papilio_web::{Options, Site, Start};
 
 use crate::arguments::Serve;
-use crate::{Failure, report, say};
+use crate::{Failure, print_message, report};
 
 pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
     let options = Options {
@@ -21,22 +21,22 @@ pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
         let (site, listener) = Site::bind(options).await?;
         let url = site.url();
         if site.has_token() {
-            say(
-                &"warning: others can reach this address. Whoever knows the token in it, behind #, can compute on this \
-                 machine; the connection is not encrypted",
+            print_message(
+                &"warning: other machines can reach this address. Anyone who has the token (after # in the address) can run \
+                 computations on this machine. The connection is not encrypted.",
             );
         }
-        anstream::println!("Papilio is at {url}");
-        say(&"Ctrl-C ends it");
+        anstream::println!("Papilio is running at {url}");
+        print_message(&"press Ctrl-C to stop it");
         if arguments.open && !open(&url) {
-            say(&"note: no browser could be opened");
+            print_message(&"note: the browser could not be opened; open the address above");
         }
         site.serve(listener).await;
         Ok(())
     })
 }
 
-/// A scenario and the files that it names. One that is wrong is opened too: the page is there to mend it.
+/// A scenario and the files that it names. An invalid scenario is opened too, so that it can be corrected in the page.
 fn start(path: &Path) -> Result<Start, Failure> {
     let name = path.display().to_string();
     let file = DataFile::open(path, &name).map_err(Failure::Data)?;
@@ -46,7 +46,7 @@ fn start(path: &Path) -> Result<Start, Failure> {
     let named = match &resolved {
         Ok(resolved) => resolved.canonical.get("inputs").and_then(|inputs| inputs.as_object()),
         Err(errors) => {
-            say(errors);
+            print_message(errors);
             None
         }
     };
@@ -59,7 +59,7 @@ fn start(path: &Path) -> Result<Start, Failure> {
     })
 }
 
-/// Has the system's browser show the page; false if there is none.
+/// Opens the page in the system's browser; false if that fails.
 fn open(url: &str) -> bool {
     let mut command = if cfg!(target_os = "macos") {
         Command::new("open")

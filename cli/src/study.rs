@@ -1,4 +1,4 @@
-//! `papilio study sampling`.
+//! `papilio study sampling`: standard errors of samplers and strategies.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -14,10 +14,10 @@ use papilio_scenario::Scenario;
 use crate::arguments::StudySampling;
 use crate::{Failure, folder, interrupt, output, report, run};
 
-/// The first number of paths: 16 for each replicate.
+/// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
 
-/// Points of a set in the figure.
+/// Points of each set in the figure of point sets.
 const POINTS: u64 = 256;
 
 pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
@@ -29,22 +29,22 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
     let clock = || cpu_seconds().unwrap_or_else(|| started.elapsed().as_secs_f64());
     let curves =
         run::with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
-            .ok_or(Failure::Interrupted("the study is not complete, nothing is written"))?;
+            .ok_or(Failure::Interrupted("the study is incomplete; no file was written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::stdout();
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;
     stdout.flush()?;
-    let names = interrupt::whole(|| {
+    let names = interrupt::uninterrupted(|| {
         let mut names = write(&folder, &curves, &title)?;
-        folder::sign(&folder, &title, &resolved.hash)?;
+        folder::write_about(&folder, &title, &resolved.hash)?;
         names.push(folder::ABOUT.to_owned());
         Ok::<_, Failure>(names)
     })?;
-    output::announce(&folder, &names);
+    output::print_written(&folder, &names);
     Ok(())
 }
 
-/// CPU time of this thread, where the system tells.
+/// CPU time of this thread, if the system reports it.
 #[cfg(unix)]
 fn cpu_seconds() -> Option<f64> {
     let time = nix::time::clock_gettime(nix::time::ClockId::CLOCK_THREAD_CPUTIME_ID).ok()?;
@@ -56,44 +56,44 @@ fn cpu_seconds() -> Option<f64> {
     None
 }
 
-/// Feng 2012, Table 4.1.
+/// Variances of estimates of an integral for several densities (Feng 2012, table 4.1).
 fn table_4_1() -> String {
     let (samples, experiments) = (16, 20_000);
     let mut text = format!(
-        "The integral of x from 0 to 4 (Feng 2012, Table 4.1); experiment: {experiments} estimates from {samples} \
+        "integral of x from 0 to 4 (Feng 2012, table 4.1); experiment: {experiments} estimates, each from {samples} \
          samples\n  {:<18} {:>12}  {:>12}  {:>24}  {:>16}\n",
-        "density", "variance", "N = 16", "by experiment", "N for SE .08"
+        "density", "variance", "at N = 16", "in the experiment", "N for SE 0.08"
     );
-    for way in Way::ALL {
-        let (factor, power) = way.variance();
+    for estimator in Way::ALL {
+        let (factor, power) = estimator.variance();
         let formula = if power == 1 { format!("{factor:.4}/N") } else { format!("{factor:.4}/N^{power}") };
         let exact = factor / (samples as f64).powi(power);
-        let (found, error) = way.experiment(samples, experiments, 0);
+        let (found, error) = estimator.experiment(samples, experiments, 0);
         let found = format!("{found:.5} +- {error:.5}");
         let _ = writeln!(
             text,
             "  {:<18} {formula:>12}  {exact:>12.5}  {found:>24}  {:>16}",
-            way.density_in_words(),
-            way.samples_for(0.08)
+            estimator.density_in_words(),
+            estimator.samples_for(0.08)
         );
     }
     text
 }
 
-/// A line for each sampler and strategy.
+/// Report of the study: a row for each sampler and strategy.
 fn table(title: &str, curves: &[StudyCurve]) -> String {
     let mut text = format!(
-        "\n{}: largest relative standard error of Y over the states, first view\n  {:<16}{:<10}",
+        "\n{}: largest relative standard error of Y among the states, first view, by number of paths\n  {:<16}{:<10}",
         report::plain(title),
         "sampler",
-        "scattering"
+        "strategy"
     );
     let counts: Vec<u64> = curves.first().iter().flat_map(|c| c.points.iter().map(|p| p.paths)).collect();
     for paths in &counts {
         let _ = write!(text, "{:>10}", format!("{paths}"));
     }
     let _ =
-        writeln!(text, "{:>16}{:>10}{:>11}{:>14}", "error ~ paths^", "us/path", "ms before", "ms to .1 %");
+        writeln!(text, "{:>16}{:>10}{:>11}{:>14}", "error ~ paths^", "us/path", "setup (ms)", "ms to 0.1 %");
     for curve in curves {
         let _ = write!(text, "  {:<16}{:<10}", curve.sampler.name(), curve.strategy.name());
         for point in &curve.points {
@@ -116,21 +116,25 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
     let mut figures: Vec<(String, String)> = Sampler::ALL
         .into_iter()
         .map(|sampler| {
-            let of: Vec<&StudyCurve> = curves.iter().filter(|curve| curve.sampler == sampler).collect();
+            let of_sampler: Vec<&StudyCurve> =
+                curves.iter().filter(|curve| curve.sampler == sampler).collect();
             let title = format!("{title}: {} numbers", sampler.name());
-            (format!("study_{}", sampler.name()), accuracy(&panels(&of, |c| c.strategy.name()), &title))
+            (
+                format!("study_{}", sampler.name()),
+                accuracy(&panels(&of_sampler, |c| c.strategy.name()), &title),
+            )
         })
         .collect();
     let guided: Vec<&StudyCurve> = curves.iter().filter(|c| c.strategy == Strategy::Kernel).collect();
     let of_samplers =
         accuracy(&panels(&guided, |c| c.sampler.name()), &format!("{title}: drawn from the kernel"));
     figures.push(("study_samplers".to_owned(), of_samplers));
-    figures.push(("point_sets".to_owned(), point_sets(&sets(), &format!("{POINTS} points"))));
+    figures.push(("point_sets".to_owned(), point_sets(&point_set_pairs(), &format!("{POINTS} points"))));
     names.extend(output::write_figures(folder, figures, true)?);
     Ok(names)
 }
 
-/// Against paths, and against CPU time.
+/// Panels of the relative error against paths and against CPU time.
 fn panels(curves: &[&StudyCurve], name: impl Fn(&StudyCurve) -> &'static str) -> Vec<ErrorPanel> {
     let panel = |x: &str, of: &dyn Fn(&StudyPoint) -> f64| {
         let curve = |(group, curve): (usize, &&StudyCurve)| ErrorCurve {
@@ -144,8 +148,8 @@ fn panels(curves: &[&StudyCurve], name: impl Fn(&StudyCurve) -> &'static str) ->
     vec![panel("Paths", &|p| p.paths as f64), panel("CPU time of transport, s", &|p| p.transport_s)]
 }
 
-/// The first pair of coordinates of every sampler: a set as it comes at once (its second octave).
-fn sets() -> Vec<(&'static str, Vec<[f64; 2]>)> {
+/// Points of each sampler: the first two coordinates of samples 256 to 511.
+fn point_set_pairs() -> Vec<(&'static str, Vec<[f64; 2]>)> {
     Sampler::ALL
         .into_iter()
         .map(|sampler| (sampler.name(), sampler.first_pairs(POINTS..2 * POINTS)))

@@ -1,30 +1,30 @@
-//! Standard output and standard error: everything that the program prints goes through here.
+//! Standard output and standard error. Everything that the program prints passes through this module.
 //!
-//! Names of files, keys and cells of tables are quoted in what is printed, and may hold anything: characters that a terminal obeys are
-//! shown and not sent. In JSON what stands for them means the same character.
+//! Printed text quotes names of files, keys and cells of tables, which may contain control characters. These are escaped, so
+//! that a terminal does not execute them. In JSON the escape sequence means the same character.
 
 use std::io::{self, Write};
 
 use papilio_formats::words::visible;
 
-/// Standard output.
+/// Standard output, with control characters escaped.
 pub(crate) fn stdout() -> impl Write {
-    Plain { to: anstream::stdout().lock(), cut: Vec::new() }
+    EscapingWriter { to: anstream::stdout().lock(), incomplete: Vec::new() }
 }
 
-/// Prints on standard error, where nobody may listen.
-pub(crate) fn say(text: &dyn std::fmt::Display) {
+/// Prints a message on standard error. Errors are ignored: standard error may be closed.
+pub(crate) fn print_message(text: &dyn std::fmt::Display) {
     let _ = writeln!(anstream::stderr(), "{}", visible(&text.to_string()));
 }
 
-/// Text in which no character is obeyed.
-struct Plain<W> {
+/// A writer that escapes control characters.
+struct EscapingWriter<W> {
     to: W,
-    /// The bytes of a character that was cut off at the end of the last piece.
-    cut: Vec<u8>,
+    /// First bytes of a character that was split at the end of the previous piece.
+    incomplete: Vec<u8>,
 }
 
-impl<W: Write> Plain<W> {
+impl<W: Write> EscapingWriter<W> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         for chunk in bytes.utf8_chunks() {
             self.to.write_all(visible(chunk.valid()).as_bytes())?;
@@ -36,16 +36,16 @@ impl<W: Write> Plain<W> {
     }
 }
 
-impl<W: Write> Write for Plain<W> {
+impl<W: Write> Write for EscapingWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut all = std::mem::take(&mut self.cut);
+        let mut all = std::mem::take(&mut self.incomplete);
         all.extend_from_slice(bytes);
-        // A character may be cut at the end of a piece: by three bytes at most.
-        let whole = match std::str::from_utf8(&all) {
+        // A piece may end within a character: at most three bytes remain.
+        let complete = match std::str::from_utf8(&all) {
             Err(error) if error.error_len().is_none() => error.valid_up_to(),
             _ => all.len(),
         };
-        self.cut = all.split_off(whole);
+        self.incomplete = all.split_off(complete);
         self.send(&all)?;
         Ok(bytes.len())
     }
@@ -59,15 +59,14 @@ impl<W: Write> Write for Plain<W> {
 mod tests {
     use super::*;
 
-    /// However a text is cut into pieces.
     #[test]
-    fn no_piece_of_text_is_obeyed() {
+    fn control_characters_are_escaped_for_any_split() {
         let text = "a\u{1b}[2J\tb\u{9b}c\u{202e}µ\n\r";
-        let wanted = "a\\u001b[2J\tb\\u009bc\\u202eµ\n\\u000d";
+        let expected = "a\\u001b[2J\tb\\u009bc\\u202eµ\n\\u000d";
         for size in 1..text.len() {
-            let mut plain = Plain { to: Vec::new(), cut: Vec::new() };
-            text.as_bytes().chunks(size).for_each(|piece| plain.write_all(piece).unwrap());
-            assert_eq!(String::from_utf8(plain.to).unwrap(), wanted, "{size}");
+            let mut writer = EscapingWriter { to: Vec::new(), incomplete: Vec::new() };
+            text.as_bytes().chunks(size).for_each(|piece| writer.write_all(piece).unwrap());
+            assert_eq!(String::from_utf8(writer.to).unwrap(), expected, "{size}");
         }
     }
 }

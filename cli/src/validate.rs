@@ -1,4 +1,4 @@
-//! `papilio validate`: the dissertation that Papilio follows, run again, as a page of HTML.
+//! `papilio validate`: the tables and figures of Feng (2012) next to Papilio's results, as HTML.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -8,13 +8,13 @@ use papilio_formats::write_file;
 use papilio_reproduction::{ReproductionError, reproduce};
 
 use crate::arguments::Validate;
-use crate::{Failure, interrupt, output, say};
+use crate::{Failure, interrupt, output, print_message};
 
 pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
     let folder = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out/validate"));
     output::check(&folder)?;
     output::make_folder(&folder)?;
-    interrupt::heed();
+    interrupt::catch_ctrl_c();
     let started = Instant::now();
     let control = Control {
         threads: arguments.workers.threads.map(usize::from),
@@ -23,12 +23,16 @@ pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
     };
     let report = match reproduce(&folder.join("scenarios"), &control) {
         Err(ReproductionError::Display(DisplayError::Interrupted)) => {
-            return Err(Failure::Interrupted("no report is written"));
+            return Err(Failure::Interrupted("no report was written"));
         }
         other => other?,
     };
     write_file(&folder.join("report.html"), |out| out.write_all(report.html().as_bytes()))?;
-    say(&format!("{} tables and figures in {:.1} s", report.sections.len(), started.elapsed().as_secs_f64()));
-    say(&format!("wrote {}: report.html, scenarios/", folder.display()));
+    print_message(&format!(
+        "reproduced {} tables and figures in {:.1} s",
+        report.sections.len(),
+        started.elapsed().as_secs_f64()
+    ));
+    print_message(&format!("wrote {}: report.html, scenarios/", folder.display()));
     Ok(())
 }

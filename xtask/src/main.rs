@@ -1,7 +1,7 @@
-//! The chores of the project: `cargo xtask CHORE`; without a chore, their list.
+//! Tasks of the project: `cargo xtask TASK`. Without a task, it lists all tasks.
 //!
-//! Each chore runs the tools that it needs as processes. A tool that is missing is
-//! named in one line, with the command that installs it.
+//! Each task runs the tools that it needs as processes. If a tool is missing, the message names it and the command that
+//! installs it.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
@@ -19,71 +19,73 @@ use std::process::ExitCode;
 
 use shell::{Needs, Outcome, cargo};
 
-/// A name, what the chore does, and the chore.
-type Chore = (&'static str, &'static str, fn() -> Outcome);
+/// Name, description and function of a task.
+type Task = (&'static str, &'static str, fn() -> Outcome);
 
-const CHORES: [Chore; 10] = [
+const TASKS: [Task; 10] = [
     (
         "test",
-        "format, lints, all tests, documentation, three example scenarios, the web app's page, the Python package",
+        "run all checks: format, lints, tests, documentation, three example scenarios, web page, Python package",
         test::test,
     ),
     (
         "full",
-        "test, with far more seeds and random displays, longer fuzzing, every example scenario, all of the page and of the Python package; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, every example scenario, and all tests of the page and of Python; then oracle and deny",
         full,
     ),
-    ("page", "build the web app's page, and all of its tests in Chromium", page::page),
+    ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
     (
         "python",
-        "build the Python package's wheel, and all of its tests in a clean environment",
+        "build the wheel of the Python package, and run all its tests in a clean environment",
         package::package,
     ),
     (
         "oracle",
-        "recompute the reference tables of validation/ and the tables of the CIE with their Python oracles",
+        "compare the reference tables of validation/ and the tables of the CIE with the Python programs that made them",
         oracle::oracle,
     ),
-    ("peers", "time Papilio beside other programs, for docs/peers.md", peers::peers),
-    ("deny", "licences, advisories and sources of all dependencies", deny),
-    ("bench", "all benchmarks", bench),
-    ("picture", "make the pictures of docs/pictures anew", pictures::pictures),
-    ("accuracy", "measure both solvers' accuracy against cost, for docs/pictures", pictures::accuracy),
+    ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),
+    ("deny", "check licences, advisories and sources of all dependencies", deny),
+    ("bench", "run all benchmarks", bench),
+    ("picture", "make the pictures of docs/pictures again", pictures::pictures),
+    ("accuracy", "measure accuracy against time of both solvers, for docs/pictures", pictures::accuracy),
 ];
 
-/// The chore that takes arguments: those of `papilio serve`.
-const SERVE: (&str, &str) =
-    ("serve", "build the web app's page and the program, and serve it: cargo xtask serve [FILE] [--open]");
+/// The task with arguments, which are those of `papilio serve`.
+const SERVE: (&str, &str) = (
+    "serve",
+    "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
+);
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let name = arguments.next();
     let rest: Vec<String> = arguments.collect();
     if name.as_deref() == Some(SERVE.0) {
-        return ended(serve::serve(&rest));
+        return exit_code(serve::serve(&rest));
     }
-    let more = rest.into_iter().next();
-    let chore = CHORES.iter().find(|(known, ..)| Some(*known) == name.as_deref());
-    match (chore, name, more) {
-        (Some((.., chore)), _, None) => ended(chore()),
+    let extra = rest.into_iter().next();
+    let task = TASKS.iter().find(|(known, ..)| Some(*known) == name.as_deref());
+    match (task, name, extra) {
+        (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = CHORES.iter().map(|(name, what, _)| (*name, *what)).chain([SERVE]);
-            all.for_each(|(name, what)| println!("cargo xtask {name:<8} {what}"));
+            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE]);
+            all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }
-        (_, name, more) => {
-            let said = name.into_iter().chain(more).collect::<Vec<_>>().join(" ");
-            eprintln!("xtask: no chore `{said}`; `cargo xtask` lists them");
+        (_, name, extra) => {
+            let arguments = name.into_iter().chain(extra).collect::<Vec<_>>().join(" ");
+            eprintln!("xtask: unknown task `{arguments}`; `cargo xtask` lists all tasks");
             ExitCode::from(2)
         }
     }
 }
 
-fn ended(chore: Outcome) -> ExitCode {
-    match chore {
+fn exit_code(outcome: Outcome) -> ExitCode {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(why) => {
-            eprintln!("xtask: {why}");
+        Err(reason) => {
+            eprintln!("xtask: {reason}");
             ExitCode::FAILURE
         }
     }

@@ -1,4 +1,4 @@
-//! The Python package (`python`): built as a wheel by maturin, installed into an environment of its own, tested there.
+//! The Python package (`python`): maturin builds its wheel, which is installed and tested in a separate environment.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::python::Environment;
 use crate::shell::{self, Outcome, cargo, command};
 
-/// What builds and tests it, pinned, and what it can work with.
+/// Packages that build and test it, with versions, and its optional dependencies.
 const PACKAGES: [&str; 10] = [
     "maturin==1.16.0",
     "pytest==9.2.0",
@@ -20,18 +20,18 @@ const PACKAGES: [&str; 10] = [
     "ipykernel==7.4.0",
 ];
 
-/// How many designs a cluster computes in its long test.
+/// Number of designs in the long test of clusters.
 const DESIGNS: (&str, &str) = ("PAPILIO_DESIGNS", "100000");
 
-/// Which of docs/notebooks are run: without it, none.
+/// Notebooks of docs/notebooks to run; without this variable, none.
 const NOTEBOOKS: (&str, &str) = ("PAPILIO_NOTEBOOKS", "all");
 
-/// How the extension module is compiled.
+/// Build profile of the extension module.
 #[derive(Clone, Copy)]
 pub(crate) enum Profile {
-    /// As for tests: quick to build.
+    /// For tests: compiles quickly.
     Dev,
-    /// As for users.
+    /// For users.
     Release,
 }
 
@@ -43,7 +43,7 @@ impl Profile {
         }
     }
 
-    /// The program of this profile.
+    /// Path of the program built with this profile.
     fn papilio(self) -> PathBuf {
         match self {
             Self::Dev => shell::papilio_for_tests(),
@@ -52,7 +52,7 @@ impl Profile {
     }
 }
 
-/// The chore: the wheel as users get it, in a clean environment.
+/// Runs the task: builds the wheel for users, and tests it in a clean environment.
 pub(crate) fn package() -> Outcome {
     let environment = Environment::clean("python", &PACKAGES)?;
     build(&environment, Profile::Release)?;
@@ -60,7 +60,7 @@ pub(crate) fn package() -> Outcome {
     shell::run(tests(&environment, Profile::Release))
 }
 
-/// The environment of every day, made complete.
+/// The environment of the daily tests, with all packages installed.
 pub(crate) fn environment() -> Result<Environment, String> {
     Environment::new("python", &PACKAGES)
 }
@@ -73,15 +73,15 @@ pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
     let lean = matches!(profile, Profile::Dev).then_some("--no-default-features");
     let build = build.into_iter().chain([profile.name(), "--out", &*out]).chain(lean);
     shell::run(command(environment.python(), build))?;
-    // Whatever stands there already: its version may be the same.
+    // Replaces an installed package even if it has the same version.
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", "--no-index"];
     let install = install.into_iter().chain(["--find-links", &*out, "papilio"]);
     shell::run(command(environment.python(), install))
 }
 
-/// The package's tests; they compare it with the program of the same profile.
+/// Tests of the package. They compare it with the program of the same profile.
 pub(crate) fn tests(environment: &Environment, profile: Profile) -> Command {
-    // Not in `python`: the sources there, without the extension module, would be taken for the package.
+    // Not in the folder `python`: Python would import the sources there, which lack the extension module.
     let arguments = ["-m", "pytest", "-c", "python/pyproject.toml", "python/tests"];
     let mut tests = command(environment.python(), arguments);
     tests.env("PAPILIO", profile.papilio());

@@ -1,4 +1,4 @@
-//! The web app's page (`web/page`): built by npm, tested by node and in a browser.
+//! The page of the web app (`web/page`): built with npm, tested with node and in a browser.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -9,15 +9,15 @@ use crate::shell::{self, Needs, Outcome, cargo, command};
 
 const NPM: Needs = Needs { tool: &["npm"], install: "install Node.js 20 or later (https://nodejs.org)" };
 
-/// Names of the browser that the end-to-end tests drive; the variable `CHROMIUM` names another one.
+/// Names of the browser for the end-to-end tests; the variable `CHROMIUM` specifies another one.
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// Which end-to-end tests: the flow of every day with one mishap of each kind, or all of them, with fifty mishaps.
+/// Daily end-to-end tests: the main workflow, and one simulated failure of each kind.
 pub(crate) const EVERYDAY: &str = "flow";
-/// All of them.
+/// All end-to-end tests, with fifty simulated failures.
 pub(crate) const ALL: &str = "full";
 
-/// The chore: the page alone, all of it.
+/// Runs the task: builds the page, and runs all its tests.
 pub(crate) fn page() -> Outcome {
     let browser = browser()?;
     build()?;
@@ -26,7 +26,7 @@ pub(crate) fn page() -> Outcome {
     shell::run(end_to_end(ALL, &browser))
 }
 
-/// Where the page is.
+/// Folder of the page.
 pub(crate) fn folder() -> PathBuf {
     shell::root().join("web").join("page")
 }
@@ -40,23 +40,23 @@ pub(crate) fn build() -> Outcome {
     shell::run(npm(["run", "build"]))
 }
 
-/// Why the page cannot be tested here, or the browser that does it.
+/// Path of the browser for the tests, or the reason why the page cannot be tested.
 pub(crate) fn browser() -> Result<PathBuf, String> {
     shell::need(NPM)?;
-    let set = std::env::var_os("CHROMIUM").map(PathBuf::from);
+    let specified = std::env::var_os("CHROMIUM").map(PathBuf::from);
     let folders: Vec<PathBuf> =
         std::env::var_os("PATH").map(|all| std::env::split_paths(&all).collect()).unwrap_or_default();
     let in_path = BROWSERS.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
-    let missing = "chromium is missing: apt-get install chromium, or name one in CHROMIUM";
-    set.into_iter().chain(in_path).find(|path| path.is_file()).ok_or_else(|| missing.to_owned())
+    let missing = "chromium is missing: apt-get install chromium, or set CHROMIUM to the path of a browser";
+    specified.into_iter().chain(in_path).find(|path| path.is_file()).ok_or_else(|| missing.to_owned())
 }
 
-/// The page's unit tests.
+/// Unit tests of the page.
 pub(crate) fn unit_tests() -> Command {
     npm(["test"])
 }
 
-/// The end-to-end tests against the program of the development profile, as it was built last.
+/// End-to-end tests of the page, with the latest program of the development profile.
 pub(crate) fn end_to_end(which: &str, browser: &Path) -> Command {
     let mut tests = npm(["run", which]);
     tests.env("PAPILIO", shell::papilio_for_tests()).env("CHROMIUM", browser);
@@ -69,16 +69,16 @@ fn npm<const N: usize>(arguments: [&str; N]) -> Command {
     npm
 }
 
-/// True if npm has installed what the lock file says.
+/// True if npm has installed the packages of the lock file.
 fn is_installed(page: &Path) -> bool {
     let changed = |path: &Path| fs::metadata(path).and_then(|about| about.modified()).ok();
     let installed = changed(&page.join("node_modules").join(".package-lock.json"));
     installed.is_some_and(|installed| Some(installed) >= changed(&page.join("package-lock.json")))
 }
 
-/// A number for the page that was built last, another one for another page; none if there is no page.
-pub(crate) fn print() -> Option<String> {
-    // The page's start names all its parts by their contents.
+/// Hash of the latest page; `None` if there is no page.
+pub(crate) fn hash() -> Option<String> {
+    // index.html contains the names of all other files, which contain hashes of their contents.
     let start = fs::read(folder().join("dist").join("index.html")).ok()?;
     let mut hasher = DefaultHasher::new();
     start.hash(&mut hasher);

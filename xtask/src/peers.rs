@@ -1,9 +1,9 @@
-//! `cargo xtask peers`: Papilio beside other programs, into docs/peers.md.
+//! `cargo xtask peers`: compares the speed of Papilio with that of other programs, for docs/peers.md.
 
 use crate::python::Environment;
 use crate::shell::{self, Outcome, cargo, command};
 
-/// What it is held against, pinned. Newer versions of mitsuba want a newer LLVM than some systems have.
+/// The other programs, with versions. Newer versions of mitsuba need a newer LLVM than some systems have.
 const PACKAGES: [&str; 8] = [
     "tmm==0.2.0",
     "tmm_fast==0.3.0",
@@ -15,7 +15,7 @@ const PACKAGES: [&str; 8] = [
     "numpy==2.4.6",
 ];
 
-/// The chore: minutes, in which nothing else should run.
+/// Runs the task. It takes minutes, during which no other program should run.
 pub(crate) fn peers() -> Outcome {
     let environment = Environment::new("peers", &PACKAGES)?;
     shell::run(cargo(["build", "--release", "--package", "papilio-validation", "--example", "peers"]))?;

@@ -2,10 +2,10 @@
 
 use crate::shell::{self, Outcome, cargo};
 
-/// A command of papilio, its file among the scenarios, the figures to keep, and what goes before their names.
-type Drawing = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
+/// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
+type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const DRAWINGS: [Drawing; 9] = [
+const PICTURES: [Picture; 9] = [
     (
         &["run"],
         "indoor.toml",
@@ -54,16 +54,16 @@ const DRAWINGS: [Drawing; 9] = [
     ),
 ];
 
-/// The chore.
+/// Runs the task.
 pub(crate) fn pictures() -> Outcome {
     let pictures = shell::root().join("docs/pictures");
     std::fs::create_dir_all(&pictures).map_err(|error| format!("docs/pictures: {error}"))?;
-    for (what, file, figures, prefix) in DRAWINGS {
-        let command = what.iter().filter(|word| !word.starts_with("--")).copied().collect::<Vec<_>>();
+    for (arguments, file, figures, prefix) in PICTURES {
+        let command = arguments.iter().filter(|word| !word.starts_with("--")).copied().collect::<Vec<_>>();
         let out = shell::target().join("pictures").join(command.join("-"));
         let file = format!("scenarios/{file}");
         let mut papilio = cargo(["run", "--release", "--quiet", "--package", "papilio", "--"]);
-        papilio.args(what).arg(file).arg("--out").arg(&out);
+        papilio.args(arguments).arg(file).arg("--out").arg(&out);
         if figures.contains(&"cone.svg") {
             papilio.arg("--cone");
         }
@@ -73,11 +73,11 @@ pub(crate) fn pictures() -> Outcome {
                 .map_err(|error| format!("{figure}: {error}"))?;
         }
     }
-    println!("\nlook at docs/pictures before you commit them");
+    println!("\ncheck the pictures in docs/pictures before you commit them");
     Ok(())
 }
 
-/// The chore: a figure of times, so of this machine. Let nothing else run meanwhile.
+/// Measures accuracy against time. The figure depends on the machine; no other program should run meanwhile.
 pub(crate) fn accuracy() -> Outcome {
     let mut measure = cargo(["run", "--release", "--quiet", "--package", "papilio-validation"]);
     measure.args(["--example", "accuracy", "--", "docs/pictures/accuracy.svg"]);

@@ -1,9 +1,9 @@
-//! `cargo xtask serve`: the web app with its page, built and served.
+//! `cargo xtask serve`: builds the web app with its page, and starts it.
 
 use crate::page;
 use crate::shell::{self, Outcome, cargo, command};
 
-/// Builds the page and the program, and serves; `arguments` are those of `papilio serve`.
+/// Builds the page and the program, and starts the server with the arguments of `papilio serve`.
 pub(crate) fn serve(arguments: &[String]) -> Outcome {
     let program = build()?;
     let mut serve = command(program, ["serve"]);
@@ -11,7 +11,7 @@ pub(crate) fn serve(arguments: &[String]) -> Outcome {
     shell::run(serve)
 }
 
-/// Builds the page into the program, and returns where that is.
+/// Builds the program with the page, and returns its path.
 fn build() -> Result<std::path::PathBuf, String> {
     page::build()?;
     shell::run(cargo(["build", "--release", "--package", "papilio"]))?;

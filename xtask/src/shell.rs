@@ -6,33 +6,33 @@ use std::process::{Command, Stdio};
 
 use crate::page;
 
-/// A chore's end: well, or why not, in a line.
+/// Result of a task; the error is one line.
 pub(crate) type Outcome = Result<(), String>;
 
-/// A tool, and how to get it.
+/// A tool, and the command that installs it.
 pub(crate) struct Needs {
     pub(crate) tool: &'static [&'static str],
     pub(crate) install: &'static str,
 }
 
-/// The top of the repository.
+/// Root folder of the repository.
 pub(crate) fn root() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here)
 }
 
-/// Where builds go, and what chores leave behind.
+/// Target folder, for builds and for files of the tasks.
 pub(crate) fn target() -> PathBuf {
     let set = std::env::var_os("CARGO_TARGET_DIR");
     root().join(set.map_or_else(|| "target".into(), PathBuf::from))
 }
 
-/// Papilio as users get it.
+/// Path of the program of the release profile.
 pub(crate) fn papilio() -> PathBuf {
     program_in("release")
 }
 
-/// Papilio as cargo builds it for tests, and with them.
+/// Path of the program of the development profile, which cargo builds with the tests.
 pub(crate) fn papilio_for_tests() -> PathBuf {
     program_in("debug")
 }
@@ -41,7 +41,7 @@ fn program_in(folder: &str) -> PathBuf {
     target().join(folder).join("papilio").with_extension(std::env::consts::EXE_EXTENSION)
 }
 
-/// A program with arguments, at the top of the repository.
+/// A command that runs a program in the root folder of the repository.
 pub(crate) fn command(
     program: impl AsRef<Path>,
     arguments: impl IntoIterator<Item = impl AsRef<str>>,
@@ -54,56 +54,56 @@ pub(crate) fn command(
     command
 }
 
-/// Cargo with arguments: the one that runs this chore. It compiles the web app's page that was built last into the program,
-/// and notices if that is another one.
+/// A command that runs cargo (the one that runs this task). Cargo includes the latest page of the web app in the program, and
+/// compiles it again if the page has changed.
 pub(crate) fn cargo(arguments: impl IntoIterator<Item = impl AsRef<str>>) -> Command {
     let cargo = std::env::var_os("CARGO").map_or_else(|| "cargo".into(), PathBuf::from);
     let mut cargo = command(cargo, arguments);
-    if let Some(print) = page::print() {
-        cargo.env("PAPILIO_PAGE", print);
+    if let Some(hash) = page::hash() {
+        cargo.env("PAPILIO_PAGE", hash);
     }
     cargo
 }
 
-/// Fails with the way to install a tool if it cannot say its version.
+/// Fails if a tool does not print its version. The error contains the command that installs it.
 pub(crate) fn need(needs: Needs) -> Outcome {
     let (program, arguments) = needs.tool.split_first().ok_or("no tool named")?;
-    let mut asked = command(program, arguments);
-    let answer = asked.arg("--version").stdin(Stdio::null()).output();
-    if answer.is_ok_and(|output| output.status.success()) {
+    let mut version = command(program, arguments);
+    let output = version.arg("--version").stdin(Stdio::null()).output();
+    if output.is_ok_and(|output| output.status.success()) {
         Ok(())
     } else {
         Err(format!("{} is missing: {}", needs.tool.join(" "), needs.install))
     }
 }
 
-/// Shows a command and runs it.
+/// Prints a command, and runs it.
 pub(crate) fn run(command: Command) -> Outcome {
     run_and_read(command, None)
 }
 
-/// The same, with every line of its standard output shown and read as well.
+/// Prints a command and runs it; `read` receives each line of its standard output, which is also printed.
 pub(crate) fn run_and_read(mut command: Command, read: Option<&mut dyn FnMut(&str)>) -> Outcome {
     let shown = shown(&command);
     println!("\n> {shown}");
     command.stdin(Stdio::null());
-    let fault = |error: std::io::Error| format!("{shown}: {error}");
+    let failure = |error: std::io::Error| format!("{shown}: {error}");
     if read.is_some() {
         command.stdout(Stdio::piped());
     }
-    let mut child = command.spawn().map_err(fault)?;
+    let mut child = command.spawn().map_err(failure)?;
     if let (Some(read), Some(out)) = (read, child.stdout.take()) {
         for line in BufReader::new(out).lines() {
-            let line = line.map_err(fault)?;
+            let line = line.map_err(failure)?;
             println!("{line}");
             read(&line);
         }
     }
-    let status = child.wait().map_err(fault)?;
+    let status = child.wait().map_err(failure)?;
     if status.success() { Ok(()) } else { Err(format!("{shown}: {status}")) }
 }
 
-/// A command as one would type it.
+/// A command as text for the terminal.
 fn shown(command: &Command) -> String {
     let program = Path::new(command.get_program()).file_stem().unwrap_or_default();
     let words = std::iter::once(program).chain(command.get_args());

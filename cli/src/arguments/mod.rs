@@ -1,7 +1,7 @@
-//! The commands and their options.
+//! Commands and options of the command line.
 
 mod diffuser;
-mod plans;
+mod studies;
 
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
@@ -11,12 +11,22 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 pub(crate) use self::diffuser::{
     Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, Steps,
 };
-pub(crate) use self::plans::{Optimize, Sweep, SweepCommand, SweepMerge, SweepRun, SweepWanted, Tolerance};
+pub(crate) use self::studies::{
+    Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
+};
 
-/// Papilio simulates what a reader sees of a reflective display: the room's light, the
-/// front of screen, the diffuser, the glass and the pixel, described in one scenario file.
+/// Papilio simulates the appearance of reflective displays
 #[derive(Debug, Parser)]
-#[command(name = "papilio", version, about, max_term_width = 100, arg_required_else_help = true)]
+#[command(
+    name = "papilio",
+    version,
+    max_term_width = 100,
+    arg_required_else_help = true,
+    after_help = "A scenario file (TOML) describes the display, the light and the viewer. To start:\n  \
+                  papilio new office office.toml\n  \
+                  papilio run office.toml\n\n\
+                  Results are written to out/ unless --out specifies another folder. docs/README.md lists the documentation."
+)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -24,65 +34,67 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Compute a scenario: colours, gamut, contrast, reflectance, with errors and figures
+    /// Compute colours, gamut, contrast and reflectance of a scenario, with errors and figures
     #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
     Run(Run),
-    /// Scan a scenario's pixel alone from 0 to 90 deg into pixel.csv and a figure
+    /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
     #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n\n\
-                      A pixel table for a panel with a diffuser needs angles in glass: light reaches it at all of them.")]
+                      For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at\n\
+                      all angles in the glass.")]
     Pixel(Pixel),
-    /// Write the finished display's own spectral BSDF, of each state, for other tools
+    /// Export the spectral BRDF of the whole display, for each state
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
-                      The file, display-bsdf.npz, is described in docs/brdf.md; NumPy reads it.")]
+                      docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
     Brdf(Brdf),
-    /// Hold a measured panel to a simulated one: differences of spectra and colours, with figures
+    /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(
         after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
-                      MEASURED has the columns state, theta_deg (and phi_deg), and either wavelength_nm and\n\
-                      reflectance_factor or X, Y, Z; docs/compare.md describes them."
+                      MEASURED needs the columns state, theta_deg (optionally phi_deg), and either wavelength_nm\n\
+                      and reflectance_factor, or X, Y and Z. docs/compare.md describes them."
     )]
     Compare(Compare),
-    /// Write a commented scenario to begin with, in the light of a preset: a room, daylight, a standard's geometry
+    /// Write a commented scenario to start from, with the light of a preset
     #[command(after_help = "Example: papilio new office office.toml && papilio run office.toml\n\n\
-                      An unknown preset lists all that there are; docs/light.md describes them.")]
+                      Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
+                      The error for an unknown preset lists all names.")]
     New(New),
-    /// Bring a scenario file to the present names of keys and values
+    /// Replace old names of keys and values in a scenario file
     #[command(after_help = "Example: papilio migrate old.toml\n\n\
-                      Old names are read by every command; this command replaces them in the file. Comments, order and\n\
-                      layout stay as they are.")]
+                      Every command accepts old names; this command replaces them in the file. Comments, order and layout\n\
+                      do not change.")]
     Migrate(Migrate),
-    /// Files of measured scattering: look into them, convert them
+    /// Inspect, convert and fit files of measured scattering (BSDF)
     #[command(subcommand)]
     Diffuser(Diffuser),
-    /// Compute a scenario at every point of its `[sweep]`, resumably: sweep.csv and figures
+    /// Compute a scenario over a grid of values (`[sweep]`): sweep.csv and figures; can be resumed
     #[command(after_help = "Example: papilio sweep scenarios/sweep.toml\n\n\
-                      What is done is kept: the same command goes on after a kill, and computes only what is new in a\n\
-                      sweep that was changed.")]
+                      Each finished point is saved. To resume an interrupted sweep, run the same command again. If the\n\
+                      sweep has changed, only new points are computed.")]
     Sweep(Sweep),
-    /// Search for better designs as `[optimize]` says, resumably: best.toml or a front, optimize.csv, figures
+    /// Search for better designs (`[optimize]`): best.toml or a Pareto front; can be resumed
     #[command(after_help = "Example: papilio optimize scenarios/optimize.toml\n\n\
-                      What is done is kept: the same command goes on after a kill, and ends in the same files.")]
+                      Finished work is saved. To resume an interrupted search, run the same command again: the final files\n\
+                      are the same as without the interruption.")]
     Optimize(Optimize),
-    /// Scatter a scenario's keys as its `[tolerance]` says: percentiles, yield, sensitivities, resumably
+    /// Run a tolerance analysis (`[tolerance]`): percentiles, yield, sensitivities; can be resumed
     #[command(after_help = "Example: papilio tolerance scenarios/tolerance.toml\n\n\
-                      What is done is kept: the same command goes on after a kill, and more samples begin with those that\n\
-                      are known.")]
+                      Each finished sample is saved. To resume an interrupted analysis, run the same command again. If the\n\
+                      number of samples is increased, only the additional ones are computed.")]
     Tolerance(Tolerance),
-    /// Studies of the methods on a scenario of your own
+    /// Study the numerical methods on a scenario
     #[command(subcommand)]
     Study(Study),
-    /// Run the dissertation that Papilio follows again: its tables and figures beside ours, as one page of HTML
-    #[command(
-        after_help = "Example: papilio validate --out out/validate, then open out/validate/report.html"
-    )]
+    /// Reproduce the tables and figures of Feng (2012), and write them next to Papilio's results as HTML
+    #[command(after_help = "Example: papilio validate --out out/validate\n\n\
+                      Then open out/validate/report.html in a browser. Feng (2012) is the dissertation that Papilio follows.")]
     Validate(Validate),
-    /// Serve the web app: a display laboratory in the browser, on this machine only
+    /// Start the web app: edit a display and see its result in the browser (local access only)
     #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
-                      A program that was built by cargo alone has no page in it: `cargo xtask serve` builds both.")]
+                      A program built with cargo alone does not contain the page; `cargo xtask serve` builds both.")]
     Serve(Serve),
-    /// Print the JSON Schema of a scenario
+    /// Print the JSON Schema of a scenario, for editors
     Schema {
-        /// That of result.json instead
+        /// Print the JSON Schema of result.json instead
         #[arg(long)]
         result: bool,
     },
@@ -90,12 +102,12 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
-    /// The scenario that the page opens; without one, an example
+    /// Scenario to open in the page [default: an example]
     pub(crate) file: Option<PathBuf>,
-    /// The port; 0 for any that is free [default: 7417]
+    /// Port; 0 selects a free one [default: 7417]
     #[arg(long)]
     pub(crate) port: Option<u16>,
-    /// Listen to this address instead of this machine alone; every request then needs a token
+    /// Address to listen on, for access from other machines; every request then needs a token [default: 127.0.0.1]
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) listen: Option<IpAddr>,
     /// Open the page in the browser
@@ -107,22 +119,22 @@ pub(crate) struct Serve {
 pub(crate) struct Run {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
-    /// Print the result as JSON on standard output, and write files only where --out says so
+    /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
-    /// Which solver, as solver.method
+    /// Solver; sets solver.method
     #[arg(long, value_enum)]
     pub(crate) solver: Option<Solver>,
-    /// Also map what is seen from all directions: cone.csv, cone.npy, cone.json, cone.svg, cone.png
+    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg, cone.png
     #[arg(long)]
     pub(crate) cone: bool,
-    /// With --cone: write rows whose relative error is up to this, in a column `error` [default: the scenario's target]
-    #[arg(long, value_name = "X", requires = "cone", allow_negative_numbers = true, value_parser = error)]
+    /// With --cone: accept relative errors up to X, and write them in a column `error` [default: the scenario's target]
+    #[arg(long, value_name = "X", requires = "cone", allow_negative_numbers = true, value_parser = relative_error)]
     pub(crate) allow_error: Option<f64>,
-    /// Write each figure as PNG, too
+    /// Write each figure as PNG too
     #[arg(long)]
     pub(crate) png: bool,
-    /// Seed of the walk, as solver.seed
+    /// Seed of the Monte Carlo solver; sets solver.seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
@@ -141,7 +153,7 @@ pub(crate) struct Validate {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Study {
-    /// The walk's standard error against paths and CPU time, for every sampler and strategy (Feng 2012, ch. 4)
+    /// Monte Carlo standard errors against paths and CPU time, for each sampler and strategy (Feng 2012, ch. 4)
     #[command(after_help = "Example: papilio study sampling scenarios/sampling.toml --out out/study")]
     Sampling(StudySampling),
 }
@@ -150,7 +162,7 @@ pub(crate) enum Study {
 pub(crate) struct StudySampling {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
-    /// The most paths, rounded down to 512 times a power of four
+    /// Largest number of paths, rounded down to 512 times a power of four
     #[arg(long, value_name = "N", default_value_t = 131_072, allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(512..=1 << 30))]
     pub(crate) paths: u64,
@@ -160,11 +172,11 @@ pub(crate) struct StudySampling {
 pub(crate) struct Brdf {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
-    /// Step of all directions, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = step)]
+    /// Step of inclination and azimuth in degrees, a divisor of 90
+    #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: f64,
-    /// Write rows whose relative error is up to this, with an array `error` [default: the scenario's target]
-    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = error)]
+    /// Accept relative errors up to X, and write them in an array `error` [default: the scenario's target]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = relative_error)]
     pub(crate) allow_error: Option<f64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
@@ -172,12 +184,12 @@ pub(crate) struct Brdf {
 
 #[derive(Debug, Args)]
 pub(crate) struct Migrate {
-    /// Scenario file
+    /// Scenario file (TOML)
     pub(crate) file: PathBuf,
-    /// Write the new text to this file, and leave FILE as it is
+    /// Write the new text to this file instead of FILE
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// List the changes, and write nothing
+    /// List the changes without writing a file
     #[arg(long)]
     pub(crate) dry_run: bool,
     /// Print the changes as JSON on standard output
@@ -187,26 +199,26 @@ pub(crate) struct Migrate {
 
 #[derive(Debug, Args)]
 pub(crate) struct New {
-    /// The light: office, sunny, iec-directional, ...
+    /// Preset of the light: office, sunny, iec-directional, ...
     #[arg(value_name = "PRESET")]
     pub(crate) preset: String,
-    /// The file to write, which must not be there yet [default: standard output]
+    /// File to write; it must not exist [default: standard output]
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// A result.json, or the folder of a run
+    /// A result.json, or the folder that contains it
     #[arg(value_name = "RESULT")]
     pub(crate) result: PathBuf,
-    /// What was measured (CSV)
+    /// Measured spectra or colours (CSV)
     #[arg(value_name = "MEASURED")]
     pub(crate) measured: PathBuf,
-    /// Folder for the tables and figures [default: out/compare]
+    /// Folder for tables and figures [default: out/compare]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Print the comparison as JSON on standard output, and write files only where --out says so
+    /// Print the comparison as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -215,21 +227,22 @@ pub(crate) struct Compare {
 pub(crate) struct Pixel {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
-    /// The medium of the angles [default: as solver.angle_medium]
+    /// Medium of the angles [default: solver.angle_medium]
     #[arg(long, value_enum)]
     pub(crate) angles: Option<Angles>,
-    /// Step of the scan, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true, value_parser = step)]
+    /// Step of the angles in degrees, a divisor of 90
+    #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: f64,
 }
 
-/// A step that divides 90 deg.
-fn error(text: &str) -> Result<f64, String> {
+/// Parses a relative error above 0.
+fn relative_error(text: &str) -> Result<f64, String> {
     let error: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     if error > 0.0 { Ok(error) } else { Err("expected a relative error above 0".to_owned()) }
 }
 
-fn step(text: &str) -> Result<f64, String> {
+/// Parses a step in degrees that divides 90.
+fn angle_step(text: &str) -> Result<f64, String> {
     let step: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     let steps = 90.0 / step;
     if (1.0..=9000.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9 {
@@ -241,15 +254,15 @@ fn step(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Angles {
-    /// In air, before Snell
+    /// Angles in air, before refraction
     Air,
-    /// In the glass above the pixel
+    /// Angles in the glass above the pixel
     Glass,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Workers {
-    /// Worker threads [default: one for each processor]
+    /// Number of threads [default: one per processor]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
@@ -257,34 +270,34 @@ pub(crate) struct Workers {
 
 #[derive(Debug, Args)]
 pub(crate) struct ScenarioArguments {
-    /// The scenario (TOML)
+    /// Scenario file (TOML)
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
-    /// Folder for the results [default: out/ and the name of FILE]
+    /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Set a key of the scenario, e.g. display.pixel.film.1.thickness_nm=12; may be repeated
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
 }
 
 impl ScenarioArguments {
-    /// Where results go when the user does not say.
+    /// Folder for the results if `--out` is not given.
     pub(crate) fn default_out(&self) -> PathBuf {
         default_out(&self.file)
     }
 }
 
-/// `out/` and the name of a scenario.
+/// `out/NAME` for a scenario file `NAME.toml`.
 pub(crate) fn default_out(file: &Path) -> PathBuf {
     PathBuf::from("out").join(file.file_stem().unwrap_or_default())
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Solver {
-    /// Deterministic, without noise
+    /// Deterministic, free of noise, with a discretisation error
     Adding,
-    /// Unbiased Monte Carlo path tracing, with standard errors
+    /// Stochastic (path tracing), unbiased, with standard errors
     MonteCarlo,
     /// The old name of `monte-carlo`
     #[value(hide = true)]

@@ -1,34 +1,37 @@
-//! `papilio diffuser calibrate`.
+//! `papilio diffuser calibrate`: corrects a sample with a known white.
 
 use papilio_goniometry::calibrated;
 
-use super::{format_of, read, spare, write};
+use super::{output_format, read, refuse_overwriting, write};
 use crate::arguments::Calibrate;
-use crate::{Failure, say};
+use crate::{Failure, print_message};
 
 pub(crate) fn calibrate(arguments: &Calibrate) -> Result<(), Failure> {
-    spare(&[&arguments.sample, &arguments.reference], &arguments.output)?;
-    let format = format_of(arguments.format, &arguments.output)?;
+    refuse_overwriting(&[&arguments.sample, &arguments.reference], &arguments.output)?;
+    let format = output_format(arguments.format, &arguments.output)?;
     let (sample, reference) = (read(&arguments.sample)?, read(&arguments.reference)?);
     let calibrated = calibrated(&sample, &reference, arguments.reflectance)
         .map_err(|error| Failure::Input(error.to_string()))?;
-    for found in &calibrated.calibrations {
-        let what = format!("{}, {}", found.way.name(), found.channel);
-        let [least, most] = found.range;
-        say(&format!("{what}: {} cells multiplied by {least:.4} to {most:.4}", found.corrected));
-        if found.uncovered > 0 {
-            say(&format!(
-                "warning: {what}: {} cells have no reference; they count as not measured",
-                found.uncovered
+    for calibration in &calibrated.calibrations {
+        let part = format!("{}, {}", calibration.way.name(), calibration.channel);
+        let [lowest, highest] = calibration.range;
+        print_message(&format!(
+            "{part}: {} cells multiplied by {lowest:.4} to {highest:.4}",
+            calibration.corrected
+        ));
+        if calibration.uncovered > 0 {
+            print_message(&format!(
+                "warning: {part}: {} cells have no reference value; they count as not measured",
+                calibration.uncovered
             ));
         }
-        if let Some(noise) = found.noise.filter(|noise| *noise > 0.005) {
-            say(&format!("warning: {what}: the reference adds {:.1} % of noise", 100.0 * noise));
+        if let Some(noise) = calibration.noise.filter(|noise| *noise > 0.005) {
+            print_message(&format!("warning: {part}: the reference adds {:.1} % of noise", 100.0 * noise));
         }
-        if found.rough > 0 {
-            say(&format!(
-                "warning: {what}: {} factors differ from their neighbours by more than 5 %",
-                found.rough
+        if calibration.rough > 0 {
+            print_message(&format!(
+                "warning: {part}: {} factors differ by more than 5 % from those of neighbouring cells",
+                calibration.rough
             ));
         }
     }

@@ -1,11 +1,11 @@
-//! `papilio diffuser convert`.
+//! `papilio diffuser convert`: writes a measurement in another format.
 
-use super::{format_of, read, spare, write};
+use super::{output_format, read, refuse_overwriting, write};
 use crate::Failure;
 use crate::arguments::Convert;
 
 pub(crate) fn convert(arguments: &Convert) -> Result<(), Failure> {
-    spare(&[&arguments.input], &arguments.output)?;
-    let format = format_of(arguments.format, &arguments.output)?;
+    refuse_overwriting(&[&arguments.input], &arguments.output)?;
+    let format = output_format(arguments.format, &arguments.output)?;
     write(&arguments.input, &read(&arguments.input)?, format, &arguments.output)
 }

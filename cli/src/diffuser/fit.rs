@@ -1,4 +1,4 @@
-//! `papilio diffuser fit`.
+//! `papilio diffuser fit`: analytic lobes of a measurement.
 
 use std::io::Write;
 
@@ -7,18 +7,18 @@ use papilio_formats::{FitFile, write_json};
 use papilio_goniometry::{FitOptions, Geometry, Kind, Measurement, Part, Ranked, SpecularGrid, fitted};
 use papilio_optics::Beta;
 
-use super::{blocks, read, report};
+use super::{read, report, tables};
 use crate::arguments::{FitArguments, LobeModel};
 use crate::{Failure, output};
 
-/// Incidences of the residual figure, degrees, as in Feng 2012, fig. 4.5; the nearest ones that the file has.
+/// Incidences of the figure, degrees, as in Feng 2012, fig. 4.5; the nearest ones of the file are used.
 const SHOWN_DEG: [f64; 2] = [5.0, 20.0];
-/// Lobes in a figure, besides the data.
+/// Number of lobes in the figure, in addition to the data.
 const SHOWN_LOBES: usize = 3;
 
 pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let measurement = read(&arguments.file)?;
-    let part = chosen(&measurement, arguments)?;
+    let part = selected_part(&measurement, arguments)?;
     let channel = part.luminous();
     let options = FitOptions { straight_width: arguments.straight_width, ..FitOptions::default() };
     let fits = fitted(part, channel, arguments.model.map(LobeModel::kind), &options)
@@ -29,31 +29,31 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     } else {
         let file = arguments.file.display().to_string();
         stdout.write_all(report::fit(&file, part, &fits).as_bytes())?;
-        stdout.write_all(blocks::blocks(&file, part, &fits).as_bytes())?;
+        stdout.write_all(tables::scenario_tables(&file, part, &fits).as_bytes())?;
     }
     stdout.flush()?;
     let Some(folder) = &arguments.out else { return Ok(()) };
     output::check(folder)?;
     output::make_folder(folder)?;
     let svg = figure(&measurement, part, channel, &fits);
-    output::announce(folder, &output::write_figure(folder, "fit", &svg)?);
+    output::print_written(folder, &output::write_figure(folder, "fit", &svg)?);
     Ok(())
 }
 
-/// The part that is asked for, or the first.
-fn chosen<'a>(measurement: &'a Measurement, arguments: &FitArguments) -> Result<&'a Part, Failure> {
-    let wanted = |part: &&Part| arguments.part.is_none_or(|kind| part.way.name() == kind.name());
-    measurement.parts.iter().find(wanted).ok_or_else(|| {
-        let ways: Vec<&str> = measurement.parts.iter().map(|part| part.way.name()).collect();
-        Failure::Input(format!("the file has no such part; it has: {}", ways.join(", ")))
+/// The requested part, or the first one.
+fn selected_part<'a>(measurement: &'a Measurement, arguments: &FitArguments) -> Result<&'a Part, Failure> {
+    let is_requested = |part: &&Part| arguments.part.is_none_or(|kind| part.way.name() == kind.name());
+    measurement.parts.iter().find(is_requested).ok_or_else(|| {
+        let names: Vec<&str> = measurement.parts.iter().map(|part| part.way.name()).collect();
+        Failure::Input(format!("the file has no such part\n  = help: its parts are: {}", names.join(", ")))
     })
 }
 
-/// The data and the best lobes in the plane of incidence.
+/// Figure of the data and the best lobes in the plane of incidence.
 fn figure(measurement: &Measurement, part: &Part, channel: usize, fits: &[Ranked]) -> String {
     let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
     let mut curves = Vec::new();
-    for from in shown(part) {
+    for from in shown_incidences(part) {
         curves.push(ScatterCurve {
             name: Some(format!("{from} deg, data")),
             incidence_deg: from,
@@ -76,19 +76,19 @@ fn figure(measurement: &Measurement, part: &Part, channel: usize, fits: &[Ranked
     scattering(&figure, &measurement.provenance.sample)
 }
 
-/// The incidences of the file nearest to those wanted.
-fn shown(part: &Part) -> Vec<f64> {
+/// The incidences of the file that are nearest to those of the figure.
+fn shown_incidences(part: &Part) -> Vec<f64> {
     let Geometry::Specular(grid) = &part.geometry else { return SHOWN_DEG.to_vec() };
-    let nearest = |wanted: f64| {
-        let off = |theta: &&f64| (**theta - wanted).abs();
-        grid.incidences_deg.iter().min_by(|a, b| off(a).total_cmp(&off(b))).copied()
+    let nearest = |requested: f64| {
+        let distance = |theta: &&f64| (**theta - requested).abs();
+        grid.incidences_deg.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()
     };
     let mut shown: Vec<f64> = SHOWN_DEG.into_iter().filter_map(nearest).collect();
     shown.dedup();
     shown
 }
 
-/// Cells in the plane of incidence: inclination and value.
+/// Inclinations and values of the cells in the plane of incidence.
 fn in_plane(part: &Part, channel: usize, from: f64) -> Vec<(f64, f64)> {
     let Geometry::Specular(grid) = &part.geometry else { return Vec::new() };
     let Some(k) = grid.incidences_deg.iter().position(|theta| *theta == from) else { return Vec::new() };

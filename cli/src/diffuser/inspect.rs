@@ -1,4 +1,4 @@
-//! `papilio diffuser inspect`.
+//! `papilio diffuser inspect`: the quality of a measurement.
 
 use std::io::Write;
 use std::path::Path;
@@ -15,14 +15,15 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     let measurement = read(&arguments.file)?;
     let spectra: Vec<Transmission> =
         arguments.transmission.iter().map(|path| spectrum(path)).collect::<Result<_, _>>()?;
-    // Of the luminous channels.
+    // The printed report has the luminous channel of each part; JSON has all channels.
     let audits: Vec<Option<Audit>> =
         measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
-        let every = |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+        let all_channels =
+            |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
         let all: Vec<(&Part, Vec<Audit>)> =
-            measurement.parts.iter().map(|part| (part, every(part))).collect();
+            measurement.parts.iter().map(|part| (part, all_channels(part))).collect();
         write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;
     } else {
         let name = arguments.file.display().to_string();
@@ -41,11 +42,11 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
         let svg = transmission(&spectra, "Transmission along the normal");
         names.extend(output::write_figure(folder, "transmission", &svg)?);
     }
-    output::announce(folder, &names);
+    output::print_written(folder, &names);
     Ok(())
 }
 
-/// A transmission spectrum from a file.
+/// Reads a transmission spectrum from a file.
 fn spectrum(path: &Path) -> Result<Transmission, Failure> {
     let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
     let spectrum = read_shares(&file).map_err(Failure::Data)?;

@@ -1,6 +1,5 @@
 //! `papilio diffuser`: files of measured scattering.
 
-mod blocks;
 mod calibrate;
 mod convert;
 mod fit;
@@ -8,6 +7,7 @@ mod inspect;
 mod measure;
 mod report;
 mod steps;
+mod tables;
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use papilio_formats::{
 use papilio_goniometry::Measurement;
 
 use crate::arguments::{Diffuser, Format};
-use crate::{Failure, say};
+use crate::{Failure, print_message};
 
 pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
     match command {
@@ -30,28 +30,28 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
     }
 }
 
-/// Reads a file in any format; its warnings go to standard error.
+/// Reads a file in any format, and prints its warnings.
 fn read(path: &Path) -> Result<Measurement, Failure> {
     let name = path.display().to_string();
     let file = DataFile::open_within(path, &name, LARGEST_BSDF_FILE).map_err(Failure::Data)?;
     let read = read_bsdf(&file).map_err(Failure::Data)?;
-    read.warnings.iter().for_each(|warning| say(&format!("warning: {name}: {warning}")));
+    read.warnings.iter().for_each(|warning| print_message(&format!("warning: {name}: {warning}")));
     Ok(read.value)
 }
 
-/// Fails if the output would take the place of what is read: measurements do not come again.
-fn spare(inputs: &[&Path], output: &Path) -> Result<(), Failure> {
+/// Fails if the output would replace an input: a measurement cannot be recovered.
+fn refuse_overwriting(inputs: &[&Path], output: &Path) -> Result<(), Failure> {
     let real = |path: &Path| path.canonicalize().ok();
     if real(output).is_some_and(|output| inputs.iter().any(|input| real(input).as_ref() == Some(&output))) {
         return Err(Failure::Input(format!(
-            "{} is read here, and would be overwritten\n  = help: give the output another name",
+            "the output {} is also an input, and would be overwritten\n  = help: specify another output file",
             output.display()
         )));
     }
     Ok(())
 }
 
-/// Writes a measurement that comes from a file, and says what the format does not hold.
+/// Writes a measurement that was read from `input`, and prints what the format cannot represent.
 fn write(input: &Path, measurement: &Measurement, format: BsdfFormat, output: &Path) -> Result<(), Failure> {
     let mut lost = Ok(Vec::new());
     let written = write_file(output, |out| {
@@ -60,34 +60,34 @@ fn write(input: &Path, measurement: &Measurement, format: BsdfFormat, output: &P
     });
     if let Err(WriteError::CannotHold { format, what }) = &lost {
         return Err(Failure::Input(format!(
-            "{} cannot be written as {}: {format} cannot hold {what}\n  = help: .npz (Papilio) holds every measurement",
+            "{} cannot be written as {}: {format} cannot represent {what}\n  = help: .npz (Papilio) can represent every measurement",
             input.display(),
             output.display()
         )));
     }
     written.map_err(Failure::Data)?;
-    lost.unwrap_or_default().iter().for_each(|lost| say(&format!("note: {lost}")));
-    say(&format!("wrote {}", output.display()));
+    lost.unwrap_or_default().iter().for_each(|loss| print_message(&format!("note: {loss}")));
+    print_message(&format!("wrote {}", output.display()));
     Ok(())
 }
 
-/// The format that is asked for, in words or by the name of the output.
-fn format_of(format: Option<Format>, output: &Path) -> Result<BsdfFormat, Failure> {
-    let by_name = match output.extension().and_then(|end| end.to_str()) {
+/// Format of the output: from `--format`, or from the extension of its name.
+fn output_format(format: Option<Format>, output: &Path) -> Result<BsdfFormat, Failure> {
+    let by_extension = match output.extension().and_then(|end| end.to_str()) {
         Some("bsdf") => Some(Format::Radiant),
         Some("csv") => Some(Format::Csv),
         Some("xml") => Some(Format::Klems),
         Some("npz") => Some(Format::Papilio),
         _ => None,
     };
-    match format.or(by_name) {
+    match format.or(by_extension) {
         Some(Format::Radiant) => Ok(BsdfFormat::Radiant),
         Some(Format::Csv) => Ok(BsdfFormat::Csv),
         Some(Format::Klems) => Ok(BsdfFormat::Klems),
         Some(Format::Papilio) => Ok(BsdfFormat::Papilio),
         None => Err(Failure::Input(format!(
-            "{} does not tell in which format to write\n  = help: name it .bsdf (Radiant/Zemax), .csv, .xml (Klems) or .npz \
-             (Papilio), or say --format",
+            "the format of the output cannot be detected from the name {}\n  = help: use the extension .bsdf (Radiant/Zemax), .csv, \
+             .xml (Klems) or .npz (Papilio), or specify --format",
             output.display()
         ))),
     }

@@ -1,4 +1,4 @@
-//! What `papilio diffuser` prints.
+//! Reports of `papilio diffuser`.
 
 use std::fmt::Write;
 
@@ -6,24 +6,25 @@ use papilio_figures::Transmission;
 use papilio_formats::words::{channel, percent, span, table};
 use papilio_goniometry::{Parameter, Part, Ranked};
 
-/// A line for each transmission spectrum.
+/// Report of transmission spectra.
 pub(super) fn spectra(spectra: &[Transmission]) -> String {
     let mut text = String::new();
-    for one in spectra {
-        let largest = one.share.iter().copied().fold(0.0, f64::max);
-        let edge = one.share.iter().zip(&one.wavelength_nm).find(|(share, _)| **share >= 0.5 * largest);
-        let (nm, edge) = (span(&one.wavelength_nm), edge.map_or(f64::NAN, |(_, nm)| *nm));
+    for spectrum in spectra {
+        let largest = spectrum.share.iter().copied().fold(0.0, f64::max);
+        let edge =
+            spectrum.share.iter().zip(&spectrum.wavelength_nm).find(|(value, _)| **value >= 0.5 * largest);
+        let (nm, edge) = (span(&spectrum.wavelength_nm), edge.map_or(f64::NAN, |(_, nm)| *nm));
         let _ = writeln!(
             text,
-            "\nTransmission spectrum {}\n  wavelengths: {nm} nm; at most {}; half of that is reached at {edge} nm",
-            one.name,
+            "\nTransmission spectrum {}\n  wavelengths: {nm} nm; maximum {}; half of the maximum at {edge} nm",
+            spectrum.name,
             percent(largest)
         );
     }
     text
 }
 
-/// What `papilio diffuser fit` prints.
+/// Report of `papilio diffuser fit`.
 pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
     let cells = fits.first().map_or(0, |ranked| ranked.fit.cells);
     let channel = part.channels.get(part.luminous()).map(channel).unwrap_or_default();
@@ -43,24 +44,32 @@ pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
     }
     text.push_str(&table(&rows));
     text.push_str(
-        "  display: luminance through the lobe and back over a mirror, largest deviation from the data's (best first),\n           \
-         of light from and to directions that were measured\n  \
-         residual: rms of (data - lobe) cos(theta), relative; total: of all cells\n\nparameters, with 95 % intervals\n",
+        "  display: largest deviation of the luminance of a mirror under the lobe from that under the data (best first),\n           \
+         for light from and to measured directions\n  \
+         residual: relative rms of (data - lobe) cos(theta)\n  \
+         total: relative deviation of the sum over all cells\n\nparameters, with 95 % confidence intervals\n",
     );
     text.push_str(&parameters);
     if fits.iter().any(|ranked| !ranked.fit.converged) {
-        text.push_str("warning: a search did not come to rest\n");
+        text.push_str("warning: a fit did not converge\n");
     }
     text
 }
 
-fn parameter(found: &Parameter) -> String {
-    let [low, high] = found.interval;
-    let end = if found.at_bound { " (end of its range)" } else { "" };
-    format!("{} {} [{}, {}]{end}", found.name.replace('_', "-"), short(found.value), short(low), short(high))
+/// A parameter with its confidence interval.
+fn parameter(parameter: &Parameter) -> String {
+    let [low, high] = parameter.interval;
+    let end = if parameter.at_bound { " (at the end of its range)" } else { "" };
+    format!(
+        "{} {} [{}, {}]{end}",
+        parameter.name.replace('_', "-"),
+        short(parameter.value),
+        short(low),
+        short(high)
+    )
 }
 
-/// Five digits.
+/// A number with five significant digits.
 pub(super) fn short(value: f64) -> String {
     let decimals = (4.0 - value.abs().max(1e-300).log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$}")

@@ -1,4 +1,4 @@
-//! `papilio diffuser steps`: a display with each step from its diffuser's measurement taken out in turn.
+//! `papilio diffuser steps`: a display without each processing step of its measured diffuser, one at a time.
 
 use std::io::Write;
 
@@ -7,22 +7,22 @@ use papilio_figures::spectra_over;
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
-use crate::{Failure, folder, output, report, run, say};
+use crate::{Failure, folder, output, print_message, report, run};
 
-/// A key of `[display.diffuser]`, the value with which it does nothing, and what the display is then.
+/// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
-    ("normalise", "none", "without k"),
+    ("normalise", "none", "not normalised (without k)"),
     ("spectral_mean", "uniform", "uniform spectral mean"),
     ("transmission", "1.0", "without transmission spectrum"),
-    ("instrument_blur", "0", "blurred as measured"),
-    ("fill", "none", "dark cells dark"),
+    ("instrument_blur", "0", "instrument blur not removed"),
+    ("extrapolate_tails", "false", "tails not extrapolated"),
     ("extrapolate", "none", "nothing beyond the last incidence"),
 ];
 
-/// A run, and what it is called.
+/// A result and its name.
 struct Variant {
     name: String,
-    /// The key that was changed; `None` for the scenario as it stands, and what it is held to.
+    /// The changed key; `None` for the scenario itself and for the reference scenario.
     key: Option<&'static str>,
     result: RunResult,
 }
@@ -32,63 +32,65 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let base = Scenario::load(&scenario.file, &scenario.set)?.resolve()?;
     let out = folder::choose(scenario, &base.hash)?;
     let compute = |resolved: &Resolved| run::compute(resolved, arguments.workers.threads);
-    let mut variants = vec![Variant { name: "as described".to_owned(), key: None, result: compute(&base)? }];
-    for (key, off, name) in taken(&base)? {
+    let mut variants = vec![Variant { name: "as specified".to_owned(), key: None, result: compute(&base)? }];
+    for (key, off, name) in active_steps(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();
         let result = compute(&Scenario::load(&scenario.file, &set)?.resolve()?)?;
         variants.push(Variant { name: name.to_owned(), key: Some(key), result });
     }
-    if let Some(beside) = &arguments.beside {
-        let resolved = Scenario::load(beside, &[])?.resolve()?;
-        let name = resolved.title.clone().unwrap_or_else(|| report::file_title(beside));
+    if let Some(reference) = &arguments.beside {
+        let resolved = Scenario::load(reference, &[])?.resolve()?;
+        let name = resolved.title.clone().unwrap_or_else(|| report::file_title(reference));
         variants.push(Variant { name, key: None, result: compute(&resolved)? });
     }
-    base.warnings.iter().for_each(|warning| say(&format!("warning: {warning}")));
+    base.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));
     let mut stdout = crate::terminal::stdout();
-    stdout.write_all(told(&title, &variants).as_bytes())?;
+    stdout.write_all(report_text(&title, &variants).as_bytes())?;
     stdout.flush()?;
     output::make_folder(&out)?;
     let mut names = Vec::new();
-    let beside: Vec<&Variant> = variants.iter().skip(1).filter(|variant| variant.key.is_none()).collect();
+    let references: Vec<&Variant> = variants.iter().skip(1).filter(|variant| variant.key.is_none()).collect();
     for variant in &variants {
         let Some(key) = variant.key else { continue };
         let shown: Vec<(&str, &RunResult)> = [&variants[0], variant]
             .into_iter()
-            .chain(beside.iter().copied())
+            .chain(references.iter().copied())
             .map(|variant| (variant.name.as_str(), &variant.result))
             .collect();
         names.extend(output::write_figure(&out, &format!("step-{key}"), &spectra_over(&shown, &title))?);
     }
-    folder::sign(&out, &title, &base.hash)?;
+    folder::write_about(&out, &title, &base.hash)?;
     names.push(folder::ABOUT.to_owned());
-    output::announce(&out, &names);
+    output::print_written(&out, &names);
     Ok(())
 }
 
-/// The steps that the scenario takes.
-fn taken(base: &Resolved) -> Result<Vec<(&'static str, &'static str, &'static str)>, Failure> {
+/// The steps that the scenario specifies.
+fn active_steps(base: &Resolved) -> Result<Vec<(&'static str, &'static str, &'static str)>, Failure> {
     let diffuser = &base.canonical["display"]["diffuser"];
     if diffuser["model"] != "measured" {
         return Err(Failure::Input(
-            "the steps are those of a measured diffuser, and [display.diffuser] is none\n  = help: give it model = \"measured\" and a file"
+            "[display.diffuser] is not a measured diffuser; only a measured diffuser has processing steps\n  = help: set model = \"measured\" \
+             and a file"
                 .to_owned(),
         ));
     }
-    let coloured = diffuser["transmission"].is_string();
-    let done = |(key, off, _): &(&str, &str, &str)| match *key {
-        "transmission" => coloured,
-        "spectral_mean" if !coloured => false,
+    let has_spectrum = diffuser["transmission"].is_string();
+    let is_active = |(key, off, _): &(&str, &str, &str)| match *key {
+        "transmission" => has_spectrum,
+        "spectral_mean" if !has_spectrum => false,
         key => match &diffuser[key] {
             serde_json::Value::String(value) => value != off,
+            serde_json::Value::Bool(value) => *value,
             value => value.as_f64().is_some_and(|value| value > 0.0),
         },
     };
-    Ok(STEPS.into_iter().filter(done).collect())
+    Ok(STEPS.into_iter().filter(is_active).collect())
 }
 
-/// A line for each variant.
-fn told(title: &str, variants: &[Variant]) -> String {
+/// Report of the steps: a row for each variant.
+fn report_text(title: &str, variants: &[Variant]) -> String {
     let state = |view: &View| {
         let state = view.states.get("white").or_else(|| view.states.iter().next().map(|(_, state)| state));
         state.map_or(f64::NAN, |state| state.value.Y)
@@ -96,8 +98,9 @@ fn told(title: &str, variants: &[Variant]) -> String {
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
     };
-    let mut rows =
-        vec![["", "Y of white", "changes by", "contrast", "gamut (% sRGB)"].map(str::to_owned).to_vec()];
+    let mut rows = vec![
+        ["display", "Y of white", "change", "contrast", "gamut (% of sRGB)"].map(str::to_owned).to_vec(),
+    ];
     let first = variants[0].result.views.first().map_or(f64::NAN, state);
     for variant in variants {
         let Some(view) = variant.result.views.first() else { continue };

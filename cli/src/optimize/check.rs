@@ -1,4 +1,4 @@
-//! The best design once more by the walk: the other solver, which shares nothing that integrates.
+//! The best design computed by the Monte Carlo solver too, which shares no integration with adding.
 
 use papilio_design::search::{Chosen, Search};
 use papilio_display::scene::{Method, Stop};
@@ -7,36 +7,36 @@ use serde_json::{Value, json};
 use crate::Failure;
 use crate::run::with_progress;
 
-/// The walk's relative error of Y.
+/// Relative standard error of Y by the Monte Carlo solver.
 const RELATIVE_ERROR: f64 = 0.001;
 
-/// A quantity by both solvers.
-pub(super) struct Checked {
+/// A quantity computed by both solvers.
+pub(super) struct SolverComparison {
     name: String,
     adding: Option<f64>,
-    walk: Option<f64>,
-    /// One sigma of the walk's, where it is known.
-    error: Option<f64>,
+    monte_carlo: Option<f64>,
+    /// Standard error of the Monte Carlo result, if it is known.
+    standard_error: Option<f64>,
 }
 
-impl Checked {
+impl SolverComparison {
     pub(super) fn json(&self) -> Value {
-        json!({ "name": self.name, "adding": self.adding, "walk": self.walk, "standard_error": self.error })
+        json!({ "name": self.name, "adding": self.adding, "walk": self.monte_carlo, "standard_error": self.standard_error })
     }
 
-    /// A line of the table.
+    /// Row of the table on the terminal.
     pub(super) fn row(&self) -> Vec<String> {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), crate::report::digits);
-        vec![self.name.clone(), number(self.adding), number(self.walk), number(self.error)]
+        vec![self.name.clone(), number(self.adding), number(self.monte_carlo), number(self.standard_error)]
     }
 }
 
-/// Runs a design by the walk under every condition; `None` if interrupted.
+/// Computes a design by the Monte Carlo solver under every condition; `None` if interrupted.
 pub(super) fn check(
     search: &Search,
     best: &Chosen,
     threads: Option<u16>,
-) -> Result<Option<Vec<Checked>>, Failure> {
+) -> Result<Option<Vec<SolverComparison>>, Failure> {
     let study = search.study();
     let values = study.values(&best.design)?;
     let mut results = Vec::new();
@@ -50,11 +50,11 @@ pub(super) fn check(
             _ => return Ok(None),
         }
     }
-    let checked = study.quantities.iter().zip(&best.values).map(|(one, adding)| Checked {
-        name: one.name.clone(),
+    let checked = study.quantities.iter().zip(&best.values).map(|(quantity, adding)| SolverComparison {
+        name: quantity.name.clone(),
         adding: *adding,
-        walk: one.quantity.of(&results[one.condition]),
-        error: one.quantity.standard_error(&results[one.condition]),
+        monte_carlo: quantity.quantity.of(&results[quantity.condition]),
+        standard_error: quantity.quantity.standard_error(&results[quantity.condition]),
     });
     Ok(Some(checked.collect()))
 }

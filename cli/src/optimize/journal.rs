@@ -1,4 +1,4 @@
-//! The journal of a search, `optimize.jsonl`: what it is, then every record as it comes.
+//! The journal of a search, `optimize.jsonl`: a head that identifies the search, then its records in order of arrival.
 
 use std::path::{Path, PathBuf};
 
@@ -6,42 +6,44 @@ use papilio_design::search::{Kept, Record};
 use papilio_formats::{HeldJournal, SearchHead, foreign, journal_name, journal_paths, trusted_lines};
 
 use crate::Failure;
-use crate::journal::{check_folder, tell_of};
+use crate::journal::{check_folder, report_moved};
 
-/// Journals are called so.
+/// Names of journals begin with this.
 const STEM: &str = "optimize";
 
-/// Opens the journal in a folder, or begins it: that of the whole, or of part K of N. What it had told of this search, and what
-/// others had: those in its folder, and in these.
+/// Opens or creates the journal of a search (or of shard K of N) in a folder.
+///
+/// Also returns the records of this search: those in the journal, in other journals of the folder, and in the folders
+/// `others`.
 pub(super) fn open(
     folder: &Path,
-    part: Option<(usize, usize)>,
+    shard: Option<(usize, usize)>,
     head: &SearchHead,
     others: &[PathBuf],
 ) -> Result<(HeldJournal, Kept), Failure> {
-    let mut kept = Kept::default();
-    let own = folder.join(journal_name(STEM, part));
-    for (other, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
+    let mut records = Kept::default();
+    let own = folder.join(journal_name(STEM, shard));
+    for (index, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
         check_folder(folder, STEM)?;
         let paths = journal_paths(folder, STEM)?;
-        let mut ours = 0;
+        let mut matching = 0;
         for path in paths.iter().filter(|path| **path != own) {
-            let mut told = Kept::default();
-            ours += trusted_lines(path, head, |line| keep(&mut told, line))?;
-            kept.join(told);
+            let mut read = Kept::default();
+            matching += trusted_lines(path, head, |line| add_record(&mut read, line))?;
+            records.join(read);
         }
         match paths.first() {
-            Some(path) if other > 0 && ours == 0 => return Err(foreign(path).into()),
+            Some(path) if index > 0 && matching == 0 => return Err(foreign(path).into()),
             _ => {}
         }
     }
-    // Last: a journal of another search is set aside.
-    let held = HeldJournal::open(own, head, |line| keep(&mut kept, line))?;
-    tell_of(held.set_aside());
-    Ok((held, kept))
+    // Last, because this moves a journal that belongs to another search.
+    let held = HeldJournal::open(own, head, |line| add_record(&mut records, line))?;
+    report_moved(held.set_aside());
+    Ok((held, records))
 }
 
-/// Takes a line; false if it is no record.
-fn keep(kept: &mut Kept, line: &str) -> bool {
-    Record::parse(line).map(|record| kept.add(record)).is_ok()
+/// Adds the record in a line; false if the line is not a record.
+fn add_record(records: &mut Kept, line: &str) -> bool {
+    Record::parse(line).map(|record| records.add(record)).is_ok()
 }

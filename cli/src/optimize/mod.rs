@@ -1,7 +1,7 @@
-//! `papilio optimize`: a search for better designs; stopped and gone on with at will.
+//! `papilio optimize`: a search for better designs, which can be interrupted and resumed.
 //!
-//! What a task of the search finds depends on nothing but the scenario and the task, and is in the journal at once:
-//! a search that was killed and gone on with ends in the same files as one that was not, whatever the number of threads.
+//! The result of a task depends only on the scenario and the task, and is saved in the journal immediately. A resumed search
+//! therefore writes the same files as an uninterrupted one, for any number of threads.
 
 mod check;
 mod journal;
@@ -19,153 +19,156 @@ use papilio_findings::{design_texts, search_figures, search_table};
 use papilio_formats::{DataFile, HeldJournal, SearchHead, write_file};
 use papilio_scenario::{Edit, Optimisation, edit};
 
-use self::check::{Checked, check};
+use self::check::{SolverComparison, check};
 use crate::arguments::Optimize;
 use crate::progress::{self, in_log};
-use crate::{Failure, interrupt, output, say};
+use crate::{Failure, interrupt, output, print_message};
 
 pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let mut overrides = arguments.scenario.set.clone();
     overrides.extend(arguments.seed.map(|seed| format!("optimize.seed={seed}")));
-    let said = Optimisation::load(&arguments.scenario.file, &overrides)?;
+    let optimisation = Optimisation::load(&arguments.scenario.file, &overrides)?;
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
     output::check(&folder)?;
-    interrupt::heed();
-    let head = SearchHead { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: said.hash.clone() };
+    interrupt::catch_ctrl_c();
+    let head =
+        SearchHead { papilio: env!("CARGO_PKG_VERSION").to_owned(), search: optimisation.hash.clone() };
     let started = Instant::now();
-    let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &interrupt::STOP);
-    let search = Arc::new(stopped(Search::new(said, &mut evaluator))?);
-    arguments.shard.map_or(Ok(()), |part| check_part(part, &search))?;
+    let mut evaluator = Evaluator::new(Arc::new(Study::of(&optimisation)), &interrupt::STOP);
+    let search = Arc::new(or_interrupted(Search::new(optimisation, &mut evaluator))?);
+    arguments.shard.map_or(Ok(()), |shard| check_shard(shard, &search))?;
     output::make_folder(&folder)?;
-    let (mut journal, kept) = journal::open(&folder, arguments.shard, &head, &arguments.merge)?;
+    let (mut journal, records) = journal::open(&folder, arguments.shard, &head, &arguments.merge)?;
     let threads = arguments
         .workers
         .threads
         .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let mut course = match arguments.shard {
-        Some(part) => Course::part(Arc::clone(&search), kept, threads, part),
-        None => Course::new(Arc::clone(&search), kept, threads),
+    let mut schedule = match arguments.shard {
+        Some(shard) => Course::part(Arc::clone(&search), records, threads, shard),
+        None => Course::new(Arc::clone(&search), records, threads),
     };
-    let new = go(&mut course, &evaluator, threads, &mut journal)?;
-    let found = course.found();
+    let new = run_schedule(&mut schedule, &evaluator, threads, &mut journal)?;
+    let found = schedule.found();
     let seconds = started.elapsed().as_secs_f64();
     let all = report::evaluations(&found);
-    let of_them = if new < all { format!(", {new} of them now,") } else { String::new() };
-    let evaluated = format!("{all} designs were evaluated{of_them} in {seconds:.2} s");
+    let now = if new < all { format!(", {new} of them now,") } else { String::new() };
+    let evaluated = format!("{all} designs evaluated{now} in {seconds:.2} s");
     if let Some((k, n)) = arguments.shard {
-        interrupt::whole(|| journal.put(&head, found.iter()))?;
-        say(&evaluated);
-        say(&format!(
-            "part {k} of {n} is done; when all are: the same command without --shard, here or with --merge DIR"
+        interrupt::uninterrupted(|| journal.put(&head, found.iter()))?;
+        print_message(&evaluated);
+        print_message(&format!(
+            "shard {k} of {n} is done. When all shards are done, run the same command without --shard (with --merge DIR for other \
+             folders)"
         ));
         return Ok(());
     }
-    let chosen = stopped(search.chosen(&found, &mut evaluator))?;
-    say(&evaluated);
-    let (cut, descents) = search.cut_short(&found);
-    if cut > 0 {
-        say(&format!(
-            "{cut} of {descents} descents used up their share of `evaluations` ({}); a larger one lets them go on",
+    let chosen = or_interrupted(search.chosen(&found, &mut evaluator))?;
+    print_message(&evaluated);
+    let (stopped, descents) = search.cut_short(&found);
+    if stopped > 0 {
+        print_message(&format!(
+            "note: {stopped} of {descents} gradient searches stopped because their part of `evaluations` ({}) was used up\n  = help: increase \
+             optimize.evaluations to let them converge",
             search.said().evaluations
         ));
     }
-    let checked = match chosen.first() {
+    let comparison = match chosen.first() {
         Some(best) if !arguments.no_check => {
             check(&search, best, arguments.workers.threads)?.ok_or(INTERRUPTED)?
         }
         _ => Vec::new(),
     };
-    interrupt::whole(|| journal.put(&head, found.iter()))?;
-    finish(arguments, &folder, &search, &found, &chosen, &checked)
+    interrupt::uninterrupted(|| journal.put(&head, found.iter()))?;
+    finish(arguments, &folder, &search, &found, &chosen, &comparison)
 }
 
-/// Goes to the end of a course, each record into the journal; how many designs were evaluated.
-fn go(
-    course: &mut Course,
+/// Runs a search to its end, and writes each record to the journal. Returns the number of evaluated designs.
+fn run_schedule(
+    schedule: &mut Course,
     evaluator: &Evaluator<'_>,
     threads: usize,
     journal: &mut HeldJournal,
 ) -> Result<usize, Failure> {
-    let (bar, mut new) = (progress::bar(course.progress().1, "searches"), 0);
+    let (bar, mut new) = (progress::bar(schedule.progress().1, "searches"), 0);
     let counter = evaluator.evaluated();
     let log = in_log(&bar, move |bar| {
-        let (done, of) = (bar.position(), bar.length().unwrap_or_default());
-        format!("{done} of {of} searches, {} designs", counter.load(Ordering::Relaxed))
+        let (done, total) = (bar.position(), bar.length().unwrap_or_default());
+        format!("{done} of {total} searches, {} designs", counter.load(Ordering::Relaxed))
     });
-    let mut tell = |record: &Record, (done, of): (usize, usize)| {
+    let mut store = |record: &Record, (done, total): (usize, usize)| {
         if let Record::Found(found) = record {
             new += found.evaluations;
         }
-        bar.set_length(of as u64);
+        bar.set_length(total as u64);
         bar.set_position(done as u64);
         journal.add(record).map_err(Failure::from)
     };
-    let ran = course.run(evaluator, threads, &mut tell);
+    let result = schedule.run(evaluator, threads, &mut store);
     bar.finish_and_clear();
     drop(log);
-    ran.map_err(|failure| match failure {
-        Failure::Design(error) => stopped::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
+    result.map_err(|failure| match failure {
+        Failure::Design(error) => or_interrupted::<()>(Err(error)).err().unwrap_or(INTERRUPTED),
         other => other,
     })?;
     Ok(new)
 }
 
-/// Whether a part has something to do.
-fn check_part((k, n): (usize, usize), search: &Arc<Search>) -> Result<(), Failure> {
+/// Fails if a shard has no work.
+fn check_shard((k, n): (usize, usize), search: &Arc<Search>) -> Result<(), Failure> {
     let (_, tasks) = Course::new(Arc::clone(search), Kept::default(), 1).progress();
     if k <= tasks {
         return Ok(());
     }
     Err(Failure::Input(format!(
-        "part {k} of {n} has nothing to do: this search begins with {tasks} {}\n  = help: parts share the starts of every \
-         combination of choices, or the populations of every objective",
+        "shard {k} of {n} has no work: the first round of this search has {tasks} {}\n  = help: use at most this number of \
+         shards (a task is a start for a combination of choices, or the population of an objective)",
         if tasks == 1 { "task" } else { "tasks" }
     )))
 }
 
-const INTERRUPTED: Failure = Failure::Interrupted("what is done is kept, the same command goes on from here");
+const INTERRUPTED: Failure =
+    Failure::Interrupted("finished work is saved; run the same command again to resume");
 
-/// Tells a search that was stopped from one that failed.
-fn stopped<T>(result: Result<T, DesignError>) -> Result<T, Failure> {
+/// Maps the error of an interrupted search to [`INTERRUPTED`].
+fn or_interrupted<T>(result: Result<T, DesignError>) -> Result<T, Failure> {
     result.map_err(|error| if was_stopped(&error) { INTERRUPTED } else { error.into() })
 }
 
-/// Writes the files, and shows what was found.
+/// Writes the files, and prints the result.
 fn finish(
     arguments: &Optimize,
     folder: &Path,
     search: &Search,
     found: &[Found],
     chosen: &[Chosen],
-    checked: &[Checked],
+    comparison: &[SolverComparison],
 ) -> Result<(), Failure> {
     let title =
         search.said().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
-    let names = interrupt::whole(|| write(arguments, folder, &title, search, found, chosen))?;
+    let names = interrupt::uninterrupted(|| write(arguments, folder, &title, search, found, chosen))?;
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
-        let all = report::json(&title, search, chosen, found, checked);
+        let all = report::json(&title, search, chosen, found, comparison);
         serde_json::to_writer_pretty(&mut stdout, &all).map_err(std::io::Error::from)?;
         stdout.write_all(b"\n")?;
     } else {
         stdout.write_all(report::text(&title, search, chosen).as_bytes())?;
-        if !checked.is_empty() {
-            let titles = ["", "adding", "walk", "standard error"].map(str::to_owned).to_vec();
+        if !comparison.is_empty() {
+            let titles =
+                ["best design", "adding", "Monte Carlo", "standard error"].map(str::to_owned).to_vec();
             let rows: Vec<Vec<String>> =
-                std::iter::once(titles).chain(checked.iter().map(Checked::row)).collect();
-            write!(stdout, "\nThe best design by both solvers:\n{}", crate::report::table(&rows))?;
+                std::iter::once(titles).chain(comparison.iter().map(SolverComparison::row)).collect();
+            write!(stdout, "\nthe best design by both solvers\n{}", crate::report::table(&rows))?;
         }
     }
     stdout.flush()?;
-    output::announce(folder, &names);
+    output::print_written(folder, &names);
     if chosen.is_empty() {
-        return Err(Failure::Infeasible(
-            "no design could be evaluated: what is asked is not defined anywhere",
-        ));
+        return Err(Failure::Infeasible("no design could be evaluated, because its metrics are undefined"));
     }
     if !chosen.iter().any(Chosen::meets_limits) {
         return Err(Failure::Infeasible(
-            "no design was found that meets all limits; closest.toml holds the one that misses them least",
+            "no feasible design was found; closest.toml contains the design with the smallest violation of the constraints",
         ));
     }
     Ok(())
@@ -193,7 +196,7 @@ fn write(
     Ok(names)
 }
 
-/// The scenario file with each design.
+/// Names and texts of the scenario files of the designs.
 fn designs(
     arguments: &Optimize,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! The points of a sweep, side by side: what is known is taken, what is new is kept at once.
+//! Parallel computation of the points of a sweep. Known points are reused; new ones are saved immediately.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -8,46 +8,46 @@ use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use papilio_scenario::Sweep;
 
 use super::journal::Journal;
-use crate::side_by_side::side_by_side;
+use crate::parallel::compute_parallel;
 use crate::{Failure, interrupt};
 
-/// A point that is done.
-pub(super) struct Done {
+/// A finished point.
+pub(super) struct FinishedPoint {
     pub(super) hash: String,
-    /// Now, not earlier.
+    /// True if it was computed now, false if it was known.
     pub(super) computed: bool,
 }
 
-/// What a worker found at a point; without a result if that is known.
-type Found = (usize, String, Option<SweepPoint>);
+/// Number and hash of a point, and its result unless that is known.
+type PointResult = (usize, String, Option<SweepPoint>);
 
-/// Computes what is not known yet, and keeps it; ends early if interrupted. The points that are done, by number.
+/// Computes the missing points and saves them. Returns the finished points by number; ends early if interrupted.
 pub(super) fn compute(
     sweep: &Sweep,
     head: &SweepHead,
     points: &[usize],
     journal: &mut Journal,
     threads: Option<u16>,
-) -> Result<BTreeMap<usize, Done>, Failure> {
+) -> Result<BTreeMap<usize, FinishedPoint>, Failure> {
     let known = journal.hashes();
     let mut done = BTreeMap::new();
     let worker = |threads: usize| {
         let (known, mut prepared) = (&known, None);
-        move |point: usize| at(sweep, head, point, known, threads, &mut prepared)
+        move |point: usize| compute_point(sweep, head, point, known, threads, &mut prepared)
     };
-    side_by_side(points, "points", threads, worker, |found| keep(found, sweep, journal, &mut done))?;
+    compute_parallel(points, "points", threads, worker, |result| store(result, sweep, journal, &mut done))?;
     Ok(done)
 }
 
-/// Computes a point unless it is known, from what is left of the worker's last one; `None` if interrupted.
-fn at(
+/// Computes a point unless it is known; `None` if interrupted. `prepared` is the display of the worker's previous point.
+fn compute_point(
     sweep: &Sweep,
     head: &SweepHead,
     point: usize,
     known: &HashSet<String>,
     threads: usize,
     prepared: &mut Option<Prepared>,
-) -> Result<Option<Found>, Failure> {
+) -> Result<Option<PointResult>, Failure> {
     let resolved = sweep.scenario(point).and_then(|scenario| scenario.resolve());
     let resolved = resolved.map_err(|errors| failed_at(head, point, errors))?;
     if known.contains(&resolved.hash) {
@@ -64,8 +64,8 @@ fn at(
         Ok(result) if result.solver.interrupted => Ok(None),
         Ok(mut result) => {
             result.warnings.splice(0..0, resolved.warnings);
-            let kept = SweepPoint::new(point, resolved.hash.clone(), env!("CARGO_PKG_VERSION"), &result);
-            Ok(Some((point, resolved.hash, Some(kept))))
+            let computed = SweepPoint::new(point, resolved.hash.clone(), env!("CARGO_PKG_VERSION"), &result);
+            Ok(Some((point, resolved.hash, Some(computed))))
         }
         Err(DisplayError::Interrupted) => Ok(None),
         Err(error) => Err(match resolved.located(&error) {
@@ -75,18 +75,18 @@ fn at(
     }
 }
 
-/// What is wrong at a point, and which point that is.
+/// Error at a point, with the swept values of the point.
 pub(super) fn failed_at(head: &SweepHead, point: usize, error: impl Into<DesignError>) -> Failure {
     let swept = head.swept(point).map(|(key, value)| format!("{key} = {}", sweep_value(value)));
     Failure::of_one(error, &format!("at {}", swept.collect::<Vec<_>>().join(", ")))
 }
 
-/// Keeps what was found; whether it was computed now. The first point also tells whether there is what is to be drawn.
-fn keep(
-    (point, hash, result): Found,
+/// Saves a result; returns whether it was computed now. The first point also shows whether the requested figures exist.
+fn store(
+    (point, hash, result): PointResult,
     sweep: &Sweep,
     journal: &mut Journal,
-    done: &mut BTreeMap<usize, Done>,
+    done: &mut BTreeMap<usize, FinishedPoint>,
 ) -> Result<bool, Failure> {
     let computed = result.is_some();
     if let Some(result) = result {
@@ -97,6 +97,6 @@ fn keep(
     {
         sweep.check_figures(&first.metrics())?;
     }
-    done.insert(point, Done { hash, computed });
+    done.insert(point, FinishedPoint { hash, computed });
     Ok(computed)
 }

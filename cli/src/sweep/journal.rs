@@ -1,4 +1,4 @@
-//! The journal of a sweep: points by the hash of their scenario.
+//! The journal of a sweep, which identifies points by the hash of their scenario.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use papilio_formats::{HeldJournal, SweepHead, SweepJournal, SweepPoint, open_jou
 use crate::Failure;
 use crate::journal;
 
-/// Points by the hash of their scenario, and where new ones go.
+/// An open journal, and all known points by the hash of their scenario.
 #[derive(Debug)]
 pub(super) struct Journal {
     journal: HeldJournal,
@@ -16,10 +16,10 @@ pub(super) struct Journal {
     known: HashMap<String, SweepPoint>,
 }
 
-/// The journals of a sweep.
+/// Names of journals begin with this.
 pub(super) const STEM: &str = "sweep";
 
-/// All journals in a folder, in the order of their names, and where they are.
+/// Paths and contents of all journals in a folder, in the order of their names.
 pub(super) fn read_all(folder: &Path) -> Result<Vec<(PathBuf, SweepJournal)>, Failure> {
     journal::read_all(folder, STEM, |_: &SweepHead| true)
 }
@@ -29,8 +29,8 @@ fn read(path: &Path) -> Result<SweepJournal, Failure> {
 }
 
 impl Journal {
-    /// Opens a sweep's journal in a folder, or begins one. Points of other journals there, and of other forms of
-    /// the sweep, are known, too.
+    /// Opens or creates the journal of a sweep in a folder. The points of other journals there, and of earlier forms of the
+    /// sweep, are known too.
     pub(super) fn open(folder: &Path, name: &str, head: SweepHead) -> Result<Self, Failure> {
         let mut journal = HeldJournal::hold(folder.join(name))?;
         tidy_journals(folder, &[name, "sweep.csv.", "sweep_"]);
@@ -43,31 +43,31 @@ impl Journal {
         if mine.head.as_ref() == Some(&head) {
             journal.cut(mine.whole)?;
         } else {
-            // An earlier form of the sweep, or nothing yet. Points stay, but their numbers mean nothing now.
-            let kept = mine.lines.into_iter().map(|point| SweepPoint { point: None, ..point });
-            journal.put(&head, kept)?;
+            // An earlier form of the sweep, or a new journal. Points stay, but their numbers are no longer valid.
+            let points = mine.lines.into_iter().map(|point| SweepPoint { point: None, ..point });
+            journal.put(&head, points)?;
         }
         Ok(Self { journal, head, known })
     }
 
-    /// What is known of a scenario.
+    /// The known result of a scenario.
     pub(super) fn find(&self, hash: &str) -> Option<&SweepPoint> {
         self.known.get(hash)
     }
 
-    /// Hashes of all that is known.
+    /// Hashes of all known points.
     pub(super) fn hashes(&self) -> std::collections::HashSet<String> {
         self.known.keys().cloned().collect()
     }
 
-    /// Keeps a point: on the disk before this returns.
+    /// Saves a point; it is on the disk when this returns.
     pub(super) fn add(&mut self, point: SweepPoint) -> Result<(), Failure> {
         self.journal.add(&point)?;
         self.known.insert(point.hash.clone(), point);
         Ok(())
     }
 
-    /// Puts the journal in order: the points of the sweep first, by their numbers; then what else is known from it.
+    /// Sorts the journal: first the points of the sweep by number, then its other points.
     pub(super) fn finish(mut self, points: &[(usize, String)]) -> Result<(), Failure> {
         let in_order = points.iter().filter_map(|(number, hash)| {
             self.known.get(hash).map(|point| SweepPoint { point: Some(*number), ..point.clone() })

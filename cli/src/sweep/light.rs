@@ -1,4 +1,4 @@
-//! Light sweeps: of every point a few metrics, so that a hundred thousand points fit on a page of memory and disk.
+//! Light sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points and more.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -15,19 +15,19 @@ use papilio_formats::{
 use papilio_scenario::{LightSweep, Sweep};
 
 use super::compute::failed_at;
-use super::{listed, merge};
-use crate::arguments::{SweepMerge, SweepRun, SweepWanted};
+use super::{merge, table};
+use crate::arguments::{SweepMerge, SweepOutputs, SweepRun};
 use crate::journal;
-use crate::side_by_side::side_by_side;
-use crate::{Failure, interrupt, output, report, say};
+use crate::parallel::compute_parallel;
+use crate::{Failure, interrupt, output, print_message, report};
 
-/// Names of journals begin so.
+/// Names of journals begin with this.
 pub(super) const STEM: &str = "sweep-light";
 
-/// Computes the points that are not known yet, and writes what is kept of all.
+/// Computes the missing points, and writes the table and figures of all points.
 pub(super) fn run(
     arguments: &SweepRun,
-    wanted: SweepWanted,
+    outputs: SweepOutputs,
     sweep: &Sweep,
     light: LightSweep,
     folder: &Path,
@@ -50,28 +50,31 @@ pub(super) fn run(
             Err(error) => Err(failed_at(head, point, error)),
         }
     };
-    side_by_side(&missing, "points", arguments.threads, worker, |(point, values)| {
+    compute_parallel(&missing, "points", arguments.threads, worker, |(point, values)| {
         rows.add(point, values)?;
         Ok(true)
     })?;
     let left = mine.iter().filter(|point| rows.get(**point).is_none()).count();
     if left > 0 {
-        say(&format!("{} of {} points are done and kept", mine.len() - left, mine.len()));
-        return Err(Failure::Interrupted("the same command goes on from here"));
+        print_message(&format!("{} of {} points are finished and saved", mine.len() - left, mine.len()));
+        return Err(Failure::Interrupted("run the same command again to resume"));
     }
-    interrupt::whole(|| rows.finish(mine.iter().copied()))?;
+    interrupt::uninterrupted(|| rows.finish(mine.iter().copied()))?;
     let seconds = started.elapsed().as_secs_f64();
     let title = report::plain(&head.title.clone().unwrap_or_default());
-    say(&format!("{title}: {} points, {} computed in {seconds:.2} s", mine.len(), missing.len()));
+    print_message(&format!("{title}: {} points, {} computed in {seconds:.2} s", mine.len(), missing.len()));
     if arguments.shard.is_some() {
-        say(&format!("part {k} of {n} is done; when all are: papilio sweep merge {}", folder.display()));
+        print_message(&format!(
+            "shard {k} of {n} is done. When all shards are done, run: papilio sweep merge {}",
+            folder.display()
+        ));
         return Ok(());
     }
     let all: Vec<&[f64]> = mine.iter().filter_map(|point| rows.get(*point)).collect();
-    finish(folder, &head, &all, wanted)
+    finish(folder, &head, &all, outputs)
 }
 
-/// Joins the journals of parts, if those in these folders are of a light sweep.
+/// Merges the journals of shards; false if the folders contain no journal of a light sweep.
 pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     let mut head: Option<(PathBuf, SweepHead)> = None;
     let mut rows: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
@@ -85,34 +88,34 @@ pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     merge::complete(head.points(), |point| rows.contains_key(&point))?;
     let all: Vec<&[f64]> = rows.values().map(Vec::as_slice).collect();
     let out = merge::folder(arguments)?;
-    finish(out, &head, &all, arguments.wanted).map(|()| true)
+    finish(out, &head, &all, arguments.outputs).map(|()| true)
 }
 
-/// The table, the figures, and what the terminal shows of them.
-fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], wanted: SweepWanted) -> Result<(), Failure> {
-    // Figures are of the last two axes, the others at their first values.
+/// Writes the table and figures, and prints the report.
+fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: SweepOutputs) -> Result<(), Failure> {
+    // Figures show the last two axes, with the first values of the other axes.
     let drawn: usize = head.axes.iter().rev().take(2).map(|axis| axis.values.len()).product();
-    let first = light_points(head, &rows[..rows.len().min(drawn.max(listed::MOST_LISTED))]);
+    let first = light_points(head, &rows[..rows.len().min(drawn.max(table::MOST_ROWS))]);
     let refs: Vec<_> = first.iter().collect();
-    let names = interrupt::whole(|| -> Result<Vec<String>, Failure> {
+    let names = interrupt::uninterrupted(|| -> Result<Vec<String>, Failure> {
         write_file(&folder.join("sweep.csv"), |out| write_light_csv(out, head, rows))?;
         let mut names = vec!["sweep.csv".to_owned()];
-        if wanted.parquet {
+        if outputs.parquet {
             let bytes = light_parquet(head, rows)?;
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
         let svgs = of_sweep(head, &refs[..refs.len().min(drawn)]);
-        names.extend(output::write_figures(folder, svgs, wanted.png)?);
+        names.extend(output::write_figures(folder, svgs, outputs.png)?);
         Ok(names)
     })?;
     let mut stdout = crate::terminal::stdout();
-    if wanted.json {
+    if outputs.json {
         write_light_json(&mut stdout, head, rows)?;
     } else {
-        stdout.write_all(listed::listed(head, &refs, rows.len()).as_bytes())?;
+        stdout.write_all(table::sweep_table(head, &refs, rows.len()).as_bytes())?;
     }
     stdout.flush()?;
-    output::announce(folder, &names);
+    output::print_written(folder, &names);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! `papilio sweep merge`: parts that were computed apart, as one sweep.
+//! `papilio sweep merge`: merges the shards of a sweep.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use super::{finish, journal, light};
 use crate::arguments::SweepMerge;
 use crate::{Failure, output};
 
-/// Joins the journals of parts into the sweep's table and figures.
+/// Merges the journals of shards, and writes the table and figures of the sweep.
 pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
     let mut head: Option<(PathBuf, SweepHead)> = None;
     let mut points: BTreeMap<usize, SweepPoint> = BTreeMap::new();
@@ -24,15 +24,18 @@ pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
         if light::merged(arguments)? {
             return Ok(());
         }
-        return Err(Failure::Input(format!("there is no journal of a sweep in {}", folders.join(", "))));
+        return Err(Failure::Input(format!(
+            "there is no journal of a sweep in {}\n  = help: expected folders of `papilio sweep FILE --shard K/N --out DIR`",
+            folders.join(", ")
+        )));
     };
     complete(head.points(), |point| points.contains_key(&point))?;
     let out = folder(arguments)?;
     let points: Vec<&SweepPoint> = (0..head.points()).filter_map(|point| points.get(&point)).collect();
-    finish(out, &head, &points, arguments.wanted)
+    finish(out, &head, &points, arguments.outputs)
 }
 
-/// Keeps the head of the first journal; those of all others have to be the same.
+/// Stores the head of the first journal; fails if the head of another one differs.
 pub(super) fn one_sweep(
     first: &mut Option<(PathBuf, SweepHead)>,
     path: &Path,
@@ -41,7 +44,7 @@ pub(super) fn one_sweep(
 ) -> Result<(), Failure> {
     match (first, own) {
         (Some((first, head)), Some(own)) if !same(head, &own) => Err(Failure::Input(format!(
-            "{} and {} are of two sweeps\n  = help: give the folders of one sweep's parts",
+            "{} and {} belong to different sweeps\n  = help: specify only folders with shards of one sweep",
             first.display(),
             path.display()
         ))),
@@ -53,20 +56,21 @@ pub(super) fn one_sweep(
     }
 }
 
-/// Nothing, if all points are done.
+/// Fails if points are missing.
 pub(super) fn complete(points: usize, is_done: impl Fn(usize) -> bool) -> Result<(), Failure> {
     let missing: Vec<usize> = (0..points).filter(|point| !is_done(*point)).collect();
     if missing.is_empty() {
         return Ok(());
     }
     Err(Failure::Input(format!(
-        "{} of {points} points are not done: {}\n  = help: run the parts that they belong to (part K of N has points K-1, K-1+N, ...)",
+        "{} of {points} points are missing: {}\n  = help: run the shards that contain them (shard K of N has the points K-1, K-1+N, \
+         ...)",
         missing.len(),
         ranges(&missing)
     )))
 }
 
-/// Where what was merged goes.
+/// Folder for the merged results.
 pub(super) fn folder(arguments: &SweepMerge) -> Result<&Path, Failure> {
     let out = arguments.out.as_ref().unwrap_or(&arguments.folders[0]);
     output::check(out)?;
@@ -74,7 +78,7 @@ pub(super) fn folder(arguments: &SweepMerge) -> Result<&Path, Failure> {
     Ok(out)
 }
 
-/// `0-3, 7, 9-10`; the first few.
+/// Numbers as ranges, for example `0-3, 7, 9-10`; only the first twelve ranges.
 fn ranges(numbers: &[usize]) -> String {
     const MOST: usize = 12;
     let mut ranges: Vec<(usize, usize)> = Vec::new();
@@ -95,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn missing_points_are_named_in_ranges() {
+    fn missing_points_are_printed_as_ranges() {
         assert_eq!(ranges(&[0, 1, 2, 5, 7, 8]), "0-2, 5, 7-8");
     }
 }

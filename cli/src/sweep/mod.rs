@@ -1,14 +1,14 @@
-//! `papilio sweep`: a scenario at every point of its `[sweep]`; stopped and gone on with at will.
+//! `papilio sweep`: a scenario at every point of its `[sweep]`, which can be interrupted and resumed.
 //!
-//! Each point is computed as `papilio run` computes it, on one thread, and many points at once; so a point's
-//! numbers do not depend on which were computed before, and a sweep that was killed and gone on with ends in the
-//! same bytes as one that was not. What is done is in the journal at once.
+//! Points are computed in parallel, each on one thread and as by `papilio run`. The numbers of a point therefore do not
+//! depend on other points, and a resumed sweep writes the same bytes as an uninterrupted one. Each finished point is saved
+//! in the journal immediately.
 
 mod compute;
 mod journal;
 mod light;
-mod listed;
 mod merge;
+mod table;
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -23,22 +23,22 @@ use papilio_scenario::Sweep;
 
 use self::compute::compute;
 use self::journal::Journal;
-use crate::arguments::{Sweep as Command, SweepCommand, SweepRun, SweepWanted as Wanted, default_out};
-use crate::{Failure, interrupt, output, report, say};
+use crate::arguments::{Sweep as Command, SweepCommand, SweepOutputs as Outputs, SweepRun, default_out};
+use crate::{Failure, interrupt, output, print_message, report};
 
-/// Points whose scenario is looked at before any is computed.
+/// Most points whose scenario is checked before any point is computed.
 const MOST_SAMPLES: usize = 1000;
 
 pub(crate) fn sweep(command: &Command) -> Result<(), Failure> {
     match (&command.command, &command.run) {
         (Some(SweepCommand::Merge(merge)), _) => merge::merge(merge),
-        (None, Some(run)) => self::run(run, command.wanted),
-        // Clap asks for the scenario before this can be.
-        (None, None) => Err(Failure::Input("a scenario is needed".to_owned())),
+        (None, Some(run)) => self::run(run, command.outputs),
+        // Not reached: clap requires the scenario.
+        (None, None) => Err(Failure::Input("a scenario file is required".to_owned())),
     }
 }
 
-fn run(arguments: &SweepRun, wanted: Wanted) -> Result<(), Failure> {
+fn run(arguments: &SweepRun, outputs: Outputs) -> Result<(), Failure> {
     let mut sweep = Sweep::load(&arguments.file, &arguments.set)?;
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
         sweep.scenario(point)?.resolve()?;
@@ -48,7 +48,7 @@ fn run(arguments: &SweepRun, wanted: Wanted) -> Result<(), Failure> {
     output::check(&folder)?;
     output::make_folder(&folder)?;
     if let Some(light) = light {
-        return light::run(arguments, wanted, &sweep, light, &folder);
+        return light::run(arguments, outputs, &sweep, light, &folder);
     }
     let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
     let mut journal = Journal::open(&folder, &journal_name(journal::STEM, arguments.shard), head.clone())?;
@@ -59,47 +59,54 @@ fn run(arguments: &SweepRun, wanted: Wanted) -> Result<(), Failure> {
     let computed = done.values().filter(|done| done.computed).count();
     let points: Vec<(usize, String)> = done.into_iter().map(|(point, done)| (point, done.hash)).collect();
     if points.len() < mine.len() {
-        say(&format!("{} of {} points are done and kept", points.len(), mine.len()));
-        return Err(Failure::Interrupted("the same command goes on from here"));
+        print_message(&format!("{} of {} points are finished and saved", points.len(), mine.len()));
+        return Err(Failure::Interrupted("run the same command again to resume"));
     }
     let known: Vec<SweepPoint> = points.iter().filter_map(|(_, hash)| journal.find(hash).cloned()).collect();
-    interrupt::whole(|| journal.finish(&points))?;
+    interrupt::uninterrupted(|| journal.finish(&points))?;
     let seconds = started.elapsed().as_secs_f64();
     let title = head.title.clone().unwrap_or_default();
-    say(&format!("{}: {} points, {computed} computed in {seconds:.2} s", report::plain(&title), mine.len()));
+    print_message(&format!(
+        "{}: {} points, {computed} computed in {seconds:.2} s",
+        report::plain(&title),
+        mine.len()
+    ));
     if arguments.shard.is_some() {
-        say(&format!("part {k} of {n} is done; when all are: papilio sweep merge {}", folder.display()));
+        print_message(&format!(
+            "shard {k} of {n} is done. When all shards are done, run: papilio sweep merge {}",
+            folder.display()
+        ));
         return Ok(());
     }
     let refs: Vec<&SweepPoint> = known.iter().collect();
-    finish(&folder, &head, &refs, wanted)
+    finish(&folder, &head, &refs, outputs)
 }
 
-/// The table, the figures, and what the terminal shows of them.
-fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], wanted: Wanted) -> Result<(), Failure> {
-    let names = interrupt::whole(|| -> Result<Vec<String>, Failure> {
+/// Writes the table and figures, and prints the report.
+fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: Outputs) -> Result<(), Failure> {
+    let names = interrupt::uninterrupted(|| -> Result<Vec<String>, Failure> {
         write_file(&folder.join("sweep.csv"), |out| write_sweep_csv(out, head, points))?;
         let mut names = vec!["sweep.csv".to_owned()];
-        if wanted.parquet {
+        if outputs.parquet {
             let bytes = sweep_parquet(head, points)?;
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
-        names.extend(output::write_figures(folder, of_sweep(head, points), wanted.png)?);
+        names.extend(output::write_figures(folder, of_sweep(head, points), outputs.png)?);
         Ok(names)
     })?;
     let mut stdout = crate::terminal::stdout();
-    if wanted.json {
+    if outputs.json {
         write_sweep_json(&mut stdout, head, points)?;
     } else {
-        stdout.write_all(listed::listed(head, points, points.len()).as_bytes())?;
+        stdout.write_all(table::sweep_table(head, points, points.len()).as_bytes())?;
     }
     stdout.flush()?;
-    output::announce(folder, &names);
+    output::print_written(folder, &names);
     let mut warnings: BTreeMap<&str, usize> = BTreeMap::new();
     points.iter().flat_map(|point| &point.warnings).for_each(|text| *warnings.entry(text).or_default() += 1);
     for (warning, count) in warnings {
-        say(&format!("warning: at {count} of {} points: {warning}", points.len()));
+        print_message(&format!("warning: at {count} of {} points: {warning}", points.len()));
     }
     Ok(())
 }

@@ -1,10 +1,10 @@
-//! `papilio tolerance`: how production scatters a display, how much of it meets its limits, and why the rest does not;
-//! stopped and gone on with at will.
+//! `papilio tolerance`: the distribution of metrics in production, the yield, and sensitivities; can be interrupted and
+//! resumed.
 //!
-//! A row of displays is known by its number, and depends on nothing else: so parts may be computed anywhere, and a
-//! production of more displays begins with those of a smaller one.
+//! A sample depends only on its number. Shards can therefore be computed anywhere, and a larger number of samples begins with
+//! those of a smaller one.
 
-mod listed;
+mod report;
 
 use std::io::Write;
 use std::time::Instant;
@@ -18,10 +18,10 @@ use papilio_scenario::Tolerance;
 
 use crate::arguments::{Tolerance as Arguments, default_out};
 use crate::journal::open_rows;
-use crate::side_by_side::side_by_side;
-use crate::{Failure, interrupt, output, report, say};
+use crate::parallel::compute_parallel;
+use crate::{Failure, interrupt, output, print_message};
 
-/// Names of files begin so.
+/// Names of files begin with this.
 const STEM: &str = "tolerance";
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -43,23 +43,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let computed = compute(&production, &mine, &mut rows, arguments.workers.threads)?;
     let done = mine.iter().filter(|row| is_known(&production, &rows, **row)).count();
     if done < mine.len() {
-        say(&format!("{done} of {} samples are done and kept", mine.len()));
-        return Err(Failure::Interrupted("the same command goes on from here"));
+        print_message(&format!("{done} of {} samples are finished and saved", mine.len()));
+        return Err(Failure::Interrupted("run the same command again to resume"));
     }
-    interrupt::whole(|| rows.finish(mine.iter().copied()))?;
-    let title = tolerance.title.clone().unwrap_or_else(|| report::file_title(&arguments.file));
-    let title = report::plain(&title);
+    interrupt::uninterrupted(|| rows.finish(mine.iter().copied()))?;
+    let title = tolerance.title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.file));
+    let title = crate::report::plain(&title);
     let seconds = started.elapsed().as_secs_f64();
-    say(&format!("{title}: {} samples, {computed} computed in {seconds:.2} s", mine.len()));
+    print_message(&format!("{title}: {} samples, {computed} computed in {seconds:.2} s", mine.len()));
     if arguments.shard.is_some() {
-        say(&format!(
-            "part {k} of {n} is done; when all are: the same command without --shard, here or with --merge DIR"
+        print_message(&format!(
+            "shard {k} of {n} is done. When all shards are done, run the same command without --shard (with --merge DIR for other \
+             folders)"
         ));
         return Ok(());
     }
     let rows: Vec<&[f64]> = mine.iter().filter_map(|row| rows.get(*row)).collect();
     let found = Report::new(&tolerance, &production, &rows);
-    let names = interrupt::whole(|| {
+    let names = interrupt::uninterrupted(|| {
         output::remove(&folder, |name| {
             name.starts_with("tolerance_") && (name.ends_with(".svg") || name.ends_with(".png"))
         })?;
@@ -76,19 +77,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         write_json(&mut stdout, &found)?;
     } else {
-        stdout.write_all(listed::listed(&title, &production, &found).as_bytes())?;
+        stdout.write_all(report::tolerance_report(&title, &production, &found).as_bytes())?;
     }
     stdout.flush()?;
-    output::announce(&folder, &names);
+    output::print_written(&folder, &names);
     Ok(())
 }
 
-/// Whether all numbers of a row are there.
+/// True if all numbers of a row are known.
 fn is_known(production: &Production, rows: &JournalRows<ToleranceHead>, row: usize) -> bool {
     rows.get(row).is_some_and(|values| values.len() >= production.width(row))
 }
 
-/// Computes the rows that are not known yet, and keeps them; how many those were. Ends early if interrupted.
+/// Computes the missing rows and saves them. Returns their number; ends early if interrupted.
 fn compute(
     production: &Production,
     mine: &[usize],
@@ -105,7 +106,7 @@ fn compute(
             Err(error) => Err(Failure::of_one(error, &format!("in sample {row}"))),
         }
     };
-    side_by_side(&missing, "samples", threads, worker, |(row, values)| {
+    compute_parallel(&missing, "samples", threads, worker, |(row, values)| {
         computed += 1;
         rows.add(row, values)?;
         Ok(true)

@@ -1,4 +1,4 @@
-//! The program as its users meet it: exit codes, streams, files.
+//! The program as a process: exit codes, standard output and error, files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ fn a_run_writes_its_results_and_a_table() {
     ];
     assert_eq!(names(&out), files);
     let table = String::from_utf8(output.stdout).unwrap();
-    for word in ["Indoor reading", "white", "magenta", "contrast ratio", "% of sRGB", "returns"] {
+    for word in ["Indoor reading", "white", "magenta", "contrast ratio", "% of sRGB", "energy balance"] {
         assert!(table.contains(word), "{word} is not in\n{table}");
     }
     let result: serde_json::Value =
@@ -389,7 +389,9 @@ fn a_display_has_a_bsdf_file() {
     };
     let output = brdf(&["--step", "10"]);
     assert!(output.status.success(), "{}", stderr(&output));
-    assert!(String::from_utf8(output.stdout).unwrap().contains("share of a beam that leaves"));
+    assert!(
+        String::from_utf8(output.stdout).unwrap().contains("directional-hemispherical reflectance / regular")
+    );
     assert_eq!(names(folder.path()), ["about.json", "display-bsdf.npz", "reflection.csv"]);
     // 8 states, 9 x 9 x 19 directions, 21 wavelengths, 4 bytes each.
     let bytes = fs::metadata(folder.path().join("display-bsdf.npz")).unwrap().len();
@@ -489,7 +491,7 @@ fn a_result_of_another_hash_is_not_replaced() {
     assert!(!at("run", &[]).contains("note: out/indoor"));
     let first = read("indoor/result.json");
     let said = at("run", &other);
-    assert!(said.contains("note: out/indoor holds the result of another scenario"), "{said}");
+    assert!(said.contains("note: out/indoor contains the result of another scenario"), "{said}");
     assert_eq!(read("indoor/result.json"), first);
     let hash = |bytes: &[u8]| {
         let result: serde_json::Value = serde_json::from_slice(bytes).unwrap();
@@ -506,7 +508,7 @@ fn a_result_of_another_hash_is_not_replaced() {
     // A folder that has but the table of another command.
     fs::remove_file(folder.path().join("out/indoor/result.json")).unwrap();
     let said = at("brdf", &["--step", "30", "--set", "viewer.theta_deg=32"]);
-    assert!(said.contains("note: out/indoor holds"), "{said}");
+    assert!(said.contains("note: out/indoor contains"), "{said}");
     assert_eq!(folders().len(), 3);
     // compare says what it compares.
     let measured = "state,theta_deg,X,Y,Z\nwhite,31,1,1,1\n";
@@ -528,6 +530,6 @@ fn a_result_of_another_hash_is_not_replaced() {
             .output()
             .unwrap();
         assert_eq!(looped.status.code(), Some(2));
-        assert!(stderr(&looped).contains("is a link that leads to nothing"), "{}", stderr(&looped));
+        assert!(stderr(&looped).contains("is a link to a path that does not exist"), "{}", stderr(&looped));
     }
 }

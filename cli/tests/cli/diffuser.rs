@@ -109,7 +109,7 @@ fn inspect_says_what_a_file_is_worth() {
     let arguments = spectra.iter().flat_map(|name| ["--transmission", name.as_str()]);
     let arguments = ["inspect", &h78, "--out", &figures].into_iter().chain(arguments);
     let (text, _) = done(&arguments.collect::<Vec<_>>());
-    assert!(text.contains("at most 90.0 %; half of that is reached at 392 nm"), "{text}");
+    assert!(text.contains("maximum 90.0 %; half of the maximum at 392 nm"), "{text}");
     let svg = fs::read_to_string(folder.path("figures/transmission.svg")).unwrap();
     assert!(["H65", "H78", "H81", "Transmission (%)"].iter().all(|word| svg.contains(word)));
     assert!(refused(&["inspect", &h78, "--transmission", &h78]).contains("H78.bsdf"));
@@ -199,9 +199,9 @@ fn steps_are_taken_out_one_by_one() {
     let (scenario, truth) = (shipped("measured-diffused.toml"), shipped("measured-truth.toml"));
     let (text, _) = done(&["steps", &scenario, "--beside", &truth, "--out", &folder.name("steps")]);
     for (name, y) in [
-        ("as described", 0.1962),
-        ("without k", 0.1743),
-        ("even spectral mean", 0.2119),
+        ("as specified", 0.1962),
+        ("not normalised (without k)", 0.1743),
+        ("uniform spectral mean", 0.2119),
         ("without transmission spectrum", 0.1962),
         ("nothing beyond the last incidence", 0.1950),
         ("The true lobe of H78", 0.1965),
@@ -211,12 +211,19 @@ fn steps_are_taken_out_one_by_one() {
         assert!((found - y).abs() < 2e-4, "{name}: {text}");
     }
     let svg = fs::read_to_string(folder.path("steps/step-normalise.svg")).unwrap();
-    let words = ["as described", "without k", "The true lobe of H78", "red", "black", "viewed at 8"];
+    let words =
+        ["as specified", "not normalised (without k)", "The true lobe of H78", "red", "black", "viewed at 8"];
     assert!(words.iter().all(|word| svg.contains(word)));
     assert!(folder.path("steps/about.json").is_file());
     assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 9);
     let shown = refused(&["steps", &shipped("measured-bare.toml"), "--out", &folder.name("none")]);
     assert!(shown.contains("model = \"measured\""), "{shown}");
+    // Extrapolated tails are a step too.
+    let (tails, out) = ("display.diffuser.extrapolate_tails=true", folder.name("tails"));
+    let coarse = ["--set", "spectrum.step_nm=20", "--set", "solver.relative_error=0.01"];
+    let (text, _) = done(&[&["steps", &scenario, "--set", tails, "--out", &out][..], &coarse].concat());
+    assert!(text.contains("tails not extrapolated"), "{text}");
+    assert!(folder.path("tails/step-extrapolate_tails.svg").is_file());
 }
 
 /// What `fit` prints is a scenario's table: under the lobe of the file a display looks as under the file.
@@ -224,7 +231,7 @@ fn steps_are_taken_out_one_by_one() {
 fn a_fit_can_be_pasted_into_a_scenario() {
     let folder = Folder::new();
     let (text, _) = done(&["fit", &shipped("data/H78-raw.bsdf")]);
-    let (_, blocks) = text.split_once("for a scenario").unwrap();
+    let (_, blocks) = text.split_once("tables for a scenario").unwrap();
     let scenario = fs::read_to_string(shipped("measured-diffused.toml")).unwrap();
     let (head, rest) = scenario.split_once("[display.diffuser]").unwrap();
     let (measured, rest) = rest.split_once("[display.glass]").unwrap();

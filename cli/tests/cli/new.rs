@@ -37,7 +37,7 @@ fn what_is_there_is_not_overwritten() {
     fs::write(&file, "mine").unwrap();
     let output = papilio(&[Path::new("new"), Path::new("office"), &file]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("is there already"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("already exists"));
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
     let nowhere = folder.path().join("none").join("x.toml");
     assert_eq!(papilio(&[Path::new("new"), Path::new("office"), &nowhere]).status.code(), Some(1));

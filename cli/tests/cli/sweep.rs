@@ -136,7 +136,7 @@ fn what_cannot_be_merged_or_swept_is_said() {
     let none = folder.path().join("none");
     let merged = papilio(&["sweep", "merge", none.to_str().unwrap()]);
     assert_eq!(merged.status.code(), Some(2));
-    assert!(stderr(&merged).contains("is not there\n  = help: expected a folder"), "{}", stderr(&merged));
+    assert!(stderr(&merged).contains("does not exist\n  = help: expected a folder"), "{}", stderr(&merged));
     for more in [&[][..], &["--set", "sweep.figures=[\"white.Y\"]"]] {
         let swept = papilio(&[&["sweep", &file][..], more].concat());
         assert_eq!(swept.status.code(), Some(2));
@@ -261,11 +261,7 @@ fn parts_make_the_whole() {
     let whole_name = whole.to_str().unwrap();
     let missing = papilio(&["sweep", "merge", &parts[0], &parts[2], "--out", whole_name]);
     assert_eq!(missing.status.code(), Some(2));
-    assert!(
-        stderr(&missing).contains("5 of 15 points are not done: 1, 4, 7, 10, 13"),
-        "{}",
-        stderr(&missing)
-    );
+    assert!(stderr(&missing).contains("5 of 15 points are missing: 1, 4, 7, 10, 13"), "{}", stderr(&missing));
     assert!(!whole.exists());
     let output = papilio(&["sweep", "merge", &parts[0], &parts[1], &parts[2], "--out", whole_name]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -411,7 +407,7 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     expected.remove("sweep-light.jsonl");
     same(&files(&merged), &expected);
     let half = papilio(&["sweep", "merge", &parts[0], "--out", merged.to_str().unwrap()]);
-    assert!(stderr(&half).contains("7 of 15 points are not done: 1, 3, 5"), "{}", stderr(&half));
+    assert!(stderr(&half).contains("7 of 15 points are missing: 1, 3, 5"), "{}", stderr(&half));
 
     let wrong = text.replace("metrics = [\"contrast_ratio\"", "metrics = [\"contrast\"");
     fs::write(&file, &wrong).unwrap();

@@ -109,9 +109,12 @@ fn the_terminal_says_yield_and_reasons() {
     let (_folder, file, out) = place(SCENARIO);
     let output = papilio(&["tolerance", &file, "--out", &out]);
     let text = stdout(&output);
-    for words in
-        ["Bare\n96 displays, 96 more for sensitivities", "yield ", "fails alone", "by itself / with others"]
-    {
+    for words in [
+        "Bare\n96 displays, and 96 more for sensitivities",
+        "yield ",
+        "fails alone",
+        "first-order index / total-order index",
+    ] {
         assert!(text.contains(words), "{words}: {text}");
     }
     let again = papilio(&["tolerance", &file, "--out", &out]);
@@ -203,7 +206,7 @@ fn another_distribution_sets_the_journal_aside() {
         stderr(&output)
     };
     let first = said(SCENARIO);
-    assert!(!first.contains("is kept as"), "{first}");
+    assert!(!first.contains("was moved to"), "{first}");
     let done = files(Path::new(&out));
     assert!(said(&SCENARIO.replace("sigma = 0.3", "sigma = 0.4")).contains("tolerance.jsonl.before"));
     assert_eq!(files(Path::new(&out))["tolerance.jsonl.before"], done["tolerance.jsonl"]);
@@ -343,7 +346,7 @@ fn sensitivities_do_not_contradict_themselves() {
     let output = papilio(&["tolerance", &file, "--out", &out]);
     assert!(output.status.success(), "{}", stderr(&output));
     let text = stdout(&output);
-    let table = &text[text.find("where the variance comes from").unwrap()..];
+    let table = &text[text.find("fraction of the variance, %").unwrap()..];
     let number = |cell: &str| cell.split('(').next().unwrap().parse::<f64>().unwrap();
     let mut pairs = 0;
     for line in table.lines().skip(2).take_while(|line| !line.is_empty()) {

@@ -1,18 +1,18 @@
-//! A tolerance analysis on the terminal.
+//! Report of a tolerance analysis on the terminal.
 
 use papilio_design::tolerance::{Estimate, Indices, MetricReport, PERCENTILES, Production, Report};
 use papilio_formats::sweep_value;
 
 use crate::report;
 
-/// More of the worst displays are not printed.
+/// Most rows of the table of the worst displays.
 const MOST_WORST: usize = 5;
 
-/// Yield first, then why it is what it is.
-pub(super) fn listed(title: &str, production: &Production, found: &Report) -> String {
+/// Yield, distributions, sensitivities and worst displays.
+pub(super) fn tolerance_report(title: &str, production: &Production, found: &Report) -> String {
     let mut text = format!("{title}\n{} displays", found.samples);
     if found.sensitivity_samples > 0 {
-        text.push_str(&format!(", {} more for sensitivities", production.displays() - found.samples));
+        text.push_str(&format!(", and {} more for sensitivities", production.displays() - found.samples));
     }
     text.push('\n');
     if !found.limits.is_empty() {
@@ -23,33 +23,39 @@ pub(super) fn listed(title: &str, production: &Production, found: &Report) -> St
     text.push_str(&report::table(&spreads(found)));
     if found.sensitivity_samples > 0 {
         text.push_str(
-            "\nwhere the variance comes from: by itself / with others, %; 12.3(4) means 12.3 with a standard error of 0.4\n",
+            "\nfraction of the variance, %: first-order index / total-order index of each key; 12.3(4) means 12.3 with a standard \
+             error of 0.4\n",
         );
         text.push_str(&report::table(&sensitivities(found)));
     }
     if !found.worst.is_empty() {
-        text.push_str("\nthe displays that miss most (in standard deviations of the metric)\n");
+        text.push_str(
+            "\ndisplays with the largest violation of a limit, in standard deviations of the metric\n",
+        );
         text.push_str(&report::table(&worst(production, found)));
     }
     text
 }
 
-/// What a sample in which nothing or everything fails says of the whole: the rule of three.
+/// Upper limit of the fraction of bad (or good) displays if the samples contain none: the rule of three.
 fn rule_of_three(found: &Report) -> String {
-    let (share, samples) = (found.verdict.yield_share.value, found.samples);
-    let what = if share >= 1.0 {
-        "is bad"
-    } else if share <= 0.0 {
-        "is good"
+    let (fraction, samples) = (found.verdict.yield_share.value, found.samples);
+    let kind = if fraction >= 1.0 {
+        "bad"
+    } else if fraction <= 0.0 {
+        "good"
     } else {
         return String::new();
     };
-    format!(": none of {samples} {what}, so fewer than {:.2} % are (95 % sure)", 300.0 / samples as f64)
+    format!(
+        ": none of {samples} samples is {kind}, so fewer than {:.2} % of all displays are (95 % confidence)",
+        300.0 / samples as f64
+    )
 }
 
-/// A share in % with its standard error.
-fn percent(share: Estimate) -> String {
-    format!("{:.2} +- {:.2} %", 100.0 * share.value, 100.0 * share.standard_error)
+/// A fraction in % with its standard error.
+fn percent(fraction: Estimate) -> String {
+    format!("{:.2} +- {:.2} %", 100.0 * fraction.value, 100.0 * fraction.standard_error)
 }
 
 fn row(cells: &[&str]) -> Vec<String> {
@@ -67,7 +73,7 @@ fn limits(found: &Report) -> Vec<Vec<String>> {
 }
 
 fn spreads(found: &Report) -> Vec<Vec<String>> {
-    let titles = ["metric", "mean", "deviation"].map(str::to_owned).into_iter();
+    let titles = ["metric", "mean", "std. dev."].map(str::to_owned).into_iter();
     let mut rows = vec![titles.chain(PERCENTILES.map(|percent| format!("{percent} %"))).collect::<Vec<_>>()];
     let undefined = |metric: &MetricReport| metric.spread.as_ref().map_or(found.samples, |one| one.undefined);
     let some = found.metrics.iter().any(|metric| undefined(metric) > 0);
@@ -76,7 +82,7 @@ fn spreads(found: &Report) -> Vec<Vec<String>> {
         let mut cells = vec![metric.name.clone()];
         match &metric.spread {
             Some(spread) => {
-                // So many digits that a tenth of the spread is seen.
+                // Enough decimals to show a tenth of the standard deviation.
                 let decimals = (1.0 - spread.deviation.value.log10().floor()).clamp(0.0, 8.0) as usize;
                 let all = [spread.mean, spread.deviation].into_iter().chain(spread.percentiles);
                 cells.extend(all.map(|one| report::unsigned_zero(format!("{:.decimals$}", one.value))));
@@ -94,7 +100,7 @@ fn sensitivities(found: &Report) -> Vec<Vec<String>> {
     let mut rows = vec![["metric".to_owned()].into_iter().chain(groups).collect::<Vec<_>>()];
     for metric in &found.metrics {
         let of = |one: &Indices| {
-            let [first, total] = both(one);
+            let [first, total] = rounded_indices(one);
             format!("{first} / {total}")
         };
         let cells = metric.indices.iter().map(|one| one.as_ref().map_or("-".to_owned(), of));
@@ -103,9 +109,9 @@ fn sensitivities(found: &Report) -> Vec<Vec<String>> {
     rows
 }
 
-/// Both indices in %, each with its standard error in units of the last digit, to the same digits: rounded alike, what is no more
-/// than the other is shown as no more.
-fn both(one: &Indices) -> [String; 2] {
+/// Both indices in %, each with its standard error in units of the last digit. They have the same number of decimals, so that
+/// rounding does not make the first-order index larger than the total-order index.
+fn rounded_indices(one: &Indices) -> [String; 2] {
     let errors = [one.first, one.total].map(|one| 100.0 * one.standard_error);
     let decimals = usize::from(errors[0].max(errors[1]) < 5.0);
     [one.first, one.total].map(|one| {
@@ -117,7 +123,7 @@ fn both(one: &Indices) -> [String; 2] {
 
 fn worst(production: &Production, found: &Report) -> Vec<Vec<String>> {
     let names = production.study().variables.iter().map(|variable| variable.name.clone());
-    let titles = ["sample", "misses", "by"].map(str::to_owned).into_iter();
+    let titles = ["sample", "violates", "by"].map(str::to_owned).into_iter();
     let mut rows = vec![titles.chain(names).collect::<Vec<_>>()];
     for one in found.worst.iter().take(MOST_WORST) {
         let by = one.missed_by_sigma.map_or("undefined".to_owned(), |by| format!("{by:.1}"));

@@ -1,4 +1,4 @@
-//! Pieces of work on several threads, and what is kept of each as it comes.
+//! Parallel computation of work items, whose results are stored as they arrive.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -6,27 +6,28 @@ use std::sync::mpsc;
 use crate::progress::Progress;
 use crate::{Failure, interrupt};
 
-/// Does pieces of work side by side until all are done or the program is interrupted.
+/// Computes work items in parallel until all are done or the program is interrupted.
 ///
-/// Every thread has a worker of its own, made by `worker` of the threads that it may use in turn; it gives `None` where
-/// it was interrupted. `keep` gets what was found, in any order, and says whether it was computed now or known before.
+/// Each thread has its own worker. `worker` creates it for the number of threads that it may use itself; a worker returns
+/// `None` if it was interrupted. `store` receives the results in any order, and returns whether the result was computed now
+/// (true) or was known before (false).
 ///
 /// # Errors
-/// The first failure of a worker or of `keep`, after which nothing is begun.
-pub(crate) fn side_by_side<T: Send, W: FnMut(usize) -> Result<Option<T>, Failure>>(
+/// The first failure of a worker or of `store`. After a failure no item is started.
+pub(crate) fn compute_parallel<T: Send, W: FnMut(usize) -> Result<Option<T>, Failure>>(
     work: &[usize],
     unit: &'static str,
     threads: Option<u16>,
     worker: impl Fn(usize) -> W + Sync,
-    mut keep: impl FnMut(T) -> Result<bool, Failure>,
+    mut store: impl FnMut(T) -> Result<bool, Failure>,
 ) -> Result<(), Failure> {
-    interrupt::heed();
+    interrupt::catch_ctrl_c();
     let threads =
         threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let workers = threads.min(work.len()).max(1);
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let mut progress = Progress::new(work.len(), unit);
-    // As many as wait to be kept: a slow disk must not fill the memory.
+    // Bounds the number of results that wait to be stored: a slow disk must not fill the memory.
     let (sender, receiver) = mpsc::sync_channel::<Result<T, Failure>>(64 * workers);
     let mut failure = None;
     std::thread::scope(|scope| {
@@ -35,17 +36,17 @@ pub(crate) fn side_by_side<T: Send, W: FnMut(usize) -> Result<Option<T>, Failure
             scope.spawn(move || {
                 let mut worker = worker(threads / workers);
                 while !stop.load(Ordering::Relaxed) && !interrupt::STOP.load(Ordering::Relaxed) {
-                    let Some(&piece) = work.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    match worker(piece).transpose() {
+                    let Some(&item) = work.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                    match worker(item).transpose() {
                         None => break,
-                        Some(found) => drop(sender.send(found)),
+                        Some(result) => drop(sender.send(result)),
                     }
                 }
             });
         }
         drop(sender);
-        for found in receiver {
-            match found.and_then(&mut keep) {
+        for result in receiver {
+            match result.and_then(&mut store) {
                 Ok(computed) => progress.done(computed),
                 Err(error) => {
                     stop.store(true, Ordering::Relaxed);
