@@ -137,8 +137,8 @@ fn rough_faces_tighten() {
         let levels = [0, 1, 2].map(|level| estimate(level, &stack, view(8.0), &sources));
         for source in 0..2 {
             let [a, b, c] = levels.each_ref().map(|estimate| rho(estimate, source));
-            assert_close(&format!("alpha {alpha}, source {source}"), a / c, 1.0, 1e-4);
-            assert_close(&format!("alpha {alpha}, source {source}"), b / c, 1.0, 2e-5);
+            assert_close(&format!("alpha {alpha}, source {source}"), a / c, 1.0, 2e-3);
+            assert_close(&format!("alpha {alpha}, source {source}"), b / c, 1.0, 5e-4);
         }
     }
 }
