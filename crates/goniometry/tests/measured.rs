@@ -6,6 +6,7 @@ use papilio_goniometry::{
     Channel, Data, Fit, FitOptions, Instrument, Kind, Model, Normalisation, Part, SyntheticSample, View, Way,
     Weights,
 };
+use papilio_optics::Scatterer;
 use papilio_optics::{
     Beta,
     lobe::Lobe,
@@ -82,7 +83,7 @@ fn ward_is_the_scattering_kernel_of_displays() {
         let model = Model::Ward { normalisation, rho: 1.0, alpha: 0.2 };
         for (from, to) in [(0.0, 10.0), (30.0, 45.0), (60.0, 20.0), (80.0, 70.0)] {
             let (from, to) = (direction(from, 0.0), direction(to, 25.0));
-            let [ours, theirs] = [model.value(from, to), kernel.value(from, to)];
+            let [ours, theirs] = [model.value(from, to), kernel.evaluate(from, to)];
             assert!((ours / theirs - 1.0).abs() < 1e-12, "{normalisation:?}: {ours} {theirs}");
         }
     }

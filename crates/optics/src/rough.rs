@@ -49,11 +49,13 @@
 mod again;
 mod deficit;
 mod microfacets;
+mod on_side;
 mod several;
 mod shadowing;
 
 use again::Deficits;
 use microfacets::Microfacets;
+pub use on_side::OnSide;
 pub use shadowing::Distribution;
 
 use crate::Beta;

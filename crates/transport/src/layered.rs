@@ -176,7 +176,7 @@ impl ScatterKernel {
 
     /// The share of light with this `|beta|` that is sent on, before the factor.
     pub(crate) fn total(&self, beta_length: f64) -> f64 {
-        if beta_length <= self.scatter.discs()[0] { self.scatter.total(beta_length) } else { 0.0 }
+        if beta_length <= self.scatter.discs()[0] { self.scatter.albedo_at(beta_length) } else { 0.0 }
     }
 }
 

@@ -6,8 +6,8 @@ mod double_pass;
 
 use common::*;
 use double_pass::*;
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_transport::specular_image;
 use papilio_transport::walk::Walk;

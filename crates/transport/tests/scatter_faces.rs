@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::*;
 use layers::*;
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::{Normalisation, Scatter, Table, Ward};
+use papilio_optics::{Beta, Scatterer};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Base, Cone, Estimate, Interface, Reflector, ScatterFace, ScatterKernel, Source, Stack,
@@ -155,8 +155,8 @@ fn the_ledger_closes() {
     for theta in [0.0_f64, 40.0, 70.0] {
         let found = estimate(1, &over_black, view(theta), &[Source::Diffuse]);
         let length = theta.to_radians().sin();
-        assert_close("back", rho(&found, 0), 0.05 * ward(0.2).total(length), 1e-4);
-        assert_close("through", found.ledger.pixel[0], 0.1 + 0.8 * lopsided().total(length), 2e-3);
+        assert_close("back", rho(&found, 0), 0.05 * ward(0.2).albedo_at(length), 1e-4);
+        assert_close("through", found.ledger.pixel[0], 0.1 + 0.8 * lopsided().albedo_at(length), 2e-3);
     }
 }
 
@@ -263,7 +263,7 @@ fn what_goes_through_equals_a_plain_quadrature() {
                 for (theta, seen) in thetas.into_iter().zip(&seen) {
                     // A ray is followed against the light that it stands for: down.
                     let from = Beta::towards(theta, 0.0, 1.0);
-                    let truth = straight + 0.7 * by_directions(400, |to| kernel.value(from, to));
+                    let truth = straight + 0.7 * by_directions(400, |to| kernel.evaluate(from, to));
                     let what = format!("{name}, {straight} straight, {theta} deg, level {level}");
                     assert_close(&what, seen.ledger.pixel[0], truth, allowed);
                     assert_close(&what, seen.ledger.diffuser[0], 1.0 - truth, allowed);
@@ -286,7 +286,7 @@ fn light_sent_once_is_the_formula() {
         for ((theta, phi), seen) in places.into_iter().zip(&seen) {
             for (source, light) in lights.into_iter().enumerate() {
                 let (from, to) = (Beta::from_source(light, 0.0, 1.0), Beta::towards(theta, phi, 1.0));
-                let truth = PI * 0.5 * kernel.value(from, to);
+                let truth = PI * 0.5 * kernel.evaluate(from, to);
                 let what = format!("from {light}, to {theta} {phi}");
                 assert_close(&what, rho(seen, source), truth, 1e-9 * truth + 1e-12);
             }
@@ -304,7 +304,7 @@ fn light_sent_twice_near_the_horizon_equals_a_plain_quadrature() {
         let eye = Cone::new(theta, 0.0, 0.0, 1.0);
         let seen = estimate(level, &stack, eye, &[beam(-theta, 0.0)]);
         let from = Beta::towards(theta, 0.0, 1.0);
-        let truth = 0.25 * PI * by_directions(300, |to| kernel.value(from, to).powi(2));
+        let truth = 0.25 * PI * by_directions(300, |to| kernel.evaluate(from, to).powi(2));
         assert_close(&format!("{theta} deg, level {level}"), rho(&seen, 0) / truth, 1.0, allowed);
     }
 }

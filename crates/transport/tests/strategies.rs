@@ -5,8 +5,8 @@
 mod common;
 
 use common::{REPLICATES, front, lambertian, mirror, one, panel, rho};
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_transport::adding::Kernel;
 use papilio_transport::walk::{Strategy, Walk};

@@ -6,6 +6,7 @@ use crate::error::GoniometryError;
 use crate::kernel::{Preparation, kernel};
 use crate::measurement::Part;
 use crate::models::Kind;
+use papilio_optics::Scatterer;
 
 /// A fit, and what it is worth to the caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +47,6 @@ pub fn fitted(
     let truth = kernel(part, channel, &Preparation { extrapolate: Some(1.0), ..Preparation::default() }, &[]);
     Ok(ranked(fits, |fit| {
         let (truth, _) = truth.as_ref().ok()?;
-        Some(double_pass_error(|from, to| fit.value(from, to), |from, to| truth.value(from, to)))
+        Some(double_pass_error(|from, to| fit.value(from, to), |from, to| truth.evaluate(from, to)))
     }))
 }

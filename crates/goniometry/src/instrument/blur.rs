@@ -1,7 +1,7 @@
 //! What an instrument of finite resolution sees of a lobe.
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use super::quadrature::Rule;
 

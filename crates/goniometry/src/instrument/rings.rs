@@ -171,6 +171,8 @@ fn elliptic_e(complementary: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use papilio_optics::Scatterer;
+
     use super::*;
 
     #[test]

@@ -6,8 +6,8 @@
 //! 5.16 are lower than lobes of that haze can have. An instrument's blur of .0483 in direction cosines
 //! reconciles them; see [`SyntheticSample::instrument`].
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::{Lobe, width_from_haze};
+use papilio_optics::{Beta, Scatterer};
 
 use super::{Instrument, View};
 use crate::{GoniometryError, Measurement, Way};

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::{Audit, Fill, Shape};
+use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 
 /// A coarser instrument, for speed.

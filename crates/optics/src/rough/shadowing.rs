@@ -25,7 +25,7 @@ pub enum Distribution {
 impl Distribution {
     /// Density per steradian of normals along a vector whose tangential part has this square, and whose z this one;
     /// their sum is not 0.
-    pub(super) fn normals(self, alpha: f64, tangential: f64, z_squared: f64) -> f64 {
+    pub fn normals(self, alpha: f64, tangential: f64, z_squared: f64) -> f64 {
         let alpha_squared = alpha * alpha;
         match self {
             Self::Ggx => {
@@ -54,7 +54,7 @@ impl Distribution {
     }
 
     /// `q Lambda` for a wave vector of this component q >= 0 along the face's normal, this length along the face.
-    pub(super) fn hidden(self, alpha: f64, q: f64, beta_squared: f64) -> f64 {
+    pub fn hidden(self, alpha: f64, q: f64, beta_squared: f64) -> f64 {
         let across = alpha * alpha * beta_squared;
         match self {
             Self::Ggx => 0.5 * across / (q + (q * q + across).sqrt()),

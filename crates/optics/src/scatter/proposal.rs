@@ -7,8 +7,8 @@
 
 use papilio_sampling::warp;
 
+use super::albedos::turned;
 use super::axis::Axis;
-use super::totals::turned;
 use crate::Beta;
 
 /// The share of directions that is drawn evenly.
@@ -129,7 +129,7 @@ impl Proposal {
 
     /// The density of [`Self::sample`] at a distance and azimuth, on the disc.
     #[inline]
-    pub(super) fn pdf(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
+    pub(super) fn density(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
         let i = self.incidence.place(length);
         let even = warp::uniform_disc_density(self.disc);
         // The density is finite at the peak: it is the limit.

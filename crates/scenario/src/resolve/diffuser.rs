@@ -53,7 +53,7 @@ impl Resolver<'_> {
         };
         let whole = Whole { transmittance, total_transmittance, straight_through };
         let causes = [alpha.origin, ward.origin, ward.origin];
-        let transmittance = self.transmittance(Some(scatter.total(0.0)), &whole, causes)?;
+        let transmittance = self.transmittance(Some(scatter.albedo_at(0.0)), &whole, causes)?;
         Some((scatter, transmittance))
     }
 

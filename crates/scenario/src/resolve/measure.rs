@@ -6,8 +6,8 @@ use papilio_goniometry::{
     Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
     tristimulus_factors,
 };
-use papilio_optics::Beta;
 use papilio_optics::scatter::Scatter;
+use papilio_optics::{Beta, Scatterer};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -61,8 +61,8 @@ enum Truth {
 impl Truth {
     fn value(&self, from: Beta, to: Beta) -> f64 {
         match self {
-            Self::Lobe(lobe) => lobe.density(from, to),
-            Self::Scatter(scatter) => scatter.value(from, to),
+            Self::Lobe(lobe) => lobe.evaluate(from, to),
+            Self::Scatter(scatter) => scatter.evaluate(from, to),
         }
     }
 }

@@ -152,6 +152,8 @@ fn linear(a: f64, b: f64, u: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use papilio_optics::Scatterer;
+
     use super::*;
     use papilio_optics::lobe::Lobe;
     use papilio_sampling::{Numbers, Sampler};

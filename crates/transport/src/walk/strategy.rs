@@ -16,8 +16,9 @@
 //! From the first way up on, the last two draw some directions from lobes about the lamps: a path
 //! that gets there by chance alone is rare and bright where lobes are narrow.
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::scatter::GaussianFacets;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use crate::Source;
@@ -112,25 +113,23 @@ impl Drawing {
     #[inline]
     pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<Drawn> {
         let beta = match &self.kind {
-            Kind::Kernel => return Some(Drawn { beta: self.lobe.sample(from, u)?, weight: 1.0 }),
+            Kind::Kernel => return Some(Drawn { beta: self.lobe.sample_direction(from, u)?, weight: 1.0 }),
             Kind::Uniform => {
                 let (x, y) = warp::polar(radius * (u[0] * (2.0 - u[0])).sqrt(), u[1]);
                 Beta { x, y }
             }
             Kind::Cosine => cosine(radius, u),
             Kind::Ward(_) if u[0] < BESIDE_WARD => cosine(radius, [u[0] / BESIDE_WARD, u[1]]),
-            Kind::Ward(ward) => ward.draw(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
+            Kind::Ward(ward) => ward.sample(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
             Kind::Lamps(lamps) => {
                 let rest = u[0] / TO_LAMPS;
                 if rest < 1.0 {
                     let lamp = (rest * lamps.len() as f64) as usize;
                     let (at, lobe) = lamps.get(lamp)?;
-                    lobe.sample(
-                        *at,
-                        [(rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE), u[1]],
-                    )?
+                    let rest = (rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE);
+                    lobe.sample_direction(*at, [rest, u[1]])?
                 } else {
-                    self.lobe.sample(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
+                    self.lobe.sample_direction(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
                 }
             }
         };
@@ -179,50 +178,32 @@ fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
     }
 }
 
-/// Ward's lobe of half vectors in a medium of this index, in transmission: the mirror of the
-/// unscattered direction takes the place of the incident one.
+/// Facets of Gaussian slopes in a medium of this index.
 #[derive(Debug, Clone, Copy)]
 struct Ward {
-    alpha: f64,
+    facets: GaussianFacets,
     index: f64,
 }
 
 impl Ward {
     /// Near the normal `tan h` is half the deviation over the index.
     fn fitted(width: f64, index: f64) -> Self {
-        Self { alpha: GAUSSIAN_OF_LOBE * width / (2.0 * index), index }
+        Self { facets: GaussianFacets { alpha: GAUSSIAN_OF_LOBE * width / (2.0 * index) }, index }
     }
 
-    /// Where the mirrored light would come from, a unit vector; `None` beyond the horizon.
-    fn incident(&self, from: Beta) -> Option<[f64; 3]> {
-        let (x, y) = (-from.x / self.index, -from.y / self.index);
-        let cos_squared = 1.0 - x * x - y * y;
-        (cos_squared > 0.0).then(|| [x, y, cos_squared.sqrt()])
+    /// The same direction as cosines of a medium of index 1.
+    fn of_air(&self, beta: Beta) -> Beta {
+        Beta { x: beta.x / self.index, y: beta.y / self.index }
     }
 
-    fn draw(&self, from: Beta, u: [f64; 2]) -> Option<Beta> {
-        let i = self.incident(from)?;
-        let tan = self.alpha * (-u[0].ln()).sqrt();
-        let cos = 1.0 / tan.hypot(1.0);
-        let (x, y) = warp::polar(tan * cos, u[1]);
-        let i_h = i[0] * x + i[1] * y + i[2] * cos;
-        let z = 2.0 * i_h * cos - i[2];
-        (i_h > 0.0 && z > 0.0)
-            .then(|| Beta { x: self.index * (2.0 * i_h * x - i[0]), y: self.index * (2.0 * i_h * y - i[1]) })
+    fn sample(&self, from: Beta, u: [f64; 2]) -> Option<Beta> {
+        let to = self.facets.sample(self.of_air(from), u)?;
+        Some(Beta { x: self.index * to.x, y: self.index * to.y })
     }
 
-    /// Over direction cosines.
+    /// Per unit area of direction cosines.
     fn density(&self, from: Beta, to: Beta) -> f64 {
-        let (Some(i), Some([x, y, z])) = (self.incident(from), self.incident(-to)) else { return 0.0 };
-        let h = [i[0] + x, i[1] + y, i[2] + z];
-        let length = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]).sqrt();
-        let cos = h[2] / length;
-        let i_h = (i[0] * h[0] + i[1] * h[1] + i[2] * h[2]) / length;
-        let tan_squared = 1.0 / (cos * cos) - 1.0;
-        let alpha_squared = self.alpha * self.alpha;
-        let per_steradian = (-tan_squared / alpha_squared).exp()
-            / (4.0 * std::f64::consts::PI * alpha_squared * i_h * cos.powi(3));
-        per_steradian / (self.index * self.index * z)
+        self.facets.density(self.of_air(from), self.of_air(to)) / (self.index * self.index)
     }
 }
 

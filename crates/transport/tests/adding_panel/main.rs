@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 
 use common::*;
 use double_pass::*;
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{

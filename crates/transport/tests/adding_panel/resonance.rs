@@ -1,6 +1,7 @@
 //! Pixels whose reflectance changes over directions faster than any lobe does.
 
 use super::*;
+use papilio_optics::Scatterer;
 
 /// A resonance as films have them, at a cosine in the glass within the disc of air.
 fn resonance(cosine: f64) -> f64 {

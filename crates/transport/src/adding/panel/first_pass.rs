@@ -8,6 +8,7 @@
 //! lobes' centres and the rim of the air's disc, none of them wider than the table's (a film's
 //! resonance may be sharper than any lobe).
 
+use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::wide;
 

@@ -7,8 +7,8 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use crate::walk::Strategy;
 use crate::walk::guide::{Guide, Peak};

@@ -16,7 +16,7 @@ mod turns;
 
 use std::ops::Range;
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, warp};
 
 use super::strategy::Drawing;

@@ -3,7 +3,7 @@
 //! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
 //! direction that the path had no choice about (infinite density) competes with nothing.
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use super::books::{Room, Sums};
@@ -209,7 +209,7 @@ impl Diffused<'_> {
         numbers: &PassNumbers<'_>,
     ) -> Option<(Beta, f64)> {
         let target = Target::sample(source, numbers.on_source)?;
-        let beta = self.diffuser.lobe.sample(target.beta, numbers.backwards)?;
+        let beta = self.diffuser.lobe.sample_direction(target.beta, numbers.backwards)?;
         let forward = chosen(beta);
         if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
             return None;

@@ -10,8 +10,8 @@
 
 use std::ops::Range;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::Numbers;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -150,7 +150,7 @@ fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
 /// How far the lobe turns light.
 #[inline(always)]
 fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
-    lobe.sample(Beta::default(), numbers).unwrap_or_default()
+    lobe.sample_direction(Beta::default(), numbers).unwrap_or_default()
 }
 
 /// What a beam sends to a direction below the diffuser that is seen from one above, by the technique that drew it from there.

@@ -137,7 +137,7 @@ impl<'a> Bulk<'a> {
             (angle, turn) = (next_angle, next_turn);
             let edge = self.way_out(&stay);
             let (length, weight) = self.fly(edge, flight);
-            let weight = if part > 0.0 { weight * self.phase.density(cos) / drawn } else { weight };
+            let weight = if part > 0.0 { weight * self.phase.at_cosine(cos) / drawn } else { weight };
             if weight != 1.0 {
                 stay.weigh(weight);
                 self.settle(&mut stay, sums, room);
@@ -169,24 +169,24 @@ impl<'a> Bulk<'a> {
     fn deflected(&self, from: [f64; 3], part: f64, [angle, turn]: [f64; 2], lamps: &[Beta]) -> [f64; 3] {
         if angle >= part {
             let angle = if part > 0.0 { (angle - part) / (1.0 - part) } else { angle };
-            return warp::deflected(from, 1.0 - self.phase.sample(angle), turn);
+            return warp::deflected(from, 1.0 - self.phase.sample_cosine(angle), turn);
         }
         let count = self.about_lamps(lamps).count();
         let place = angle / part * count as f64;
         let axis = self.about_lamps(lamps).nth((place as usize).min(count - 1)).unwrap_or(from);
-        warp::deflected(axis, 1.0 - self.phase.sample(place.fract()), turn)
+        warp::deflected(axis, 1.0 - self.phase.sample_cosine(place.fract()), turn)
     }
 
     /// The density per steradian with which [`Self::deflected`] draws a direction, at an angle of this
     /// cosine to that before.
     fn drawn(&self, cos: f64, to: [f64; 3], part: f64, lamps: &[Beta]) -> f64 {
-        let kernel = self.phase.density(cos);
+        let kernel = self.phase.at_cosine(cos);
         if part == 0.0 {
             return kernel;
         }
         let (mut sum, mut count) = (0.0, 0.0);
         for axis in self.about_lamps(lamps) {
-            sum += self.phase.density(cosine_between(axis, to));
+            sum += self.phase.at_cosine(cosine_between(axis, to));
             count += 1.0;
         }
         (1.0 - part) * kernel + part * sum / count
@@ -247,7 +247,7 @@ impl<'a> Bulk<'a> {
                     Going::Down => self.optical_thickness - stay.depth,
                     Going::Up => stay.depth,
                 };
-                let value = self.over_cosines(self.phase.density(cos), towards[2]);
+                let value = self.over_cosines(self.phase.at_cosine(cos), towards[2]);
                 let pdf = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
                 let weight = lamp.weight(Turned { value, pdf, back: value }, f64::INFINITY);
                 lamp.gathered[way] += stay.scale * weight * (-rest / towards[2].abs()).exp();

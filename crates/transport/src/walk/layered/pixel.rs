@@ -3,7 +3,7 @@
 //! One direction serves all states: it is drawn from the kernel of one of them, and each state's
 //! light has the weight of its own kernel over the mean of all densities.
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, Scatterer};
 
 use super::Sent;
 use super::books::{Room, Sums};
@@ -77,20 +77,20 @@ impl Pixel<'_> {
     }
 
     fn value(&self, kernel: &ScatterKernel, from: Beta, to: Beta) -> f64 {
-        kernel.scatter.value(self.of_air(from), self.of_air(to)) / self.index().powi(2)
+        kernel.scatter.evaluate(self.of_air(from), self.of_air(to)) / self.index().powi(2)
     }
 
     /// The mean density of all kernels.
     fn pdf(&self, from: Beta, to: Beta) -> f64 {
         let (from, to) = (self.of_air(from), self.of_air(to));
-        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.pdf(from, to)).sum();
+        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.density(from, to)).sum();
         sum / (self.kernels.len() as f64 * self.index().powi(2))
     }
 
     fn send(&self, from: Beta, u: [f64; 3]) -> Option<Beta> {
         let place = u[2] * self.kernels.len() as f64;
         let kernel = self.kernels.get(place as usize)?;
-        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], place.fract()])?;
-        Some(Beta { x: sent.beta.x * self.index(), y: sent.beta.y * self.index() })
+        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], place.fract(), 0.0])?;
+        Some(Beta { x: sent.direction.x * self.index(), y: sent.direction.y * self.index() })
     }
 }

@@ -1,7 +1,7 @@
 //! What scatters: diffusers, rough faces, a Lambertian base (scattering media: [`bulk`](super::bulk)).
 
-use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use super::books::{Room, Sums};
@@ -82,9 +82,9 @@ impl Meeting<'_> {
             Kind::Scatter { kernel, reversed, .. } => {
                 let total = kernel.total(from.length()).max(f64::MIN_POSITIVE);
                 Turned {
-                    value: kernel.scatter.value(from, to) / total,
-                    pdf: kernel.scatter.pdf(from, to),
-                    back: reversed.scatter.pdf(to, from),
+                    value: kernel.scatter.evaluate(from, to) / total,
+                    pdf: kernel.scatter.density(from, to),
+                    back: reversed.scatter.density(to, from),
                 }
             }
             Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => Turned::exactly(0.0),
@@ -94,14 +94,12 @@ impl Meeting<'_> {
     /// Light that a face sends on; `None` if it absorbs it.
     pub(super) fn send(&self, from: Beta, u: [f64; 4]) -> Option<Sent> {
         let (beta, going) = match self.kind {
-            Kind::Diffuser(diffuser, ..) => (diffuser.lobe.sample(from, [u[0], u[1]])?, self.going),
+            Kind::Diffuser(diffuser, ..) => (diffuser.lobe.sample_direction(from, [u[0], u[1]])?, self.going),
             Kind::Rough(rough) => {
                 let (side, beta) = rough.sample(side(self.going, true), from, u);
                 (beta, if side == Side::Above { Going::Up } else { Going::Down })
             }
-            Kind::Scatter { kernel, sends, .. } => {
-                (kernel.scatter.sample(from, [u[0], u[1], u[2]])?.beta, sends)
-            }
+            Kind::Scatter { kernel, sends, .. } => (kernel.scatter.sample(from, u)?.direction, sends),
             Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => return None,
         };
         let ray = Ray::from_element(self.element, going);

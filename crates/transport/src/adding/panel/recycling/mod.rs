@@ -30,8 +30,8 @@ mod values;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use super::super::quadrature::Point;
 use super::first_pass::{Pass, Weights};

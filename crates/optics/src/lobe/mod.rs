@@ -1,123 +1,100 @@
 //! Scattering lobes of diffusers, as densities over direction cosines.
 //!
-//! A lobe is the angular shape alone: `density(beta_i, beta_o)` integrates to one
+//! A lobe is the angular shape alone: [`evaluate`](Scatterer::evaluate) integrates to one
 //! over the whole plane of `beta_o`. A diffuser's BTDF (1/sr, referred to air,
-//! without the cosine) is its transmittance times this density. All lobes here
-//! are reciprocal: `density(a, b) = density(b, a)`.
-//!
-//! # K-correlation
-//! `b / (2 pi (b^2 + |beta_o - beta_i|^2)^(3/2))`, the generalised Harvey-Shack
-//! lobe with exponent 3/2 (Harvey 1976; Stover, *Optical Scattering*, the ABC or
-//! k-correlation model). `width` b is in direction cosines: half of the light lies
-//! within `sqrt(3) b` of the unscattered ray. 0 < b; diffusers have .01 to .2. Two
-//! such lobes in a row make one of twice the width, which tests the whole
-//! transport chain. It knows nothing of the surface: what it sends beyond the
-//! disc of the medium does not leave.
-//!
-//! # Lambertian
-//! `1/pi` for any two directions of the air hemisphere (|beta| <= 1), zero else:
-//! the ideal diffuser whose BTDF, referred to air, is the constant T/pi.
+//! without the cosine) is its transmittance times this. All lobes here
+//! are reciprocal and are sampled exactly: `evaluate` and `density` are the same number.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+mod k_correlation;
+mod lambertian;
 
-use papilio_sampling::warp;
+pub use k_correlation::KCorrelation;
+pub use lambertian::Lambertian;
 
-use crate::{Beta, wide};
+use crate::Beta;
+use crate::scatterer::{Sample, Scatterer};
 
 /// The shape of a scattering lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lobe {
-    /// K-correlation lobe.
+    /// The [k-correlation lobe](KCorrelation).
     KCorrelation {
         /// b, in direction cosines, above 0.
         width: f64,
     },
-    /// The same radiance in every direction of the air hemisphere.
+    /// The [Lambertian lobe](Lambertian).
     Lambertian,
 }
 
+impl Scatterer for Lobe {
+    type Direction = Beta;
+
+    #[inline(always)]
+    fn evaluate(&self, from: Beta, to: Beta) -> f64 {
+        match *self {
+            Self::KCorrelation { width } => KCorrelation { width }.evaluate(from, to),
+            Self::Lambertian => Lambertian.evaluate(from, to),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sample<Beta>> {
+        match *self {
+            Self::KCorrelation { width } => KCorrelation { width }.sample(from, u),
+            Self::Lambertian => Lambertian.sample(from, u),
+        }
+    }
+
+    #[inline(always)]
+    fn density(&self, from: Beta, to: Beta) -> f64 {
+        self.evaluate(from, to)
+    }
+
+    fn albedo(&self, from: Beta) -> f64 {
+        match *self {
+            Self::KCorrelation { width } => KCorrelation { width }.albedo(from),
+            Self::Lambertian => Lambertian.albedo(from),
+        }
+    }
+}
+
 impl Lobe {
-    /// Density per unit area of `beta_o`, for light that arrives with `beta_i`.
+    /// The direction of [`sample`](Scatterer::sample) alone, from the two numbers that lobes need.
     #[inline(always)]
-    pub fn density(&self, beta_i: Beta, beta_o: Beta) -> f64 {
-        match *self {
-            Self::KCorrelation { width } => {
-                let s = width * width + (beta_o - beta_i).squared();
-                width / (2.0 * PI * s * s.sqrt())
-            }
-            Self::Lambertian => {
-                if beta_i.squared() <= 1.0 && beta_o.squared() <= 1.0 {
-                    1.0 / PI
-                } else {
-                    0.0
-                }
-            }
-        }
+    pub fn sample_direction(&self, from: Beta, [u, v]: [f64; 2]) -> Option<Beta> {
+        self.sample(from, [u, v, 0.0, 0.0]).map(|sample| sample.direction)
     }
 
-    /// A direction drawn with `density(beta_i, .)` from two uniform numbers in (0, 1).
-    ///
-    /// `None` where the lobe has nothing to give (Lambertian, `|beta_i| > 1`). The
-    /// direction may lie beyond the medium's disc; the caller knows which disc that is.
-    #[inline(always)]
-    pub fn sample(&self, beta_i: Beta, u: [f64; 2]) -> Option<Beta> {
-        match *self {
-            Self::KCorrelation { width } => {
-                let radius = width * (1.0 / (u[0] * u[0]) - 1.0).sqrt();
-                let (x, y) = warp::polar(radius, u[1]);
-                Some(beta_i + Beta { x, y })
-            }
-            Self::Lambertian if beta_i.squared() > 1.0 => None,
-            Self::Lambertian => {
-                let (x, y) = warp::uniform_disc(1.0, u);
-                Some(Beta { x, y })
-            }
-        }
-    }
-
-    /// Share of the lobe within `radius` of the direction of normal incidence.
+    /// Fraction of the lobe within `radius` of the direction of normal incidence.
     pub fn share_within(&self, radius: f64) -> f64 {
         match *self {
-            Self::KCorrelation { width } => {
-                let hypotenuse = width.hypot(radius);
-                // 1 - b/sqrt(b^2 + r^2) without cancellation for wide lobes.
-                radius * radius / (hypotenuse * (hypotenuse + width))
-            }
-            Self::Lambertian => (radius * radius).min(1.0),
+            Self::KCorrelation { width } => KCorrelation { width }.fraction_within(radius),
+            Self::Lambertian => Lambertian.fraction_within(radius),
         }
     }
 
-    /// Share of the lobe that stays within the air hemisphere at normal incidence.
+    /// Fraction of the lobe that stays within the air hemisphere at normal incidence.
     ///
-    /// `total_transmittance = T ((1 - s) share + s)`, s the straight-through share.
+    /// `total_transmittance = T ((1 - s) fraction + s)`, s the regular fraction.
     pub fn hemispherical_share(&self) -> f64 {
         self.share_within(1.0)
     }
 
-    /// Share of the lobe of light that arrives with `|beta_i| = offset` that stays
-    /// within the disc `|beta_o| <= radius`; what a diffuser lets out into the air is that
-    /// of radius 1.
-    ///
-    /// Of a k-correlation lobe this is the solid angle, over 2 pi, of a disc seen from a
-    /// height `width` above a point at that offset, in complete elliptic integrals
-    /// (Paxton, Rev. Sci. Instrum. 30, 254 (1959)); error below 1e-12.
+    /// Fraction of the lobe within the disc `|beta_o| <= radius`, for light that arrives with `|beta_i| = offset`;
+    /// what a diffuser sends out into the air is that of radius 1.
     pub fn share_in_disc(&self, offset: f64, radius: f64) -> f64 {
         self.shares_in_disc([offset], radius)[0]
     }
 
-    /// The same of several offsets at once: divisions overlap.
+    /// The same for several offsets at once: divisions overlap.
     #[inline(always)]
     pub fn shares_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
-        let width = match *self {
-            Self::KCorrelation { width } => width,
+        match *self {
+            Self::KCorrelation { width } => KCorrelation { width }.fractions_in_disc(offsets, radius),
             Self::Lambertian => {
-                return offsets.map(|offset| if offset > 1.0 { 0.0 } else { (radius * radius).min(1.0) });
+                offsets.map(|offset| if offset > 1.0 { 0.0 } else { Lambertian.fraction_within(radius) })
             }
-        };
-        wide(
-            #[inline(always)]
-            || shares_of_lobe(width, offsets, radius),
-        )
+        }
     }
 
     /// Haze: share beyond 2.5 deg of all light transmitted into the air hemisphere
@@ -127,53 +104,6 @@ impl Lobe {
         let hemisphere = self.share_within(1.0);
         let beyond = hemisphere - self.share_within(HAZE_ANGLE_DEG.to_radians().sin());
         scattered * beyond / (scattered * hemisphere + straight_through)
-    }
-}
-
-/// The shares within a disc of lobes around points at these offsets.
-#[inline(always)]
-fn shares_of_lobe<const N: usize>(width: f64, offsets: [f64; N], radius: f64) -> [f64; N] {
-    let distance = |across: f64| (width * width + across * across).sqrt();
-    let farthest = offsets.map(|offset| distance(offset + radius));
-    let k_prime = std::array::from_fn(|k| distance(offsets[k] - radius) / farthest[k]);
-    let slopes = offsets.map(|offset| (radius - offset) / (radius + offset));
-    // K + slope Pi(1 - slope^2), and K alone on the rim itself.
-    let integrals = complete_elliptic(k_prime, slopes.map(numerator_and_pole));
-    let within = |slope: f64| if slope == 0.0 { 0.5 } else { f64::from(u8::from(slope > 0.0)) };
-    std::array::from_fn(|k| within(slopes[k]) - width / (PI * farthest[k]) * integrals[k])
-}
-
-/// a, b and p of the [integral](complete_elliptic) that is K + slope Pi(1 - slope^2).
-#[inline(always)]
-fn numerator_and_pole(slope: f64) -> [f64; 3] {
-    if slope == 0.0 { [1.0; 3] } else { [1.0 + slope, slope * (1.0 + slope), slope * slope] }
-}
-
-/// `integral from 0 to pi/2 of (a cos^2 + b sin^2)/((cos^2 + p sin^2) sqrt(cos^2 + k'^2 sin^2)) d phi`,
-/// k' and p above 0 (Bulirsch's cel, Numer. Math. 13, 305 (1969)).
-#[inline(always)]
-fn complete_elliptic<const N: usize>(k_prime: [f64; N], integrals: [[f64; 3]; N]) -> [f64; N] {
-    let mut p = integrals.map(|[_, _, p]| p.sqrt());
-    let mut a = integrals.map(|[a, _, _]| a);
-    let mut b: [f64; N] = std::array::from_fn(|k| integrals[k][1] / p[k]);
-    let (mut e, mut m, mut kc) = (k_prime, [1.0; N], k_prime);
-    loop {
-        let mut converged = true;
-        for k in 0..N {
-            let f = a[k];
-            a[k] += b[k] / p[k];
-            let g = e[k] / p[k];
-            b[k] = 2.0 * (b[k] + f * g);
-            p[k] += g;
-            // Convergence is quadratic: the next step's error is the square of this one.
-            converged &= (m[k] - kc[k]).abs() <= 1e-8 * m[k];
-            m[k] += kc[k];
-            kc[k] = 2.0 * e[k].sqrt();
-            e[k] = kc[k] * m[k];
-        }
-        if converged {
-            return std::array::from_fn(|k| FRAC_PI_2 * (b[k] + a[k] * m[k]) / (m[k] * (m[k] + p[k])));
-        }
     }
 }
 
@@ -221,6 +151,10 @@ fn log_width_of_most_haze(haze_of: impl Fn(f64) -> f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use papilio_sampling::warp;
+
     use super::*;
 
     /// Haze and width, truncated at the hemisphere: table recomputed from
@@ -242,7 +176,7 @@ mod tests {
         let (samples, mut cells) = (40_000, [0.0_f64; 256]);
         for path in 0..samples {
             let u = numbers.block(path, 0);
-            let beta_o = lobe.sample(beta_i, [u[0], u[1]]).unwrap();
+            let beta_o = lobe.sample(beta_i, u).unwrap().direction;
             let from = if lobe == Lobe::Lambertian { beta_o } else { beta_o - beta_i };
             let turn = from.y.atan2(from.x).rem_euclid(2.0 * PI) / (2.0 * PI);
             let cell = |v: f64| ((v * 16.0) as usize).min(15);
