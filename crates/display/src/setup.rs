@@ -6,7 +6,8 @@ use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source, Stack, Top,
+    Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Sheet, Source, Stack,
+    Top,
 };
 
 use crate::DisplayError;
@@ -228,10 +229,10 @@ fn interface(
         scene::Interface::Open => Interface::Open,
         scene::Interface::Coated => Interface::Coated,
         scene::Interface::Fresnel => Interface::Fresnel,
-        scene::Interface::Sheet(sheet) => Interface::Sheet {
+        scene::Interface::Sheet(sheet) => Interface::Sheet(Sheet {
             reflectance: sheet.reflectance.clone(),
             absorptance: sheet.absorptance.clone(),
-        },
+        }),
         scene::Interface::Coating(films) => {
             Interface::Coating(Coating::new(&scene.grid.wavelengths_nm(), above, films, below)?)
         }

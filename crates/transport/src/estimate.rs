@@ -51,3 +51,16 @@ impl Ledger {
         }
     }
 }
+
+/// The account of the [`Ledger`] that light absorbed by a layer is added to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Account {
+    /// Front-of-screen components.
+    Front = 0,
+    /// Diffusers, scattering media and rough faces.
+    Diffuser = 1,
+    /// Clear media and coatings.
+    Glass = 2,
+    /// A pixel that scatters.
+    Pixel = 3,
+}

@@ -86,6 +86,13 @@ pub(crate) struct Flat {
 }
 
 impl Flat {
+    /// Everything passes.
+    pub(crate) const CLEAR: Self = Self { t: 1.0, above: 0.0, below: 0.0 };
+    /// Everything is absorbed, or scattered.
+    pub(crate) const OPAQUE: Self = Self { t: 0.0, above: 0.0, below: 0.0 };
+    /// Everything is reflected.
+    pub(crate) const MIRROR: Self = Self { t: 0.0, above: 1.0, below: 1.0 };
+
     /// This part above `lower`, all inter-reflections included.
     #[inline]
     pub(crate) fn over(self, lower: Self) -> Self {

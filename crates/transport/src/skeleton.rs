@@ -13,17 +13,25 @@
 //! makes, in both directions. All parts are reciprocal: the light going down at a plane, per
 //! unit that enters from the air, is also the share of light sent up there that leaves.
 
-use papilio_optics::interface::fresnel_reflectance;
-use papilio_spectra::Spectrum;
-
 use crate::front::Flat;
-use crate::{Interface, Layer, Layered, Medium, Reflector, ScatterFace};
+use crate::layers::LayerKind;
+use crate::{Layered, Medium, Reflector};
 
 /// Which way light goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Going {
     Down,
     Up,
+}
+
+impl Going {
+    /// The other way.
+    pub(crate) fn reversed(self) -> Self {
+        match self {
+            Self::Down => Self::Up,
+            Self::Up => Self::Down,
+        }
+    }
 }
 
 /// Light at a plane, on its way.
@@ -58,11 +66,7 @@ impl Ray {
 
     /// The same way the other way round.
     pub(crate) fn reversed(self) -> Self {
-        let going = match self.going {
-            Going::Down => Going::Up,
-            Going::Up => Going::Down,
-        };
-        Self { going, ..self }
+        Self { going: self.going.reversed(), ..self }
     }
 }
 
@@ -92,11 +96,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    const NOTHING: Self = Self::flat(Flat { t: 1.0, above: 0.0, below: 0.0 });
-    const OPAQUE: Self = Self::flat(Flat { t: 0.0, above: 0.0, below: 0.0 });
-    const MIRROR: Self = Self::flat(Flat { t: 0.0, above: 1.0, below: 1.0 });
-
-    const fn flat(flat: Flat) -> Self {
+    pub(crate) const fn flat(flat: Flat) -> Self {
         Self { flat, scattered: [0.0; 2] }
     }
 
@@ -119,7 +119,7 @@ impl Skeleton {
             air: Medium::new(vec![1.0; bins].into()),
             bins,
             length: 0.0,
-            parts: vec![Part::NOTHING; elements * bins],
+            parts: vec![Part::flat(Flat::CLEAR); elements * bins],
             above: vec![0.0; (elements + 1) * bins],
             below: vec![0.0; (elements + 1) * bins],
             base: vec![0.0; stack.base.states() * bins],
@@ -153,10 +153,8 @@ impl Skeleton {
         let mut upper = &self.air;
         for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bins)) {
             let (interface, medium) = parts.split_at_mut(self.bins);
-            set_interface(upper, layer, beta_squared, interface);
-            for (bin, part) in medium.iter_mut().enumerate() {
-                *part = through_medium(&layer.medium, beta_squared, bin);
-            }
+            layer.interface.kind().parts([upper, &layer.medium], beta_squared, interface);
+            layer.medium.parts([&layer.medium; 2], beta_squared, medium);
             upper = &layer.medium;
         }
         match &stack.base.reflector {
@@ -273,80 +271,4 @@ impl Currents {
             Going::Up => &self.up,
         }
     }
-}
-
-/// The interface over a layer, at every wavelength.
-fn set_interface(upper: &Medium, layer: &Layer, beta_squared: f64, out: &mut [Part]) {
-    let alike = match &layer.interface {
-        Interface::Scatter(face) => return set_scatter_face(face, beta_squared, out),
-        Interface::Open | Interface::Rough(_) => true,
-        Interface::Coated | Interface::Fresnel => {
-            upper.constant_index().is_some() && layer.medium.constant_index().is_some()
-        }
-        Interface::Sheet { .. } | Interface::Coating(_) | Interface::Diffuser(_) => false,
-    };
-    let first = at_interface(upper, layer, beta_squared, 0);
-    for (bin, part) in out.iter_mut().enumerate() {
-        *part = if alike { first } else { at_interface(upper, layer, beta_squared, bin) };
-    }
-}
-
-/// A face given by its BSDF, at every wavelength.
-fn set_scatter_face(face: &ScatterFace, beta_squared: f64, out: &mut [Part]) {
-    let ways = [Going::Down, Going::Up].map(|going| {
-        [face.through(going), face.back(going)]
-            .map(|kernel| kernel.map(|kernel| (kernel.total(beta_squared.sqrt()), &kernel.factor)))
-    });
-    for (bin, part) in out.iter_mut().enumerate() {
-        let share = |way: &Option<(f64, &Spectrum)>| way.map_or(0.0, |(total, factor)| total * factor[bin]);
-        let straight = if beta_squared <= 1.0 { face.straight()[bin] } else { 0.0 };
-        part.flat = Flat { t: straight, above: 0.0, below: 0.0 };
-        part.scattered = ways.each_ref().map(|way| way.iter().map(share).sum());
-    }
-}
-
-fn at_interface(upper: &Medium, layer: &Layer, beta_squared: f64, bin: usize) -> Part {
-    let (n1, n2) = (upper.index()[bin], layer.medium.index()[bin]);
-    let least = n1.min(n2);
-    let both_carry = beta_squared <= least * least;
-    match &layer.interface {
-        Interface::Open => Part::NOTHING,
-        Interface::Coated if both_carry => Part::NOTHING,
-        Interface::Coated => Part::MIRROR,
-        Interface::Fresnel => {
-            let r = fresnel_reflectance(n1, n2, beta_squared.sqrt());
-            Part::flat(Flat { t: 1.0 - r, above: r, below: r })
-        }
-        Interface::Sheet { reflectance, absorptance } => {
-            let r = reflectance[bin];
-            Part::flat(Flat { t: 1.0 - r - absorptance[bin], above: r, below: r })
-        }
-        Interface::Coating(coating) => {
-            let part = coating.part(beta_squared, bin);
-            Part::flat(Flat { t: part.transmittance, above: part.above, below: part.below })
-        }
-        Interface::Diffuser(diffuser) => {
-            let (t, s) = (diffuser.transmittance[bin], diffuser.straight_through);
-            let straight = if both_carry { t * s } else { 0.0 };
-            Part { flat: Flat { t: straight, above: 0.0, below: 0.0 }, scattered: [t * (1.0 - s); 2] }
-        }
-        Interface::Rough(_) => Part { scattered: [1.0; 2], ..Part::OPAQUE },
-        // Its wavelengths are set together.
-        Interface::Scatter(_) => Part::OPAQUE,
-    }
-}
-
-fn through_medium(medium: &Medium, beta_squared: f64, bin: usize) -> Part {
-    let n = medium.index()[bin];
-    if beta_squared >= n * n {
-        return Part::OPAQUE;
-    }
-    if medium.transmittance().is_none() && medium.scattering().is_none() {
-        return Part::NOTHING;
-    }
-    let secant = 1.0 / (1.0 - beta_squared / (n * n)).sqrt();
-    let clear = medium.transmittance().map_or(1.0, |t| t[bin].powf(secant));
-    let depth = medium.scattering().map_or(0.0, |s| s.optical_thickness * secant);
-    let t = clear * (-depth).exp();
-    Part { flat: Flat { t, above: 0.0, below: 0.0 }, scattered: [-(-depth).exp_m1(); 2] }
 }

@@ -15,7 +15,7 @@ use papilio_transport::adding::Kernel;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
-    Scattering, Source, Stack, Top, specular_image,
+    Scattering, Sheet, Source, Stack, Top, specular_image,
 };
 
 fn layered(layers: Vec<Layer>, base: Base) -> Stack {
@@ -83,7 +83,7 @@ fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Diffuser {
 }
 
 fn sheet(reflectance: f64, absorptance: f64) -> Interface {
-    Interface::Sheet { reflectance: one(reflectance), absorptance: one(absorptance) }
+    Interface::Sheet(Sheet { reflectance: one(reflectance), absorptance: one(absorptance) })
 }
 
 fn beam(theta_deg: f64) -> Source {
@@ -310,7 +310,8 @@ fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let milk = Medium::new(of([1.4; 3])).with_scattering(scattering).with_transmittance(of([0.7, 1.0, 0.9]));
     let lobe = Lobe::KCorrelation { width: 0.2 };
     let diffuser = Diffuser { lobe, transmittance: of([0.9, 0.7, 0.5]), straight_through: 0.2 };
-    let sheet = Interface::Sheet { reflectance: of([0.1, 0.3, 0.0]), absorptance: of([0.0, 0.1, 0.2]) };
+    let sheet =
+        Interface::Sheet(Sheet { reflectance: of([0.1, 0.3, 0.0]), absorptance: of([0.0, 0.1, 0.2]) });
     let whole = of([0.8, 0.5, 0.3]);
     let reflector = if lambertian {
         Reflector::Lambertian(whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect())

@@ -6,7 +6,7 @@
 //! the front once instead of twice. What leaks upwards is a veil of t times its luminance, and what the front sends back of it
 //! is diffuse light on the panel.
 
-use papilio_transport::{Front, Interface, Rho, Stack};
+use papilio_transport::{Front, Rho, Stack};
 
 use crate::scene::{FrontLight, Scene};
 
@@ -24,11 +24,10 @@ impl BelowFront {
         let front = match stack {
             Stack::Panel(panel) => panel.front.clone(),
             Stack::Layered(layered) => {
-                let sheets = layered.layers.iter().map_while(|layer| match &layer.interface {
-                    Interface::Sheet { reflectance, absorptance } => Some((&**reflectance, &**absorptance)),
-                    _ => None,
-                });
-                Front::exact(scene.grid.len(), sheets)
+                let components = layered.layers.iter().map_while(|layer| layer.interface.front_component());
+                let components =
+                    components.map(|[reflectance, absorptance]| (&**reflectance, &**absorptance));
+                Front::exact(scene.grid.len(), components)
             }
         };
         Some(Self { front, is_diffuse: field.is_none(), leak: *upward_over_downward })

@@ -23,7 +23,9 @@ impl Scatterer for Rough {
 
     fn sample(&self, from: OnSide, u: [f64; 4]) -> Option<Sample<OnSide>> {
         let (side, beta) = Rough::sample(self, from.side, from.beta, u);
-        Sample::new(self, from, OnSide { side, beta })
+        let to = OnSide { side, beta };
+        let density = self.evaluate(from, to);
+        (density > 0.0).then(|| Sample::exact(to, density))
     }
 
     fn density(&self, from: OnSide, to: OnSide) -> f64 {

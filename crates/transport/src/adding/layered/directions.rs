@@ -1,13 +1,11 @@
 //! The directions of views and sources.
 
 use papilio_optics::Beta;
-use papilio_optics::lobe::Lobe;
 
 use super::precision::Precision;
-use super::rough;
 use crate::adding::field::{Peaks, Ring, rings};
 use crate::adding::quadrature::{Point, cone_points, disc_points, smooth_at};
-use crate::{Cone, Interface, Layered, Source};
+use crate::{Cone, Layered, Source};
 
 /// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,24 +96,8 @@ const MORE_DIGITS_OF_CONES: [f64; 2] = [6.0, 2.0];
 
 /// The distance in direction cosines over which what is seen changes.
 fn smoothness(stack: &Layered) -> f64 {
-    let mut scale = SMOOTH;
-    for layer in &stack.layers {
-        match &layer.interface {
-            Interface::Diffuser(diffuser) => {
-                if let Lobe::KCorrelation { width } = diffuser.lobe {
-                    scale = scale.min(width);
-                }
-            }
-            Interface::Rough(face) => scale = scale.min(rough::width(face)),
-            Interface::Scatter(face) => scale = scale.min(face.width()),
-            _ => {}
-        }
-        if let Some(scattering) = layer.medium.scattering() {
-            // The phase function's pole lies at this imaginary angle.
-            scale = scale.min(-scattering.anisotropy.abs().max(1e-9).ln());
-        }
-    }
-    scale
+    let widths = stack.elements().filter_map(|(kind, _)| kind.narrowness()).map(|one| one.smoothness());
+    widths.fold(SMOOTH, f64::min)
 }
 
 /// The extra nodes of rays, ascending.

@@ -59,10 +59,12 @@ use super::images::ImagePoints;
 use crate::specular::layered_image;
 use crate::{Cone, Estimate, Layered, Reflector, Source};
 use directions::Directions;
+pub(crate) use elements::{Action, Preparation};
 use over::Over;
 use pixels::Pixels;
 use precision::Precision;
 use prepare::Prepared;
+pub(crate) use rough::width as rough_width;
 
 /// Radial nodes, besides the directions of views and sources, that a level takes.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {

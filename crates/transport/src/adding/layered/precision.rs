@@ -2,12 +2,10 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::lobe::Lobe;
-
 use super::grid::Density;
-use super::rough;
 use crate::adding::{Narrowest, Scatterer};
-use crate::{Diffuser, Interface, Layer, Layered};
+use crate::layers::LayerKind;
+use crate::{Layered, Medium};
 
 /// What a level stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,39 +62,31 @@ impl Precision {
 /// How densely the nodes of a stack must lie at a wavelength.
 pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
-    for layer in &stack.layers {
-        for scatterer in scatterers(layer) {
-            precision.resolve(scatterer, layer.medium.index()[bin], &mut density);
-        }
+    for (scatterer, medium) in scatterers(stack) {
+        precision.resolve(scatterer, medium.index()[bin], &mut density);
     }
     density
 }
 
+/// What scatters, and the medium there or below.
+fn scatterers(stack: &Layered) -> impl Iterator<Item = (Scatterer, &Medium)> {
+    let narrow = |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| kind.narrowness().zip(below);
+    stack.elements().filter_map(narrow)
+}
+
 /// What asks for the most nodes at the first wavelength, whose indices lie at `splits`.
 pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) -> Option<Narrowest> {
-    let all =
-        stack.layers.iter().flat_map(|layer| scatterers(layer).map(move |scatterer| (layer, scatterer)));
-    let nodes = |(number, (layer, scatterer)): (usize, (&Layer, Scatterer))| {
+    let nodes = |(number, (scatterer, medium)): (usize, (Scatterer, &Medium))| {
         let mut density = precision.least();
-        precision.resolve(scatterer, layer.medium.index()[0], &mut density);
+        precision.resolve(scatterer, medium.index()[0], &mut density);
         (density.total(splits), Narrowest { number: number + 1, scatterer })
     };
     // Of several alike the first one.
-    all.enumerate().map(nodes).reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, narrowest)| narrowest)
-}
-
-/// What scatters in a layer, by the width of what it does.
-fn scatterers(layer: &Layer) -> impl Iterator<Item = Scatterer> {
-    let face = match &layer.interface {
-        Interface::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => {
-            Some(Scatterer::Lobe { width: *width })
-        }
-        Interface::Rough(face) => Some(Scatterer::Rough { alpha: face.alpha(), width: rough::width(face) }),
-        Interface::Scatter(face) => Some(Scatterer::Face { width: face.width() }),
-        _ => None,
-    };
-    let medium = layer.medium.scattering().map(|s| Scatterer::Slab { anisotropy: s.anisotropy });
-    face.into_iter().chain(medium)
+    scatterers(stack)
+        .enumerate()
+        .map(nodes)
+        .reduce(|a, b| if b.0 > a.0 { b } else { a })
+        .map(|(_, narrowest)| narrowest)
 }
 
 impl Precision {

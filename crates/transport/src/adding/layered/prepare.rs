@@ -13,7 +13,7 @@ use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
 use crate::front::Flat;
-use crate::{Interface, Layered, Reflector};
+use crate::{Layered, Reflector};
 
 /// Wavelengths at which the layers above the base are alike, and what these do.
 #[derive(Debug, Clone)]
@@ -220,34 +220,14 @@ fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
 /// Everything that the layers above the base depend on at a wavelength.
 fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
-    for layer in &stack.layers {
-        match &layer.interface {
-            Interface::Sheet { reflectance, absorptance } => {
-                key.extend([reflectance[bin].to_bits(), absorptance[bin].to_bits()]);
-            }
-            Interface::Coating(_) => key.push(bin as u64),
-            Interface::Diffuser(diffuser) => key.push(diffuser.transmittance[bin].to_bits()),
-            Interface::Scatter(face) => {
-                key.push(face.straight()[bin].to_bits());
-                key.extend(face.kernels().map(|kernel| kernel.factor[bin].to_bits()));
-            }
-            Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Rough(_) => {}
-        }
-        key.push(layer.medium.index()[bin].to_bits());
-        key.extend(layer.medium.transmittance().map(|t| t[bin].to_bits()));
-        key.extend(layer.medium.scattering().map(|s| s.albedo[bin].to_bits()));
-    }
+    stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key
 }
 
 /// Where the nodes of a wavelength are split, ascending.
 pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
     let mut splits = indices(stack, bin);
-    for layer in &stack.layers {
-        if let Interface::Scatter(face) = &layer.interface {
-            splits.extend(face.edges(bin));
-        }
-    }
+    splits.extend(stack.elements().flat_map(|(kind, _)| kind.edges(bin)));
     splits.sort_by(f64::total_cmp);
     splits.dedup();
     splits

@@ -166,7 +166,7 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
 
 /// The distance in direction cosines over which the kernel changes most: refracted light
 /// about the normal, where a facet's slope bends it by the difference of the indices.
-pub(super) fn width(face: &Rough) -> f64 {
+pub(crate) fn width(face: &Rough) -> f64 {
     face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
 }
 

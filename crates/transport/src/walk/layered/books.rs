@@ -3,8 +3,9 @@
 use super::Layered;
 use super::light::{Light, Share};
 use super::sources::Lamps;
+use crate::estimate::Account;
 use crate::skeleton::{Field, Going, Ray, Skeleton};
-use crate::{Estimate, Interface, Ledger, Rho, Source};
+use crate::{Estimate, Ledger, Rho, Source};
 
 /// The sums of a replicate, and room to work in.
 #[derive(Debug, Clone)]
@@ -35,14 +36,6 @@ pub(super) struct Absorbed {
     pub(super) glass: Light,
 }
 
-/// Where absorbed light is booked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Account {
-    Front,
-    Diffuser,
-    Glass,
-}
-
 #[derive(Debug, Clone)]
 pub(super) struct Room {
     /// The path's light.
@@ -57,26 +50,10 @@ pub(super) struct Room {
 }
 
 impl Absorbed {
-    pub(super) fn of(&mut self, account: Account) -> &mut Light {
-        match account {
-            Account::Front => &mut self.front,
-            Account::Diffuser => &mut self.diffuser,
-            Account::Glass => &mut self.glass,
-        }
-    }
-}
-
-impl Account {
-    const ALL: [Self; 3] = [Self::Front, Self::Diffuser, Self::Glass];
-
-    /// Of each element of a stack.
-    pub(super) fn of_elements(stack: &crate::Layered) -> Vec<Self> {
-        let of_interface = |interface: &Interface| match interface {
-            Interface::Sheet { .. } => Self::Front,
-            Interface::Diffuser(_) | Interface::Rough(_) | Interface::Scatter(_) => Self::Diffuser,
-            Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Coating(_) => Self::Glass,
-        };
-        stack.layers.iter().flat_map(|layer| [of_interface(&layer.interface), Self::Glass]).collect()
+    /// The sums of the accounts that layers have; what the base absorbs is known from what arrives there.
+    fn accounts(&mut self) -> [(Account, &mut Light); 3] {
+        let Self { front, diffuser, glass } = self;
+        [(Account::Front, front), (Account::Diffuser, diffuser), (Account::Glass, glass)]
     }
 }
 
@@ -111,7 +88,7 @@ impl Layered<'_> {
     /// Books where the path's light gets to without being scattered, the air apart.
     pub(super) fn book(&self, sums: &mut Sums, room: &mut Room) {
         let Room { light, skeleton, field, share, .. } = room;
-        for account in Account::ALL {
+        for (account, sum) in sums.absorbed.accounts() {
             share.clear();
             for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
                 let parts = skeleton.element(element);
@@ -119,7 +96,7 @@ impl Layered<'_> {
                     share.add(field, Ray::meeting(element, going), |bin| parts[bin].absorbed(going));
                 }
             }
-            sums.absorbed.of(account).add_share(light, share, &field.rising, 1.0);
+            sum.add_share(light, share, &field.rising, 1.0);
         }
         if self.base_scatters() {
             return;

@@ -19,9 +19,10 @@ use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
 use super::books::{Room, Sums};
-use super::sources::{Lamps, Turned};
+use super::sources::Lamps;
 use super::{Draws, Sent};
 use crate::Medium;
+use crate::layers::Scattered;
 use crate::skeleton::{Going, Ray};
 
 /// The least probability with which a flight in a thin medium ends there.
@@ -248,8 +249,8 @@ impl<'a> Bulk<'a> {
                     Going::Up => stay.depth,
                 };
                 let value = self.over_cosines(self.phase.at_cosine(cos), towards[2]);
-                let pdf = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
-                let weight = lamp.weight(Turned { value, pdf, back: value }, f64::INFINITY);
+                let density = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
+                let weight = lamp.weight(Scattered { value, density, reverse: value }, f64::INFINITY);
                 lamp.gathered[way] += stay.scale * weight * (-rest / towards[2].abs()).exp();
             }
         }

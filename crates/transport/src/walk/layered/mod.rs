@@ -20,10 +20,11 @@ use papilio_optics::Beta;
 use papilio_sampling::PLANNED_BLOCKS;
 
 use super::{PathNumbers, add_scaled};
+use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Cone, Source};
 pub(super) use books::Tally;
-use books::{Account, Room, Sums};
+use books::{Room, Sums};
 use pixel::Pixel;
 use scatterers::{Kind, Meeting, at_lambertian_base, meetings};
 
@@ -112,7 +113,8 @@ impl Draws<'_> {
 impl<'a> Layered<'a> {
     pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
         let discs = sources.iter().any(Source::has_radiance);
-        Self { stack, view, sources, meetings: meetings(stack), accounts: Account::of_elements(stack), discs }
+        let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
+        Self { stack, view, sources, meetings: meetings(stack), accounts, discs }
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest).
@@ -225,9 +227,10 @@ impl<'a> Layered<'a> {
                 let pixel = Pixel { kernels, medium, element: meeting.element };
                 pixel.reflect(sent.beta, u, sums, room)
             }
-            Kind::Diffuser(..) => meeting.pass_face(sent, [u[1], u[2], 0.5, 0.5], sums, room),
-            Kind::Scatter { .. } => meeting.pass_face(sent, [u[0], u[1], u[2], 0.5], sums, room),
-            Kind::Rough(_) => meeting.pass_face(sent, draws.next(), sums, room),
+            Kind::Interface(interface, ..) => {
+                let u = interface.numbers(u, &mut || draws.next());
+                meeting.pass_interface(sent, u, sums, room)
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use papilio_optics::{Beta, Scatterer};
 use super::Sent;
 use super::books::{Room, Sums};
 use super::light::Light;
-use super::sources::Turned;
+use crate::layers::Scattered;
 use crate::skeleton::{Going, Ray};
 use crate::{Medium, ScatterKernel};
 
@@ -30,20 +30,20 @@ impl Pixel<'_> {
         let Room { light, share, lamps, .. } = &mut *room;
         for lamp in lamps.iter() {
             turned.clone_from(light);
-            let pdf = self.pdf(from, lamp.beta);
+            let density = self.density(from, lamp.beta);
             self.weigh(&mut turned, |kernel| {
                 let value = self.value(kernel, from, lamp.beta);
-                lamp.weight(Turned { value, pdf, back: pdf }, f64::INFINITY)
+                lamp.weight(Scattered { value, density, reverse: density }, f64::INFINITY)
             });
             share.clear();
             lamp.reach(ray, |_| 1.0, share);
             lamp.add(&turned, share, sums);
         }
         let sent = self.send(from, u)?;
-        let pdf = self.pdf(from, sent);
-        self.weigh(&mut room.light, |kernel| self.value(kernel, from, sent) / pdf);
+        let density = self.density(from, sent);
+        self.weigh(&mut room.light, |kernel| self.value(kernel, from, sent) / density);
         sums.reflected.add(&room.light, 1.0);
-        Some(Sent::exactly(sent, ray, pdf))
+        Some(Sent::exactly(sent, ray, density))
     }
 
     /// All light has met the base, and has each state's colour.
@@ -81,7 +81,7 @@ impl Pixel<'_> {
     }
 
     /// The mean density of all kernels.
-    fn pdf(&self, from: Beta, to: Beta) -> f64 {
+    fn density(&self, from: Beta, to: Beta) -> f64 {
         let (from, to) = (self.of_air(from), self.of_air(to));
         let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.density(from, to)).sum();
         sum / (self.kernels.len() as f64 * self.index().powi(2))

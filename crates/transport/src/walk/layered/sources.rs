@@ -14,8 +14,10 @@ use papilio_optics::Beta;
 
 use super::books::{Room, Sums};
 use super::light::{Light, Share};
+use super::scatterers::Kind;
 use super::{Layered, Sent};
 use crate::Source;
+use crate::layers::Scattered;
 use crate::skeleton::{Field, Ray, Skeleton};
 use crate::walk::{PathNumbers, Target};
 
@@ -23,7 +25,7 @@ use crate::walk::{PathNumbers, Target};
 #[derive(Debug, Clone)]
 pub(super) struct Lamps {
     sources: Vec<Lamp>,
-    scattered: Vec<Scattered>,
+    scattered: Vec<Relay>,
     /// The directions of beams and of the middles of discs.
     pub(super) about: Vec<Beta>,
 }
@@ -48,27 +50,9 @@ pub(super) struct Lamp {
     pub(super) gathered: [f64; 2],
 }
 
-/// What a scattering event does to light of its path in a direction.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Turned {
-    /// The kernel: density over direction cosines.
-    pub(super) value: f64,
-    /// The density with which it chooses the direction.
-    pub(super) pdf: f64,
-    /// That with which it would choose the path's direction for light from there.
-    pub(super) back: f64,
-}
-
-impl Turned {
-    /// By a scatterer that draws from its very kernel, which is the same for the way back.
-    pub(super) fn exactly(density: f64) -> Self {
-        Self { value: density, pdf: density, back: density }
-    }
-}
-
 /// Light that a scatterer sends on.
 #[derive(Debug, Clone)]
-struct Scattered {
+struct Relay {
     /// Numbers of the lamp and of the meeting.
     of: usize,
     meeting: usize,
@@ -89,8 +73,12 @@ impl Lamps {
             let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
             let lamp = Lamp::new(source, target, walk, skeleton);
             let of = lamps.sources.len();
-            let meetings = walk.meetings.iter().enumerate().filter(|(_, meeting)| meeting.kind.is_face());
-            lamps.scattered.extend(meetings.map(|(meeting, _)| Scattered {
+            let meetings = walk
+                .meetings
+                .iter()
+                .enumerate()
+                .filter(|(_, meeting)| matches!(meeting.kind, Kind::Interface(..)));
+            lamps.scattered.extend(meetings.map(|(meeting, _)| Relay {
                 of,
                 meeting,
                 arrived: lamp.before.clone(),
@@ -173,12 +161,12 @@ impl Lamp {
     /// The balanced weight of a connection by an event that turns light this way. `rival` is the density with which the path had chosen the direction that the
     /// event turns, where the event may also send light of the source on; else infinite.
     #[inline]
-    pub(super) fn weight(&self, turned: Turned, rival: f64) -> f64 {
-        let Turned { value, pdf, back } = turned;
+    pub(super) fn weight(&self, scattered: Scattered, rival: f64) -> f64 {
+        let Scattered { value, density, reverse } = scattered;
         match self.drawn {
-            None => self.target.balanced(value, || pdf, back / rival),
-            Some([drawn, back]) if pdf > 0.0 => {
-                value / pdf * self.target.balanced(drawn, || back, drawn / pdf)
+            None => self.target.balanced(value, || density, reverse / rival),
+            Some([drawn, back]) if density > 0.0 => {
+                value / density * self.target.balanced(drawn, || back, drawn / density)
             }
             Some(_) => 0.0,
         }
@@ -201,7 +189,7 @@ impl Lamp {
     }
 }
 
-impl Scattered {
+impl Relay {
     fn send(&mut self, source: &Lamp, u: [f64; 4], walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.lamp;
         lamp.dark = true;
@@ -226,11 +214,11 @@ impl Scattered {
 
 /// Connects the path's light to all lamps at a scattering event.
 ///
-/// `ways` are those on which the event can send it on; `turned(way, beta)` says how it does, and `factor(beta, bin)` what differs between wavelengths.
+/// `ways` are those on which the event can send it on; `scattered(way, beta)` says how it does, and `factor(beta, bin)` what differs between wavelengths.
 pub(super) fn connect(
     ways: impl Iterator<Item = Ray> + Clone,
     rival: f64,
-    turned: impl Fn(usize, Beta) -> Turned,
+    scattered: impl Fn(usize, Beta) -> Scattered,
     factor: impl Fn(Beta, usize) -> f64,
     sums: &mut Sums,
     room: &mut Room,
@@ -239,7 +227,7 @@ pub(super) fn connect(
     for lamp in lamps.iter() {
         share.clear();
         for (way, ray) in ways.clone().enumerate() {
-            let weight = lamp.weight(turned(way, lamp.beta), rival);
+            let weight = lamp.weight(scattered(way, lamp.beta), rival);
             lamp.reach(ray, |bin| weight * factor(lamp.beta, bin), share);
         }
         lamp.add(light, share, sums);
