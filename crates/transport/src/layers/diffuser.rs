@@ -13,7 +13,7 @@ use crate::front::Flat;
 use crate::skeleton::Going;
 
 /// A diffuser given by its BTDF.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Diffuser {
     /// Angular shape of the scattered part.
     pub lobe: Lobe,

@@ -37,7 +37,7 @@ use crate::front::Flat;
 use crate::skeleton::{Going, Part};
 
 /// What stands between two media.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Interface {
     /// Nothing: the media have the same index.
     Open,
@@ -70,6 +70,11 @@ impl Interface {
             Self::Rough(rough) => rough,
             Self::Scatter(face) => &**face,
         }
+    }
+
+    /// True if the media above and below must have the same index.
+    pub fn lies_in_one_medium(&self) -> bool {
+        self.kind().lies_in_one_medium()
     }
 
     /// Reflectance and absorptance, per wavelength, of a flat component that is the same from both sides and at all
@@ -112,6 +117,11 @@ pub(crate) trait LayerKind: Debug + Sync {
     /// The account that absorbed light is added to.
     fn account(&self) -> Account {
         Account::Glass
+    }
+
+    /// As [`Interface::lies_in_one_medium`].
+    fn lies_in_one_medium(&self) -> bool {
+        false
     }
 
     /// As [`Interface::front_component`].

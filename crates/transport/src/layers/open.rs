@@ -16,6 +16,10 @@ impl LayerKind for Open {
         true
     }
 
+    fn lies_in_one_medium(&self) -> bool {
+        true
+    }
+
     fn action<'a>(&'a self, _: &mut Preparation<'_, 'a>) -> Option<Action> {
         None
     }

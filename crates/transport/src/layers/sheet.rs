@@ -26,6 +26,10 @@ impl LayerKind for Sheet {
         Account::Front
     }
 
+    fn lies_in_one_medium(&self) -> bool {
+        true
+    }
+
     fn front_component(&self) -> Option<[&Spectrum; 2]> {
         Some([&self.reflectance, &self.absorptance])
     }
