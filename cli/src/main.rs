@@ -61,8 +61,8 @@ enum Failure {
     #[error("error: {0}")]
     Display(#[from] papilio_display::DisplayError),
     /// A design could not be evaluated.
-    #[error("{}", led(.0))]
-    Design(#[from] papilio_design::DesignError),
+    #[error("error: {0}")]
+    Design(papilio_design::DesignError),
     /// The report could not be made.
     #[error("error: {0}")]
     Report(#[from] papilio_reproduction::ReproductionError),
@@ -80,15 +80,15 @@ enum Failure {
     Interrupted(&'static str),
 }
 
-/// The text of an error; one of a scenario says that it is one by itself.
-fn led(error: &papilio_design::DesignError) -> String {
-    match error {
-        papilio_design::DesignError::Scenario(errors) => errors.to_string(),
-        other => format!("error: {other}"),
-    }
-}
-
 impl Failure {
+    /// Why one of many designs or points failed; `note`: which one.
+    fn of_one(error: impl Into<papilio_design::DesignError>, note: &str) -> Self {
+        match error.into() {
+            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors.with_note(note)),
+            other => Self::Input(format!("{other}\n  = note: {note}")),
+        }
+    }
+
     fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(_)
@@ -100,6 +100,16 @@ impl Failure {
             Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
             Self::Infeasible(_) => 3,
             Self::Interrupted(_) => 130,
+        }
+    }
+}
+
+impl From<papilio_design::DesignError> for Failure {
+    /// What is wrong with a scenario stays that.
+    fn from(error: papilio_design::DesignError) -> Self {
+        match error {
+            papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors),
+            other => Self::Design(other),
         }
     }
 }

@@ -305,7 +305,7 @@ fn wrong_sweeps_say_where_and_compute_nothing() {
         ("count = 5", "step = -1", "s.toml:22:67", "do not lead from 6 to 14"),
         ("count = 5", "count = 5, step = 2", "s.toml:22:39", "more than one"),
         ("count = 5", "step = 1e-9", "s.toml:22:39", "expected at most 100000"),
-        ("viewer.theta_deg", "sweep.theta_deg", "s.toml:24:7", "does not sweep itself"),
+        ("viewer.theta_deg", "sweep.theta_deg", "s.toml:24:7", "cannot be swept"),
         ("white.L_star", "white.Lstar", "s.toml:20:30", "L_star"),
         ("[[sweep.axes]]", "[[sweep.axis]]", "s.toml:21:9", "axes"),
     ] {
@@ -411,7 +411,7 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     }
     for (metrics, words) in [
         ("[]", "at least one item"),
-        ("[\"white.L_star\"]", "does not keep `contrast_ratio`: it keeps white.L_star"),
+        ("[\"white.L_star\"]", "does not compute `contrast_ratio`, only white.L_star"),
     ] {
         let set = format!("sweep.metrics={metrics}");
         let output = papilio(&["sweep", &file, "--out", &out, "--set", &set]);

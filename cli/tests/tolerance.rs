@@ -261,8 +261,8 @@ fn mistakes_are_answered_with_their_place() {
             &["no key `pixle`", "did you mean `pixel`?"],
         ),
         ("coefficient = -0.5", "coefficient = -1", &["-1 is out of range"]),
-        ("\"gaps\", ", "\"gap\", ", &["nothing named `gap` scatters", "did you mean `gaps`?"]),
-        ("weights = [3, 1]", "weights = [3]", &["1 weights of 2 values", "expected 2 weights"]),
+        ("\"gaps\", ", "\"gap\", ", &["no key with a distribution is named `gap`", "did you mean `gaps`?"]),
+        ("weights = [3, 1]", "weights = [3]", &["1 weights for 2 values", "expected 2 weights"]),
         ("\"AlOx\"]", "\"Alox\"]", &["no material named `Alox`"]),
         ("metric = \"white.Y\"", "metric = \"whit.Y\"", &["no state `whit`", "did you mean `white`?"]),
         ("metric = \"white.Y\"", "metric = \"Y\"", &["no metric `Y`", "did you mean `white.Y`?"]),
@@ -277,7 +277,7 @@ fn mistakes_are_answered_with_their_place() {
             "name = \"gaps\"\nkey = \"a\"\nkeys",
             &["more than one of key, keys is given"],
         ),
-        ("gap_nm.green\"]", "gap_nm.red\"]", &["`display.pixel.gap_nm.red` scatters twice"]),
+        ("gap_nm.green\"]", "gap_nm.red\"]", &["`display.pixel.gap_nm.red` has more than one distribution"]),
     ];
     for (from, to, words) in cases {
         assert!(SCENARIO.contains(from), "{from}");

@@ -15,8 +15,8 @@ const MODULE: &str = "papilio.errors";
 pub(crate) fn scenario(py: Python<'_>, errors: &ScenarioErrors) -> PyErr {
     let all = errors.iter().map(|error| {
         let mistake = at(py, &error.place)?;
-        mistake.set_item("message", error.problem.to_string())?;
-        mistake.set_item("expected", error.problem.expected())?;
+        mistake.set_item("message", &error.diagnostic.message)?;
+        mistake.set_item("expected", error.diagnostic.expected.as_deref())?;
         mistake.set_item("hint", error.hint())?;
         mistake.set_item("path", error.path.clone())?;
         Ok(mistake)

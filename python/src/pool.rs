@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::DisplayError;
+use papilio_scenario::MistakeKind;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -134,7 +135,7 @@ fn keep_first(failed: &mut Option<(usize, DesignError)>, at: usize, error: Desig
 
 /// Whether an error is that of a key, whatever its value.
 pub(crate) fn is_of_a_path(error: &DesignError) -> bool {
-    matches!(error, DesignError::Scenario(errors) if errors.iter().any(|one| one.problem.is_of_a_path()))
+    matches!(error, DesignError::Scenario(errors) if errors.iter().any(|one| one.kind == MistakeKind::Path))
 }
 
 /// The number of the design goes first.

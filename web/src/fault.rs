@@ -4,7 +4,7 @@ use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use papilio_display::DisplayError;
-use papilio_formats::FormatError;
+use papilio_formats::{Diagnostic, FormatError};
 use papilio_scenario::{ScenarioError, ScenarioErrors};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -96,11 +96,11 @@ impl From<ScenarioErrors> for Fault {
 
 impl From<&ScenarioError> for OneError {
     fn from(error: &ScenarioError) -> Self {
-        let problem = error.problem.to_string();
+        let message = error.diagnostic.message.clone();
         // The place in a data file goes into the words; line and column are always the scenario's.
         let (message, place) = match &error.asked_for_at {
-            Some(place) => (format!("{}: {problem}", error.place), place),
-            None => (problem, &error.place),
+            Some(place) => (format!("{}: {message}", error.place), place),
+            None => (message, &error.place),
         };
         let (line, column) = place.line_column().unzip();
         Self {
@@ -108,8 +108,8 @@ impl From<&ScenarioError> for OneError {
             path: error.path.clone(),
             line,
             column,
-            expected: error.problem.expected(),
-            hint: error.hint(),
+            expected: error.diagnostic.expected.clone(),
+            hint: error.hint().map(str::to_owned),
         }
     }
 }
@@ -125,10 +125,10 @@ impl From<DisplayError> for Fault {
 
 impl From<FormatError> for Fault {
     fn from(error: FormatError) -> Self {
-        let message = format!("{}: {}", error.place, error.problem);
-        let mut fault = Self::too_much(message, "");
-        fault.body.errors[0].expected = error.problem.expected().map(str::to_owned);
-        fault.body.errors[0].hint = error.problem.hint().map(str::to_owned);
+        let Diagnostic { message, expected, hint, .. } = error.problem.diagnostic();
+        let mut fault = Self::too_much(format!("{}: {message}", error.place), "");
+        fault.body.errors[0].expected = expected;
+        fault.body.errors[0].hint = hint;
         fault
     }
 }

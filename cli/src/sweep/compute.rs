@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 
+use papilio_design::DesignError;
 use papilio_display::{Control, DisplayError, Prepared};
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use papilio_scenario::Sweep;
@@ -48,7 +49,7 @@ fn at(
     prepared: &mut Option<Prepared>,
 ) -> Result<Option<Found>, Failure> {
     let resolved = sweep.scenario(point).and_then(|scenario| scenario.resolve());
-    let resolved = resolved.map_err(|errors| failed_at(head, point, &errors))?;
+    let resolved = resolved.map_err(|errors| failed_at(head, point, errors))?;
     if known.contains(&resolved.hash) {
         return Ok(Some((point, resolved.hash, None)));
     }
@@ -67,16 +68,14 @@ fn at(
             Ok(Some((point, resolved.hash, Some(kept))))
         }
         Err(DisplayError::Interrupted) => Ok(None),
-        Err(error) => Err(failed_at(head, point, &error)),
+        Err(error) => Err(failed_at(head, point, error)),
     }
 }
 
 /// What is wrong at a point, and which point that is.
-pub(super) fn failed_at(head: &SweepHead, point: usize, error: &dyn std::fmt::Display) -> Failure {
-    let (error, swept) = (error.to_string(), head.swept(point));
-    let swept: Vec<String> = swept.map(|(key, value)| format!("{key} = {}", sweep_value(value))).collect();
-    let said = error.strip_prefix("error: ").unwrap_or(&error);
-    Failure::Input(format!("{said}\n  = note: at {}", swept.join(", ")))
+pub(super) fn failed_at(head: &SweepHead, point: usize, error: impl Into<DesignError>) -> Failure {
+    let swept = head.swept(point).map(|(key, value)| format!("{key} = {}", sweep_value(value)));
+    Failure::of_one(error, &format!("at {}", swept.collect::<Vec<_>>().join(", ")))
 }
 
 /// Keeps what was found; whether it was computed now. The first point also tells whether there is what is to be drawn.

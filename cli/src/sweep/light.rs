@@ -47,7 +47,7 @@ pub(super) fn run(
         move |point: usize| match study.evaluate(&mut evaluator, point) {
             Ok(values) => Ok(Some((point, values))),
             Err(DesignError::Display(DisplayError::Interrupted)) => Ok(None),
-            Err(error) => Err(failed_at(head, point, &error)),
+            Err(error) => Err(failed_at(head, point, error)),
         }
     };
     side_by_side(&missing, "points", arguments.threads, worker, |(point, values)| {

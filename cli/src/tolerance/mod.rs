@@ -102,10 +102,7 @@ fn compute(
         move |row: usize| match production.evaluate(&mut evaluator, row) {
             Ok(values) => Ok(Some((row, values))),
             Err(DesignError::Display(DisplayError::Interrupted)) => Ok(None),
-            Err(error) => Err(Failure::Input(format!(
-                "{}\n  = note: in sample {row}",
-                error.to_string().trim_start_matches("error: ")
-            ))),
+            Err(error) => Err(Failure::of_one(error, &format!("in sample {row}"))),
         }
     };
     side_by_side(&missing, "samples", threads, worker, |(row, values)| {

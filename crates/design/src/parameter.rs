@@ -2,13 +2,15 @@
 
 use papilio_display::Parameter;
 use papilio_display::scene::{Drive, FilmPixel, Thickness};
+use papilio_scenario::KeyPath;
 
 /// The number of this pixel that stands at a path, as of `--set`; `None` if none does.
 pub(crate) fn parameter(path: &str, film: &FilmPixel) -> Option<Parameter> {
-    let keys: Vec<&str> = path.strip_prefix("display.pixel.")?.split('.').map(str::trim).collect();
+    let path = KeyPath::new(path);
+    let keys: Vec<&str> = path.keys().collect();
     let layer = |text: &str| text.parse::<usize>().ok().filter(|layer| *layer < film.layers.len());
     let sub_pixel = |name: &str| film.sub_pixels.iter().position(|one| one.name == name);
-    match keys.as_slice() {
+    match keys.strip_prefix(&["display", "pixel"])? {
         ["film", at, "thickness_nm"] => {
             let layer = layer(at)?;
             matches!(film.layers[layer].thickness, Thickness::Fixed(_))

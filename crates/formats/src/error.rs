@@ -6,7 +6,7 @@ use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
-use crate::place::{Place, Remark};
+use papilio_diagnostics::{Diagnostic, Place};
 
 /// A file that cannot be used: what is wrong, and where in it.
 ///
@@ -230,6 +230,16 @@ const GOOD_NAME: &str = "expected 1 to 64 characters, no control characters, no 
 const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
 
 impl Problem {
+    /// What is wrong, what was expected and what to do, in words.
+    pub fn diagnostic(&self) -> Diagnostic {
+        let owned = |text: Option<&'static str>| text.map(str::to_owned);
+        Diagnostic {
+            expected: owned(self.expected()),
+            hint: owned(self.hint()),
+            ..Diagnostic::new(self.to_string())
+        }
+    }
+
     /// What should stand there.
     pub fn expected(&self) -> Option<&'static str> {
         Some(match self {
@@ -309,19 +319,9 @@ impl Problem {
     }
 }
 
-impl FormatError {
-    /// This error with a note of where the file was asked for.
-    pub fn show_with_note(&self, note: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let message = self.problem.to_string();
-        let remark =
-            Remark { message: &message, expected: self.problem.expected(), note, hint: self.problem.hint() };
-        remark.show(&self.place, f)
-    }
-}
-
 impl fmt::Display for FormatError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.show_with_note(None, f)
+        self.problem.diagnostic().at(&self.place).fmt(f)
     }
 }
 

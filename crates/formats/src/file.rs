@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 use crate::error::{FormatError, Problem};
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// No input file may be larger, in bytes, save for those of measured scattering.
 pub const LARGEST_FILE: u64 = 64 << 20;

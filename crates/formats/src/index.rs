@@ -2,12 +2,12 @@
 
 use papilio_spectra::{Dispersion, Tabulated};
 
-use crate::bsdf::Warned;
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::refractiveindex;
 use crate::rows::{Row, Table};
 use crate::spectrum::{Columns, data_rows};
+use papilio_diagnostics::Warned;
 
 /// Reads n + ik from a file, recognised by its content.
 ///

@@ -55,7 +55,6 @@ mod light;
 mod measured_panel;
 mod npy;
 mod pixel_table;
-mod place;
 mod refractiveindex;
 mod result;
 mod result_read;
@@ -72,8 +71,8 @@ pub mod words;
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
-    BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, Warned, WriteError, read_bsdf,
-    write_bsdf, write_measurement,
+    BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, WriteError, read_bsdf, write_bsdf,
+    write_measurement,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
@@ -90,8 +89,8 @@ pub use light::{
     LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
 };
 pub use measured_panel::read_measured_panel;
+pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
-pub use place::{Place, Remark, Spot};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
 pub use spectrum::{read_light, read_shares, read_spectrum};

@@ -14,11 +14,11 @@ use papilio_spectra::{Dispersion, Tabulated};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
-use crate::bsdf::Warned;
 use crate::error::{FormatError, Problem};
-use crate::place::Place;
 use crate::rows::Table;
 use crate::spectrum::Columns;
+use papilio_diagnostics::Place;
+use papilio_diagnostics::Warned;
 
 /// True if the text has a `DATA` list at its outermost level.
 pub(crate) fn is_page(text: &str) -> bool {

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// A run's result and its title.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// A text whose lines are rows; blank lines are no rows.
 #[derive(Clone, Copy)]

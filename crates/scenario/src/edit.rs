@@ -1,20 +1,22 @@
 //! Changes to the text of a scenario that keep its comments, its order and its layout: what a form behind the text does.
 //!
-//! Paths are those of `--set`: dotted, arrays by index from 0. What is set replaces its rival (`haze` and `width`), and
+//! Paths are those of `--set` ([`KeyPath`](crate::KeyPath)). What is set replaces its rival (`haze` and `width`), and
 //! an array that only the scenario's preset gives is written into the text before one of its items changes.
 
 mod layout;
 
+use papilio_diagnostics::Diagnostic;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml_edit::{DocumentMut, Item, Table, Value};
 
 use self::layout::{forget_positions, item, like_neighbour, number_positions};
-use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::error::{ScenarioError, ScenarioErrors};
+use crate::mistake;
+use crate::path::{At, Grow, KeyPath, Shape, Step, Tree, index, step};
 use crate::preset;
-use crate::problem::Problem;
 use crate::scenario::parse;
-use crate::set::{MOST_SEGMENTS, RIVALS};
+use crate::set::RIVALS;
 use crate::tree::Node;
 
 /// One change.
@@ -57,7 +59,7 @@ impl Edit {
     /// What `--set PATH=VALUE` does; `None` of a text that is not that.
     pub fn of_set(text: &str) -> Option<Self> {
         let (path, value) = text.split_once('=')?;
-        let value = Node::parse_value(value.trim_start(), 0, 0, &mut Errors::default()).to_json();
+        let value = Node::parse_value(value.trim_start(), 0, 0).0.to_json();
         Some(Self::Set { path: path.trim().to_owned(), value })
     }
 
@@ -86,13 +88,12 @@ impl Edit {
 pub fn edit(text: &str, edits: &[Edit]) -> Result<String, ScenarioErrors> {
     parse(text, "scenario", &[])?;
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        let problem = Problem::Syntax { message: error.message().to_owned() };
-        ScenarioError::about_file("scenario", problem)
+        ScenarioError::about_file("scenario", mistake::syntax(error.message()))
     })?;
     for (number, edit) in edits.iter().enumerate() {
         apply(&mut document, edit).map_err(|why| {
-            let problem = Problem::SetPath { why };
-            let error = ScenarioError::about_file(&format!("edit #{}", number + 1), problem);
+            let wrong = mistake::of_path(Diagnostic::new(why));
+            let error = ScenarioError::about_file(&format!("edit #{}", number + 1), wrong);
             ScenarioError { path: Some(edit.path().to_owned()), ..error }
         })?;
     }
@@ -105,20 +106,14 @@ pub fn edit(text: &str, edits: &[Edit]) -> Result<String, ScenarioErrors> {
 type Why = String;
 
 fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Why> {
-    let path: Vec<&str> = edit.path().split('.').map(str::trim).collect();
-    if path.iter().any(|key| key.is_empty()) {
-        return Err("a key of this path is empty".to_owned());
-    }
-    if path.len() > MOST_SEGMENTS {
-        return Err("this path is too long".to_owned());
-    }
-    let preset = preset_of(document);
+    let path = KeyPath::new(edit.path());
+    let mut text = Text { preset: preset_of(document) };
     let root = document.as_item_mut();
     match edit {
-        Edit::Set { value, .. } => set(root, preset.as_ref(), &path, value),
-        Edit::Remove { .. } => remove(root, preset.as_ref(), &path),
-        Edit::Insert { index, value, .. } => insert(root, preset.as_ref(), &path, *index, value),
-        Edit::Move { from, to, .. } => rearrange(root, preset.as_ref(), &path, *from, *to),
+        Edit::Set { value, .. } => text.set(root, &path, value),
+        Edit::Remove { .. } => text.remove(root, &path),
+        Edit::Insert { index, value, .. } => text.insert(root, &path, *index, value),
+        Edit::Move { from, to, .. } => text.rearrange(root, &path, *from, *to),
     }
 }
 
@@ -130,33 +125,193 @@ fn preset_of(document: &DocumentMut) -> Option<DocumentMut> {
     Some(document)
 }
 
-fn set(
-    root: &mut Item,
-    preset: Option<&DocumentMut>,
-    path: &[&str],
-    value: &serde_json::Value,
-) -> Result<(), Why> {
-    let Some((last, above)) = path.split_last() else { return Err("this path is empty".to_owned()) };
-    let parent = walk(root, preset, above, is_index(last))?;
-    if let Some(count) = length(parent) {
-        return match index(last, count)? {
-            at if at == count => put(parent, at, value),
-            at => match parent.get_mut(at) {
-                Some(old) => replace(old, value, false),
-                None => Err("there is no such item".to_owned()),
-            },
-        };
+/// What changes a document: it knows what the scenario's preset gives.
+struct Text {
+    preset: Option<DocumentMut>,
+}
+
+impl Text {
+    /// What is at a path, made if it is not there; `array`: what it is to be then.
+    fn at<'a>(&mut self, root: &'a mut Item, path: &KeyPath, array: bool) -> Result<&'a mut Item, Why> {
+        path.put(root, array, self).map_err(|error| error.message)
     }
-    let in_table = parent.is_table();
-    let table = parent.as_table_like_mut().ok_or("what stands above this has no keys")?;
-    for [a, b] in RIVALS {
-        for (one, rival) in [(a, b), (b, a)] {
-            if *last == one {
-                table.remove(rival);
+
+    /// What holds the last key of a path, and what that key means there.
+    fn above<'a, 'k>(
+        &mut self,
+        root: &'a mut Item,
+        path: &'k KeyPath,
+    ) -> Result<(&'a mut Item, Step<'k>), Why> {
+        path.check().map_err(|error| error.message)?;
+        let (above, last) = path.split_last();
+        let parent = match above {
+            Some(above) => self.at(root, &above, index(last).is_some())?,
+            None => root,
+        };
+        let step = step(parent.shape(), last)?;
+        Ok((parent, step))
+    }
+
+    fn set(&mut self, root: &mut Item, path: &KeyPath, value: &serde_json::Value) -> Result<(), Why> {
+        let (parent, step) = self.above(root, path)?;
+        let in_table = parent.is_table();
+        let key = match step {
+            Step::Index(index) => {
+                return match parent.get_mut(index) {
+                    Some(old) => replace(old, value, false),
+                    None => put(parent, index, value),
+                };
+            }
+            Step::Key(key) => key,
+        };
+        let table = parent.as_table_like_mut().ok_or("the value above this key has no keys")?;
+        for [a, b] in RIVALS {
+            for (one, rival) in [(a, b), (b, a)] {
+                if key == one {
+                    table.remove(rival);
+                }
             }
         }
+        replace(table.entry(key).or_insert(Item::None), value, in_table)
     }
-    replace(table.entry(last).or_insert(Item::None), value, in_table)
+
+    fn remove(&mut self, root: &mut Item, path: &KeyPath) -> Result<(), Why> {
+        let (above, last) = path.split_last();
+        let is_there = above.as_ref().is_none_or(|above| above.get(root).is_some());
+        if index(last).is_none() && !is_there {
+            return Ok(());
+        }
+        let (parent, step) = self.above(root, path)?;
+        let index = match step {
+            Step::Index(index) => index,
+            Step::Key(key) => {
+                if let Some(table) = parent.as_table_like_mut() {
+                    table.remove(key);
+                }
+                return Ok(());
+            }
+        };
+        let count = length(parent).unwrap_or_default();
+        if index == count {
+            return Ok(());
+        }
+        take(parent, index);
+        if count == 1 && parent.is_array_of_tables() {
+            // An array of tables without tables cannot be written; without the key, a preset's array would come back.
+            *parent = Item::Value(Value::Array(toml_edit::Array::new()));
+            if let Some(above) = above {
+                self.blank_before_value(root, &above);
+            }
+        }
+        Ok(())
+    }
+
+    /// A key that was a header is followed by a value now: by a blank and `=`, too.
+    fn blank_before_value(&mut self, root: &mut Item, path: &KeyPath) {
+        let (above, key) = path.split_last();
+        let table = match above {
+            Some(above) => self.at(root, &above, false).ok(),
+            None => Some(root),
+        };
+        if let Some(mut key) = table.and_then(Item::as_table_like_mut).and_then(|table| table.key_mut(key)) {
+            key.leaf_decor_mut().set_suffix(" ");
+        }
+    }
+
+    fn insert(
+        &mut self,
+        root: &mut Item,
+        path: &KeyPath,
+        before: Option<usize>,
+        value: &serde_json::Value,
+    ) -> Result<(), Why> {
+        let array = self.at(root, path, true)?;
+        let count = length(array).ok_or("this is not an array")?;
+        let before = before.unwrap_or(count);
+        if before > count {
+            return Err(format!("this array has {count} items"));
+        }
+        put(array, before, value)
+    }
+
+    fn rearrange(&mut self, root: &mut Item, path: &KeyPath, from: usize, to: usize) -> Result<(), Why> {
+        let array = self.at(root, path, true)?;
+        let count = length(array).ok_or("this is not an array")?;
+        if from.max(to) >= count {
+            return Err(format!("this array has {count} items"));
+        }
+        match array {
+            Item::ArrayOfTables(tables) => {
+                let table = tables.remove(from);
+                tables.insert(to, table);
+                number_positions(tables);
+            }
+            Item::Value(Value::Array(values)) => {
+                let value = values.remove(from);
+                values.insert_formatted(to, value);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+impl Tree for Item {
+    fn shape(&self) -> Shape {
+        match length(self) {
+            Some(count) => Shape::Array(count),
+            None if self.is_table_like() => Shape::Table,
+            None => Shape::Value(match self.type_name() {
+                "string" => "a string",
+                "integer" | "float" => "a number",
+                "boolean" => "true or false",
+                "datetime" => "a date",
+                other => other,
+            }),
+        }
+    }
+
+    fn child(&self, step: Step<'_>) -> Option<&Self> {
+        match step {
+            Step::Key(key) => self.get(key),
+            Step::Index(index) => self.get(index),
+        }
+    }
+}
+
+impl Grow for Text {
+    type Tree = Item;
+
+    fn child<'a>(&mut self, node: &'a mut Item, at: At<'_>) -> Result<&'a mut Item, Why> {
+        let in_table = node.is_table();
+        let item = match at.step {
+            Step::Index(index) => {
+                if length(node) == Some(index) {
+                    put(node, index, &serde_json::Value::Object(serde_json::Map::new()))?;
+                }
+                node.get_mut(index).ok_or("there is no such item")?
+            }
+            Step::Key(key) => {
+                let table = node.as_table_like_mut().ok_or("the value above this key has no keys")?;
+                table.entry(key).or_insert(Item::None)
+            }
+        };
+        if item.is_none() {
+            let given = self.preset.as_ref().and_then(|preset| at.path().get(preset.as_item()));
+            *item = match given.filter(|_| at.array) {
+                Some(given) => given.clone(),
+                None if at.array => Item::Value(Value::Array(toml_edit::Array::new())),
+                None if in_table => {
+                    let mut table = Table::new();
+                    // No header of its own until it has keys of its own.
+                    table.set_implicit(true);
+                    Item::Table(table)
+                }
+                None => Item::Value(Value::InlineTable(toml_edit::InlineTable::new())),
+            };
+        }
+        Ok(item)
+    }
 }
 
 /// Puts a value in the place of another, in the same layout.
@@ -172,80 +327,6 @@ fn replace(old: &mut Item, value: &serde_json::Value, in_table: bool) -> Result<
         _ => {}
     }
     *old = new;
-    Ok(())
-}
-
-fn remove(root: &mut Item, preset: Option<&DocumentMut>, path: &[&str]) -> Result<(), Why> {
-    let Some((last, above)) = path.split_last() else { return Err("this path is empty".to_owned()) };
-    if !is_index(last) && !exists(root, above) {
-        return Ok(());
-    }
-    let parent = walk(root, preset, above, is_index(last))?;
-    let Some(count) = length(parent) else {
-        if let Some(table) = parent.as_table_like_mut() {
-            table.remove(last);
-        }
-        return Ok(());
-    };
-    let at = index(last, count)?;
-    if at == count {
-        return Ok(());
-    }
-    take(parent, at);
-    if count == 1 && parent.is_array_of_tables() {
-        // An array of tables without tables cannot be written; without the key, a preset's array would come back.
-        *parent = Item::Value(Value::Array(toml_edit::Array::new()));
-        let named =
-            above.split_last().and_then(|(key, above)| Some((key, walk(root, None, above, false).ok()?)));
-        if let Some((key, table)) = named
-            && let Some(mut key) = table.as_table_like_mut().and_then(|table| table.key_mut(key))
-        {
-            key.leaf_decor_mut().set_suffix(" ");
-        }
-    }
-    Ok(())
-}
-
-fn insert(
-    root: &mut Item,
-    preset: Option<&DocumentMut>,
-    path: &[&str],
-    at: Option<usize>,
-    value: &serde_json::Value,
-) -> Result<(), Why> {
-    let array = walk(root, preset, path, true)?;
-    let count = length(array).ok_or("this is not an array")?;
-    let at = at.unwrap_or(count);
-    if at > count {
-        return Err(format!("this array has {count} items"));
-    }
-    put(array, at, value)
-}
-
-fn rearrange(
-    root: &mut Item,
-    preset: Option<&DocumentMut>,
-    path: &[&str],
-    from: usize,
-    to: usize,
-) -> Result<(), Why> {
-    let array = walk(root, preset, path, true)?;
-    let count = length(array).ok_or("this is not an array")?;
-    if from.max(to) >= count {
-        return Err(format!("this array has {count} items"));
-    }
-    match array {
-        Item::ArrayOfTables(tables) => {
-            let table = tables.remove(from);
-            tables.insert(to, table);
-            number_positions(tables);
-        }
-        Item::Value(Value::Array(values)) => {
-            let value = values.remove(from);
-            values.insert_formatted(to, value);
-        }
-        _ => {}
-    }
     Ok(())
 }
 
@@ -288,20 +369,6 @@ fn take(array: &mut Item, at: usize) {
     }
 }
 
-fn is_index(key: &str) -> bool {
-    key.parse::<usize>().is_ok()
-}
-
-/// An index of an array, or the one behind its last.
-fn index(key: &str, count: usize) -> Result<usize, Why> {
-    match key.parse::<usize>() {
-        Ok(at) if at <= count => Ok(at),
-        Ok(_) if count == 0 => Err("this array is empty, its first index is 0".to_owned()),
-        Ok(_) => Err(format!("this array has the indices 0 to {}", count - 1)),
-        Err(_) => Err("this is an array: an index is needed here".to_owned()),
-    }
-}
-
 /// How many items an array has; `None` for what is none.
 fn length(item: &Item) -> Option<usize> {
     match item {
@@ -309,64 +376,6 @@ fn length(item: &Item) -> Option<usize> {
         Item::Value(Value::Array(values)) => Some(values.len()),
         _ => None,
     }
-}
-
-fn exists(root: &Item, path: &[&str]) -> bool {
-    let found = path.iter().try_fold(root, |item, key| match key.parse::<usize>() {
-        Ok(at) if length(item).is_some() => item.get(at),
-        _ => item.get(key),
-    });
-    found.is_some()
-}
-
-/// What is at a path, made if it is not there; `array`: what it is to be then.
-fn walk<'a>(
-    root: &'a mut Item,
-    preset: Option<&DocumentMut>,
-    path: &[&str],
-    array: bool,
-) -> Result<&'a mut Item, Why> {
-    let mut item = root;
-    for (i, key) in path.iter().enumerate() {
-        let next_is_index = path.get(i + 1).map_or(array, |next| is_index(next));
-        let in_table = item.is_table();
-        item = match length(item) {
-            Some(count) => {
-                let at = index(key, count)?;
-                if at == count {
-                    put(item, at, &serde_json::Value::Object(serde_json::Map::new()))?;
-                }
-                item.get_mut(at).ok_or("there is no such item")?
-            }
-            None => {
-                let kind = item.type_name();
-                let table = item.as_table_like_mut();
-                let table = table.ok_or_else(|| {
-                    format!("what stands above {key} is of the kind {kind}, it has no keys")
-                })?;
-                table.entry(key).or_insert(Item::None)
-            }
-        };
-        if item.is_none() {
-            *item = match given(preset, &path[..=i]).filter(|_| next_is_index) {
-                Some(given) => given.clone(),
-                None if next_is_index => Item::Value(Value::Array(toml_edit::Array::new())),
-                None if in_table => {
-                    let mut table = Table::new();
-                    // No header of its own until it has keys of its own.
-                    table.set_implicit(true);
-                    Item::Table(table)
-                }
-                None => Item::Value(Value::InlineTable(toml_edit::InlineTable::new())),
-            };
-        }
-    }
-    Ok(item)
-}
-
-/// What the preset has at a path of keys.
-fn given<'a>(preset: Option<&'a DocumentMut>, path: &[&str]) -> Option<&'a Item> {
-    path.iter().try_fold(preset?.as_item(), |item, key| item.get(key))
 }
 
 #[cfg(test)]

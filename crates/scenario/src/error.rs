@@ -2,10 +2,13 @@
 
 use std::fmt;
 
-use papilio_formats::{FormatError, Place, Remark};
+use papilio_diagnostics::{Diagnostic, Place};
+use papilio_formats::FormatError;
 
-use crate::problem::Problem;
-use crate::source::{Origin, Sources};
+use crate::mistake::{Mistake, MistakeKind};
+use crate::origin::Origin;
+use crate::path::joined;
+use crate::source::Sources;
 
 /// Everything that is wrong with a scenario; never empty.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,8 +23,10 @@ pub struct ScenarioErrors {
 pub struct ScenarioError {
     /// The file (or `--set`), line and column.
     pub place: Place,
-    /// What is wrong there.
-    pub problem: Problem,
+    /// What is wrong there, what was expected, and what to do.
+    pub diagnostic: Diagnostic,
+    /// What code has to know of it.
+    pub kind: MistakeKind,
     /// Where the scenario asks for the file that `place` is in.
     pub asked_for_at: Option<Place>,
     /// What else there is to know: which of many scenarios this is of.
@@ -53,6 +58,15 @@ impl ScenarioErrors {
         self
     }
 
+    /// The same, each with a note: which of many scenarios this is.
+    #[must_use]
+    pub fn with_note(mut self, note: &str) -> Self {
+        for error in &mut self.errors {
+            error.diagnostic = error.diagnostic.clone().note(note);
+        }
+        self
+    }
+
     /// The errors, in the order of the text; the first 50 that were found.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
         self.errors.iter()
@@ -66,29 +80,34 @@ impl From<ScenarioError> for ScenarioErrors {
 }
 
 impl ScenarioError {
+    /// An error at a place.
+    pub(crate) fn new(place: Place, mistake: impl Into<Mistake>) -> Self {
+        let Mistake { kind, diagnostic } = mistake.into();
+        Self { place, diagnostic, kind, asked_for_at: None, note: None, path: None }
+    }
+
     /// An error about a file as a whole.
-    pub(crate) fn about_file(name: &str, problem: Problem) -> Self {
-        Self { place: Place::whole(name), problem, asked_for_at: None, note: None, path: None }
+    pub(crate) fn about_file(name: &str, mistake: impl Into<Mistake>) -> Self {
+        Self::new(Place::whole(name), mistake)
     }
 
     /// What to do about it.
-    pub fn hint(&self) -> Option<String> {
-        let unreadable = matches!(self.problem, Problem::Data(papilio_formats::Problem::Unreadable { .. }));
-        match self.asked_for_at {
-            Some(_) if unreadable => Some("paths in a scenario are relative to its folder".to_owned()),
-            None if unreadable => {
-                Some("give the path of a scenario, for example scenarios/indoor.toml".to_owned())
+    pub fn hint(&self) -> Option<&str> {
+        match (&self.kind, &self.asked_for_at, &self.note) {
+            (MistakeKind::Unreadable, Some(_), _) => Some("paths in a scenario are relative to its folder"),
+            (MistakeKind::Unreadable, None, _) => {
+                Some("give the path of a scenario, for example scenarios/indoor.toml")
             }
             // Nobody wrote this number: it was drawn, or is what a sum leaves.
-            _ if self.note.is_some() && matches!(self.problem, Problem::OutOfRange { .. }) => None,
-            _ => self.problem.hint(),
+            (MistakeKind::OutOfRange, _, Some(_)) => None,
+            _ => self.diagnostic.hint.as_deref(),
         }
     }
 }
 
 impl From<FormatError> for ScenarioError {
     fn from(error: FormatError) -> Self {
-        Self { place: error.place, problem: error.problem.into(), asked_for_at: None, note: None, path: None }
+        Self::new(error.place, error.problem)
     }
 }
 
@@ -109,21 +128,14 @@ impl fmt::Display for ScenarioErrors {
 
 impl fmt::Display for ScenarioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (message, expected, hint) = (self.problem.to_string(), self.problem.expected(), self.hint());
         let asked = self.asked_for_at.as_ref().map(|place| {
             let text = place.spot.as_ref().map_or("", |spot| spot.text.trim());
             let text: String = text.chars().take(LONGEST_NOTE).collect();
             format!("it is asked for at {place}: {text}")
         });
-        let notes: Vec<&str> = asked.as_deref().into_iter().chain(self.note.as_deref()).collect();
-        let note = (!notes.is_empty()).then(|| notes.join("; "));
-        let remark = Remark {
-            message: &message,
-            expected: expected.as_deref(),
-            note: note.as_deref(),
-            hint: hint.as_deref(),
-        };
-        remark.show(&self.place, f)
+        let notes = asked.iter().chain(&self.note);
+        let shown = notes.fold(self.diagnostic.clone(), Diagnostic::note).hint_if(self.hint());
+        shown.at(&self.place).fmt(f)
     }
 }
 
@@ -139,14 +151,14 @@ const MOST_ERRORS: usize = 50;
 /// Errors as they are found.
 #[derive(Debug, Default)]
 pub(crate) struct Errors {
-    found: Vec<(Origin, Problem, Option<Place>)>,
+    found: Vec<(Origin, Mistake, Option<Place>)>,
     more: usize,
 }
 
 impl Errors {
     /// An error at a place of the scenario.
-    pub(crate) fn push(&mut self, origin: Origin, problem: impl Into<Problem>) {
-        self.add(origin, problem.into(), None);
+    pub(crate) fn push(&mut self, origin: Origin, mistake: impl Into<Mistake>) {
+        self.add(origin, mistake.into(), None);
     }
 
     /// An error inside a file that the scenario asks for at `origin`.
@@ -154,9 +166,9 @@ impl Errors {
         self.add(origin, error.problem.into(), Some(error.place));
     }
 
-    fn add(&mut self, origin: Origin, problem: Problem, file: Option<Place>) {
+    fn add(&mut self, origin: Origin, mistake: Mistake, file: Option<Place>) {
         if self.found.len() < MOST_ERRORS {
-            self.found.push((origin, problem, file));
+            self.found.push((origin, mistake, file));
         } else {
             self.more += 1;
         }
@@ -173,19 +185,18 @@ impl Errors {
             _ => {}
         }
         self.found.sort_by_key(|(origin, ..)| *origin);
-        let error = |(origin, problem, file): (Origin, Problem, Option<Place>)| {
+        let error = |(origin, mistake, file): (Origin, Mistake, Option<Place>)| {
             let place = sources.place(origin);
-            let path = sources.path(origin).map(|path| match &problem {
-                Problem::MissingKey { key, .. } if path.is_empty() => key.clone(),
-                Problem::MissingKey { key, .. } => format!("{path}.{key}"),
+            let path = sources.path(origin).map(|path| match &mistake.kind {
+                MistakeKind::MissingKey(key) => joined(&path, key),
                 _ => path,
             });
-            let path = path.filter(|path| !path.is_empty());
             let (place, asked_for_at) = match file {
                 Some(file) => (file, Some(place)),
                 None => (place, None),
             };
-            ScenarioError { place, problem, asked_for_at, note: None, path }
+            let path = path.filter(|path| !path.is_empty());
+            ScenarioError { asked_for_at, path, ..ScenarioError::new(place, mistake) }
         };
         Err(ScenarioErrors { errors: self.found.into_iter().map(error).collect(), more: self.more })
     }

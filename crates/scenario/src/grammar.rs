@@ -177,29 +177,25 @@ macro_rules! choice {
 }
 pub(crate) use choice;
 
-/// Declares a number with its range, in words and as a test.
+/// Declares a number with its range, from which its words, its test and its schema come.
 macro_rules! number {
-    ($(#[doc = $doc:literal])* $name:ident, $words:literal, $accepts:expr, $schema:tt) => {
+    ($(#[doc = $doc:literal])* $name:ident, $range:expr) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
         pub(crate) struct $name(pub(crate) f64);
 
+        impl $name {
+            /// Which numbers it may be.
+            const RANGE: $crate::range::Range = $range;
+        }
+
         impl $crate::read::Read for $name {
             fn in_words() -> String {
-                $words.to_owned()
+                Self::RANGE.in_words()
             }
 
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
-                let Some(value) = node.number() else {
-                    return node.wrong_type($words, errors);
-                };
-                let accepts: fn(f64) -> bool = $accepts;
-                if value.is_finite() && accepts(value) {
-                    // Adding 0 makes -0 a 0: they are one view, and one scenario.
-                    return Some(Self(value + 0.0));
-                }
-                errors.push(node.origin, $crate::problem::Problem::OutOfRange { value, expected: $words });
-                None
+                Self::RANGE.read(node, errors).map(Self)
             }
         }
 
@@ -208,7 +204,7 @@ macro_rules! number {
                 stringify!($name).into()
             }
             fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-                schemars::json_schema!($schema)
+                Self::RANGE.schema().into()
             }
             fn inline_schema() -> bool {
                 true
@@ -222,7 +218,7 @@ pub(crate) use number;
 macro_rules! forms {
     (
         $(#[doc = $doc:literal])*
-        $name:ident, $words:literal { $( $(#[doc = $form_doc:literal])* $variant:ident($ty:ty) if $pattern:pat ),* $(,)? }
+        $name:ident, $words:expr; { $( $(#[doc = $form_doc:literal])* $variant:ident($ty:ty) if $pattern:pat ),* $(,)? }
     ) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, serde::Serialize)]
@@ -231,14 +227,14 @@ macro_rules! forms {
 
         impl $crate::read::Read for $name {
             fn in_words() -> String {
-                $words.to_owned()
+                ($words).to_string()
             }
 
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
                 use $crate::tree::Value;
                 match &node.value {
                     $( $pattern => <$ty as $crate::read::Read>::read(node, errors).map(Self::$variant), )*
-                    _ => node.wrong_type($words, errors),
+                    _ => node.wrong_type(Self::in_words(), errors),
                 }
             }
         }

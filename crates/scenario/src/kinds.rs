@@ -1,9 +1,11 @@
 //! Tables of several kinds, told apart by one key (`model`, `kind`).
 
+use papilio_diagnostics::{Diagnostic, quoted};
+
 use crate::error::Errors;
-use crate::problem::Problem;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::unknown_word;
-use crate::source::Origin;
 use crate::tree::{Entry, Node, Value};
 
 /// The kinds that a table may be of, and the key that says which.
@@ -28,10 +30,9 @@ impl Kinds {
     /// those of other kinds alone are reported here.
     pub(crate) fn split(&self, node: &Node, errors: &mut Errors) -> Option<(&'static str, Origin, Node)> {
         let words: Vec<&str> = self.known.iter().map(|kind| kind.word).collect();
-        let in_words = || words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ");
+        let in_words = || quoted(words.iter().copied());
         let Some(tag) = node.get(self.tag) else {
-            let problem = Problem::MissingKey { key: self.tag.to_owned(), expected: in_words() };
-            errors.push(node.origin, problem);
+            errors.push(node.origin, mistake::missing_key(self.tag, in_words()));
             return None;
         };
         let Value::Text(word) = &tag.value else { return tag.wrong_type(in_words(), errors) };
@@ -56,8 +57,10 @@ impl Kinds {
         let of: Vec<&str> = others.map(|other| other.named).collect();
         let alien = !of.is_empty();
         if alien {
-            let problem = Problem::OfAnotherKind { key: entry.key.clone(), kind: kind.named, of };
-            errors.push(entry.node.origin.or_set([tag]), problem);
+            let (key, named, of) = (&entry.key, kind.named, of.join(" and "));
+            let wrong = Diagnostic::new(format!("`{key}` cannot be combined with {named}"))
+                .hint(format!("remove it: `{key}` is a key of {of}"));
+            errors.push(entry.node.origin.or_set([tag]), mistake::of_path(wrong));
         }
         alien
     }

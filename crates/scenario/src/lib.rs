@@ -48,17 +48,19 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 
-mod advice;
 mod describe;
 mod edit;
 mod error;
 mod grammar;
 mod kinds;
 mod library;
+mod mistake;
 mod nearest;
 mod optimise;
+mod origin;
+mod path;
 mod preset;
-mod problem;
+mod range;
 mod read;
 mod resolve;
 mod scattered;
@@ -74,13 +76,14 @@ mod varied;
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
-pub use nearest::nearest;
+pub use mistake::MistakeKind;
 pub use optimise::{
     Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,
     SearchQuantity, SearchRange, SearchVariable,
 };
+pub use papilio_diagnostics::{Diagnostic, nearest};
+pub use path::KeyPath;
 pub use preset::{new_scenario, preset_names};
-pub use problem::{PlanProblem, Problem};
 pub use resolve::{Memo, VirtualMeasurement};
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use papilio_formats::{DataFile, FormatError, Place};
+use papilio_diagnostics::{Diagnostic, Place, suggestion};
+use papilio_formats::{DataFile, FormatError};
 use sha2::{Digest, Sha256};
 
-use crate::problem::Problem;
 use crate::resolve::Memo;
 
 /// Where the files are that a scenario names.
@@ -72,10 +72,11 @@ impl Library {
                     let error = || FormatError { place: Place::whole(name), problem: too_large };
                     if bytes <= limit { Ok(kept.clone()) } else { Err(Missing::Unread(error())) }
                 }
-                None => Err(Missing::Unknown(Problem::NoSuchFile {
-                    name: name.to_owned(),
-                    known: files.keys().cloned().collect(),
-                })),
+                None => {
+                    let hint = suggestion(name, files.keys().map(String::as_str), "files");
+                    let wrong = Diagnostic::new(format!("there is no file `{name}` here"));
+                    Err(Missing::Unknown(wrong.hint(hint)))
+                }
             },
         }
     }
@@ -94,7 +95,7 @@ pub(crate) enum Missing {
     /// It cannot be read.
     Unread(FormatError),
     /// Nothing goes by its name.
-    Unknown(Problem),
+    Unknown(Diagnostic),
 }
 
 /// SHA-256 of bytes, in hexadecimal digits.

@@ -1,23 +1,14 @@
-//! The name that was probably meant.
+//! The name of a metric that was probably meant.
 
-/// The one of `names` that is close to `wrong`, ignoring case, if there is one.
-pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // A longer text is no slip of the keys, and would make the table of distances large.
-    if wrong.chars().count() > 64 {
-        return None;
-    }
-    let wrong = wrong.to_lowercase();
-    let allowed = (wrong.chars().count() * 2 / 5).clamp(1, 4);
-    let scored = names.into_iter().map(|name| (distance(&wrong, &name.to_lowercase()), name));
-    scored
-        // A name of which nothing is left is no slip of the keys.
-        .filter(|(distance, _)| *distance <= allowed && *distance < wrong.chars().count())
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
+use papilio_diagnostics::{Diagnostic, nearest};
+
+/// A metric that no result has.
+pub(crate) fn no_such_metric(name: &str, known: &[String]) -> Diagnostic {
+    Diagnostic::new(format!("there is no metric `{name}`")).hint(metric_advice(name, known))
 }
 
 /// What may have been meant by the name of a metric; those of a state have its name and a point before them.
-pub(crate) fn metric_advice(wrong: &str, known: &[String]) -> String {
+fn metric_advice(wrong: &str, known: &[String]) -> String {
     let (state, name) = state_and_metric(wrong);
     let states = known.iter().map(|one| state_and_metric(one).0);
     let state = nearest(state, states).unwrap_or(state);
@@ -47,31 +38,12 @@ fn state_and_metric(text: &str) -> (&str, &str) {
     text.rsplit_once('.').unwrap_or(("", text))
 }
 
-/// Insertions, deletions, replacements and swaps of neighbours that make `b` of `a`.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut best = replaced.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(best);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn slips_in_metrics() {
+    fn metric_advice_of_a_mistyped_name_names_the_metric() {
         let known = [
             "contrast_ratio",
             "gamut_percent_srgb",
@@ -96,17 +68,5 @@ mod tests {
         ] {
             assert_eq!(metric_advice(wrong, &known), advice, "{wrong}");
         }
-    }
-
-    #[test]
-    fn slips_of_the_keys() {
-        let names = ["thickness_nm", "material", "theta_deg", "phi_deg"];
-        assert_eq!(nearest("thicknes_nm", names), Some("thickness_nm"));
-        assert_eq!(nearest("Materail", names), Some("material"));
-        assert_eq!(nearest("tehta_deg", names), Some("theta_deg"));
-        assert_eq!(nearest("withe", ["white", "black"]), Some("white"));
-        assert_eq!(nearest("colour", names), None);
-        assert_eq!(nearest("sio2", ["SiO2", "Si3N4"]), Some("SiO2"));
-        assert_eq!((nearest("", names), nearest("", ["A"]), nearest("B", ["A"])), (None, None, None));
     }
 }

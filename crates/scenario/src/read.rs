@@ -3,13 +3,14 @@
 use std::borrow::Cow;
 use std::ops::Deref;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_formats::is_name;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Serialize, Serializer};
 
 use crate::error::Errors;
-use crate::problem::Problem;
-use crate::source::Origin;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::tree::{Entry, Node, Value};
 
 /// A value and where it was given; a default stands where its table does.
@@ -82,7 +83,18 @@ impl<T: Serialize> Serialize for At<T> {
 impl Node {
     /// Reports that something else should stand here.
     pub(crate) fn wrong_type<T>(&self, expected: impl Into<String>, errors: &mut Errors) -> Option<T> {
-        errors.push(self.origin, Problem::WrongType { expected: expected.into(), found: self.kind() });
+        let (expected, found) = (expected.into(), self.kind());
+        let hint = match found {
+            "a string" if expected.starts_with("a number") => Some(
+                "numbers stand without quotes, units and percent signs: the unit is in the key's name, and fractions are of 1",
+            ),
+            "a table" if expected.starts_with("a list, each item a table") => {
+                Some("write its header in double brackets, once for each item, as in [[display.layers]]")
+            }
+            _ => None,
+        };
+        errors
+            .push(self.origin, Diagnostic::new(format!("this is {found}")).expected(expected).hint_if(hint));
         None
     }
 
@@ -107,14 +119,11 @@ impl Node {
             return self.wrong_type("a table", errors);
         };
         for Entry { key, key_origin, .. } in entries {
-            let problem = if later.contains(&key.as_str()) {
-                Problem::NotInThisVersion { what: key.clone(), choices: Vec::new() }
+            if later.contains(&key.as_str()) {
+                errors.push(*key_origin, mistake::not_in_this_version(key, &[]));
             } else if !known.contains(&key.as_str()) {
-                Problem::UnknownKey { key: key.clone(), known: known.to_vec() }
-            } else {
-                continue;
-            };
-            errors.push(*key_origin, problem);
+                errors.push(*key_origin, mistake::unknown_key(key, known));
+            }
         }
         Some(())
     }
@@ -126,8 +135,7 @@ impl Node {
         }
         let value = default.or_else(T::absent);
         if value.is_none() {
-            let problem = Problem::MissingKey { key: key.to_owned(), expected: T::in_words() };
-            errors.push(self.origin, problem);
+            errors.push(self.origin, mistake::missing_key(key, T::in_words()));
         }
         value.map(|value| At { value, origin: self.origin })
     }
@@ -286,12 +294,10 @@ pub(crate) fn unknown_word<T>(
     later: &[&str],
     errors: &mut Errors,
 ) -> Option<T> {
-    let (found, choices) = (word.to_owned(), choices.iter().map(|&choice| choice.to_owned()).collect());
-    let problem = if later.contains(&word) {
-        Problem::NotInThisVersion { what: found, choices }
+    if later.contains(&word) {
+        errors.push(node.origin, mistake::not_in_this_version(word, choices));
     } else {
-        Problem::UnknownChoice { found, choices }
-    };
-    errors.push(node.origin, problem);
+        errors.push(node.origin, mistake::unknown_choice(word, choices));
+    }
     None
 }

@@ -1,18 +1,20 @@
 //! A key of `[tolerance]` with its distribution, about what the key is.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_sampling::Distribution;
 use serde_json::Value;
 
 use crate::describe::sweep::Any;
 use crate::describe::tolerance::{Bins, LogNormal, Normal, Scattered, Triangular, Uniform};
 use crate::error::Errors;
-use crate::problem::{PlanProblem, Problem};
+use crate::mistake::{self, Mistake};
+use crate::origin::Origin;
+use crate::path::KeyPath;
 use crate::read::At;
-use crate::source::Origin;
 use crate::tolerance::ScatteredKey;
 use crate::varied::Base;
 
-const KINDS: &str = "normal, lognormal, uniform, triangular, choices";
+const KINDS: &str = "`normal`, `lognormal`, `uniform`, `triangular` and `choices`";
 
 /// A key as it scatters; `filled` is the scenario as it stands, of `base`.
 pub(crate) fn scattered(
@@ -27,19 +29,19 @@ pub(crate) fn scattered(
             paths.iter().map(|path| (path.as_str(), path.origin)).collect()
         }
         (None, Some(_)) => {
-            errors.push(key.keys.origin, Problem::EmptyList);
+            errors.push(key.keys.origin, mistake::empty_list());
             return None;
         }
         (one, other) => {
             let given = usize::from(one.is_some()) + usize::from(other.is_some());
-            errors.push(key.origin, Problem::ExactlyOne { keys: "key, keys", given });
+            errors.push(key.origin, mistake::exactly_one("`key` and `keys`", given));
             return None;
         }
     };
     let stands: Vec<Option<f64>> = paths.iter().map(|(path, _)| number_at(filled, path)).collect();
     let absent = paths.iter().zip(&stands).filter(|(_, stands)| stands.is_none());
     let wrong = absent.filter_map(|((path, origin), _)| Some((*origin, base.wrong_path(path, *origin)?)));
-    let wrong: Vec<(Origin, Problem)> = wrong.collect();
+    let wrong: Vec<(Origin, Mistake)> = wrong.collect();
     if !wrong.is_empty() {
         wrong.into_iter().for_each(|(origin, problem)| errors.push(origin, problem));
         return None;
@@ -55,7 +57,7 @@ pub(crate) fn scattered(
             (Some(value), None) if told_from => Some(((*path).to_owned(), 1.0, *value)),
             (_, None) if !told_from => Some(((*path).to_owned(), 1.0, 0.0)),
             (..) => {
-                errors.push(*origin, PlanProblem::NoNumberThere { path: (*path).to_owned() });
+                errors.push(*origin, no_number(path));
                 None
             }
         }
@@ -68,11 +70,14 @@ pub(crate) fn scattered(
 
 /// The number at a path of the scenario with its defaults.
 fn number_at(filled: &Value, path: &str) -> Option<f64> {
-    let below = |node: &Value, key: &str| match node {
-        Value::Array(items) => items.get(key.parse::<usize>().ok()?).cloned(),
-        other => other.get(key).cloned(),
-    };
-    path.split('.').try_fold(filled.clone(), |node, key| below(&node, key.trim()))?.as_f64()
+    KeyPath::new(path).in_json(filled)?.as_f64()
+}
+
+/// A distribution about a number that the scenario does not have.
+fn no_number(path: &str) -> Diagnostic {
+    Diagnostic::new(format!("the scenario has no number at `{path}`")).hint(
+        "give its centre (`mean`, `median`, `mode`, or `from` and `to`); where there are several keys, each needs a number",
+    )
 }
 
 /// What a distribution is about where it does not say.
@@ -91,8 +96,7 @@ impl Middle {
     fn or(&self, given: &At<Option<Any>>, key: &At<Scattered>, errors: &mut Errors) -> Option<f64> {
         let middle = given.value.map(|one| one.0).or(self.0);
         if middle.is_none() {
-            let path = key.key.value.clone().unwrap_or_default();
-            errors.push(key.key.origin, PlanProblem::NoNumberThere { path });
+            errors.push(key.key.origin, no_number(key.key.as_deref().unwrap_or_default()));
         }
         middle
     }
@@ -113,7 +117,7 @@ fn distribution(key: &At<Scattered>, middle: &Middle, errors: &mut Errors) -> Op
     match given.len() {
         1 => given.remove(0),
         count => {
-            errors.push(key.origin, Problem::ExactlyOne { keys: KINDS, given: count });
+            errors.push(key.origin, mistake::exactly_one(KINDS, count));
             None
         }
     }
@@ -130,7 +134,7 @@ fn ends(
     if low < high {
         return Some([low, high]);
     }
-    errors.push(to.origin.max(from.origin), PlanProblem::NoInside { from: low, to: high });
+    errors.push(to.origin.max(from.origin), mistake::empty_range(low, high));
     None
 }
 
@@ -142,7 +146,10 @@ fn normal(one: &Normal, mean: f64, errors: &mut Errors) -> Option<Distribution> 
 fn lognormal(one: &LogNormal, median: f64, errors: &mut Errors) -> Option<Distribution> {
     let within = ends(&one.from, &one.to, [0.0, f64::INFINITY], errors)?;
     if median <= 0.0 {
-        errors.push(one.median.origin, PlanProblem::NoLogarithm { value: median });
+        errors.push(
+            one.median.origin,
+            Diagnostic::new(format!("{median} has no logarithm")).expected("a number above 0"),
+        );
         return None;
     }
     Some(Distribution::LogNormal { median, sigma: one.sigma.0, within })
@@ -176,20 +183,20 @@ fn triangular(one: &Triangular, place: Origin, mode: f64, errors: &mut Errors) -
         return Some(Distribution::Triangular { from, mode, to });
     }
     let (from, to) = if mode < from { (from, mode) } else { (mode, to) };
-    errors.push(if one.mode.is_some() { one.mode.origin } else { place }, PlanProblem::NoInside { from, to });
+    errors.push(if one.mode.is_some() { one.mode.origin } else { place }, mistake::empty_range(from, to));
     None
 }
 
 fn range_or_half<T>(place: Origin, half: bool, errors: &mut Errors) -> Option<T> {
     let given = if half { 2 } else { 0 };
-    errors.push(place, Problem::ExactlyOne { keys: "{ from, to }, { plus_minus }", given });
+    errors.push(place, mistake::exactly_one("{ from, to } and { plus_minus }", given));
     None
 }
 
 fn bins(one: &Bins, errors: &mut Errors) -> Option<Distribution> {
     let count = one.values.len();
     if count == 0 {
-        errors.push(one.values.origin, Problem::EmptyList);
+        errors.push(one.values.origin, mistake::empty_list());
         return None;
     }
     let weights: Vec<f64> = match &one.weights.value {
@@ -199,6 +206,7 @@ fn bins(one: &Bins, errors: &mut Errors) -> Option<Distribution> {
     if weights.len() == count && weights.iter().sum::<f64>() > 0.0 {
         return Some(Distribution::Choices { weights });
     }
-    errors.push(one.weights.origin, PlanProblem::WeightsOf { weights: weights.len(), values: count });
+    let wrong = Diagnostic::new(format!("there are {} weights for {count} values", weights.len()));
+    errors.push(one.weights.origin, wrong.expected(format!("{count} weights, not all 0")));
     None
 }

@@ -72,8 +72,8 @@ impl Scenario {
         library: impl Into<Library>,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let (root, sources) = parse(text, name, overrides)?;
-        let assembled = assemble(root, &sources, &[])?;
+        let sources = parse(text, name, overrides)?;
+        let assembled = assemble(&sources, &[])?;
         Self::read(assembled, library.into(), sources)
     }
 
@@ -136,19 +136,20 @@ impl Scenario {
     }
 }
 
-/// The tree of a text, and the texts that will have a say in it.
-pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<(Node, Sources), ScenarioErrors> {
+/// The tree of a text, and the texts that change it.
+pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sources, ScenarioErrors> {
     if text.len() > LONGEST_TEXT {
         let problem =
             papilio_formats::Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
-        return Err(ScenarioError::about_file(name, problem.into()).into());
+        return Err(ScenarioError::about_file(name, problem).into());
     }
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let sources = Sources::new(name, text, overrides);
+    let (document, wrong) = Node::parse_document(text);
+    let sources = Sources::new(name, text, document, overrides);
     let mut errors = Errors::default();
-    let root = Node::parse_document(text, &mut errors);
+    wrong.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
     errors.check(&sources)?;
-    Ok((root, sources))
+    Ok(sources)
 }
 
 /// A tree to which nothing is to be added.
@@ -159,11 +160,8 @@ pub(crate) struct Assembled {
 }
 
 /// The tree with its preset, each `--set`, and other changes.
-pub(crate) fn assemble(
-    mut root: Node,
-    sources: &Sources,
-    changes: &[Change],
-) -> Result<Assembled, ScenarioErrors> {
+pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assembled, ScenarioErrors> {
+    let mut root = sources.document().clone();
     let mut errors = Errors::default();
     // The preset comes first, so that other keys can change what it gives; and once more, for a whole table that
     // was set and names one.

@@ -1,17 +1,17 @@
 //! `--set PATH=VALUE`: changes to a scenario from the command line, and those of a sweep or a search.
 //!
-//! The path is dotted; arrays are indexed from 0, and the index one beyond the
-//! last appends. Of two keys that exclude each other (`haze` and `width`) a set one
+//! PATH is a [`KeyPath`]. Of two keys that exclude each other (`haze` and `width`) a set one
 //! replaces the file's; two set ones are an error. VALUE is TOML, or else a string. What is not there is made;
 //! whether the schema has such a key is found out when the scenario is read.
 
-use crate::error::Errors;
-use crate::problem::Problem;
-use crate::source::{Origin, Sources};
-use crate::tree::{Entry, Node, Value};
+use papilio_diagnostics::Diagnostic;
 
-/// A path longer than this leads nowhere.
-pub(crate) const MOST_SEGMENTS: usize = 16;
+use crate::error::Errors;
+use crate::mistake;
+use crate::origin::Origin;
+use crate::path::{At, Grow, KeyPath, Step};
+use crate::source::Sources;
+use crate::tree::{Entry, Node, Value};
 
 /// Where presets are named; they are set before any other key.
 pub(crate) const PRESET_PATH: &str = "lighting.preset";
@@ -19,8 +19,8 @@ pub(crate) const PRESET_PATH: &str = "lighting.preset";
 /// A change that is none of the user's `--set`: a value of a sweep, a search or a condition.
 #[derive(Debug, Clone)]
 pub(crate) struct Change {
-    /// Dotted, as of `--set`.
-    pub(crate) path: String,
+    /// The key.
+    pub(crate) path: KeyPath,
     /// Where the path stands.
     pub(crate) origin: Origin,
     pub(crate) value: Node,
@@ -34,61 +34,91 @@ pub(crate) fn apply(
     presets: bool,
     errors: &mut Errors,
 ) {
+    let preset = KeyPath::new(PRESET_PATH);
     for source in 1..=sources.overrides() {
         let text = sources.text(source);
         let Some((path, value)) = text.split_once('=') else {
             if !presets {
-                errors.push(Origin { source, start: 0, end: text.len().max(1) }, Problem::SetWithoutValue);
+                let wrong = Diagnostic::new("this is not PATH=VALUE");
+                let all = Origin { source, start: 0, end: text.len().max(1) };
+                errors.push(all, wrong.expected("for example display.glass.index=1.52"));
             }
             continue;
         };
-        if (path.trim() == PRESET_PATH) == presets {
+        let path = KeyPath::new(path);
+        if (path == preset) == presets {
             let blanks = value.len() - value.trim_start().len();
-            let value = Node::parse_value(text, path.len() + 1 + blanks, source, errors);
-            if let Err((origin, problem)) = put(root, &segments(path, source), value) {
-                errors.push(origin, problem);
-            }
+            let (value, wrong) = Node::parse_value(text, path.text().len() + 1 + blanks, source);
+            wrong.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
+            let all = Origin { source, start: 0, end: path.text().len() };
+            put(root, &path, Place { path: all, whole: false }, value, errors);
         }
     }
-    for change in changes.iter().filter(|change| (change.path == PRESET_PATH) == presets) {
-        let path: Vec<_> = change.path.split('.').map(|key| (key.trim(), change.origin)).collect();
-        if let Err((origin, problem)) = put(root, &path, change.value.clone()) {
-            errors.push(origin, problem);
-        }
+    for change in changes.iter().filter(|change| (change.path == preset) == presets) {
+        let place = Place { path: change.origin, whole: true };
+        put(root, &change.path, place, change.value.clone(), errors);
     }
 }
 
-/// The keys of a path, each with its place.
-fn segments(path: &str, source: usize) -> Vec<(&str, Origin)> {
-    let mut start = 0;
-    let mut segments = Vec::new();
-    for part in path.split('.') {
-        let trimmed = part.trim();
-        let lead = part.len() - part.trim_start().len();
-        let end = start + lead + trimmed.len().max(1);
-        segments.push((trimmed, Origin { source, start: start + lead, end }));
-        start += part.len() + 1;
-    }
-    segments
+/// Where a path stands.
+#[derive(Clone, Copy)]
+struct Place {
+    path: Origin,
+    /// Whether all of it counts as the place of each of its keys: it may be spread over a table.
+    whole: bool,
 }
 
-fn put(root: &mut Node, path: &[(&str, Origin)], value: Node) -> Result<(), (Origin, Problem)> {
-    if let Some((_, origin)) = path.iter().find(|(key, _)| key.is_empty()) {
-        return Err((*origin, Problem::SetPath { why: "this key is empty".to_owned() }));
+impl Place {
+    fn of(self, range: std::ops::Range<usize>) -> Origin {
+        if self.whole {
+            return self.path;
+        }
+        let end = self.path.start + range.end.max(range.start + 1);
+        Origin { source: self.path.source, start: self.path.start + range.start, end }
     }
-    if let Some((_, origin)) = path.get(MOST_SEGMENTS) {
-        return Err((*origin, Problem::SetPath { why: "this path is too long".to_owned() }));
+}
+
+fn put(root: &mut Node, path: &KeyPath, place: Place, value: Node, errors: &mut Errors) {
+    match path.put(root, false, &mut Maker { place }) {
+        Ok(node) => *node = value,
+        Err(error) => errors.push(place.of(error.range), mistake::of_path(Diagnostic::new(error.message))),
     }
-    let mut node = root;
-    for (i, (key, origin)) in path.iter().enumerate() {
-        if i + 1 == path.len() {
+}
+
+/// Makes tables and arrays, and takes the rival of the key at the end of the path out.
+struct Maker {
+    place: Place,
+}
+
+impl Grow for Maker {
+    type Tree = Node;
+
+    fn child<'a>(&mut self, node: &'a mut Node, at: At<'_>) -> Result<&'a mut Node, String> {
+        let origin = self.place.of(at.range());
+        let value = if at.array { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
+        let new = Node { origin, value };
+        if let Step::Key(key) = at.step
+            && at.is_last()
+        {
             drop_rival(node, key);
         }
-        let next_is_index = path.get(i + 1).is_some_and(|(key, _)| key.parse::<usize>().is_ok());
-        node = child(node, key, *origin, next_is_index)?;
+        match (&mut node.value, at.step) {
+            (Value::Table(entries), Step::Key(key)) => {
+                let found = entries.iter().position(|entry| entry.key == key).unwrap_or(entries.len());
+                if found == entries.len() {
+                    entries.push(Entry { key: key.to_owned(), key_origin: origin, node: new });
+                }
+                Ok(&mut entries[found].node)
+            }
+            (Value::Array(items), Step::Index(index)) if index <= items.len() => {
+                if index == items.len() {
+                    items.push(new);
+                }
+                Ok(&mut items[index])
+            }
+            _ => Err("this key leads nowhere".to_owned()),
+        }
     }
-    *node = value;
-    Ok(())
 }
 
 /// Keys of which a table may have one: setting one means to replace the other.
@@ -108,45 +138,5 @@ fn drop_rival(table: &mut Node, key: &str) {
     });
     if let (Value::Table(entries), Some(rival)) = (&mut table.value, rival) {
         entries.retain(|entry| entry.key != rival || entry.node.origin.source != Origin::FILE.source);
-    }
-}
-
-/// The node under `key`, made if it may be.
-fn child<'a>(
-    node: &'a mut Node,
-    key: &str,
-    origin: Origin,
-    next_is_index: bool,
-) -> Result<&'a mut Node, (Origin, Problem)> {
-    let kind = node.kind();
-    let value = if next_is_index { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
-    let new = Node { origin, value };
-    match &mut node.value {
-        Value::Table(entries) => {
-            let at = entries.iter().position(|entry| entry.key == key).unwrap_or(entries.len());
-            if at == entries.len() {
-                entries.push(Entry { key: key.to_owned(), key_origin: origin, node: new });
-            }
-            Ok(&mut entries[at].node)
-        }
-        Value::Array(items) => {
-            let why = match key.parse::<usize>() {
-                Ok(i) if i < items.len() => return Ok(&mut items[i]),
-                Ok(i) if i == items.len() => {
-                    items.push(new);
-                    return Ok(&mut items[i]);
-                }
-                Ok(_) if items.is_empty() => {
-                    "this array is empty or not there, its first index is 0".to_owned()
-                }
-                Ok(_) => format!("this array has the indices 0 to {}", items.len() - 1),
-                Err(_) if key.parse::<i64>().is_ok() && !items.is_empty() => {
-                    format!("indices count from 0: this array has 0 to {}", items.len() - 1)
-                }
-                Err(_) => "this is an array: an index is needed here".to_owned(),
-            };
-            Err((origin, Problem::SetPath { why }))
-        }
-        _ => Err((origin, Problem::SetPath { why: format!("what stands here is {kind}, it has no keys") })),
     }
 }

@@ -1,43 +1,29 @@
 //! The texts that a scenario comes from, and where in them a value stands.
 
-use papilio_formats::Place;
+use std::sync::Arc;
 
-use crate::error::Errors;
+use papilio_diagnostics::Place;
+
+use crate::origin::Origin;
 use crate::tree::Node;
-
-/// A stretch of one of the [`Sources`], in bytes; an empty one means all of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Origin {
-    pub(crate) source: usize,
-    pub(crate) start: usize,
-    pub(crate) end: usize,
-}
-
-impl Origin {
-    /// The scenario file as a whole.
-    pub(crate) const FILE: Self = Self { source: 0, start: 0, end: 0 };
-
-    /// This place, or that of the last `--set` among the other values that have a part in
-    /// an error: a file that was right before is not what is wrong.
-    pub(crate) fn or_set(self, others: impl IntoIterator<Item = Self>) -> Self {
-        others.into_iter().fold(self, |at, other| if other.source > at.source { other } else { at })
-    }
-}
 
 /// The scenario file, then each `--set` in turn, then what else may change it.
 #[derive(Debug, Clone)]
 pub(crate) struct Sources {
     texts: Vec<(String, String)>,
+    /// The scenario file, parsed: each of its nodes knows where it stands.
+    document: Arc<Node>,
     /// How many `--set` there are.
     overrides: usize,
 }
 
 impl Sources {
-    pub(crate) fn new(file_name: &str, file_text: &str, overrides: &[String]) -> Self {
+    /// `document`: the file's text, parsed.
+    pub(crate) fn new(file_name: &str, file_text: &str, document: Node, overrides: &[String]) -> Self {
         let mut texts = vec![(file_name.to_owned(), file_text.to_owned())];
         let sets = overrides.iter().enumerate();
         texts.extend(sets.map(|(i, text)| (format!("--set #{}", i + 1), text.clone())));
-        Self { texts, overrides: overrides.len() }
+        Self { texts, document: Arc::new(document), overrides: overrides.len() }
     }
 
     /// One more text, which errors call `name`, and all of it as a place.
@@ -48,6 +34,11 @@ impl Sources {
 
     pub(crate) fn text(&self, source: usize) -> &str {
         self.texts.get(source).map_or("", |(_, text)| text)
+    }
+
+    /// The scenario file as it stands.
+    pub(crate) fn document(&self) -> &Node {
+        &self.document
     }
 
     /// How many `--set` there are.
@@ -64,7 +55,7 @@ impl Sources {
         if origin == Origin::FILE {
             return Some(String::new());
         }
-        Node::parse_document(text, &mut Errors::default()).path_to(origin)
+        self.document.path_to(origin)
     }
 
     pub(crate) fn place(&self, origin: Origin) -> Place {

@@ -1,5 +1,6 @@
 //! A scenario at every point of its `[sweep]`.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
@@ -7,11 +8,13 @@ use crate::describe::limits::MetricName;
 use crate::describe::sweep::{Axis, MOST_POINTS, Sweep as Described, Swept};
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::sha256;
-use crate::problem::{PlanProblem, Problem};
+use crate::mistake;
+use crate::nearest::no_such_metric;
+use crate::origin::Origin;
+use crate::path::KeyPath;
 use crate::read::{At, Read};
 use crate::scenario::Scenario;
-use crate::set::{Change, PRESET_PATH};
-use crate::source::Origin;
+use crate::set::Change;
 use crate::tolerance::{AskedMetric, of_all_views};
 use crate::tree::{Node, Value};
 use crate::varied::{Base, Varied, VariedKey, read_of_scenarios};
@@ -41,7 +44,11 @@ impl Sweep {
         let read = match node.filter(|node| !figures_alone(node)) {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                errors.push(node.map_or(assembled.origin, |node| node.origin), PlanProblem::NoAxes);
+                let wrong =
+                    Diagnostic::new("there is nothing to sweep: the scenario has no `[[sweep.axes]]`")
+                        .expected("`[[sweep.axes]]`, a table of keys with a list of values each")
+                        .hint("[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]");
+                errors.push(node.map_or(assembled.origin, |node| node.origin), wrong);
                 None
             }
         };
@@ -68,7 +75,7 @@ impl Sweep {
         let axis = |axis: &Axis| {
             let at = |at: usize| axis.0.iter().map(|swept| swept.values[at].to_json()).collect();
             SweepHeadAxis {
-                keys: axis.0.iter().map(|swept| swept.path.clone()).collect(),
+                keys: axis.0.iter().map(|swept| swept.path.text().to_owned()).collect(),
                 values: (0..axis.len()).map(at).collect(),
             }
         };
@@ -101,8 +108,10 @@ impl Sweep {
         }
         let is_metric = |name: &str| MetricName::named(name).is_some();
         for name in self.figures.iter().filter(|name| !known.contains(name) && is_metric(name)) {
-            let problem = PlanProblem::NotKept { name: name.value.clone(), kept: known.join(", ") };
-            errors.push(name.origin, problem);
+            let (figure, kept) = (&name.value, known.join(", "));
+            let wrong = Diagnostic::new(format!("this sweep does not compute `{figure}`, only {kept}"))
+                .hint(format!("add \"{figure}\" to sweep.metrics, or remove it from sweep.figures"));
+            errors.push(name.origin, wrong);
         }
         errors.check(&self.base.sources)?;
         self.check_figures(&known)?;
@@ -116,7 +125,7 @@ impl Sweep {
         let head = self.head("", "");
         let means = serde_json::json!([means, head.axes, known]);
         let keys = self.axes.iter().flat_map(|axis| &axis.0);
-        let places = keys.clone().map(|swept| VariedKey::at(&swept.path, swept.origin)).collect();
+        let places = keys.clone().map(|swept| VariedKey::at(swept.path.text(), swept.origin)).collect();
         Ok(Some(LightSweep {
             varied: Varied::new(self.base.clone(), Vec::new(), places),
             keys: keys.map(|swept| swept.values.iter().map(Node::to_json).collect()).collect(),
@@ -134,8 +143,7 @@ impl Sweep {
     pub fn check_figures(&self, known: &[String]) -> Result<(), ScenarioErrors> {
         let mut errors = Errors::default();
         for name in self.figures.iter().filter(|name| !known.contains(name)) {
-            let problem = Problem::NoSuchMetric { name: name.value.clone(), known: known.to_vec() };
-            errors.push(name.origin, problem);
+            errors.push(name.origin, no_such_metric(&name.value, known));
         }
         errors.check(&self.base.sources)
     }
@@ -200,11 +208,13 @@ impl LightSweep {
 }
 
 /// Whether a key may move the views.
-fn is_of_viewer(path: &str) -> bool {
-    let of_views = ["viewer.theta_deg", "viewer.phi_deg"];
-    let path = path.trim();
+fn is_of_viewer(path: &KeyPath) -> bool {
+    let keys: Vec<&str> = path.keys().collect();
     // A preset tells where the viewer is, too.
-    matches!(path, "viewer" | "lighting" | PRESET_PATH) || of_views.iter().any(|key| path.starts_with(key))
+    matches!(
+        keys[..],
+        ["viewer"] | ["viewer", "theta_deg" | "phi_deg", ..] | ["lighting"] | ["lighting", "preset"]
+    )
 }
 
 /// What an axis cannot know: that there is one, that no key is swept twice, and how many points there are.
@@ -212,17 +222,17 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
     if let Some(metrics) = &sweep.metrics.value
         && metrics.is_empty()
     {
-        errors.push(sweep.metrics.origin, Problem::EmptyList);
+        errors.push(sweep.metrics.origin, mistake::empty_list());
         return false;
     }
     if sweep.axes.is_empty() {
-        errors.push(sweep.axes.origin, Problem::EmptyList);
+        errors.push(sweep.axes.origin, mistake::empty_list());
         return false;
     }
     let all: Vec<&Swept> = sweep.axes.iter().flat_map(|axis| &axis.0).collect();
     for (i, swept) in all.iter().enumerate() {
         if all[..i].iter().any(|other| other.path == swept.path) {
-            errors.push(swept.origin, PlanProblem::SweptTwice { path: swept.path.clone() });
+            errors.push(swept.origin, Diagnostic::new(format!("`{}` is swept twice", swept.path)));
             return false;
         }
     }
@@ -231,7 +241,7 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
         Some(_) => true,
         None => {
             let count: f64 = sweep.axes.iter().map(|axis| axis.len() as f64).product();
-            errors.push(sweep.axes.origin, Problem::TooMany { what: "points", count, limit: MOST_POINTS });
+            errors.push(sweep.axes.origin, mistake::too_many("points", count, MOST_POINTS));
             false
         }
     }

@@ -1,5 +1,6 @@
 //! A scenario as production makes it: `[tolerance]`.
 
+use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
 use papilio_sampling::{Coefficient, Correlation, Distribution};
@@ -9,11 +10,12 @@ use crate::describe::limits::{Limit, MetricName};
 use crate::describe::tolerance::{Correlated, Deviation, Scattered, Tolerance as Described};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::sha256;
-use crate::problem::{PlanProblem, Problem};
+use crate::mistake;
+use crate::origin::Origin;
+use crate::path::KeyPath;
 use crate::read::{At, Read};
 use crate::scattered::scattered;
 use crate::scenario::Scenario;
-use crate::source::Origin;
 use crate::varied::{Base, Varied, VariedKey, read_of_scenarios};
 
 /// What is reported where the scenario does not say.
@@ -98,7 +100,12 @@ impl Tolerance {
         let read = match assembled.get("tolerance") {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                errors.push(assembled.origin, PlanProblem::NoTolerance);
+                let wrong =
+                    Diagnostic::new("there is no tolerance analysis: the scenario has no `[tolerance]`")
+                        .expected(
+                            "[tolerance] with [[tolerance.keys]], each with a key and its distribution",
+                        );
+                errors.push(assembled.origin, wrong);
                 None
             }
         };
@@ -115,7 +122,9 @@ impl Tolerance {
         let varied = |key: &At<Scattered>| {
             let values = key.spread_at().unwrap_or(key.origin);
             let paths = key.paths().into_iter();
-            paths.map(move |(path, origin)| VariedKey { path, origin, values }).collect::<Vec<_>>()
+            paths
+                .map(move |(path, origin)| VariedKey { path: KeyPath::new(&path), origin, values })
+                .collect::<Vec<_>>()
         };
         let places = read.keys.iter().flat_map(varied).collect();
         Ok(Self {
@@ -143,7 +152,7 @@ impl Tolerance {
         let filled = serde_json::to_value(scenario.filled()).unwrap_or_default();
         let keys: Vec<_> = read.keys.iter().map(|key| scattered(key, base, &filled, errors)).collect();
         if read.keys.is_empty() {
-            errors.push(read.keys.origin, Problem::EmptyList);
+            errors.push(read.keys.origin, mistake::empty_list());
         }
         let keys: Vec<ScatteredKey> = keys.into_iter().collect::<Option<_>>()?;
         told_apart(&read.keys, &keys, errors);
@@ -206,18 +215,23 @@ impl Scattered {
     }
 }
 
+/// A key, or a name of two, with more than one distribution.
+fn two_distributions(name: &str) -> Diagnostic {
+    Diagnostic::new(format!("`{name}` has more than one distribution"))
+}
+
 /// No key and no name comes twice.
 fn told_apart(read: &[At<Scattered>], keys: &[ScatteredKey], errors: &mut Errors) {
     let (mut paths, mut names): (Vec<String>, Vec<&str>) = (Vec::new(), Vec::new());
     for (one, key) in read.iter().zip(keys) {
         for (path, origin) in one.paths() {
             if paths.contains(&path) {
-                errors.push(origin, PlanProblem::ScattersTwice { path: path.clone() });
+                errors.push(origin, two_distributions(&path));
             }
             paths.push(path);
         }
         if names.contains(&key.name.as_str()) && errors.is_empty() {
-            errors.push(one.name.origin, PlanProblem::ScattersTwice { path: key.name.clone() });
+            errors.push(one.name.origin, two_distributions(&key.name));
         }
         names.push(&key.name);
     }
@@ -229,17 +243,15 @@ fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Erro
         let place = |name: &At<String>| {
             let place = keys.iter().position(|key| key.name == name.value);
             if place.is_none() {
-                let known = keys.iter().map(|key| key.name.clone()).collect();
-                errors.push(name.origin, PlanProblem::NothingScatters { name: name.value.clone(), known });
+                let hint = suggestion(name, keys.iter().map(|key| key.name.as_str()), "names");
+                let wrong = Diagnostic::new(format!("no key with a distribution is named `{}`", name.value));
+                errors.push(name.origin, wrong.hint(hint));
             }
             place
         };
         let found: Vec<usize> = one.keys.iter().map(place).collect::<Option<_>>()?;
         if found.len() < 2 {
-            errors.push(
-                one.keys.origin,
-                Problem::NoSuchCount { value: found.len() as f64, expected: "two keys or more".to_owned() },
-            );
+            errors.push(one.keys.origin, mistake::no_such_count(found.len() as f64, "two keys or more"));
         }
         for (i, &second) in found.iter().enumerate() {
             for &first in &found[..i] {
@@ -251,7 +263,13 @@ fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Erro
     match Correlation::new(keys.len(), &coefficients) {
         Ok(correlation) => Some(correlation),
         Err(at) => {
-            errors.push(places.get(at).copied().unwrap_or(Origin::FILE), PlanProblem::NoSuchCorrelation);
+            let wrong = Diagnostic::new("the correlation matrix is not positive definite with this coefficient")
+                .expected("coefficients that fit those above")
+                .hint(
+                    "two numbers that are closely correlated with a third one are closely correlated with each other; keys that \
+                     always move together are one item with `keys`",
+                );
+            errors.push(places.get(at).copied().unwrap_or(Origin::FILE), wrong);
             None
         }
     }
@@ -294,12 +312,15 @@ fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Err
     let views = views(scene);
     if limit.view.0 as usize >= views {
         let expected = format!("the number of a view, 0 to {}", views - 1);
-        errors.push(limit.view.origin, Problem::NoSuchCount { value: limit.view.0 as f64, expected });
+        errors.push(limit.view.origin, mistake::no_such_count(limit.view.0 as f64, expected));
     }
     match (limit.at_least.value, limit.at_most.value) {
-        (None, None) => errors.push(limit.origin, PlanProblem::NoLimit),
+        (None, None) => {
+            let wrong = Diagnostic::new("this limit has neither `at_least` nor `at_most`");
+            errors.push(limit.origin, wrong.expected("one of them, or both"));
+        }
         (Some(from), Some(to)) if from.0 >= to.0 => {
-            errors.push(limit.at_most.origin, PlanProblem::NoInside { from: from.0, to: to.0 });
+            errors.push(limit.at_most.origin, mistake::empty_range(from.0, to.0));
         }
         _ => {}
     }
@@ -319,6 +340,6 @@ fn views(scene: &Scene) -> usize {
 
 fn has_state(name: &At<MetricName>, states: &[String], errors: &mut Errors) {
     if let Some(state) = name.state.as_ref().filter(|state| !states.contains(state)) {
-        errors.push(name.origin, Problem::NoSuchState { name: state.clone(), known: states.to_vec() });
+        errors.push(name.origin, mistake::no_such_state(state, states));
     }
 }

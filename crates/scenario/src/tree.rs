@@ -5,9 +5,11 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, de::DeString};
 
-use crate::error::Errors;
-use crate::problem::Problem;
-use crate::source::Origin;
+use papilio_diagnostics::Diagnostic;
+
+use crate::mistake;
+use crate::origin::Origin;
+use crate::path::{KeyPath, Shape, Step, Tree, joined};
 
 /// A value and its place.
 #[derive(Debug, Clone)]
@@ -41,25 +43,27 @@ pub(crate) struct Entry {
 const MOST_SYNTAX_ERRORS: usize = 3;
 
 impl Node {
-    /// Parses a whole document; syntax errors go to `errors`.
-    pub(crate) fn parse_document(text: &str, errors: &mut Errors) -> Self {
+    /// Parses a whole document: what of it can be read, and its syntax errors with their places.
+    pub(crate) fn parse_document(text: &str) -> (Self, Vec<(Origin, Diagnostic)>) {
         let (table, found) = DeTable::parse_recoverable(text);
         let is_scenario = text.lines().any(is_toml);
+        let mut wrong = Vec::new();
         for error in found.iter().take(if is_scenario { MOST_SYNTAX_ERRORS } else { 1 }) {
             let span = error.span().unwrap_or(0..text.len());
             let origin = Origin { source: 0, start: span.start, end: span.end.max(span.start + 1) };
-            let (origin, problem) = match is_scenario {
-                true => syntax(text, origin, error.message()),
-                false => (origin, Problem::NotAScenario),
+            let known = if is_scenario {
+                known_mistake(text, origin, error.message())
+            } else {
+                Some((origin, not_toml()))
             };
-            let is_clear = !matches!(problem, Problem::Syntax { .. });
-            errors.push(origin, problem);
+            let is_clear = known.is_some();
+            wrong.push(known.unwrap_or_else(|| (origin, mistake::syntax(error.message()))));
             if is_clear {
                 break;
             }
         }
         let value = Value::from_table(table.get_ref(), 0, 0);
-        Self { origin: Origin::FILE, value }
+        (Self { origin: Origin::FILE, value }, wrong)
     }
 
     /// A table without keys.
@@ -68,22 +72,23 @@ impl Node {
     }
 
     /// Parses `text[at..]` of a source as one value. Numbers may be spelt as in a shell
-    /// (`.5`, `5.`). A text that is no value is a string, unless it begins as an array, a table or a quoted string does.
-    pub(crate) fn parse_value(text: &str, at: usize, source: usize, errors: &mut Errors) -> Self {
+    /// (`.5`, `5.`). A text that is no value is a string; one that begins as an array, a table or a quoted string does
+    /// is a syntax error, too.
+    pub(crate) fn parse_value(text: &str, at: usize, source: usize) -> (Self, Option<(Origin, Diagnostic)>) {
         let rest = text.get(at..).unwrap_or_default();
+        let mut wrong = None;
         let value = match (DeValue::parse(rest), shell_number(rest)) {
             (Ok(value), _) => Value::from_value(value.get_ref(), source, at),
             (Err(_), Some(number)) => Value::Float(number),
             (Err(error), None) => {
                 if rest.trim_start().starts_with(['{', '[', '"', '\'']) {
                     let span = error.span().unwrap_or(0..rest.len());
-                    let problem = Problem::Syntax { message: error.message().to_owned() };
-                    errors.push(origin(span, source, at), problem);
+                    wrong = Some((origin(span, source, at), mistake::syntax(error.message())));
                 }
                 Value::Text(rest.to_owned())
             }
         };
-        Self { origin: Origin { source, start: at, end: text.len() }, value }
+        (Self { origin: Origin { source, start: at, end: text.len() }, value }, wrong)
     }
 
     /// The same values, all at one place.
@@ -113,12 +118,9 @@ impl Node {
         }
     }
 
-    /// What is at a dotted path, arrays by index from 0.
+    /// What is at a path.
     pub(crate) fn at(&self, path: &str) -> Option<&Self> {
-        path.split('.').map(str::trim).try_fold(self, |node, key| match &node.value {
-            Value::Array(items) => items.get(key.parse::<usize>().ok()?),
-            _ => node.get(key),
-        })
+        KeyPath::new(path).get(self)
     }
 
     /// Takes a key out of a table, if this is one that has it.
@@ -145,7 +147,7 @@ impl Node {
             }
         };
         look(&self.origin, &path);
-        let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        let below = |key: &str| joined(&path, key);
         match &self.value {
             Value::Array(items) => {
                 for (i, item) in items.iter().enumerate() {
@@ -194,6 +196,24 @@ impl Node {
     }
 }
 
+impl Tree for Node {
+    fn shape(&self) -> Shape {
+        match &self.value {
+            Value::Table(_) => Shape::Table,
+            Value::Array(items) => Shape::Array(items.len()),
+            _ => Shape::Value(self.kind()),
+        }
+    }
+
+    fn child(&self, step: Step<'_>) -> Option<&Self> {
+        match (&self.value, step) {
+            (Value::Array(items), Step::Index(index)) => items.get(index),
+            (_, Step::Key(key)) => self.get(key),
+            _ => None,
+        }
+    }
+}
+
 impl Value {
     fn from_table(table: &DeTable<'_>, source: usize, offset: usize) -> Self {
         let mut entries: Vec<Entry> =
@@ -238,8 +258,15 @@ fn origin(span: Range<usize>, source: usize, offset: usize) -> Origin {
     Origin { source, start: span.start + offset, end: span.end + offset }
 }
 
+/// A text without a line of TOML.
+fn not_toml() -> Diagnostic {
+    Diagnostic::new("this does not look like a scenario (TOML)").hint(
+        "a scenario has lines such as `title = \"Indoor\"` and `[display.pixel]`; scenarios/ holds examples",
+    )
+}
+
 /// What a syntax error means and where it is, where the parser's words mislead.
-fn syntax(text: &str, origin: Origin, message: &str) -> (Origin, Problem) {
+fn known_mistake(text: &str, origin: Origin, message: &str) -> Option<(Origin, Diagnostic)> {
     let start = text.get(..origin.start).and_then(|before| before.rfind('\n')).map_or(0, |i| i + 1);
     let before = text.get(start..origin.start).unwrap_or_default();
     let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
@@ -247,16 +274,29 @@ fn syntax(text: &str, origin: Origin, message: &str) -> (Origin, Problem) {
     let found = text.get(origin.start..origin.end).unwrap_or_default();
     let begun = before.rsplit(['=', '[', '{', ',']).next().unwrap_or_default();
     if let Some(unit) = unit_of(format!("{begun}{found}").trim()) {
-        return (origin, Problem::NumberWithUnit(unit.to_owned()));
+        let hint = match unit {
+            "%" => "fractions are of 1: write 78 % as 0.78",
+            _ => "write the number alone: the unit is in the key's name",
+        };
+        let wrong = Diagnostic::new(format!("units are not allowed in values (found `{unit}`)"));
+        return Some((origin, wrong.expected("a number without a unit").hint(hint)));
     }
     if let Some(number) = decimal_comma(line) {
         let number = Origin { start: start + number.start, end: start + number.end, ..origin };
-        return (number, Problem::DecimalComma);
+        let wrong =
+            Diagnostic::new("this number has a decimal comma").expected("a number with a decimal point");
+        return Some((
+            number,
+            wrong.hint("write decimals with a point: 0.5; and lists in brackets: [8, 20]"),
+        ));
     }
     if message.contains("boolean") || message.contains("quoted") {
-        return (origin, Problem::NotAValue);
+        let wrong = Diagnostic::new("this is not a value")
+            .expected("a number, true, false, or a string in double quotes")
+            .hint("write strings in double quotes");
+        return Some((origin, wrong));
     }
-    (origin, Problem::Syntax { message: message.to_owned() })
+    None
 }
 
 /// The letters or percent sign behind a number, if there is nothing else.

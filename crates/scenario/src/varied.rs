@@ -2,15 +2,18 @@
 
 use std::path::Path;
 
-use papilio_formats::{DataFile, Place};
+use papilio_diagnostics::Place;
+use papilio_formats::DataFile;
 use serde_json::Value as Json;
 
 use crate::error::{ScenarioError, ScenarioErrors};
 use crate::library::Library;
-use crate::problem::Problem;
+use crate::mistake::{self, Mistake, MistakeKind};
+use crate::origin::Origin;
+use crate::path::KeyPath;
 use crate::scenario::{Assembled, Scenario, assemble, parse};
 use crate::set::Change;
-use crate::source::{Origin, Sources};
+use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
 
 /// Tables that say what else might be computed of a scenario; they have no part in the scenario itself.
@@ -19,8 +22,6 @@ pub(crate) const ABOUT: [&str; 3] = ["sweep", "optimize", "tolerance"];
 /// The text of a scenario, parsed, and its files.
 #[derive(Debug, Clone)]
 pub(crate) struct Base {
-    /// The text as it stands.
-    root: Node,
     library: Library,
     pub(crate) sources: Sources,
 }
@@ -39,8 +40,7 @@ impl Base {
         library: impl Into<Library>,
         overrides: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let (root, sources) = parse(text, name, overrides)?;
-        Ok(Self { root, library: library.into(), sources })
+        Ok(Self { library: library.into(), sources: parse(text, name, overrides)? })
     }
 
     pub(crate) fn library(&self) -> &Library {
@@ -49,27 +49,27 @@ impl Base {
 
     /// The whole tree as it stands, what is about the scenario included.
     pub(crate) fn assembled(&self) -> Result<Node, ScenarioErrors> {
-        Ok(assemble(self.root.clone(), &self.sources, &[])?.root)
+        Ok(assemble(&self.sources, &[])?.root)
     }
 
     /// What is wrong with a path that no scenario has, if that is so.
-    pub(crate) fn wrong_path(&self, path: &str, origin: Origin) -> Option<Problem> {
+    pub(crate) fn wrong_path(&self, path: &str, origin: Origin) -> Option<Mistake> {
         let place = self.sources.place(origin);
-        let wrong = |path: &str| {
+        let wrong = |path: KeyPath| {
             let value = Node { origin, value: Value::Float(0.0) };
-            let change = Change { path: path.to_owned(), origin, value };
+            let change = Change { path, origin, value };
             let errors = self.scenario(&[change]).and_then(|scenario| scenario.resolve()).err()?;
-            let mut here = errors.iter().filter(|error| error.place == place).map(|error| &error.problem);
-            here.find(|problem| problem.is_of_a_path()).cloned()
+            let mut here = errors.iter().filter(|error| error.place == place);
+            let wrong = here.find(|error| error.kind == MistakeKind::Path)?;
+            Some(mistake::of_path(wrong.diagnostic.clone()))
         };
         // The first of its keys that is wrong: what follows has no meaning then.
-        let ends = path.match_indices('.').map(|(at, _)| at).chain([path.len()]);
-        ends.map(|end| &path[..end]).find_map(wrong)
+        KeyPath::new(path).prefixes().find_map(wrong)
     }
 
     /// The scenario with changes, those of the preset first.
     pub(crate) fn scenario(&self, changes: &[Change]) -> Result<Scenario, ScenarioErrors> {
-        let Assembled { mut root, warnings } = assemble(self.root.clone(), &self.sources, changes)?;
+        let Assembled { mut root, warnings } = assemble(&self.sources, changes)?;
         ABOUT.iter().for_each(|table| root.remove(table));
         Scenario::read(Assembled { root, warnings }, self.library.clone(), self.sources.clone())
     }
@@ -132,7 +132,7 @@ pub struct Varied {
 /// A key that varies.
 #[derive(Debug, Clone)]
 pub(crate) struct VariedKey {
-    pub(crate) path: String,
+    pub(crate) path: KeyPath,
     /// Where the path stands.
     pub(crate) origin: Origin,
     /// Where it is said what values it has.
@@ -174,7 +174,7 @@ impl Varied {
 
     /// The paths of the keys.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
-        self.keys.iter().map(|key| key.path.as_str())
+        self.keys.iter().map(|key| key.path.text())
     }
 
     /// Where it is said what values each key has.
@@ -206,7 +206,7 @@ impl Varied {
 impl VariedKey {
     /// Its values have no place of their own.
     pub(crate) fn at(path: &str, origin: Origin) -> Self {
-        Self { path: path.to_owned(), origin, values: origin }
+        Self { path: KeyPath::new(path), origin, values: origin }
     }
 }
 

@@ -5,7 +5,7 @@ use papilio_goniometry::{Channel, Geometry, HalfAngleGrid, Measurement, Part, Pr
 use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// What the planes' numbers are multiplied with (the database's reference code).
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];

@@ -28,11 +28,11 @@ pub use display::{BsdfSource, write_bsdf};
 pub use problem::BsdfProblem;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
+use papilio_diagnostics::{Place, Warned};
 use papilio_goniometry::{Channel, Measurement};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
-use crate::place::Place;
 
 /// No channel of light has a shorter wavelength, nm; tables in um end far below.
 const SHORTEST_NM: f64 = 30.0;
@@ -57,15 +57,6 @@ const VALUE_RANGE: &str = "expected 0 to 1e15 per sr";
 
 /// No line of a text may be longer, in bytes.
 const LONGEST_LINE: usize = 1 << 20;
-
-/// A value, and what its user should know about it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Warned<T> {
-    /// The value.
-    pub value: T,
-    /// Whole sentences without a final stop.
-    pub warnings: Vec<String>,
-}
 
 /// Reads a BSDF in any format that is known.
 ///

@@ -8,7 +8,7 @@ use zip::result::ZipError;
 use super::{BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// No archive has more arrays.
 const MOST_ARRAYS: usize = 1000;

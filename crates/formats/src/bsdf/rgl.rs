@@ -8,7 +8,7 @@ use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpF
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 const MAGIC: &[u8] = b"tensor_file\0";
 

@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use super::folder::has_head;
 use super::{trusted_lines, write_journal_line};
 use crate::error::{FormatError, Problem};
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// A journal that no other program can add to until it is closed.
 #[derive(Debug)]

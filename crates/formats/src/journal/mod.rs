@@ -16,7 +16,7 @@ use serde_json::value::RawValue;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 pub use folder::{
     Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals, trusted_lines,

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// The most angles of either kind.
 const MOST_ANGLES: usize = 2000;

@@ -4,7 +4,7 @@ use super::problem::MapProblem;
 use super::{openexr, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
-use crate::place::Place;
+use papilio_diagnostics::Place;
 
 /// The widest map that is read.
 pub(super) const MOST_WIDTH: usize = 4096;

@@ -3,8 +3,8 @@
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Anisotropy, Blur, Index, InnerShare, OpticalThickness, Share, Slope, Width};
 use crate::grammar::{choice, kinds, table};
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::Origin;
 
 kinds! {
     /// What scatters between air and glass, its faces included; its keys depend on `model`.

@@ -79,7 +79,7 @@ choice! {
 
 forms! {
     /// A share of the light at every wavelength: a number from 0 to 1, or a two-column spectrum file.
-    ShareSpectrum, "a number from 0 to 1, or a spectrum file" {
+    ShareSpectrum, format!("{}, or a spectrum file", Share::in_words()); {
         /// Alike at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
         /// A file, relative to the scenario.
@@ -89,7 +89,7 @@ forms! {
 
 forms! {
     /// A refractive index: a number, `{ n, k }`, the name of a material, or a file (n-k CSV in nm, or refractiveindex.info YAML).
-    MaterialSpec, "a refractive index, { n, k }, a material or a file" {
+    MaterialSpec, "a refractive index, { n, k }, a material or a file"; {
         /// A real index.
         Number(Index) if Value::Integer(_) | Value::Float(_),
         /// A name first, else a file, relative to the scenario.

@@ -48,7 +48,7 @@ table! {
 
 forms! {
     /// The illuminance of the room, lx, or "from-map".
-    Illuminance, "a number from 1e-6 to 1e9 (lx), 0 beside a front light, or \"from-map\"" {
+    Illuminance, format!("{}, or \"from-map\"", RoomLux::in_words()); {
         /// So many lx.
         Lux(RoomLux) if Value::Integer(_) | Value::Float(_),
         /// By a map's own numbers.
@@ -120,7 +120,7 @@ table! {
 
 forms! {
     /// A relative spectrum of light: the name of a CIE illuminant, a two-column file, a model, or a list of models that add up.
-    LightSpectrum, "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such" {
+    LightSpectrum, "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such"; {
         /// A name first, else a file, relative to the scenario.
         Text(String) if Value::Text(_),
         /// One model.

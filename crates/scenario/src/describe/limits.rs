@@ -6,7 +6,7 @@ use super::numbers::Count;
 use super::sweep::Any;
 use crate::error::Errors;
 use crate::grammar::table;
-use crate::problem::Problem;
+use crate::nearest::no_such_metric;
 use crate::read::{At, Read};
 use crate::tree::{Node, Value};
 
@@ -60,8 +60,8 @@ impl Read for MetricName {
             return Some(named);
         }
         let state = text.rsplit_once('.').map_or("white", |(state, _)| state);
-        let known = Metric::ALL.iter().map(written_with(state)).collect();
-        errors.push(node.origin, Problem::NoSuchMetric { name: text.clone(), known });
+        let known: Vec<String> = Metric::ALL.iter().map(written_with(state)).collect();
+        errors.push(node.origin, no_such_metric(text, &known));
         None
     }
 }

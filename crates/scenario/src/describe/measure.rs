@@ -39,7 +39,7 @@ table! {
 
 forms! {
     /// Angles of a grid, degrees: a list, or { from, to, step }.
-    GridAngles, "a list of angles (degrees), or { from, to, step }" {
+    GridAngles, "a list of angles (degrees), or { from, to, step }"; {
         /// One by one.
         List(Vec<At<GridAngle>>) if Value::Array(_),
         /// Evenly spaced.

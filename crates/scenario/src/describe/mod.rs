@@ -19,11 +19,11 @@ pub(crate) mod sweep;
 pub(crate) mod tolerance;
 pub(crate) mod viewer;
 
-use papilio_formats::words::{is_formula, is_override};
+use papilio_diagnostics::{Diagnostic, is_override};
+use papilio_formats::words::is_formula;
 
 use crate::error::Errors;
 use crate::grammar::table;
-use crate::problem::Problem;
 use crate::read::{At, Read};
 use crate::tree::Node;
 use numbers::Wavelength;
@@ -78,7 +78,9 @@ impl Read for Title {
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let text = String::read(node, errors)?;
         if text.chars().any(|c| c.is_control() || is_override(c)) {
-            errors.push(node.origin, Problem::ControlCharacters);
+            let wrong =
+                Diagnostic::new("this text has control characters").expected("one line of plain text");
+            errors.push(node.origin, wrong);
             return None;
         }
         Some(Self(text))

@@ -4,197 +4,164 @@
 
 use crate::error::Errors;
 use crate::grammar::number;
-use crate::problem::Problem;
+use crate::mistake;
+use crate::range::Range;
 use crate::read::Read;
 use crate::tree::{Node, Value};
 
+/// What a negative k usually means.
+const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
+
 number!(
     /// A share of a whole.
-    Share, "a number from 0 to 1", |v| (0.0..=1.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1 }
+    Share, Range::from_to(0.0, 1.0)
 );
 number!(
     /// A share that is neither nothing nor all.
-    InnerShare, "a number between 0 and 1", |v| v > 0.0 && v < 1.0,
-    { "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 }
+    InnerShare, Range::between(0.0, 1.0)
 );
 number!(
     /// A share above 0.
-    PositiveShare, "a number above 0, at most 1", |v| v > 0.0 && v <= 1.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
+    PositiveShare, Range::above_0_to(1.0)
 );
 /// The narrowest lobe, in direction cosines: a fifth of a second of arc, where haze is 2e-5.
 pub(crate) const NARROWEST_LOBE: f64 = 1e-6;
 
 number!(
     /// A width in direction cosines.
-    Width, "a number from 1e-6 to 100 (direction cosines)", |v| (NARROWEST_LOBE..=100.0).contains(&v),
-    { "type": "number", "minimum": 1e-6, "maximum": 100 }
+    Width, Range::from_to(NARROWEST_LOBE, 100.0).unit("direction cosines")
 );
 number!(
     /// A length of films, nm.
-    Nanometres, "a number from 0 to 1e6 (nm)", |v| (0.0..=1e6).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1e6 }
+    Nanometres, Range::from_to(0.0, 1e6).unit("nm")
 );
 number!(
     /// A standard error, in the unit of what it is of.
-    Tolerance, "a number above 0, at most 1e6", |v| v > 0.0 && v <= 1e6,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+    Tolerance, Range::above_0_to(1e6)
 );
 number!(
     /// A wavelength or a difference of wavelengths, nm.
-    Wavelength, "a number above 0, at most 1e6 (nm)", |v| v > 0.0 && v <= 1e6,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+    Wavelength, Range::above_0_to(1e6).unit("nm")
 );
 number!(
     /// A refractive index.
-    Index, "a number above 0, at most 1000 (refractive index)", |v| v > 0.0 && v <= 1e3,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1000 }
+    Index, Range::above_0_to(1000.0).unit("refractive index")
 );
 number!(
     /// An extinction coefficient.
-    Extinction, "a number from 0 to 1000 (extinction coefficient k)", |v| (0.0..=1e3).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1000 }
+    Extinction, Range::from_to(0.0, 1000.0).unit("extinction coefficient k").hint_below(SIGN_OF_K)
 );
 number!(
     /// An inclination from the display's normal, degrees.
-    Inclination, "a number between -90 and 90 (degrees)", |v| v.abs() < 90.0,
-    { "type": "number", "exclusiveMinimum": -90, "exclusiveMaximum": 90 }
+    Inclination, Range::between(-90.0, 90.0).unit("degrees")
 );
 number!(
     /// The share of a light guide's light that goes up.
-    Leak, "a number from 0 to .99", |v| (0.0..=0.99).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 0.99 }
+    Leak, Range::from_to(0.0, 0.99)
 );
 number!(
     /// A distance, m.
-    Metres, "a number above 0, at most 1e6 (m)", |v| v > 0.0 && v <= 1e6,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+    Metres, Range::above_0_to(1e6).unit("m")
 );
 number!(
     /// An elevation above the horizon, degrees.
-    Elevation, "a number above 0, at most 90 (degrees above the horizon)", |v| v > 0.0 && v <= 90.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+    Elevation, Range::above_0_to(90.0).unit("degrees above the horizon")
 );
 number!(
     /// Where a cap ends, degrees from its axis.
-    CapEnd, "a number above 0, at most 180 (degrees)", |v| v > 0.0 && v <= 180.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 180 }
+    CapEnd, Range::above_0_to(180.0).unit("degrees")
 );
 number!(
     /// An elevation above or below a horizon, degrees.
-    Latitude, "a number from -90 to 90 (degrees above the horizon)", |v| v.abs() <= 90.0,
-    { "type": "number", "minimum": -90, "maximum": 90 }
+    Latitude, Range::from_to(-90.0, 90.0).unit("degrees above the horizon")
 );
 number!(
     /// An azimuth, degrees.
-    Azimuth, "a number from -360 to 360 (degrees)", |v| v.abs() <= 360.0,
-    { "type": "number", "minimum": -360, "maximum": 360 }
+    Azimuth, Range::from_to(-360.0, 360.0).unit("degrees")
 );
 number!(
     /// The full angle of a field of view, degrees.
-    FieldAngle, "a number from 0 to 180 (degrees)", |v| (0.0..=180.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 180 }
+    FieldAngle, Range::from_to(0.0, 180.0).unit("degrees")
 );
 number!(
     /// The angular radius of a source, degrees.
-    AngularRadius, "a number above 0, at most 90 (degrees)", |v| v > 0.0 && v <= 90.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+    AngularRadius, Range::above_0_to(90.0).unit("degrees")
 );
 number!(
     /// A distance, mm.
-    Millimetres, "a number above 0, at most 1e9 (mm)", |v| v > 0.0 && v <= 1e9,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e9 }
+    Millimetres, Range::above_0_to(1e9).unit("mm")
 );
 number!(
     /// The thickness of a medium, mm.
-    Thickness, "a number above 0, at most 1000 (mm)", |v| v > 0.0 && v <= 1e3,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1000 }
+    Thickness, Range::above_0_to(1000.0).unit("mm")
 );
 number!(
     /// Extinction along the normal.
-    OpticalThickness, "a number from 1e-6 to 1e6 (optical thickness)", |v| (1e-6..=1e6).contains(&v),
-    { "type": "number", "minimum": 1e-6, "maximum": 1e6 }
+    OpticalThickness, Range::from_to(1e-6, 1e6).unit("optical thickness")
 );
 number!(
     /// The mean cosine of a scattering angle.
-    Anisotropy, "a number from -.99 to .99 (mean cosine)", |v| v.abs() <= 0.99,
-    { "type": "number", "minimum": -0.99, "maximum": 0.99 }
+    Anisotropy, Range::from_to(-0.99, 0.99).unit("mean cosine")
 );
 number!(
     /// The roughness of a face.
-    Roughness, "a number from .01 to 1 (roughness)", |v| (0.01..=1.0).contains(&v),
-    { "type": "number", "minimum": 0.01, "maximum": 1 }
+    Roughness, Range::from_to(0.01, 1.0).unit("roughness")
 );
 number!(
     /// A root mean square slope.
-    Slope, "a number from .005 to 1 (root mean square slope)", |v| (0.005..=1.0).contains(&v),
-    { "type": "number", "minimum": 0.005, "maximum": 1 }
+    Slope, Range::from_to(0.005, 1.0).unit("root mean square slope")
 );
 number!(
     /// An illuminance, lx.
-    Lux, "a number from 1e-6 to 1e9 (lx)", |v| (1e-6..=1e9).contains(&v),
-    { "type": "number", "minimum": 1e-6, "maximum": 1e9 }
+    Lux, Range::from_to(1e-6, 1e9).unit("lx")
 );
 number!(
     /// The illuminance of a room, which may be dark, lx.
-    RoomLux, "a number from 1e-6 to 1e9 (lx), or 0 beside a front light", |v| v == 0.0 || (1e-6..=1e9).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1e9 }
+    RoomLux, Range::from_to(1e-6, 1e9).unit("lx").or_0(" beside a front light")
 );
 number!(
     /// A luminance that an eye is adapted to, cd/m2.
-    AdaptingLuminance, "a number from 0.01 to 1e6 (cd/m2)", |v| (0.01..=1e6).contains(&v),
-    { "type": "number", "minimum": 0.01, "maximum": 1e6 }
+    AdaptingLuminance, Range::from_to(0.01, 1e6).unit("cd/m2")
 );
 number!(
     /// The luminance of a background over that of the white.
-    Background, "a number from 0.01 to 1", |v| (0.01..=1.0).contains(&v),
-    { "type": "number", "minimum": 0.01, "maximum": 1 }
+    Background, Range::from_to(0.01, 1.0)
 );
 number!(
     /// The temperature of a black body, K.
-    Kelvin, "a number from 500 to 100000 (K)", |v| (500.0..=1e5).contains(&v),
-    { "type": "number", "minimum": 500, "maximum": 1e5 }
+    Kelvin, Range::from_to(500.0, 100000.0).unit("K")
 );
 number!(
     /// The correlated colour temperature of CIE daylight, K.
-    DaylightKelvin, "a number from 4000 to 25000 (K)", |v| (4000.0..=25e3).contains(&v),
-    { "type": "number", "minimum": 4000, "maximum": 25000 }
+    DaylightKelvin, Range::from_to(4000.0, 25000.0).unit("K")
 );
 number!(
     /// A weight in a mixture.
-    Weight, "a number above 0, at most 1e6", |v| v > 0.0 && v <= 1e6,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+    Weight, Range::above_0_to(1e6)
 );
 number!(
     /// A relative standard error.
-    RelativeError, "a number from 1e-6 to 1", |v| (1e-6..=1.0).contains(&v),
-    { "type": "number", "minimum": 1e-6, "maximum": 1 }
+    RelativeError, Range::from_to(1e-6, 1.0)
 );
 number!(
     /// An angle of a grid, degrees.
-    GridAngle, "a number from 0 to 180 (degrees)", |v| (0.0..=180.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 180 }
+    GridAngle, Range::from_to(0.0, 180.0).unit("degrees")
 );
 number!(
     /// The width of an instrument's image of a straight beam, in direction cosines, or none.
-    Blur, "0, or a number from .0001 to 1 (direction cosines)", |v| v == 0.0 || (1e-4..=1.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1 }
+    Blur, Range::from_to(0.0001, 1.0).unit("direction cosines").or_0("")
 );
 number!(
     /// Relative noise.
-    Noise, "a number from 0 to 1", |v| (0.0..=1.0).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1 }
+    Noise, Range::from_to(0.0, 1.0)
 );
 number!(
     /// Noise of a BSDF.
-    NoiseFloor, "a number from 0 to 1000 (1/sr)", |v| (0.0..=1e3).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1000 }
+    NoiseFloor, Range::from_to(0.0, 1000.0).unit("1/sr")
 );
 number!(
     /// The last inclination that is seen, degrees.
-    Horizon, "a number above 0, at most 90 (degrees)", |v| v > 0.0 && v <= 90.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 90 }
+    Horizon, Range::above_0_to(90.0).unit("degrees")
 );
 
 /// A count from `LEAST` to `MOST`.
@@ -224,7 +191,7 @@ impl<const LEAST: u64, const MOST: u64> Read for Count<LEAST, MOST> {
             }
             _ => match node.number() {
                 Some(value) => {
-                    errors.push(node.origin, Problem::NoSuchCount { value, expected: Self::in_words() });
+                    errors.push(node.origin, mistake::no_such_count(value, Self::in_words()));
                     None
                 }
                 None => node.wrong_type(Self::in_words(), errors),

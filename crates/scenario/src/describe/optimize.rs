@@ -10,7 +10,8 @@ use super::numbers::{Count, Seed, Share, Weight};
 use super::sweep::Any;
 use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
-use crate::problem::Problem;
+use crate::mistake;
+use crate::path::{KeyPath, joined};
 use crate::read::{At, Read};
 use crate::set::Change;
 use crate::tree::{Node, Value};
@@ -129,7 +130,7 @@ table! {
 
 forms! {
     /// A reflectance factor: alike at all wavelengths, from a file, or as [nm, value] pairs.
-    WantedSpectrum, "a number from 0 to 1, a spectrum file, or a list of [nm, value]" {
+    WantedSpectrum, format!("{}, a spectrum file, or a list of [nm, value]", Share::in_words()); {
         /// Alike at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
         /// A two-column file, relative to the scenario.
@@ -141,7 +142,7 @@ forms! {
 
 forms! {
     /// What is to become of a metric.
-    Aim, "\"maximise\", \"minimise\" or { target = ... }" {
+    Aim, "\"maximise\", \"minimise\" or { target = ... }"; {
         /// As large or as small as can be.
         Way(Way) if Value::Text(_),
         /// Near a value.
@@ -179,7 +180,7 @@ impl Read for Choices {
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let Value::Array(items) = &node.value else { return node.wrong_type(Self::in_words(), errors) };
         if items.is_empty() {
-            errors.push(node.origin, Problem::EmptyList);
+            errors.push(node.origin, mistake::empty_list());
             return None;
         }
         Some(Self(items.clone()))
@@ -212,10 +213,14 @@ impl Changes {
     fn take(&mut self, above: &str, node: &Node) {
         let Value::Table(entries) = &node.value else { return };
         for entry in entries {
-            let path = if above.is_empty() { entry.key.clone() } else { format!("{above}.{}", entry.key) };
+            let path = joined(above, &entry.key);
             match &entry.node.value {
                 Value::Table(_) => self.take(&path, &entry.node),
-                _ => self.0.push(Change { path, origin: entry.key_origin, value: entry.node.clone() }),
+                _ => self.0.push(Change {
+                    path: KeyPath::new(&path),
+                    origin: entry.key_origin,
+                    value: entry.node.clone(),
+                }),
             }
         }
     }

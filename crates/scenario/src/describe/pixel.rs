@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use papilio_diagnostics::Diagnostic;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 
 use super::diffuser::{DarkCells, Extrapolate, Normalise};
@@ -9,9 +10,8 @@ use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, kinds, table};
-use crate::problem::Problem;
+use crate::origin::Origin;
 use crate::read::{At, Named, Read};
-use crate::source::Origin;
 use crate::tree::{Node, Value};
 
 kinds! {
@@ -75,7 +75,7 @@ table! {
 
 forms! {
     /// A thickness in nm, or "gap".
-    LayerThickness, "a number from 0 to 1e6 (nm), or \"gap\"" {
+    LayerThickness, format!("{}, or \"gap\"", Nanometres::in_words()); {
         /// The same in every state.
         Fixed(Nanometres) if Value::Integer(_) | Value::Float(_),
         /// The state's gap.
@@ -131,7 +131,9 @@ impl Read for StateSpec {
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         // A sub-pixel may have this name; then it has a share, which is 1 at most.
         if node.get("gap_nm").and_then(Node::number).is_some_and(|value| value > 1.0) {
-            errors.push(node.origin, Problem::GapOfAState);
+            let wrong = Diagnostic::new("`gap_nm` is given for a whole state");
+            let hint = "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }";
+            errors.push(node.origin, wrong.hint(hint));
             return None;
         }
         Named::read(node, errors).map(Self)
@@ -152,7 +154,7 @@ impl JsonSchema for StateSpec {
 
 forms! {
     /// How a sub-pixel is driven: the share of its area at its own colour, or an analogue gap.
-    DriveSpec, "a number from 0 to 1, or { gap_nm = ... }" {
+    DriveSpec, format!("{}, or {{ gap_nm = ... }}", Share::in_words()); {
         /// Share of its area at its own colour, 0 to 1, the rest dark.
         Share(Share) if Value::Integer(_) | Value::Float(_),
         /// The whole of it at this gap.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use papilio_diagnostics::Diagnostic;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Serialize, Serializer};
 
@@ -9,9 +10,11 @@ use super::limits::MetricName;
 use super::numbers::Count;
 use crate::error::Errors;
 use crate::grammar::{number, table};
-use crate::problem::{PlanProblem, Problem};
+use crate::mistake;
+use crate::origin::Origin;
+use crate::path::{KeyPath, joined};
+use crate::range::Range as NumberRange;
 use crate::read::{At, Read};
-use crate::source::Origin;
 use crate::tree::{Entry, Node, Value};
 
 table! {
@@ -43,8 +46,7 @@ table! {
 
 number!(
     /// A value, whatever its key takes.
-    Any, "a number", |_| true,
-    { "type": "number" }
+    Any, NumberRange::ANY
 );
 
 /// One axis: paths as of `--set`, each with as many values.
@@ -54,8 +56,8 @@ pub(crate) struct Axis(pub(crate) Vec<Swept>);
 /// A key that is varied.
 #[derive(Debug, Clone)]
 pub(crate) struct Swept {
-    /// Its dotted path.
-    pub(crate) path: String,
+    /// Its path.
+    pub(crate) path: KeyPath,
     /// Where the path stands.
     pub(crate) origin: Origin,
     /// One for each point of the axis, each with its place.
@@ -92,13 +94,14 @@ impl Read for Axis {
         let count = first.values.len();
         for other in &swept[1..] {
             if other.values.len() != count {
-                let problem = PlanProblem::SweepLengths {
-                    path: other.path.clone(),
-                    count: other.values.len(),
-                    first: first.path.clone(),
-                    needed: count,
-                };
-                errors.push(other.origin, problem);
+                let (path, own) = (&other.path, other.values.len());
+                let wrong = Diagnostic::new(format!(
+                    "`{path}` has {own} values, `{}` has {count}",
+                    first.path
+                ))
+                .expected(format!("{count} values"))
+                .hint("keys of one [[sweep.axes]] move together; for all combinations give each its own");
+                errors.push(other.origin, wrong);
                 return None;
             }
         }
@@ -109,7 +112,7 @@ impl Read for Axis {
 /// The values under a key; of a table that is no range, those of each of its keys: `a.b = [1]` is the same as
 /// `"a.b" = [1]`.
 fn take(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors) -> Option<()> {
-    let path = if above.is_empty() { entry.key.clone() } else { format!("{above}.{}", entry.key) };
+    let path = joined(above, &entry.key);
     let origin = entry.key_origin;
     let values = match &entry.node.value {
         Value::Array(items) => items.clone(),
@@ -120,12 +123,13 @@ fn take(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors)
         }
         _ => return entry.node.wrong_type("a list of values, or { from, to, step }", errors),
     };
-    if path.split('.').next().is_some_and(|root| root.trim() == "sweep") {
-        errors.push(origin, PlanProblem::SweepOfItself);
+    let path = KeyPath::new(&path);
+    if path.first() == "sweep" {
+        errors.push(origin, Diagnostic::new("keys of `[sweep]` cannot be swept"));
         return None;
     }
     if values.is_empty() {
-        errors.push(entry.node.origin, Problem::EmptyList);
+        errors.push(entry.node.origin, mistake::empty_list());
         return None;
     }
     swept.push(Swept { path, origin, values });
@@ -140,7 +144,11 @@ fn evenly(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
         (Some(step), None) => {
             let steps = (to - from) / step.0;
             if !steps.is_finite() || steps < 0.0 {
-                errors.push(range.step.origin, Problem::StepLeadsAway { from, to, step: step.0 });
+                let wrong = Diagnostic::new(format!("steps of {} do not lead from {from} to {to}", step.0));
+                errors.push(
+                    range.step.origin,
+                    wrong.hint("give `count` instead, or change the sign of the step"),
+                );
                 return None;
             }
             // A step that misses the end by rounding alone reaches it.
@@ -152,15 +160,12 @@ fn evenly(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
         }
         (step, count) => {
             let given = usize::from(step.is_some()) + usize::from(count.is_some());
-            errors.push(node.origin, Problem::ExactlyOne { keys: "step, count", given });
+            errors.push(node.origin, mistake::exactly_one("`step` and `count`", given));
             return None;
         }
     };
     if steps.count >= MOST_POINTS as f64 {
-        errors.push(
-            node.origin,
-            Problem::TooMany { what: "points", count: steps.count + 1.0, limit: MOST_POINTS },
-        );
+        errors.push(node.origin, mistake::too_many("points", steps.count + 1.0, MOST_POINTS));
         return None;
     }
     let value =

@@ -5,6 +5,7 @@ use super::limits::{Limit, MetricName};
 use super::numbers::{Count, Seed};
 use super::sweep::Any;
 use crate::grammar::{number, table};
+use crate::range::Range;
 use crate::read::{At, Read};
 use crate::tree::Node;
 
@@ -134,18 +135,15 @@ table! {
 
 number!(
     /// How far a number scatters, in its own unit.
-    Deviation, "a number above 0, at most 1e6", |v| v > 0.0 && v <= 1e6,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 1e6 }
+    Deviation, Range::above_0_to(1e6)
 );
 number!(
     /// How often one of a list is met, relative to the others.
-    Frequency, "a number from 0 to 1e6", |v| (0.0..=1e6).contains(&v),
-    { "type": "number", "minimum": 0, "maximum": 1e6 }
+    Frequency, Range::from_to(0.0, 1e6)
 );
 number!(
     /// A coefficient of correlation.
-    Correlation, "a number between -1 and 1", |v| v.abs() < 1.0,
-    { "type": "number", "exclusiveMinimum": -1, "exclusiveMaximum": 1 }
+    Correlation, Range::between(-1.0, 1.0)
 );
 
 /// A value of whatever kind its key takes.

@@ -2,6 +2,7 @@
 
 use super::numbers::{Azimuth, FieldAngle, Inclination, Millimetres};
 use crate::grammar::{forms, number, table};
+use crate::range::Range;
 use crate::read::At;
 
 table! {
@@ -22,7 +23,7 @@ table! {
 
 forms! {
     /// Inclinations in degrees: a number, a list, or { from, to, step }.
-    Inclinations, "a number between -90 and 90 (degrees), a list, or { from, to, step }" {
+    Inclinations, format!("{}, a list, or {{ from, to, step }}", Inclination::in_words()); {
         /// One view.
         One(Inclination) if Value::Integer(_) | Value::Float(_),
         /// Several.
@@ -34,7 +35,7 @@ forms! {
 
 forms! {
     /// Azimuths in degrees: a number, a list, or { from, to, step }.
-    Azimuths, "a number from -360 to 360 (degrees), a list, or { from, to, step }" {
+    Azimuths, format!("{}, a list, or {{ from, to, step }}", Azimuth::in_words()); {
         /// One view.
         One(Azimuth) if Value::Integer(_) | Value::Float(_),
         /// Several.
@@ -58,11 +59,9 @@ table! {
 
 number!(
     /// Age of a reader.
-    Years, "a number from 20 to 75 (years)", |v| (20.0..=75.0).contains(&v),
-    { "type": "number", "minimum": 20, "maximum": 75 }
+    Years, Range::from_to(20.0, 75.0).unit("years")
 );
 number!(
     /// A step of angles, degrees.
-    AngleStep, "a number above 0, at most 360 (degrees)", |v| v > 0.0 && v <= 360.0,
-    { "type": "number", "exclusiveMinimum": 0, "maximum": 360 }
+    AngleStep, Range::above_0_to(360.0).unit("degrees")
 );

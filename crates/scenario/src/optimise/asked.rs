@@ -1,6 +1,7 @@
 //! What is asked of a design: objectives and constraints, in every condition and view that they are asked in.
 
 use papilio_colour::{Lab, UvPrime};
+use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::Quantity;
 use papilio_formats::{LARGEST_FILE, read_shares};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
@@ -12,9 +13,9 @@ use crate::describe::numbers::Count;
 use crate::describe::optimize::{self as describe, WantedSpectrum};
 use crate::describe::sweep::Any;
 use crate::library::Missing;
-use crate::problem::{PlanProblem, Problem};
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::{At, Read};
-use crate::source::Origin;
 
 /// What an objective and a constraint have in common.
 struct Asked<'a> {
@@ -26,6 +27,16 @@ struct Asked<'a> {
     uv: &'a At<Option<Vec<At<Any>>>>,
     condition: &'a At<Option<String>>,
     view: &'a At<Option<Count<0, 4999>>>,
+}
+
+/// A condition that there is not.
+fn no_such_condition(name: &str, names: &[&str]) -> Diagnostic {
+    let mut known = names.iter().copied().filter(|name| !name.is_empty()).peekable();
+    let hint = match known.peek() {
+        None => "[[optimize.conditions]] gives conditions their names".to_owned(),
+        Some(_) => suggestion(name, known, "conditions"),
+    };
+    Diagnostic::new(format!("there is no condition `{name}`")).hint(hint)
 }
 
 impl Reader {
@@ -52,15 +63,12 @@ impl Reader {
             (true, Some(describe::Aim::Way(describe::Way::Minimise))) => SearchAim::Minimise,
             (true, Some(describe::Aim::Target(target))) => SearchAim::Target(target.target.0),
             (true, None) => {
-                let problem =
-                    Problem::MissingKey { key: "aim".to_owned(), expected: describe::Aim::in_words() };
-                self.errors.push(said.origin, problem);
+                self.errors.push(said.origin, mistake::missing_key("aim", describe::Aim::in_words()));
                 return None;
             }
             (false, None) => SearchAim::Minimise,
             (false, Some(_)) => {
-                let problem = Problem::NotWith { key: "aim", beside: "a distance, which is minimised" };
-                self.errors.push(said.aim.origin, problem);
+                self.errors.push(said.aim.origin, mistake::not_with("aim", "a distance, which is minimised"));
                 return None;
             }
         };
@@ -92,15 +100,12 @@ impl Reader {
         let (at_least, at_most) =
             (said.at_least.as_ref().map(|limit| limit.0), said.at_most.as_ref().map(|limit| limit.0));
         if at_least.is_none() && at_most.is_none() {
-            let problem = Problem::MissingKey {
-                key: "at_least".to_owned(),
-                expected: "a number under `at_least`, `at_most`, or both".to_owned(),
-            };
-            self.errors.push(said.origin, problem);
+            let expected = "a number under `at_least`, `at_most`, or both";
+            self.errors.push(said.origin, mistake::missing_key("at_least", expected));
             return None;
         }
         if let Some((from, to)) = at_least.zip(at_most).filter(|(least, most)| least > most) {
-            self.errors.push(said.at_most.origin, PlanProblem::NoInside { from, to });
+            self.errors.push(said.at_most.origin, mistake::empty_range(from, to));
             return None;
         }
         let parts = self.asked(&asked, names, scenes)?;
@@ -114,9 +119,7 @@ impl Reader {
             Some(name) => match names.iter().position(|known| known == name) {
                 Some(at) => vec![at],
                 None => {
-                    let known = names.iter().filter(|name| !name.is_empty()).map(|name| (*name).to_owned());
-                    let problem = PlanProblem::NoSuchCondition { name: name.clone(), known: known.collect() };
-                    self.errors.push(asked.condition.origin, problem);
+                    self.errors.push(asked.condition.origin, no_such_condition(name, names));
                     return None;
                 }
             },
@@ -129,8 +132,9 @@ impl Reader {
                 None => (0..views).collect(),
                 Some(view) if (view.0 as usize) < views => vec![view.0 as usize],
                 Some(view) => {
-                    let problem = PlanProblem::NoSuchView { view: view.0 as usize, views };
-                    self.errors.push(asked.view.origin, problem);
+                    let wrong = Diagnostic::new(format!("there is no view {}", view.0))
+                        .expected(format!("a number from 0 to {}", views.saturating_sub(1)));
+                    self.errors.push(asked.view.origin, wrong);
                     return None;
                 }
             };
@@ -158,14 +162,13 @@ impl Reader {
         let given = given.into_iter().filter(|given| *given).count();
         if given != 1 {
             let keys = "`metric`, `spectrum`, `lab` and `uv`";
-            self.errors.push(asked.at, Problem::ExactlyOne { keys, given });
+            self.errors.push(asked.at, mistake::exactly_one(keys, given));
             return None;
         }
         if let Some(metric) = &asked.metric.value {
             if asked.state.is_some() {
-                let problem =
-                    Problem::NotWith { key: "state", beside: "`metric`, which names it: \"white.Y\"" };
-                self.errors.push(asked.state.origin, problem);
+                let wrong = mistake::not_with("state", "`metric`, which names the state: \"white.Y\"");
+                self.errors.push(asked.state.origin, wrong);
                 return None;
             }
             if let Some(state) = &metric.state {
@@ -175,9 +178,7 @@ impl Reader {
             return Some((metric.text(), quantity));
         }
         let Some(state) = asked.state.value.clone() else {
-            let problem =
-                Problem::MissingKey { key: "state".to_owned(), expected: "the name of a state".to_owned() };
-            self.errors.push(asked.at, problem);
+            self.errors.push(asked.at, mistake::missing_key("state", "the name of a state"));
             return None;
         };
         self.known_state(&state, asked.state.origin, states)?;
@@ -203,7 +204,7 @@ impl Reader {
         if states.iter().any(|known| known == state) {
             return Some(());
         }
-        self.errors.push(origin, Problem::NoSuchState { name: state.to_owned(), known: states.to_vec() });
+        self.errors.push(origin, mistake::no_such_state(state, states));
         None
     }
 
@@ -211,10 +212,7 @@ impl Reader {
         let numbers: Vec<f64> = list.iter().map(|number| number.0).collect();
         let found = numbers.try_into().ok();
         if found.is_none() {
-            self.errors.push(
-                origin,
-                Problem::WrongType { expected: words.to_owned(), found: "a list of another length" },
-            );
+            self.errors.push(origin, mistake::another_length(words));
         }
         found
     }
@@ -231,8 +229,8 @@ impl Reader {
                         self.errors.push_data(origin, error);
                         return None;
                     }
-                    Err(Missing::Unknown(problem)) => {
-                        self.errors.push(origin, problem);
+                    Err(Missing::Unknown(wrong)) => {
+                        self.errors.push(origin, wrong);
                         return None;
                     }
                 };
@@ -260,8 +258,8 @@ impl Reader {
         match table.on(grid) {
             Ok(spectrum) => Some((name, spectrum)),
             Err(SpectraError::OutsideTable { first, last, .. }) => {
-                let needed_nm = (grid.start_nm(), grid.stop_nm());
-                self.errors.push(origin, Problem::NotCovered { what: name, first, last, needed_nm });
+                let needed = (grid.start_nm(), grid.stop_nm());
+                self.errors.push(origin, mistake::not_covered(&name, (first, last), needed));
                 None
             }
             Err(error) => {

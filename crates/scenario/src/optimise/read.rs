@@ -1,5 +1,6 @@
 //! `[optimize]` from its description to a search.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Method as Solver, Scene};
 use serde_json::Value as Json;
@@ -9,10 +10,11 @@ use super::{Optimisation, SearchCondition, SearchMethod, SearchRange, SearchVari
 use crate::describe::optimize as describe;
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::hex;
-use crate::problem::{PlanProblem, Problem, tidy};
+use crate::mistake::{self, tidy};
+use crate::origin::Origin;
+use crate::path::KeyPath;
 use crate::read::{At, Read};
 use crate::set::Change;
-use crate::source::Origin;
 use crate::tree::Node;
 use crate::varied::{ABOUT, Base, Varied, VariedKey};
 
@@ -23,7 +25,10 @@ pub(super) fn search(base: Base) -> Result<Optimisation, ScenarioErrors> {
     let described = match root.get("optimize") {
         Some(node) => describe::Optimize::read(node, &mut errors),
         None => {
-            errors.push(root.origin, PlanProblem::NothingToSearch);
+            let wrong = Diagnostic::new("there is nothing to optimise: the scenario has no `[optimize]`")
+                .expected("`[optimize]` with its variables and objectives")
+                .hint("scenarios/optimize.toml is an example; docs/optimize.md has all keys");
+            errors.push(root.origin, wrong);
             None
         }
     };
@@ -65,10 +70,10 @@ impl Reader {
     ) -> Result<Optimisation, ScenarioErrors> {
         let found: Vec<Option<Found>> = said.variables.iter().map(|one| self.variable(one)).collect();
         if said.variables.is_empty() {
-            self.errors.push(said.variables.origin, Problem::EmptyList);
+            self.errors.push(said.variables.origin, mistake::empty_list());
         }
         if said.objectives.is_empty() {
-            self.errors.push(said.objectives.origin, Problem::EmptyList);
+            self.errors.push(said.objectives.origin, mistake::empty_list());
         }
         let found: Option<Vec<Found>> = found.into_iter().collect();
         self.check_once(found.as_deref().unwrap_or_default());
@@ -115,7 +120,7 @@ impl Reader {
         let paths: Vec<(String, Origin)> = single.chain(several).collect();
         if said.key.is_some() == said.keys.is_some() || paths.is_empty() {
             let given = usize::from(said.key.is_some()) + usize::from(said.keys.is_some());
-            self.errors.push(said.origin, Problem::ExactlyOne { keys: "`key` and `keys`", given });
+            self.errors.push(said.origin, mistake::exactly_one("`key` and `keys`", given));
             return None;
         }
         let mut keys: Vec<(String, f64, f64)> =
@@ -126,8 +131,9 @@ impl Reader {
             .map(|(path, origin)| (path, *origin))
             .chain(said.against.iter().map(|path| (path, said.against.origin)))
         {
-            if path.split('.').next().is_some_and(|table| ABOUT.contains(&table.trim())) {
-                self.errors.push(origin, PlanProblem::SearchOfItself);
+            if ABOUT.contains(&KeyPath::new(path).first()) {
+                let wrong = "keys of `[sweep]`, `[optimize]` and `[tolerance]` cannot be variables";
+                self.errors.push(origin, Diagnostic::new(wrong));
                 return None;
             }
         }
@@ -139,7 +145,13 @@ impl Reader {
                 let wrong = both
                     .into_iter()
                     .find_map(|(path, origin)| Some((origin, self.base.wrong_path(path, origin)?)));
-                let no_sum = || PlanProblem::NoSum { path: against.clone(), with: paths[0].0.clone() }.into();
+                let no_sum = || {
+                    let wrong = format!(
+                        "`{against}` and `{}` have no sum: both must be numbers in this scenario",
+                        paths[0].0
+                    );
+                    Diagnostic::new(wrong).hint("give both keys a number; their sum is then kept").into()
+                };
                 let (origin, problem) = wrong.unwrap_or_else(|| (said.against.origin, no_sum()));
                 self.errors.push(origin, problem);
                 return None;
@@ -167,20 +179,18 @@ impl Reader {
                     Some((SearchRange::Bounds(from.0, to.0), vec![(from.origin, from.0), (to.origin, to.0)]))
                 }
                 [from, to] => {
-                    self.errors.push(said.bounds.origin, PlanProblem::NoBounds { from: from.0, to: to.0 });
+                    self.errors.push(said.bounds.origin, no_bounds(from.0, to.0));
                     None
                 }
                 _ => {
-                    let expected = "the smallest and the largest value, as [0, 120]".to_owned();
-                    let found = "a list of another length";
-                    self.errors.push(said.bounds.origin, Problem::WrongType { expected, found });
+                    let wrong = mistake::another_length("the smallest and the largest value, as [0, 120]");
+                    self.errors.push(said.bounds.origin, wrong);
                     None
                 }
             },
             (None, Some(choices)) => {
                 if said.against.is_some() {
-                    let problem = Problem::NotWith { key: "against", beside: "`choices`" };
-                    self.errors.push(said.against.origin, problem);
+                    self.errors.push(said.against.origin, mistake::not_with("against", "`choices`"));
                     return None;
                 }
                 let ends = choices.0.iter().enumerate().map(|(at, node)| (node.origin, at as f64));
@@ -188,7 +198,7 @@ impl Reader {
             }
             (bounds, choices) => {
                 let given = usize::from(bounds.is_some()) + usize::from(choices.is_some());
-                self.errors.push(said.origin, Problem::ExactlyOne { keys: "`bounds` and `choices`", given });
+                self.errors.push(said.origin, mistake::exactly_one("`bounds` and `choices`", given));
                 None
             }
         }
@@ -203,7 +213,7 @@ impl Reader {
             .collect();
         for (i, (path, origin)) in all.iter().enumerate() {
             if all[..i].iter().any(|(other, _)| other == path) {
-                self.errors.push(*origin, PlanProblem::VariesTwice { path: (*path).to_owned() });
+                self.errors.push(*origin, Diagnostic::new(format!("more than one variable sets `{path}`")));
             }
         }
     }
@@ -211,8 +221,9 @@ impl Reader {
     fn check_names(&mut self, said: &describe::Optimize) {
         for (i, condition) in said.conditions.iter().enumerate() {
             if said.conditions[..i].iter().any(|other| other.name.value == condition.name.value) {
-                let name = condition.name.value.clone();
-                self.errors.push(condition.name.origin, PlanProblem::ConditionTwice { name });
+                let wrong =
+                    Diagnostic::new(format!("there are two conditions named `{}`", condition.name.value));
+                self.errors.push(condition.name.origin, wrong);
             }
         }
     }
@@ -221,7 +232,7 @@ impl Reader {
         let keys = found.iter().flat_map(|one| {
             let keys = one.variable.keys.iter().zip(&one.origins);
             keys.map(|((path, ..), origin)| VariedKey {
-                path: path.clone(),
+                path: KeyPath::new(path),
                 origin: *origin,
                 values: one.values,
             })
@@ -243,10 +254,9 @@ impl Reader {
     fn check_ends(&self, varied: &Varied, found: &[Found], own: &Scene) -> Result<(), ScenarioErrors> {
         if own.solver.method == Solver::Walk {
             let mut errors = Errors::default();
-            errors.push(
-                self.root.at("solver.method").map_or(self.root.origin, |node| node.origin),
-                PlanProblem::WalkSearch,
-            );
+            let wrong = Diagnostic::new("a search with method = \"walk\" would follow the noise of the walk")
+                .hint("set solver.method = \"adding\"; the walk checks the best design afterwards");
+            errors.push(self.root.at("solver.method").map_or(self.root.origin, |node| node.origin), wrong);
             return errors.check(&self.base.sources);
         }
         for (i, one) in found.iter().enumerate() {
@@ -259,7 +269,7 @@ impl Reader {
                 let changes = changes.map(|((path, value), origin)| Change {
                     value: Node::from_json(&value, origin),
                     origin,
-                    path,
+                    path: KeyPath::new(&path),
                 });
                 let tried = varied.with(changes).and_then(|scenario| scenario.resolve());
                 tried.map_err(|errors| {
@@ -270,6 +280,17 @@ impl Reader {
         }
         Ok(())
     }
+}
+
+/// Two bounds between which nothing varies.
+fn no_bounds(from: f64, to: f64) -> Diagnostic {
+    let expected = "the smaller value first, and a larger one";
+    if from == to {
+        return Diagnostic::new(format!("both bounds are {from}"))
+            .expected(expected)
+            .hint("a key that does not vary is not a variable: remove it here, and set the key itself");
+    }
+    Diagnostic::new(format!("the first bound, {from}, is above the second, {to}")).expected(expected)
 }
 
 /// What the search needs to know of a condition's scenario.

@@ -4,7 +4,7 @@
 //! [`new_scenario`] makes a scenario of it.
 
 use crate::error::Errors;
-use crate::problem::Problem;
+use crate::mistake;
 use crate::set::PRESET_PATH;
 use crate::tree::{Node, Value};
 
@@ -56,19 +56,15 @@ pub(crate) fn text(name: &str) -> Option<&'static str> {
 
 /// Fills in what the preset gives and the scenario does not, if it names one; true if that was anything.
 pub(crate) fn expand(root: &mut Node, errors: &mut Errors) -> bool {
-    let mut named = Some(&*root);
-    for key in PRESET_PATH.split('.') {
-        named = named.and_then(|node| node.get(key));
-    }
-    let Some(Node { origin, value: Value::Text(name) }) = named else { return false };
+    let Some(Node { origin, value: Value::Text(name) }) = root.at(PRESET_PATH) else { return false };
     match PRESETS.iter().find(|(known, _)| known == name) {
         Some((_, text)) => {
-            let preset = Node::parse_document(text, &mut Errors::default()).moved_to(*origin);
+            let preset = Node::parse_document(text).0.moved_to(*origin);
             root.fill_from(preset)
         }
         None => {
-            let choices = preset_names().map(str::to_owned).collect();
-            errors.push(*origin, Problem::UnknownChoice { found: name.clone(), choices });
+            let choices: Vec<&str> = preset_names().collect();
+            errors.push(*origin, mistake::unknown_choice(name, &choices));
             false
         }
     }
@@ -76,8 +72,7 @@ pub(crate) fn expand(root: &mut Node, errors: &mut Errors) -> bool {
 
 /// The preset that is named, if one is.
 pub(crate) fn named(root: &Node) -> Option<&str> {
-    let node = PRESET_PATH.split('.').try_fold(root, |node, key| node.get(key))?;
-    match &node.value {
+    match &root.at(PRESET_PATH)?.value {
         Value::Text(name) => Some(name),
         _ => None,
     }

@@ -1,15 +1,16 @@
 //! Files, share spectra and materials.
 
 use num_complex::Complex64;
+use papilio_diagnostics::Diagnostic;
 use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_index_within, read_shares};
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_names};
 
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
 use crate::library::{KeptFile, Missing};
-use crate::problem::Problem;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::Origin;
 
 /// n and k of a film are at most this.
 const LARGEST_INDEX: f64 = 1e3;
@@ -30,7 +31,7 @@ impl Resolver<'_> {
                 return Some(kept);
             }
             Err(Missing::Unread(error)) => self.errors.push_data(origin, error),
-            Err(Missing::Unknown(problem)) => self.errors.push(origin, problem),
+            Err(Missing::Unknown(wrong)) => self.errors.push(origin, wrong),
         }
         None
     }
@@ -76,17 +77,15 @@ impl Resolver<'_> {
         origin: Origin,
         on_grid: Result<T, SpectraError>,
     ) -> Option<T> {
-        let mut at = origin;
-        let problem = match on_grid {
+        match on_grid {
             Ok(values) => return Some(values),
             Err(SpectraError::OutsideTable { first, last, .. }) => {
-                at = origin.or_set([self.range]);
-                let needed_nm = (self.grid.start_nm(), self.grid.stop_nm());
-                Problem::NotCovered { what: name.to_owned(), first, last, needed_nm }
+                let needed = (self.grid.start_nm(), self.grid.stop_nm());
+                let wrong = mistake::not_covered(name, (first, last), needed);
+                self.errors.push(origin.or_set([self.range]), wrong);
             }
-            Err(error) => error.into(),
-        };
-        self.errors.push(at, problem);
+            Err(error) => self.errors.push(origin, error),
+        }
         None
     }
 
@@ -122,8 +121,7 @@ impl Resolver<'_> {
                 self.index_file(name, spec.origin)?
             }
             Err(SpectraError::UnknownName { kind, .. }) => {
-                let names = material_names().to_vec();
-                self.err(spec, Problem::UnknownName { kind, name: name.to_owned(), names });
+                self.err(spec, mistake::unknown_name(kind, name, material_names()));
                 return None;
             }
             other => self.sampled(name, spec.origin, other)?,
@@ -134,7 +132,9 @@ impl Resolver<'_> {
             |index: &Complex64| index.re.max(index.im) <= LARGEST_INDEX && index.norm() >= SMALLEST_INDEX;
         if let Some(i) = index.iter().position(|index| !is_film(index)) {
             let Complex64 { re: n, im: k } = index[i];
-            self.err(spec, Problem::NoFilm { n, k, nm: self.grid.wavelength_nm(i) });
+            let nm = self.grid.wavelength_nm(i);
+            let wrong = Diagnostic::new(format!("the refractive index is {n} + {k}i at {nm} nm"));
+            self.err(spec, wrong.expected("n and k up to 1000, and |n + ik| of 0.001 or more"));
             return None;
         }
         Some(index)

@@ -1,5 +1,6 @@
 //! Diffusers by their BTDF: lobes, kernels, and transmittances.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Diffuser, Interface, Lobe, ScatterFace, ScatterKernel};
 use papilio_optics::lobe::{largest_haze, width_from_haze};
 use papilio_optics::scatter::{self, Normalisation, Scatter};
@@ -9,9 +10,9 @@ use super::Resolver;
 use crate::describe::diffuser::{Btdf, KCorrelation, Lambertian, Ward, WardNormalisation};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::numbers::{NARROWEST_LOBE, Share};
-use crate::problem::Problem;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::Origin;
 
 /// ASTM D1003 measures haze up to here.
 const HAZE_SCOPE: f64 = 0.30;
@@ -79,7 +80,7 @@ impl Resolver<'_> {
             (haze, _) => {
                 let at = diffuser.width.origin.or_set([diffuser.haze.origin, diffuser.origin]);
                 let given = if haze.is_some() { 2 } else { 0 };
-                self.errors.push(at, Problem::ExactlyOne { keys: "`haze` and `width`", given });
+                self.errors.push(at, mistake::exactly_one("`haze` and `width`", given));
                 None
             }
         }
@@ -89,9 +90,8 @@ impl Resolver<'_> {
         let straight_through = diffuser.straight_through.0;
         let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
         let Some(width) = width else {
-            let limit = largest_haze(straight_through);
             let at = diffuser.haze.origin.or_set([diffuser.straight_through.origin]);
-            self.errors.push(at, Problem::NoWidth { haze, straight_through, limit });
+            self.errors.push(at, no_width(haze, straight_through));
             return None;
         };
         if haze > HAZE_SCOPE {
@@ -132,7 +132,7 @@ impl Resolver<'_> {
                 let given = if given.is_some() { 2 } else { 0 };
                 let keys = "`transmittance` and `total_transmittance`";
                 let at = whole.transmittance.origin.or_set([whole.total_transmittance.origin]);
-                self.errors.push(at, Problem::ExactlyOne { keys, given });
+                self.errors.push(at, mistake::exactly_one(keys, given));
                 return None;
             }
         };
@@ -140,11 +140,31 @@ impl Resolver<'_> {
         let largest = transmittance.max();
         if largest > 1.0 + 1e-12 {
             let at = origin.or_set(causes).or_set([whole.straight_through.origin]);
-            self.errors.push(at, Problem::LobeAboveOne { lobe: largest, limit: share });
+            let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
+                .expected("at most 1")
+                .hint(format!(
+                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {share:.4} at most"
+                ));
+            self.errors.push(at, wrong);
             return None;
         }
         Some(transmittance.map(|t| t.min(1.0)))
     }
+}
+
+/// No k-correlation lobe has this haze.
+fn no_width(haze: f64, straight_through: f64) -> Diagnostic {
+    let limit = largest_haze(straight_through);
+    let hint = if limit <= 0.0 {
+        "light that passes straight through is not haze".to_owned()
+    } else if haze < limit {
+        "so small a haze is none: give a larger one, or remove the diffuser".to_owned()
+    } else {
+        let limit = (limit * 1e4).floor() / 1e4;
+        format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
+    };
+    let lobe = "no k-correlation lobe has a haze of";
+    Diagnostic::new(format!("{lobe} {haze} with straight_through = {straight_through}")).hint(hint)
 }
 
 /// A face that scatters light through like this, but for the share that passes straight; it reflects

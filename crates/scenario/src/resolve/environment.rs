@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::room::{Pose, Sky, cap as cap_field, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
 use papilio_formats::{read_ies, read_profile};
@@ -11,10 +12,10 @@ use papilio_spectra::Spectrum;
 use super::Resolver;
 use crate::describe::environment::{self as describe, ProfileAngles};
 use crate::describe::lighting::LightSpectrum;
-use crate::describe::numbers::Share;
-use crate::problem::Problem;
+use crate::describe::numbers::{Elevation, Share};
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::{At, Read};
-use crate::source::Origin;
 
 /// A luminaire is far away from so many of its widths on (the five-times rule: CIE 70-1987; IES Lighting Handbook).
 const FAR: f64 = 5.0;
@@ -85,7 +86,8 @@ impl Resolver<'_> {
         let edges = (middle - half, middle + half);
         if edges.0 < 0.0 || edges.1 > 90.0 {
             let at = ring.width_deg.origin.or_set([ring.theta_deg.origin]);
-            self.errors.push(at, Problem::RingEdges { what: "ring", from_deg: edges.0, to_deg: edges.1 });
+            let expected = "a ring between 0 and 90 deg that ends beyond its beginning";
+            self.errors.push(at, mistake::edges("ring", edges.0, edges.1, expected));
             return None;
         }
         Field::ring(edges.0, edges.1)
@@ -95,7 +97,7 @@ impl Resolver<'_> {
         let (from, to) = (cap.from_deg.0, cap.to_deg.0);
         if from >= to {
             let at = cap.to_deg.origin.or_set([cap.from_deg.origin]);
-            self.errors.push(at, Problem::RingEdges { what: "cap", from_deg: from, to_deg: to });
+            self.errors.push(at, mistake::edges("cap", from, to, "a cap that ends beyond its beginning"));
             return None;
         }
         let field = cap_field(cap.theta_deg.0, cap.phi_deg.0, from, to);
@@ -122,9 +124,8 @@ impl Resolver<'_> {
         let number = u8::try_from(sky.number.0).ok()?;
         let sun = sky.sun_elevation_deg.value.map(|elevation| [elevation.0, sky.sun_azimuth_deg.0]);
         if Sky::has_sun(number) && sun.is_none() {
-            let key = "sun_elevation_deg".to_owned();
-            let expected = crate::describe::numbers::Elevation::in_words();
-            self.errors.push(sky.number.origin.or_set([sky.origin]), Problem::MissingKey { key, expected });
+            let wrong = mistake::missing_key("sun_elevation_deg", Elevation::in_words());
+            self.errors.push(sky.number.origin.or_set([sky.origin]), wrong);
             return None;
         }
         let pose = Pose { tilt_deg: sky.tilt_deg.0 };
@@ -159,7 +160,7 @@ impl Resolver<'_> {
         if theta_deg + radius_deg >= 90.0 {
             let at = lamp.elevation_deg.origin.or_set([lamp.tilt_deg.origin, lamp.azimuth_deg.origin]);
             let reach = theta_deg + radius_deg;
-            self.errors.push(at, Problem::BelowHorizon { what: "luminaire", theta_deg: reach });
+            self.errors.push(at, mistake::below_horizon("luminaire", reach));
             return None;
         }
         if intensity == 0.0 {
@@ -196,16 +197,17 @@ impl Resolver<'_> {
     /// The sun's disc.
     fn sun(&mut self, sky: &At<describe::Sky>, spectrum: Option<Spectrum>) -> Option<DirectedLight> {
         let Some(elevation) = sky.sun_elevation_deg.value else {
-            let (key, expected) =
-                ("sun_elevation_deg".to_owned(), crate::describe::numbers::Elevation::in_words());
-            self.errors.push(sky.sun_share.origin, Problem::MissingKey { key, expected });
+            let wrong = mistake::missing_key("sun_elevation_deg", Elevation::in_words());
+            self.errors.push(sky.sun_share.origin, wrong);
             return None;
         };
         let pose = Pose { tilt_deg: sky.tilt_deg.0 };
         let (theta_deg, phi_deg) = pose.sees([elevation.0, sky.sun_azimuth_deg.0]);
         if theta_deg + SUN_RADIUS_DEG >= 90.0 {
             let at = sky.sun_elevation_deg.origin.or_set([sky.tilt_deg.origin, sky.sun_azimuth_deg.origin]);
-            self.errors.push(at, Problem::SunBehindDisplay { theta_deg });
+            let wrong = format!("the sun is {theta_deg:.2} deg from the display's normal");
+            let expected = "its whole disc above the display's own horizon, less than 89.73 deg";
+            self.errors.push(at, Diagnostic::new(wrong).expected(expected));
             return None;
         }
         Some(DirectedLight {
@@ -219,7 +221,7 @@ impl Resolver<'_> {
     }
 
     fn dark(&mut self, at: Origin) {
-        self.errors.push(at, Problem::DarkField);
+        self.errors.push(at, mistake::dark_field());
     }
 
     /// A light's own spectrum, or that of all.

@@ -2,12 +2,13 @@
 
 use std::collections::HashSet;
 
+use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, Thickness};
 
 use super::Resolver;
 use crate::describe::pixel as describe;
 use crate::describe::pixel::{DriveSpec, StateSpec};
-use crate::problem::{Problem, tidy};
+use crate::mistake::{self, Mistake, tidy};
 use crate::read::Item;
 
 /// The default states: which of red, green and blue are at their colour.
@@ -68,7 +69,9 @@ impl Resolver<'_> {
         }
         if gaps != 1 {
             let thicknesses = pixel.film.iter().map(|layer| layer.thickness_nm.origin);
-            self.errors.push(pixel.film.origin.or_set(thicknesses), Problem::GapLayers { found: gaps });
+            let wrong = Diagnostic::new(format!("{gaps} layers of this film have thickness_nm = \"gap\""));
+            let wrong = wrong.expected("one layer with thickness_nm = \"gap\"");
+            self.errors.push(pixel.film.origin.or_set(thicknesses), wrong);
         }
         layers.into_iter().collect()
     }
@@ -80,32 +83,34 @@ impl Resolver<'_> {
             self.check_nm(&format!("display.pixel.gap_nm.{}", gap.name), gap.value.0);
         }
         if area.0.is_empty() {
-            self.err(&pixel.area, Problem::NoSubPixels);
+            let wrong = Diagnostic::new("this pixel has no sub-pixels");
+            self.err(
+                &pixel.area,
+                wrong.expected("a fraction of the area for each, such as { red = 0.5, green = 0.5 }"),
+            );
             return None;
         }
         let mut sub_pixels = Vec::with_capacity(area.0.len());
         for Item { name, name_origin, value } in &area.0 {
             match gap_nm.get(name) {
-                _ if name == DARK => self.errors.push(*name_origin, Problem::DarkIsNoSubPixel),
+                _ if name == DARK => self.errors.push(*name_origin, dark_is_no_sub_pixel()),
                 Some(gap) => sub_pixels.push(SubPixel { name: name.clone(), area: value.0, gap_nm: gap.0 }),
                 None => {
                     let at = name_origin.or_set([pixel.gap_nm.origin]);
-                    let known = gap_nm.names();
-                    self.errors.push(at, Problem::NoSubPixel { name: name.clone(), of: "gap_nm", known });
+                    self.errors.push(at, no_sub_pixel(name, "gap_nm", &gap_nm.names()));
                 }
             }
         }
         for Item { name, name_origin, .. } in gap_nm.0.iter().filter(|item| item.name != DARK) {
             if area.get(name).is_none() {
                 let at = name_origin.or_set([pixel.area.origin]);
-                let known = area.names();
-                self.errors.push(at, Problem::NoSubPixel { name: name.clone(), of: "area", known });
+                self.errors.push(at, no_sub_pixel(name, "area", &area.names()));
             }
         }
         let sum: f64 = area.0.iter().map(|item| item.value.0).sum();
         if (sum - 1.0).abs() > 1e-3 {
             let at = pixel.area.origin.or_set(area.0.iter().map(|item| item.value.origin));
-            self.errors.push(at, Problem::Sum { what: "the areas", sum, expected: "1 within .001" });
+            self.errors.push(at, mistake::sum("the areas", sum, "1 within 0.001"));
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
                 .push(format!("the areas of the sub-pixels sum to {}, and are taken as they are", tidy(sum)));
@@ -125,7 +130,7 @@ impl Resolver<'_> {
         if states.is_empty() {
             let at = pixel.states.origin.or_set([pixel.default_states.origin, pixel.area.origin]);
             let remedy = "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue";
-            self.errors.push(at, Problem::NoStates { remedy });
+            self.errors.push(at, mistake::no_states(remedy));
         }
         if pixel.gap_nm.get(DARK).is_none() {
             self.check_no_dark(pixel, &states, sub_pixels);
@@ -150,13 +155,12 @@ impl Resolver<'_> {
             match sub_pixels.iter().position(|sub_pixel| sub_pixel.name == item.name) {
                 Some(i) => drives[i] = drive,
                 None if item.name == DARK => {
-                    self.errors.push(item.name_origin, Problem::DarkIsNoSubPixel);
+                    self.errors.push(item.name_origin, dark_is_no_sub_pixel());
                     return None;
                 }
                 None => {
-                    let known = sub_pixels.iter().map(|sub_pixel| sub_pixel.name.clone()).collect();
-                    let problem = Problem::NoSubPixel { name: item.name.clone(), of: "area", known };
-                    self.errors.push(item.name_origin, problem);
+                    let known: Vec<String> = sub_pixels.iter().map(|one| one.name.clone()).collect();
+                    self.errors.push(item.name_origin, no_sub_pixel(&item.name, "area", &known));
                     return None;
                 }
             }
@@ -178,13 +182,25 @@ impl Resolver<'_> {
             let dark =
                 state.drives.iter().position(|drive| matches!(drive, Drive::Share(share) if *share < 1.0));
             if let Some(i) = dark {
-                let (state, sub_pixel) = (state.name.clone(), sub_pixels[i].name.clone());
+                let (state, sub_pixel) = (&state.name, &sub_pixels[i].name);
+                let wrong = format!("state `{state}` leaves `{sub_pixel}` dark, but there is no dark gap");
+                let wrong = Diagnostic::new(wrong).hint("add `dark = 20.0`, in nm, to `gap_nm`");
                 let drives = pixel.states.0.iter().flat_map(|state| &state.value.0.0);
                 let at = pixel.gap_nm.origin.or_set(drives.map(|drive| drive.value.origin));
-                return self.errors.push(at, Problem::NoDarkGap { state, sub_pixel });
+                return self.errors.push(at, wrong);
             }
         }
     }
+}
+
+/// A sub-pixel that is named in one table and not in another.
+fn no_sub_pixel(name: &str, of: &str, known: &[String]) -> Mistake {
+    let hint = suggestion(name, known.iter().map(String::as_str), "sub-pixels");
+    mistake::of_path(Diagnostic::new(format!("there is no sub-pixel `{name}` in `{of}`")).hint(hint))
+}
+
+fn dark_is_no_sub_pixel() -> Diagnostic {
+    Diagnostic::new("`dark` is not a sub-pixel: it has no area and is not driven")
 }
 
 /// How many different gaps the states of a film ask for.

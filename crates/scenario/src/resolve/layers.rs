@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness};
 use papilio_spectra::Spectrum;
 
@@ -14,16 +15,32 @@ use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
 use crate::describe::layers as describe;
 use crate::describe::numbers;
 use crate::describe::solver::Method;
-use crate::problem::{ABSORBING_K, CLEAR_K, Problem, tidy};
+use crate::mistake::{self, tidy};
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::Origin;
 
+/// The k of a clear medium: at most this.
+const CLEAR_K: f64 = 1e-6;
+/// And of one that absorbs along a path that is given; beyond it Fresnel's real index is not enough.
+const ABSORBING_K: f64 = 1e-3;
 /// More layers than this are no display.
 const MOST_LAYERS: usize = 64;
 /// Nanometres in a millimetre.
 const NM_PER_MM: f64 = 1e6;
 /// A path takes the more turns the thicker a slab is; beyond this optical thickness a walk takes hours.
 const THICKEST_WALK: f64 = 200.0;
+
+/// An index that no transparent medium has.
+fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {
+    let Complex64 { re: n, im: k } = index;
+    let wrong = Diagnostic::new(format!("the refractive index is {n} + {k}i at {nm} nm"));
+    let wrong = match k <= largest_k {
+        true => wrong.expected("n from 1 to 10"),
+        false => wrong.expected(format!("n from 1 to 10 and k below {largest_k:e}")),
+    };
+    let absorbs = (1.0..=10.0).contains(&n) && k > largest_k && k <= ABSORBING_K;
+    wrong.hint_if(absorbs.then_some("give `thickness_mm`, and k absorbs along the path"))
+}
 
 /// An entry of the list.
 pub(super) enum Part {
@@ -53,10 +70,13 @@ impl Resolver<'_> {
             ("glass", display.glass.is_some(), display.glass.origin, "{ kind = \"medium\", index = 1.5 }"),
         ];
         for (key, _, at, layer) in beside.into_iter().filter(|(_, given, ..)| *given) {
-            self.errors.push(at.or_set([display.layers.origin]), Problem::BesideLayers { key, layer });
+            let wrong = "cannot be combined with `layers`, which describes everything above the pixel";
+            let wrong = Diagnostic::new(format!("`{key}` {wrong}"))
+                .hint(format!("make it a layer, {layer}, or remove it"));
+            self.errors.push(at.or_set([display.layers.origin]), wrong);
         }
         if layers.is_empty() {
-            self.err(&display.layers, Problem::EmptyList);
+            self.err(&display.layers, mistake::empty_list());
             return None;
         }
         self.limit(&display.layers, "layers", layers.len(), MOST_LAYERS)?;
@@ -128,8 +148,7 @@ impl Resolver<'_> {
     ) -> Option<Medium> {
         if transmittance.is_some() && thickness_mm.is_some() {
             let at = thickness_mm.origin.or_set([transmittance.origin]);
-            let problem = Problem::NotWith { key: "thickness_mm", beside: "`internal_transmittance`" };
-            self.errors.push(at, problem);
+            self.errors.push(at, mistake::not_with("thickness_mm", "`internal_transmittance`"));
         }
         let clear = transmittance.is_none() && thickness_mm.is_none();
         let index = self.transparent(index, if clear { CLEAR_K } else { ABSORBING_K })?;
@@ -161,7 +180,12 @@ impl Resolver<'_> {
         let n = Spectrum::from_values(index.iter().map(|index| index.re).collect());
         let k = index.iter().fold(0.0, |most: f64, index| most.max(index.im));
         if !n.is_constant() || k > CLEAR_K {
-            self.err(&slab.index, Problem::SlabIndex { least: n.min(), largest: n.max(), k });
+            let (least, largest) = (tidy(n.min()), tidy(n.max()));
+            let wrong =
+                Diagnostic::new(format!("this refractive index is {least} to {largest}, with k up to {k}"))
+                    .expected("one real index for all wavelengths: slabs have no other")
+                    .hint("give the index at 550 nm, as a number; what the slab absorbs is 1 - `albedo`");
+            self.err(&slab.index, wrong);
             return None;
         }
         let (optical_thickness, anisotropy) = (slab.optical_thickness.0, slab.anisotropy.0);
@@ -196,15 +220,19 @@ impl Resolver<'_> {
             let optical_thickness = slab.optical_thickness.0;
             if optical_thickness > THICKEST_WALK {
                 let at = slab.optical_thickness.origin.or_set([file.solver.method.origin]);
-                let problem = Problem::TooThickToWalk { optical_thickness, limit: THICKEST_WALK };
-                self.errors.push(at, problem);
+                let wrong =
+                    format!("a walk through an optical thickness of {optical_thickness} would take hours");
+                let wrong = Diagnostic::new(wrong)
+                    .expected(format!("at most {THICKEST_WALK} with method = \"walk\""))
+                    .hint("use method = \"adding\", whose time hardly depends on the thickness");
+                self.errors.push(at, wrong);
             }
         }
     }
 
     fn coating(&mut self, path: &str, coating: &describe::Coating) -> Option<Vec<FilmLayer>> {
         if coating.film.is_empty() {
-            self.err(&coating.film, Problem::EmptyList);
+            self.err(&coating.film, mistake::empty_list());
             return None;
         }
         self.limit(&coating.film, "films", coating.film.len(), 256)?;
@@ -224,7 +252,7 @@ impl Resolver<'_> {
         let is_transparent = |index: &Complex64| (1.0..=10.0).contains(&index.re) && index.im <= largest_k;
         if let Some(i) = index.iter().position(|index| !is_transparent(index)) {
             let nm = self.grid.wavelength_nm(i);
-            self.err(spec, Problem::NoGlass { n: index[i].re, k: index[i].im, nm, largest_k });
+            self.err(spec, not_transparent(index[i], nm, largest_k));
             return None;
         }
         Some(index)

@@ -1,5 +1,6 @@
 //! The spectrum of a light: by name, from a file, or by models.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_formats::read_light;
 use papilio_spectra::{
     Grid, SpectraError, Spectrum, Tabulated, daylight, illuminant, illuminant_names, ohno_led, planck,
@@ -8,9 +9,9 @@ use papilio_spectra::{
 use super::{Resolver, sampling};
 use crate::describe::lighting::{LightModel, LightSpectrum};
 use crate::describe::numbers::Wavelength;
-use crate::problem::Problem;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::{At, Read};
-use crate::source::Origin;
 
 /// Where daylight and black bodies have the value 1, nm.
 const UNIT_NM: f64 = 560.0;
@@ -57,7 +58,7 @@ impl Resolver<'_> {
             LightSpectrum::Sum(models) => {
                 self.limit(light, "models", models.len(), 256)?;
                 if models.is_empty() {
-                    self.err(light, Problem::EmptyList);
+                    self.err(light, mistake::empty_list());
                     return None;
                 }
                 let parts: Vec<_> = models.iter().map(|model| self.model(model, model.origin)).collect();
@@ -71,8 +72,11 @@ impl Resolver<'_> {
         let sampled: Vec<_> = parts.iter().map(sampled).collect();
         let spectrum = sum(&self.grid, sampled.into_iter().collect::<Option<Vec<_>>>()?);
         if spectrum.max() < DARKEST {
-            let range_nm = (self.grid.start_nm(), self.grid.stop_nm());
-            self.errors.push(light.origin.or_set([self.range]), Problem::NoLight { range_nm });
+            let (start, stop) = (self.grid.start_nm(), self.grid.stop_nm());
+            let wrong = Diagnostic::new(format!("this light is dark between {start} and {stop} nm")).hint(
+                "lines narrower than the grid's step are lost: set spectrum.step_nm = 1; or change range_nm",
+            );
+            self.errors.push(light.origin.or_set([self.range]), wrong);
             return None;
         }
         let all_on = |grid: &Grid| {
@@ -93,8 +97,7 @@ impl Resolver<'_> {
                 Some(part(Source::Table(table)))
             }
             Err(SpectraError::UnknownName { .. }) => {
-                let names = illuminant_names();
-                self.err(light, Problem::UnknownName { kind: "light", name: name.to_owned(), names });
+                self.err(light, mistake::unknown_name("light", name, &illuminant_names()));
                 None
             }
             _ => Some(part(Source::Illuminant(name.to_owned()))),
@@ -111,9 +114,7 @@ impl Resolver<'_> {
                 (None, None, None, Some(t)) => ("the black body", Source::BlackBody { temperature_k: t.0 }),
                 (led, width, None, None) if led.is_some() != width.is_some() => {
                     let key = if led.is_some() { "width_nm" } else { "led_nm" };
-                    let problem =
-                        Problem::MissingKey { key: key.to_owned(), expected: Wavelength::in_words() };
-                    self.errors.push(origin, problem);
+                    self.errors.push(origin, mistake::missing_key(key, Wavelength::in_words()));
                     return None;
                 }
                 (led, width, daylight, planck) => {
@@ -126,7 +127,7 @@ impl Resolver<'_> {
                         model.daylight_K.origin,
                         model.planck_K.origin,
                     ];
-                    self.errors.push(origin.or_set(keys_at), Problem::ExactlyOne { keys, given });
+                    self.errors.push(origin.or_set(keys_at), mistake::exactly_one(keys, given));
                     return None;
                 }
             };

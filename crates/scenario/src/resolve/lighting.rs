@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::room::{Sheet, luminous_sheet, profile};
 use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
 use papilio_formats::{Luminaire, read_ies, read_profile};
@@ -11,10 +12,10 @@ use super::Resolver;
 use super::maps::MapLight;
 use crate::describe::environment::Environment as Described;
 use crate::describe::lighting::{self as describe, Illuminance};
-use crate::describe::numbers::Share;
-use crate::problem::Problem;
-use crate::read::At;
-use crate::source::Origin;
+use crate::describe::numbers::{Lux, Share};
+use crate::mistake::{self, tidy};
+use crate::origin::Origin;
+use crate::read::{At, Read};
 
 impl Resolver<'_> {
     pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
@@ -64,12 +65,17 @@ impl Resolver<'_> {
                         ));
                     } else {
                         let expected = "a map that makes 1e-6 to 1e9 lx on the display by its own numbers";
-                        self.errors.push(at, Problem::OutOfRange { value: illuminance_lx, expected });
+                        self.errors.push(at, mistake::out_of_range(illuminance_lx, expected));
                     }
                     is_usual.then_some(illuminance_lx)
                 }
                 _ => {
-                    self.errors.push(at, Problem::NotOneMap { maps: self.maps.len() });
+                    let wrong = match self.maps.len() {
+                        1 => "the map has no share of the light".to_owned(),
+                        maps => format!("\"from-map\" needs one map, and there are {maps}"),
+                    };
+                    let expected = "one [[lighting.environment]] with model = \"map\" and a share above 0";
+                    self.errors.push(at, Diagnostic::new(wrong).expected(expected));
                     None
                 }
             },
@@ -109,7 +115,7 @@ impl Resolver<'_> {
             profile(&self.data(name, origin, read_profile)?)
         };
         if field.is_none() {
-            self.errors.push(origin, Problem::DarkField);
+            self.errors.push(origin, mistake::dark_field());
         }
         field
     }
@@ -117,8 +123,8 @@ impl Resolver<'_> {
     /// A dark room needs a front light, and numbers mean something else in it.
     fn check_front_light_alone(&mut self, lighting: &At<describe::Lighting>) {
         if lighting.front_light.is_none() {
-            let expected = "a number from 1e-6 to 1e9 (lx): only beside a front light may a room be dark";
-            self.errors.push(lighting.illuminance_lx.origin, Problem::OutOfRange { value: 0.0, expected });
+            let expected = format!("{}: only beside a front light may a room be dark", Lux::in_words());
+            self.errors.push(lighting.illuminance_lx.origin, mistake::out_of_range(0.0, expected));
             return;
         }
         self.notes.push(
@@ -138,7 +144,7 @@ impl Resolver<'_> {
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
         if radius_deg.is_some() && reach >= 90.0 {
             let at = source.radius_deg.origin.or_set([source.theta_deg.origin]);
-            self.errors.push(at, Problem::BelowHorizon { what: "cone", theta_deg: reach });
+            self.errors.push(at, mistake::below_horizon("cone", reach));
         }
         let spectrum = self.own_light(&format!("lighting.directed.{i}.spectrum"), &source.spectrum, general);
         Some(DirectedLight {
@@ -179,8 +185,11 @@ impl Resolver<'_> {
         let needed = |i: usize| 1.0 - (sum - shares[i].1);
         let others = (0..shares.len()).rev().filter(|&i| i != wrong);
         let mends = others.chain([wrong]).find(|&i| (0.0..=1.0).contains(&needed(i))).unwrap_or(wrong);
-        let (remedy, value) = (shares[mends].0.clone(), needed(mends));
-        self.errors.push(shares[wrong].2, Problem::LightShares { sum, remedy, value });
+        let (remedy, value) = (&shares[mends].0, needed(mends));
+        let hint =
+            (0.0..=1.0).contains(&value).then(|| format!("{remedy}={} would make the sum 1", tidy(value)));
+        let mistake = mistake::sum("the shares of the light", sum, "1").hint_if(hint);
+        self.errors.push(shares[wrong].2, mistake);
     }
 }
 

@@ -11,9 +11,9 @@ use serde_json::json;
 
 use super::Resolver;
 use crate::describe::environment as describe;
-use crate::problem::Problem;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::Origin;
 
 /// Lumens for each watt of a picture in red, green and blue, by Radiance's convention.
 const PICTURE_LM_PER_W: f64 = 179.0;
@@ -50,8 +50,7 @@ impl Resolver<'_> {
         let spectrum = map.spectrum.value.is_some().then_some(("spectrum", map.spectrum.origin));
         let regions = map.regions.first().map(|first| ("regions", first.origin));
         if let Some((key, at)) = spectrum.or(regions).filter(|_| spectral) {
-            let problem = Problem::NotWith { key, beside: "a map that has spectra of its own" };
-            self.errors.push(at, problem);
+            self.errors.push(at, mistake::not_with(key, "a map that has spectra of its own"));
             return None;
         }
         let white = white?;
@@ -93,7 +92,7 @@ impl Resolver<'_> {
         }
         let lux: f64 = parts.iter().map(|part| part.share).sum();
         if !(lux > 0.0 && lux.is_finite()) {
-            self.errors.push(map.file.origin, Problem::DarkField);
+            self.errors.push(map.file.origin, mistake::dark_field());
             return None;
         }
         parts.iter_mut().for_each(|part| part.share *= map.share.0 / lux);
@@ -133,15 +132,12 @@ impl Resolver<'_> {
 
     /// Two angles, the first below the second.
     fn pair(&mut self, angles: Vec<f64>, origin: Origin) -> Option<[f64; 2]> {
-        let problem = match angles[..] {
+        let wrong = match angles[..] {
             [from, to] if from < to => return Some([from, to]),
-            [from_deg, to_deg] => Problem::RingEdges { what: "region", from_deg, to_deg },
-            _ => Problem::WrongType {
-                expected: "two angles: where it begins and where it ends".to_owned(),
-                found: "a list of another length",
-            },
+            [from, to] => mistake::edges("region", from, to, "a region that ends beyond its beginning"),
+            _ => mistake::another_length("two angles: where it begins and where it ends"),
         };
-        self.errors.push(origin, problem);
+        self.errors.push(origin, wrong);
         None
     }
 }

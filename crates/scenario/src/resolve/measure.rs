@@ -1,6 +1,7 @@
 //! `[measure]`: the diffuser before a virtual imaging sphere.
 
 use papilio_colour::Observer;
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::Lobe;
 use papilio_goniometry::{
     Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
@@ -16,7 +17,7 @@ use crate::describe::diffuser::Diffuser;
 use crate::describe::measure::{Channels, GridAngles, Measure};
 use crate::error::ScenarioErrors;
 use crate::library::Library;
-use crate::problem::Problem;
+use crate::mistake;
 use crate::read::{At, Read};
 use crate::source::Sources;
 
@@ -163,7 +164,7 @@ impl Resolver<'_> {
         ];
         for (at, wrong, expected) in ends {
             if let Some(value) = wrong {
-                self.err(at, Problem::OutOfRange { value: *value, expected });
+                self.err(at, mistake::out_of_range(*value, expected));
                 return None;
             }
         }
@@ -196,11 +197,11 @@ impl Resolver<'_> {
         };
         let beyond = values.iter().find(|value| !(0.0..=180.0).contains(*value));
         if let Some(value) = beyond {
-            self.err(angles, Problem::OutOfRange { value: *value, expected: "angles from 0 to 180 deg" });
+            self.err(angles, mistake::out_of_range(*value, "angles from 0 to 180 deg"));
             return None;
         }
         if let Some(pair) = values.windows(2).find(|pair| pair[1] <= pair[0]) {
-            self.err(angles, Problem::OutOfRange { value: pair[1], expected: "angles that rise" });
+            self.err(angles, mistake::out_of_range(pair[1], "angles that rise"));
             return None;
         }
         Some(values)
@@ -227,13 +228,16 @@ impl Resolver<'_> {
                 return Some(film.into_iter().map(whole).collect());
             }
             Some(Diffuser::Slab(slab)) => {
-                self.errors.push(slab.origin, Problem::NoBtdf);
+                let wrong = Diagnostic::new("a slab has no BTDF of its own that an instrument could measure").hint(
+                    "use model = \"k-correlation\", \"lambertian\", \"ward\" or \"measured\"; `papilio brdf` tables a \
+                     whole display with a slab",
+                );
+                self.errors.push(slab.origin, wrong);
                 return None;
             }
             None => {
-                let expected = Diffuser::in_words();
-                let problem = Problem::MissingKey { key: "diffuser".to_owned(), expected };
-                self.errors.push(file.display.origin.or_set([file.display.layers.origin]), problem);
+                let wrong = mistake::missing_key("diffuser", Diffuser::in_words());
+                self.errors.push(file.display.origin.or_set([file.display.layers.origin]), wrong);
                 return None;
             }
         };
@@ -251,7 +255,7 @@ impl Resolver<'_> {
             Ok(observer) => observer,
             Err(_) => {
                 let range_nm = (self.grid.start_nm(), self.grid.stop_nm());
-                self.errors.push(self.range, Problem::Invisible { range_nm });
+                self.errors.push(self.range, mistake::invisible(range_nm));
                 return None;
             }
         };

@@ -2,6 +2,7 @@
 
 mod told;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
 use papilio_goniometry::{
@@ -19,9 +20,9 @@ use crate::describe::display::ShareSpectrum;
 use crate::describe::measure::Channels;
 use crate::describe::numbers::Blur;
 use crate::describe::pixel::MeasuredPixel;
-use crate::problem::Problem;
+use crate::mistake;
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::Origin;
 
 /// A lobe that, blurred again, differs more than this from the file's is not what the instrument saw.
 const MISFIT: f64 = 0.03;
@@ -61,6 +62,13 @@ enum Behind {
     Glass(f64),
     /// The film touches it.
     Laminated(f64),
+}
+
+/// Why a blur cannot be taken out of a measurement.
+fn unblurred(error: &GoniometryError) -> Diagnostic {
+    let of_width = matches!(error, GoniometryError::Blur { .. });
+    let hint = "the width is that of the image of a straight beam, measured without a sample";
+    Diagnostic::new(error.to_string()).hint_if(of_width.then_some(hint))
 }
 
 impl Behind {
@@ -114,8 +122,7 @@ impl Resolver<'_> {
     /// A film among layers in any order, where what is below it is a layer of its own.
     pub(super) fn measured_alone(&mut self, path: &str, diffuser: &At<Measured>) -> Option<ScatterFace> {
         if diffuser.mounting.value != Mounting::AsMeasured {
-            let problem = Problem::NotWith { key: "mounting", beside: "`[[display.layers]]`" };
-            self.err(&diffuser.mounting, problem);
+            self.err(&diffuser.mounting, mistake::not_with("mounting", "`[[display.layers]]`"));
             return None;
         }
         self.in_air(&diffuser.extrapolate, "`[[display.layers]]`")?;
@@ -125,7 +132,9 @@ impl Resolver<'_> {
     /// Refuses tails in the glass where none is known to be.
     fn in_air(&mut self, extrapolate: &At<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
         if extrapolate.value == Some(Extrapolate::Glass) {
-            self.err(extrapolate, Problem::NotWith { key: "extrapolate = \"glass\"", beside });
+            let wrong = mistake::not_with("extrapolate = \"glass\"", beside);
+            let hint = "\"hold\" keeps the last lobe within the horizon of the air";
+            self.err(extrapolate, wrong.hint(hint));
             return None;
         }
         Some(())
@@ -225,11 +234,10 @@ impl Resolver<'_> {
         self.limit(&pixel.file, "states", states.len(), 256)?;
         if states.is_empty() {
             let remedy = "name a state with its file: file = { white = \"white.bsdf\" }";
-            self.err(&pixel.file, Problem::NoStates { remedy });
+            self.err(&pixel.file, mistake::no_states(remedy));
         }
         for item in pixel.spectrum.0.iter().filter(|item| pixel.file.get(&item.name).is_none()) {
-            let problem = Problem::NoSuchState { name: item.name.clone(), known: pixel.file.names() };
-            self.errors.push(item.name_origin, problem);
+            self.errors.push(item.name_origin, mistake::no_such_state(&item.name, &pixel.file.names()));
         }
         let mut kernels = Vec::with_capacity(states.len());
         for state in states {
@@ -267,7 +275,9 @@ impl Resolver<'_> {
     fn colour(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
         let spectrum = self.share(share, origin)?;
         if spectrum.max() <= 0.0 {
-            self.errors.push(origin, Problem::DarkShare);
+            let wrong =
+                Diagnostic::new("this spectrum is 0 at all wavelengths, and cannot colour the measurement");
+            self.errors.push(origin, wrong.hint("its shape is what counts: somewhere it must be above 0"));
             return None;
         }
         Some(spectrum)
@@ -282,7 +292,13 @@ impl Resolver<'_> {
         let part = measurement.parts.iter().find(|part| part.way == way);
         if part.is_none() {
             let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
-            self.errors.push(source.file, Problem::NoSuchWay { wanted: way.name(), found });
+            let flip = way == Way::FrontTransmission && found.contains(Way::BackTransmission.name());
+            let wrong = Diagnostic::new(format!("this file has no {}", way.name()))
+                .expected(format!("it among what the file has: {found}"))
+                .hint_if(
+                    flip.then_some("`flipped = true` takes the light from the other side of the sample"),
+                );
+            self.errors.push(source.file, wrong);
         }
         part
     }
@@ -356,11 +372,13 @@ impl Resolver<'_> {
                 Some(scatter)
             }
             Err(error) => {
-                let at = match error {
-                    GoniometryError::NoTis => source.normalise.origin,
-                    _ => source.file,
-                };
-                self.errors.push(at, Problem::Measurement(error));
+                match error {
+                    GoniometryError::NoTis => {
+                        let wrong = Diagnostic::new(error.to_string()).hint("use normalise = \"none\"");
+                        self.errors.push(source.normalise.origin, wrong);
+                    }
+                    _ => self.errors.push(source.file, error),
+                }
                 None
             }
         }
@@ -378,14 +396,14 @@ impl Resolver<'_> {
         let sharp = match deblurred(part, channel, &Unblur::of_width(width)) {
             Ok(sharp) => sharp,
             Err(error) => {
-                self.errors.push(blur.origin, Problem::Measurement(error));
+                self.errors.push(blur.origin, unblurred(&error));
                 return None;
             }
         };
         let (path, way, [spread, _]) = (source.path, part.way.name(), sharp.noise_amplification);
         let misfit = sharp.incidences.iter().map(|lobe| lobe.misfit).fold(0.0, f64::max);
         if misfit > FAR_MISFIT {
-            self.errors.push(blur.origin, Problem::Measurement(GoniometryError::Blur { width, misfit }));
+            self.errors.push(blur.origin, unblurred(&GoniometryError::Blur { width, misfit }));
             return None;
         }
         if let Some(Unblurred { theta_deg, peak: [before, after], .. }) = sharp.incidences.first() {

@@ -31,9 +31,10 @@ use crate::describe::solver::{self, Solver};
 use crate::describe::{File, metrics};
 use crate::error::{Errors, ScenarioErrors};
 use crate::library::Library;
-use crate::problem::Problem;
+use crate::mistake::{self, Mistake};
+use crate::origin::Origin;
 use crate::read::At;
-use crate::source::{Origin, Sources};
+use crate::source::Sources;
 
 /// Wavelengths that the standard observer sees, nm.
 const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
@@ -103,14 +104,13 @@ impl<'a> Resolver<'a> {
 fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
     let range = &file.spectrum.range_nm;
     let [first, last] = range.as_slice() else {
-        let expected = "a list of two wavelengths, first and last".to_owned();
-        errors.push(range.origin, Problem::WrongType { expected, found: "a list of another length" });
+        errors.push(range.origin, mistake::another_length("a list of two wavelengths, first and last"));
         return None;
     };
     match Grid::new(first.0, last.0, file.spectrum.step_nm.0) {
         Ok(grid) if grid.stop_nm() > VISIBLE_NM.0 && grid.start_nm() < VISIBLE_NM.1 => Some(grid),
         Ok(grid) => {
-            errors.push(range.origin, Problem::Invisible { range_nm: (grid.start_nm(), grid.stop_nm()) });
+            errors.push(range.origin, mistake::invisible((grid.start_nm(), grid.stop_nm())));
             None
         }
         Err(error) => {
@@ -173,7 +173,7 @@ impl Resolver<'_> {
         if let Some(name) = &state.value {
             metrics.reference_state.clone_from(name);
             if !known.contains(name) {
-                self.err(state, Problem::NoSuchState { name: name.clone(), known });
+                self.err(state, mistake::no_such_state(name, &known));
             }
         }
         metrics
@@ -184,7 +184,7 @@ impl Resolver<'_> {
         let Some(state) = file.solver.target.value.as_ref().map(|target| &target.state) else { return };
         let known = state_names(&scene.display.pixel);
         if let Some(name) = state.value.as_ref().filter(|name| !known.contains(name)) {
-            self.err(state, Problem::NoSuchState { name: name.clone(), known });
+            self.err(state, mistake::no_such_state(name, &known));
         }
     }
 
@@ -207,7 +207,7 @@ impl Resolver<'_> {
         if count <= limit {
             return Some(());
         }
-        self.err(at, Problem::TooMany { what, count: count as f64, limit });
+        self.err(at, mistake::too_many(what, count as f64, limit));
         None
     }
 
@@ -225,7 +225,7 @@ impl Resolver<'_> {
         let mut limit = |at, what, factors: &[usize], limit| {
             let count = factors.iter().fold(1, |product: usize, factor| product.saturating_mul(*factor));
             if count > limit {
-                self.errors.push(at, Problem::TooMany { what, count: count as f64, limit });
+                self.errors.push(at, mistake::too_many(what, count as f64, limit));
             }
         };
         let parts: usize = scene.lighting.environment.iter().map(|one| one.parts.len()).sum();
@@ -246,8 +246,8 @@ impl Resolver<'_> {
         limit(views_at.or_set([step]), what, &[views, states, bins], MOST_NUMBERS);
     }
 
-    fn err<T>(&mut self, at: &At<T>, problem: Problem) {
-        self.errors.push(at.origin, problem);
+    fn err<T>(&mut self, at: &At<T>, mistake: impl Into<Mistake>) {
+        self.errors.push(at.origin, mistake);
     }
 
     fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
@@ -301,14 +301,14 @@ impl Resolver<'_> {
             (None, Some(error)) => scene::Tolerance::Relative(error.0),
             (error, _) => {
                 let given = if error.is_some() { 2 } else { 0 };
-                self.errors.push(at, Problem::ExactlyOne { keys: "`error` and `relative_error`", given });
+                self.errors.push(at, mistake::exactly_one("`error` and `relative_error`", given));
                 return None;
             }
         };
         let metric = target.metric.0;
         if metric.is_of_view() && target.state.value.is_some() {
-            let problem = Problem::NotWith { key: "state", beside: "a metric of all states together" };
-            self.errors.push(target.state.origin, problem);
+            let wrong = mistake::not_with("state", "a metric of all states together");
+            self.errors.push(target.state.origin, wrong);
             return None;
         }
         Some(scene::Stop::Target(scene::Target { metric, state: target.state.value.clone(), tolerance }))
@@ -324,13 +324,13 @@ impl Resolver<'_> {
         match (solver.relative_error.value, solver.paths.value) {
             (Some(_), Some(_)) => {
                 let at = solver.paths.origin.or_set([solver.relative_error.origin]);
-                let problem = Problem::ExactlyOne { keys: "`relative_error` and `paths`", given: 2 };
-                self.errors.push(at, problem);
+                self.errors.push(at, mistake::exactly_one("`relative_error` and `paths`", 2));
                 None
             }
             (None, Some(_)) if solver.method.value == solver::Method::Adding => {
                 let at = solver.paths.origin.or_set([solver.method.origin]);
-                self.errors.push(at, Problem::NotWith { key: "paths", beside: "method = \"adding\"" });
+                let wrong = mistake::not_with("paths", "method = \"adding\"");
+                self.errors.push(at, wrong.hint("give `relative_error`, or method = \"walk\""));
                 None
             }
             (None, Some(paths)) => {

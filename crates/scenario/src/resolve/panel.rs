@@ -1,5 +1,6 @@
 //! The panel: front of screen, face or diffuser, glass; and what is for it alone.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
     self, AngleMedium, Approximation, Display, FrontComponent, Glass, Interface, Layers, Medium, Panel, Scene,
 };
@@ -12,8 +13,23 @@ use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
 use crate::describe::pixel::Pixel;
-use crate::problem::Problem;
-use crate::source::Origin;
+use crate::mistake;
+use crate::origin::Origin;
+
+/// Something that only the ordinary panel can have, and what every display can have instead.
+fn needs_panel(what: &str, instead: &str) -> Diagnostic {
+    Diagnostic::new(format!("{what} is for the ordinary panel only"))
+        .expected(
+            "front components, a face or a lobe by formula, clear glass, and a pixel that is not measured",
+        )
+        .hint(format!("use {instead}"))
+}
+
+/// A direction in glass that never leaves the glass.
+fn trapped(theta_deg: f64, limit_deg: f64) -> Diagnostic {
+    Diagnostic::new(format!("light at {theta_deg} deg in this glass never leaves it"))
+        .expected(format!("less than {limit_deg:.2} deg, field and radius included"))
+}
 
 /// What a panel has between air and glass.
 enum Top {
@@ -107,7 +123,7 @@ impl Resolver<'_> {
         if sum > 1.0 + 1e-12 {
             let what = "reflectance and absorptance";
             let at = origin.or_set([component.reflectance.origin, component.absorptance.origin]);
-            self.errors.push(at, Problem::Sum { what, sum, expected: "at most 1" });
+            self.errors.push(at, mistake::sum(what, sum, "at most 1"));
             return None;
         }
         Some(FrontComponent { reflectance, absorptance })
@@ -128,7 +144,7 @@ impl Resolver<'_> {
         if let Some(why) = wrong {
             let model = display.diffuser.as_ref().map_or(display.diffuser.origin, Diffuser::model);
             let at = glass.surface.origin.or_set([display.diffuser.origin, model]);
-            self.errors.push(at, Problem::SurfaceUnderDiffuser(why));
+            self.errors.push(at, Diagnostic::new(why).hint("remove `surface`, or the diffuser"));
         }
         let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
         let medium = self.medium("display.glass", &glass.index, absorption)?;
@@ -144,7 +160,11 @@ impl Resolver<'_> {
         let Some(guide) = &file.lighting.front_light.value else { return };
         let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if guide.distribution.value.is_some() && !over_lobe {
-            self.errors.push(guide.distribution.origin, Problem::NoLobeBelow);
+            let wrong = Diagnostic::new(
+                "`distribution` of a front light needs a panel with a diffuser given by a lobe",
+            )
+            .hint("remove `distribution`: a diffuse front light lies over any layers");
+            self.errors.push(guide.distribution.origin, wrong);
         }
     }
 
@@ -167,12 +187,12 @@ impl Resolver<'_> {
         };
         if let Some(what) = what {
             let at = solver.angle_medium.origin.or_set(causes.iter().copied());
-            self.errors.push(at, Problem::NeedsPanel { what, instead: "angle_medium = \"air\"" });
+            self.errors.push(at, needs_panel(what, "angle_medium = \"air\""));
         }
         if scene.solver.approximation == Approximation::SinglePass {
             let what = "approximation = \"single-pass\"";
             let at = solver.approximation.origin.or_set(causes);
-            self.errors.push(at, Problem::NeedsPanel { what, instead: "approximation = \"none\"" });
+            self.errors.push(at, needs_panel(what, "approximation = \"none\""));
         }
     }
 
@@ -195,7 +215,9 @@ impl Resolver<'_> {
         let mut causes = vec![display.diffuser.origin, display.glass.origin];
         causes.extend(display.glass.iter().flat_map(|glass| [glass.index.origin, glass.surface.origin]));
         let at = file.solver.angle_medium.origin.or_set(causes);
-        self.errors.push(at, Problem::AnglesInGlass(needs));
+        let wrong = Diagnostic::new(format!("angles in glass need {needs}"))
+            .hint("use angle_medium = \"air\": angles are then refracted by Snell's law");
+        self.errors.push(at, wrong);
     }
 
     /// What is seen or shines at |beta| >= 1 is light that the glass holds.
@@ -208,13 +230,13 @@ impl Resolver<'_> {
         let edge = edges.fold(0.0, f64::max);
         if edge >= limit_deg {
             let at = file.viewer.theta_deg.origin.or_set(causes).or_set([file.viewer.field_deg.origin]);
-            self.errors.push(at, Problem::Trapped { theta_deg: edge, limit_deg });
+            self.errors.push(at, trapped(edge, limit_deg));
         }
         for source in file.lighting.directed.iter() {
             let theta_deg = source.theta_deg.0.abs() + source.radius_deg.map_or(0.0, |radius| radius.0);
             if theta_deg >= limit_deg {
                 let at = source.theta_deg.origin.or_set(causes).or_set([source.radius_deg.origin]);
-                self.errors.push(at, Problem::Trapped { theta_deg, limit_deg });
+                self.errors.push(at, trapped(theta_deg, limit_deg));
             }
         }
     }

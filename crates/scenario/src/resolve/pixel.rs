@@ -1,5 +1,6 @@
 //! The pixel: uniform states, tables and how far a table must reach, and what lies over a pixel that scatters.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
     self, AngleMedium, Lobe, Pixel, Scene, TableAngles, TablePixel, TableState, UniformKind, UniformPixel,
 };
@@ -10,7 +11,7 @@ use super::{MOST_NUMBERS, Resolver};
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
-use crate::problem::Problem;
+use crate::mistake::{self, tidy};
 use crate::read::At;
 
 impl Resolver<'_> {
@@ -27,7 +28,7 @@ impl Resolver<'_> {
         self.limit(&pixel.reflectance, "states", pixel.reflectance.0.len(), 256)?;
         if pixel.reflectance.0.is_empty() {
             let remedy = "name a state with its reflectance: reflectance = { white = 0.45 }";
-            self.err(&pixel.reflectance, Problem::NoStates { remedy });
+            self.err(&pixel.reflectance, mistake::no_states(remedy));
         }
         let states = pixel.reflectance.0.iter();
         let states: Vec<_> = states
@@ -69,8 +70,7 @@ impl Resolver<'_> {
             let causes = [display.glass.origin, display.layers.origin];
             let glass = display.glass.as_ref().map(|glass| glass.index.origin);
             let at = display.pixel.model().or_set(glass.into_iter().chain(causes));
-            let problem = Problem::DispersivePixel { least: index.min(), largest: index.max() };
-            self.errors.push(at, problem);
+            self.errors.push(at, dispersive("the medium over this pixel", index));
         }
     }
 
@@ -94,7 +94,12 @@ impl Resolver<'_> {
             fills_glass(&scene.display.layers) || scene.solver.angle_medium == AngleMedium::Unrefracted;
         let (medium, needed_deg) = match table.angles {
             TableAngles::Air if fills_glass => {
-                return self.errors.push(described.angles.origin.or_set(causes), Problem::TableInAir);
+                let wrong = Diagnostic::new("angles in air do not reach the light beyond total internal reflection")
+                    .expected("angles = \"glass\"")
+                    .hint(
+                        "give the table in glass angles, to 90 deg; `papilio pixel FILE --angles glass` makes such a table",
+                    );
+                return self.errors.push(described.angles.origin.or_set(causes), wrong);
             }
             TableAngles::Air => ("air", 90.0),
             TableAngles::Glass if fills_glass => ("glass", 90.0),
@@ -103,9 +108,21 @@ impl Resolver<'_> {
         let last_deg = table.theta_deg.last().copied().unwrap_or_default();
         if last_deg < needed_deg {
             let at = described.file.origin.or_set(causes).or_set([described.angles.origin]);
-            self.errors.push(at, Problem::TableTooShort { last_deg, medium, needed_deg });
+            let wrong =
+                Diagnostic::new(format!("the angles of this table end at {last_deg} deg in {medium}"))
+                    .expected(format!("{needed_deg:.2} deg or more"))
+                    .hint("tables are not extrapolated: compute larger angles with the tool that made it");
+            self.errors.push(at, wrong);
         }
     }
+}
+
+/// A medium beside something that needs one index at all wavelengths.
+pub(super) fn dispersive(what: &str, index: &Spectrum) -> Diagnostic {
+    let (least, largest) = (tidy(index.min()), tidy(index.max()));
+    Diagnostic::new(format!("{what} has an index of {least} to {largest}"))
+        .expected("the same index at all wavelengths")
+        .hint("give the index as a number, that at 550 nm for example")
 }
 
 /// The largest angle in glass of light with |beta| <= 1, over the wavelengths, degrees.

@@ -1,11 +1,12 @@
 //! From a list of media and interfaces to layers: each an interface and the medium below it.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Layer, Medium};
 use papilio_spectra::{Grid, Spectrum};
 
+use super::pixel::dispersive;
 use crate::error::Errors;
-use crate::problem::Problem;
-use crate::source::Origin;
+use crate::origin::Origin;
 
 /// Layers as they are put down, from the air.
 pub(super) struct Stack {
@@ -14,13 +15,13 @@ pub(super) struct Stack {
     waiting: Option<(Interface, Origin)>,
     /// Index of the lowest medium so far, and where it was given.
     above: (Spectrum, Origin),
-    problems: Vec<(Origin, Problem)>,
+    mistakes: Vec<(Origin, Diagnostic)>,
 }
 
 impl Stack {
     pub(super) fn new(grid: &Grid) -> Self {
         let above = (Spectrum::constant(grid, 1.0), Origin::FILE);
-        Self { layers: Vec::new(), waiting: None, above, problems: Vec::new() }
+        Self { layers: Vec::new(), waiting: None, above, mistakes: Vec::new() }
     }
 
     /// An interface. One that waits already lies in the medium above.
@@ -35,16 +36,16 @@ impl Stack {
         let (interface, origin) = self.waiting.take().unwrap_or((Interface::Fresnel, Origin::FILE));
         let (above, below) = (&self.above.0, &medium.index);
         let same = **above == **below;
-        let problem = match &interface {
-            Interface::Sheet(_) if !same => Some(Problem::SheetAtFace),
+        let wrong = match &interface {
+            Interface::Sheet(_) if !same => Some(sheet_at_face()),
             Interface::Rough { .. } => match [above, below].into_iter().find(|index| !index.is_constant()) {
-                Some(index) => Some(Problem::DispersiveFace { least: index.min(), largest: index.max() }),
-                None => same.then_some(Problem::NoFace),
+                Some(index) => Some(dispersive("a medium beside this face", index)),
+                None => same.then(no_face),
             },
             _ => None,
         };
         let at = origin.or_set([self.above.1, index_at]);
-        self.problems.extend(problem.map(|problem| (at, problem)));
+        self.mistakes.extend(wrong.map(|wrong| (at, wrong)));
         let interface =
             if same && matches!(interface, Interface::Fresnel) { Interface::Open } else { interface };
         self.above = (medium.index.clone(), index_at);
@@ -54,7 +55,7 @@ impl Stack {
     /// The layers; what does not fit together goes to `errors`.
     pub(super) fn finish(mut self, errors: &mut Errors) -> Vec<Layer> {
         self.close();
-        self.problems.into_iter().for_each(|(origin, problem)| errors.push(origin, problem));
+        self.mistakes.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
         self.layers
     }
 
@@ -66,4 +67,19 @@ impl Stack {
             self.fill(Medium { index, transmittance, scattering: None }, at);
         }
     }
+}
+
+/// A sheet between media of different index: which of them it is in makes a difference.
+fn sheet_at_face() -> Diagnostic {
+    Diagnostic::new("this sheet lies between media of different index").hint(
+        "put a layer below the sheet: a face such as { kind = \"fresnel\" }, and the sheet is in the medium above it; or a \
+         { kind = \"medium\" } of the same index as above",
+    )
+}
+
+/// A rough face without a step of the index.
+fn no_face() -> Diagnostic {
+    Diagnostic::new("the media on both sides of this face have the same index")
+        .expected("two media of different index")
+        .hint("put a { kind = \"medium\" } of another index below the face, or remove the face")
 }

@@ -2,13 +2,15 @@
 
 use std::collections::HashSet;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::Viewer;
 
 use super::Resolver;
+use crate::describe::numbers::Inclination;
 use crate::describe::viewer::{self as describe, AngleRange, Azimuths, Inclinations};
-use crate::problem::{Problem, tidy};
-use crate::read::At;
-use crate::source::Origin;
+use crate::mistake::{self, tidy};
+use crate::origin::Origin;
+use crate::read::{At, Read};
 
 /// More views than this make a result that nobody can open.
 const MOST_VIEWS: usize = 5000;
@@ -29,13 +31,13 @@ impl Resolver<'_> {
         let count = theta_deg.len() * phi_deg.len();
         if count > MOST_VIEWS {
             let at = viewer.theta_deg.origin.or_set([viewer.phi_deg.origin]);
-            self.errors.push(at, Problem::TooMany { what: "views", count: count as f64, limit: MOST_VIEWS });
+            self.errors.push(at, mistake::too_many("views", count as f64, MOST_VIEWS));
         }
         let field_deg = viewer.field_deg.0;
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
         if reach >= 90.0 {
             let at = viewer.field_deg.origin.or_set([viewer.theta_deg.origin]);
-            self.errors.push(at, Problem::BelowHorizon { what: "cone", theta_deg: reach });
+            self.errors.push(at, mistake::below_horizon("cone", reach));
         }
         Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })
     }
@@ -48,12 +50,13 @@ impl Resolver<'_> {
         origin: Origin,
     ) -> Option<Vec<f64>> {
         if list.is_empty() {
-            self.errors.push(origin, Problem::EmptyList);
+            self.errors.push(origin, mistake::empty_list());
             return None;
         }
         let mut seen = HashSet::new();
         for item in list.iter().filter(|item| !seen.insert(angle(item).to_bits())) {
-            self.err(item, Problem::Twice { value: angle(item) });
+            let wrong = Diagnostic::new(format!("{} is in this list twice", angle(item)));
+            self.err(item, wrong.hint("remove one of them"));
         }
         Some(list.iter().map(|item| angle(item)).collect())
     }
@@ -61,8 +64,7 @@ impl Resolver<'_> {
     fn inclinations(&mut self, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
         for end in [&range.from, &range.to] {
             if end.0.abs() >= 90.0 {
-                let expected = "a number between -90 and 90 (degrees)";
-                self.err(end, Problem::OutOfRange { value: end.0, expected });
+                self.err(end, mistake::out_of_range(end.0, Inclination::in_words()));
                 return None;
             }
         }
@@ -74,13 +76,14 @@ impl Resolver<'_> {
         let (from, to, step) = (range.from.0, range.to.0, range.step.0);
         let origin = origin.or_set([range.from.origin, range.to.origin, range.step.origin]);
         if from > to {
-            self.errors.push(origin, Problem::Range { from, to, step });
+            let wrong = Diagnostic::new(format!("the range from {from} to {to} in steps of {step} is empty"));
+            self.errors.push(origin, wrong.expected("from <= to and a step above 0"));
             return None;
         }
         let steps = ((to - from) / step + 1e-6).floor();
         if steps + 1.0 > MOST_VIEWS as f64 {
             let what = if key.starts_with("viewer") { "views" } else { "angles" };
-            self.errors.push(origin, Problem::TooMany { what, count: steps + 1.0, limit: MOST_VIEWS });
+            self.errors.push(origin, mistake::too_many(what, steps + 1.0, MOST_VIEWS));
             return None;
         }
         let last = (from + step * steps).min(to);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::{GOOD, changed, resolve};
-use papilio_scenario::{Problem, ScenarioError};
+use papilio_scenario::ScenarioError;
 
 /// All errors of a text, in a folder without files.
 fn errors(text: &str, sets: &[&str]) -> Vec<ScenarioError> {
@@ -42,7 +42,7 @@ const KEYS_AND_TYPES: &[Case] = &[
     ("index = 1.5", "index = true", (17, 9), &["true or false", "a material or a file"]),
     ("theta_deg = 8", "theta_deg = 2026-01-01", (38, 13), &["a date"]),
     ("model = \"film\"", "model = \"flim\"", (20, 9), &["did you mean `film`?"]),
-    ("title = \"Test\"", "title = Test", (1, 9), &["a string stands in double quotes"]),
+    ("title = \"Test\"", "title = Test", (1, 9), &["write strings in double quotes"]),
     ("[viewer]", "[viewer", (37, 8), &["`]`"]),
     ("title = \"Test\"", "title = \"Test\"\ntitle = \"Again\"", (2, 1), &["duplicate key"]),
     ("\"gap\"", "\"gab\"", (26, 38), &["expected a number from 0 to 1e6 (nm), or \"gap\""]),
@@ -55,7 +55,7 @@ const RANGES: &[Case] = &[
         (25, 45),
         &["-5 is out of range", "expected a number from 0 to 1e6 (nm)"],
     ),
-    ("red = 0.5", "red = 0.6", (22, 8), &["the areas sum to 1.1", "expected 1 within .001"]),
+    ("red = 0.5", "red = 0.6", (22, 8), &["the areas sum to 1.1", "expected 1 within 0.001"]),
     ("haze = 0.78", "haze = 78", (13, 8), &["78 is out of range", "expected a number between 0 and 1"]),
     ("absorptance = 0.005", "absorptance = 0.995", (7, 1), &["sum to 1.005", "at most 1"]),
     ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["sum to 0.9", "expected 1"]),
@@ -94,10 +94,15 @@ const NAMES_AND_CHOICES: &[Case] = &[
     (", dark = 20", "", (23, 10), &["state `black` leaves `red` dark", "add `dark = 20.0`"]),
     ("[lighting]", "[display.pixel.states]\nx = { rde = 1 }\n[lighting]", (30, 7), &["did you mean `red`?"]),
     ("[lighting]", "[display.pixel.states]\nx = { red = 2 }\n[lighting]", (30, 13), &["2 is out of range"]),
-    ("\"gap\"", "30", (24, 8), &["0 layers of this film are the gap"]),
+    ("\"gap\"", "30", (24, 8), &["0 layers of this film have thickness_nm"]),
     ("haze = 0.78\n", "", (11, 1), &["none of `haze` and `width`"]),
     ("haze = 0.78", "haze = 0.78\nwidth = 0.05", (14, 9), &["more than one of `haze` and `width`"]),
-    ("\"k-correlation\"", "\"lambertian\"", (13, 8), &["`haze` means nothing with model = \"lambertian\""]),
+    (
+        "\"k-correlation\"",
+        "\"lambertian\"",
+        (13, 8),
+        &["`haze` cannot be combined with model = \"lambertian\""],
+    ),
     ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["contains its faces"]),
     ("[viewer]", "[solver]\nangle_medium = \"glass\"\n[viewer]", (38, 16), &["a panel without diffuser"]),
     ("[viewer]", "[solver]\npaths = 10\nrelative_error = 0.1\n[viewer]", (38, 9), &["more than one of"]),
@@ -105,7 +110,10 @@ const NAMES_AND_CHOICES: &[Case] = &[
         "[viewer]",
         "[solver]\npaths = 10\n[viewer]",
         (38, 9),
-        &["`paths` means nothing with method = \"adding\"", "give `relative_error`, or method = \"walk\""],
+        &[
+            "`paths` cannot be combined with method = \"adding\"",
+            "give `relative_error`, or method = \"walk\"",
+        ],
     ),
     ("[viewer]", "[solver]\nmethod = \"adds\"\n[viewer]", (38, 10), &["`adds`", "\"adding\" or \"walk\""]),
     ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["`width_nm` is missing"]),
@@ -113,42 +121,47 @@ const NAMES_AND_CHOICES: &[Case] = &[
 ];
 
 const ADVICE: &[Case] = &[
-    ("haze = 0.78", "haze = 0.999", (13, 8), &["no lobe has a haze of 0.999", "haze can be 0.998 at most"]),
+    (
+        "haze = 0.78",
+        "haze = 0.999",
+        (13, 8),
+        &["no k-correlation lobe has a haze of 0.999", "haze can be 0.998 at most"],
+    ),
     ("haze = 0.78", "haze = 0.9\nstraight_through = 0.3", (13, 8), &["haze can be 0.6"]),
-    ("haze = 0.78", "haze = 0.9\nstraight_through = 1", (13, 8), &["straight through is no haze"]),
+    ("haze = 0.78", "haze = 0.9\nstraight_through = 1", (13, 8), &["straight through is not haze"]),
     ("haze = 0.78", "haze = .78", (13, 8), &["mantissa", "0.50"]),
     ("haze = 0.78", "haze = 1.", (13, 10), &["fraction", "0.50"]),
     ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
-    ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make it 1"]),
+    ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make the sum 1"]),
     ("[[display.front]]", "[display.front]", (7, 1), &["expected a list", "as in [[display.layers]]"]),
     ("[[lighting.directed]]", "[lighting.directed]", (33, 1), &["in double brackets, once for each item"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["set spectrum.step_nm = 1"]),
 ];
 
 const WRITTEN_OTHERWISE: &[Case] = &[
-    ("theta_deg = 8", "theta_deg = 8 deg", (38, 13), &["`deg` behind it", "the unit is in the key's name"]),
-    ("thickness_nm = 12 ", "thickness_nm = 12 nm ", (25, 45), &["`nm` behind it"]),
-    ("illuminance_lx = 500", "illuminance_lx = 500lx", (30, 18), &["`lx` behind it"]),
-    ("theta_deg = 8", "theta_deg = [0, 8 deg]", (38, 17), &["`deg` behind it"]),
+    ("theta_deg = 8", "theta_deg = 8 deg", (38, 13), &["found `deg`", "the unit is in the key's name"]),
+    ("thickness_nm = 12 ", "thickness_nm = 12 nm ", (25, 45), &["found `nm`"]),
+    ("illuminance_lx = 500", "illuminance_lx = 500lx", (30, 18), &["found `lx`"]),
+    ("theta_deg = 8", "theta_deg = [0, 8 deg]", (38, 17), &["found `deg`"]),
     ("theta_deg = 8", "theta_deg = 8 20", (38, 13), &["this is not a value"]),
     ("theta_deg = 8", "theta_deg = 8, 20", (38, 14), &["expected newline"]),
-    ("haze = 0.78", "haze = 78 %", (13, 8), &["`%` behind it", "write 78 % as 0.78"]),
-    ("haze = 0.78", "haze = 78%", (13, 8), &["`%` behind it", "write 78 % as 0.78"]),
-    ("haze = 0.78", "haze = 78", (13, 8), &["share of 1, not percent"]),
-    ("haze = 0.78", "haze = 0,78", (13, 8), &["has a comma", "with a point"]),
-    ("red = 0.5", "red = 0,5", (22, 16), &["has a comma", "with a point"]),
-    (
-        "title = \"Test\"",
-        "title = Test",
-        (1, 9),
-        &["this is not a value", "a string stands in double quotes"],
-    ),
+    ("haze = 0.78", "haze = 78 %", (13, 8), &["found `%`", "write 78 % as 0.78"]),
+    ("haze = 0.78", "haze = 78%", (13, 8), &["found `%`", "write 78 % as 0.78"]),
+    ("haze = 0.78", "haze = 78", (13, 8), &["fraction of 1, not percent"]),
+    ("haze = 0.78", "haze = 0,78", (13, 8), &["has a decimal comma", "with a point"]),
+    ("red = 0.5", "red = 0,5", (22, 16), &["has a decimal comma", "with a point"]),
+    ("title = \"Test\"", "title = Test", (1, 9), &["this is not a value", "write strings in double quotes"]),
     ("title = \"Test\"", "title = \"Test", (1, 14), &["a string ends with the double quote"]),
     ("title = \"Test\"", "title = \"Te\\u001bst\"", (1, 9), &["control characters", "one line"]),
     ("red = 0.5", "\"r\\u0007\" = 0.5", (22, 10), &["not a name", "no control characters"]),
     ("red = 0.5", "\"red \" = 0.5", (22, 10), &["not a name", "no blanks at the ends"]),
-    ("haze = 0.78", "haze = 1e-9", (13, 8), &["so little haze is none: give more"]),
-    ("red = 0.5, green = 0.3, blue = 0.2", "", (22, 8), &["has no sub-pixels", "a share for each"]),
+    ("haze = 0.78", "haze = 1e-9", (13, 8), &["so small a haze is none: give a larger one"]),
+    (
+        "red = 0.5, green = 0.3, blue = 0.2",
+        "",
+        (22, 8),
+        &["has no sub-pixels", "a fraction of the area for each"],
+    ),
     ("\"D65\"", "\"\"", (31, 12), &["no light named ``", "the names are"]),
     (
         "[lighting]",
@@ -267,8 +280,8 @@ fn mistakes_in_set_name_it_and_its_position() {
         (&["display.pixel.film.first.material=1.4"], "--set #1:1:20", &["an index is needed here"]),
         (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, it has no keys"]),
         (&["nonsense"], "--set #1:1:1", &["not PATH=VALUE"]),
-        (&["=1"], "--set #1:1:1", &["this key is empty"]),
-        (&["display..glass=1"], "--set #1:1:9", &["this key is empty"]),
+        (&["=1"], "--set #1:1:1", &["the path has an empty key"]),
+        (&["display..glass=1"], "--set #1:1:9", &["the path has an empty key"]),
         (&["title=7"], "--set #1:1:7", &["a number", "expected a string"]),
         (&["viewer.theta_deg=[1,"], "--set #1", &["array"]),
         (&["lighting.preset=suny"], "--set #1:1:17", &["did you mean `sunny`?"]),
@@ -308,8 +321,8 @@ fn what_a_set_spoils_is_shown_at_the_set() {
         (GOOD, "display.pixel.gap_nm={ red = 200 }", "in `gap_nm`"),
         (GOOD, "display.pixel.area={ red = 1 }", "in `area`"),
         (GOOD, "display.diffuser.width=2", "transmittance of the whole lobe"),
-        (GOOD, "display.diffuser.straight_through=0.9", "no lobe has a haze"),
-        (GOOD, "display.diffuser.model=lambertian", "`haze` means nothing"),
+        (GOOD, "display.diffuser.straight_through=0.9", "lobe has a haze"),
+        (GOOD, "display.diffuser.model=lambertian", "`haze` cannot be combined"),
         (GOOD, "display.front.0.reflectance=0.999", "reflectance and absorptance sum"),
         (GOOD, "spectrum.range_nm=[340, 700]", "`Cr:Johnson` reaches from"),
         (GOOD, "spectrum.step_nm=7", "not a grid"),
@@ -322,7 +335,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
         ),
         (&in_glass, diffuser, "a panel without diffuser"),
         (&in_glass, "display.glass.index=9", "never leaves it"),
-        (&with_range, "viewer.theta_deg.to=-1", "has no end"),
+        (&with_range, "viewer.theta_deg.to=-1", "is empty"),
         (GOOD, "display.pixel.default_states=false", "no states"),
     ];
     for (text, set, says) in cases {
@@ -347,12 +360,12 @@ fn shares_that_do_not_fit_a_preset() {
     let error = &errors(&text, &["lighting.diffuse=0.7"])[0];
     let shown = error.to_string();
     assert!(error.place.to_string().starts_with("--set #1:1:18"), "{shown}");
-    assert!(shown.contains("lighting.directed.0.share=0.3 would make it 1"), "{shown}");
+    assert!(shown.contains("lighting.directed.0.share=0.3 would make the sum 1"), "{shown}");
     assert!(
         resolve(&text, Path::new(""), &["lighting.diffuse=0.7", "lighting.directed.0.share=0.3"]).is_ok()
     );
     let shown = errors(&text, &["lighting.directed.1={ theta_deg = 10, share = 0.2 }"])[0].to_string();
-    assert!(shown.contains("lighting.directed.0.share=0.3 would make it 1"), "{shown}");
+    assert!(shown.contains("lighting.directed.0.share=0.3 would make the sum 1"), "{shown}");
     // Nothing from 0 to 1 would do: no advice.
     let sets = ["lighting.directed.1={ theta_deg = 1, share = 0.9 }", "lighting.directed.0.share=0.9"];
     let shown = errors(&text, &[sets[0], sets[1], "lighting.diffuse=0.9"])[0].to_string();
@@ -366,7 +379,7 @@ fn what_is_no_scenario_is_told_so_once() {
         assert!(shown.contains("does not look like a scenario (TOML)"), "{shown}");
     }
     let (_, shown) = only(errors("title = 0,5\n", &[]));
-    assert!(shown.contains("has a comma"), "{shown}");
+    assert!(shown.contains("has a decimal comma"), "{shown}");
     let empty = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = {}\n";
     let (_, shown) = only(errors(empty, &[]));
     assert!(shown.contains("reflectance = { white = 0.45 }"), "{shown}");
@@ -434,20 +447,22 @@ fn a_pixel_table_must_reach_as_far_as_the_light() {
             text.replace_range(start..end, "");
         }
         let medium = format!("solver.angle_medium={medium}");
-        resolve(&text, folder.path(), &[&medium]).err().map(|e| e.iter().next().unwrap().problem.clone())
+        resolve(&text, folder.path(), &[&medium])
+            .err()
+            .map(|e| e.iter().next().unwrap().diagnostic.message.clone())
     };
     // asin(1/1.5) = 41.81 deg bounds all light of a bare panel; a lobe fills the glass.
-    assert!(matches!(
-        problem(true, 41, "glass", "air"),
-        Some(Problem::TableTooShort { medium: "glass", .. })
-    ));
+    let ends =
+        |deg: u32, medium: &str| Some(format!("the angles of this table end at {deg} deg in {medium}"));
+    let in_air = "angles in air do not reach the light beyond total internal reflection";
+    assert_eq!(problem(true, 41, "glass", "air"), ends(41, "glass"));
     assert_eq!(problem(true, 42, "glass", "air"), None);
-    assert!(matches!(problem(true, 42, "air", "air"), Some(Problem::TableTooShort { medium: "air", .. })));
+    assert_eq!(problem(true, 42, "air", "air"), ends(42, "air"));
     assert_eq!(problem(true, 90, "air", "air"), None);
-    assert!(matches!(problem(false, 42, "glass", "air"), Some(Problem::TableTooShort { .. })));
+    assert_eq!(problem(false, 42, "glass", "air"), ends(42, "glass"));
     assert_eq!(problem(false, 90, "glass", "air"), None);
-    assert_eq!(problem(false, 90, "air", "air"), Some(Problem::TableInAir));
-    assert_eq!(problem(true, 90, "air", "unrefracted"), Some(Problem::TableInAir));
+    assert_eq!(problem(false, 90, "air", "air"), Some(in_air.to_owned()));
+    assert_eq!(problem(true, 90, "air", "unrefracted"), Some(in_air.to_owned()));
     assert_eq!(problem(true, 90, "glass", "unrefracted"), None);
 }
 
@@ -459,14 +474,13 @@ fn angles_in_glass_must_leave_it() {
     };
     let glass = "solver.angle_medium=glass";
     assert!(resolve(&bare, Path::new(""), &[glass, "viewer.theta_deg=41.7"]).is_ok());
-    let error = &errors(&bare, &[glass, "viewer.theta_deg=41.8"])[0];
-    assert!(matches!(error.problem, Problem::Trapped { .. }), "{error}");
-    let error = &errors(&bare, &[glass, "lighting.directed.0.theta_deg=-60"])[0];
-    assert!(matches!(error.problem, Problem::Trapped { .. }), "{error}");
+    let message = |sets: &[&str]| errors(&bare, sets)[0].diagnostic.message.clone();
+    let trapped = |theta: &str| format!("light at {theta} deg in this glass never leaves it");
+    assert_eq!(message(&[glass, "viewer.theta_deg=41.8"]), trapped("41.849999999999994"));
+    assert_eq!(message(&[glass, "lighting.directed.0.theta_deg=-60"]), trapped("60"));
     // asin(1/1.5) = 41.81 deg; half of the field of .1 deg counts, and so does a lamp's radius.
     let lamp = ["lighting.directed.0.theta_deg=-40", "lighting.directed.0.radius_deg=2"];
-    let error = &errors(&bare, &[glass, lamp[0], lamp[1]])[0];
-    assert!(matches!(error.problem, Problem::Trapped { theta_deg: 42.0, .. }), "{error}");
-    let error = &errors(&bare, &[glass, "display.glass.index=BK7"])[0];
-    assert!(matches!(error.problem, Problem::AnglesInGlass(_)), "{error}");
+    assert_eq!(message(&[glass, lamp[0], lamp[1]]), trapped("42"));
+    let dispersive = message(&[glass, "display.glass.index=BK7"]);
+    assert_eq!(dispersive, "angles in glass need a glass of the same index at all wavelengths");
 }

@@ -72,11 +72,11 @@ fn what_is_refused() {
         (sky("number = 12\nsun_elevation_deg = -3"), "expected a number above 0, at most 90"),
         (sky("number = 17"), "17 is out of range\n"),
         (sky("number = 17"), "expected a whole number from 1 to 16"),
-        (sky("number = 1.5"), "1.5 is no whole number"),
+        (sky("number = 1.5"), "1.5 is not a whole number"),
         (sky("number = 1\ntilt_deg = 180"), "none of this light falls on the display"),
-        (sky("number = 1\nwidth_deg = 3"), "`width_deg` means nothing with model = \"sky\""),
+        (sky("number = 1\nwidth_deg = 3"), "`width_deg` cannot be combined with model = \"sky\""),
         ("model = \"ring\"\nshare = 0.5".into(), "`theta_deg` is missing"),
-        ("model = \"lava\"\nshare = 0.5".into(), "`lava` is not a choice here"),
+        ("model = \"lava\"\nshare = 0.5".into(), "`lava` is not one of the choices"),
         ("model = \"profile\"\nfile = \"none.csv\"\nshare = 0.5".into(), "there is no such file"),
     ] {
         let error = resolve(&with(&environment), Path::new(""), &[]).unwrap_err().to_string();
@@ -86,7 +86,7 @@ fn what_is_refused() {
         sky("number = 12\nsun_elevation_deg = 10\nsun_azimuth_deg = 90\ntilt_deg = 40\nsun_share = 0.1")
             .replace("share = 0.5", "share = 0.4");
     let error = resolve(&with(&behind), Path::new(""), &[]).unwrap_err().to_string();
-    assert!(error.contains("the sun stands 120.00 deg from the display's normal"), "{error}");
+    assert!(error.contains("the sun is 120.00 deg from the display's normal"), "{error}");
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn regions_and_lux_that_are_refused() {
     for (text, wanted) in [
         (
             with(&format!("{hall}regions = [{{ spectrum = \"A\" }}]")),
-            "`regions` means nothing with a map that has spectra",
+            "`regions` cannot be combined with a map that has spectra",
         ),
         (
             with(&format!("{office}regions = [{{ spectrum = \"A\", elevation_deg = [30, 20] }}]")),
@@ -290,7 +290,7 @@ fn regions_and_lux_that_are_refused() {
             "expected two angles",
         ),
         (with(&format!("{office}regions = [{{ elevation_deg = [0, 20] }}]")), "`spectrum` is missing"),
-        (from_map(GOOD.to_owned()), "there are 0 maps that could say how many lx"),
+        (from_map(GOOD.to_owned()), "needs one map, and there are 0"),
         (GOOD.replace("illuminance_lx = 500", "illuminance_lx = \"map\""), "\"from-map\""),
     ] {
         let error = resolve(&text, &shipped(), &[]).unwrap_err().to_string();

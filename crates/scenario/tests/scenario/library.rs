@@ -74,7 +74,7 @@ fn a_file_that_is_not_in_memory_is_not_looked_for_on_disk() {
         let errors =
             Scenario::from_text(&text, "s.toml", library.clone(), &[]).unwrap().resolve().unwrap_err();
         let error = errors.iter().next().unwrap();
-        assert_eq!(error.problem.to_string(), format!("there is no file `{name}` here"));
+        assert_eq!(error.diagnostic.message, format!("there is no file `{name}` here"));
         assert_eq!(error.path.as_deref(), Some("display.pixel.file"));
     }
 }

@@ -26,20 +26,27 @@ fn what_cannot_be_used_is_refused_where_it_is_said() {
         (measured("data/none.bsdf", ""), &["test.toml:13:8", "data/none.bsdf"][..]),
         (measured("data/H78-transmission.csv", ""), &["data/H78-transmission.csv"]),
         (measured(h78, "flipped = true"), &["test.toml:13:8", "no back transmission", "front transmission"]),
-        (measured(h78, "normalise = \"sum\""), &["test.toml:15:13", "`sum` is not a choice"]),
-        (measured(h78, "spectral_mean = \"odd\""), &["`odd` is not a choice", "\"even\" or \"luminous\""]),
-        (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from .0001 to 1"]),
+        (measured(h78, "normalise = \"sum\""), &["test.toml:15:13", "`sum` is not one of the choices"]),
+        (
+            measured(h78, "spectral_mean = \"odd\""),
+            &["`odd` is not one of the choices", "\"even\" or \"luminous\""],
+        ),
+        (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from 0.0001 to 1"]),
         (measured(h78, "transmission = 90"), &["not percent"]),
-        (measured(h78, "transmission = 0"), &["test.toml:15:16", "colours nothing"]),
+        (measured(h78, "transmission = 0"), &["test.toml:15:16", "cannot colour the measurement"]),
         (
             measured(h78, "instrument_blur = 0.2"),
             &["test.toml:15:19", "no lobe blurred by 0.2", "a straight beam"],
         ),
         (
             measured(h78, "mounting = \"air\"").replace("hold", "glass"),
-            &["test.toml:14:15", "`extrapolate = \"glass\"` means nothing with this mounting", "\"hold\""],
+            &[
+                "test.toml:14:15",
+                "`extrapolate = \"glass\"` cannot be combined with this mounting",
+                "\"hold\"",
+            ],
         ),
-        (measured(h78, "haze = 0.5"), &["`haze` means nothing with model = \"measured\""]),
+        (measured(h78, "haze = 0.5"), &["`haze` cannot be combined with model = \"measured\""]),
     ] {
         let shown = refusal(&text);
         assert!(says.iter().all(|words| shown.contains(words)), "{says:?}\n{shown}");
@@ -57,9 +64,12 @@ fn a_film_among_layers_is_mounted_by_its_neighbours() {
     };
     assert!(resolve(&layers(""), &shipped(), &[]).is_ok());
     let shown = refusal(&layers(", mounting = \"laminated\""));
-    assert!(shown.contains("`mounting` means nothing with `[[display.layers]]`"), "{shown}");
+    assert!(shown.contains("`mounting` cannot be combined with `[[display.layers]]`"), "{shown}");
     let shown = refusal(&layers("").replace("hold", "glass"));
-    assert!(shown.contains("`extrapolate = \"glass\"` means nothing with `[[display.layers]]`"), "{shown}");
+    assert!(
+        shown.contains("`extrapolate = \"glass\"` cannot be combined with `[[display.layers]]`"),
+        "{shown}"
+    );
 }
 
 /// In a panel the mounting puts down what stands below the film.
@@ -222,7 +232,7 @@ fn what_no_instrument_can_see_is_refused() {
         (&good, "radial_deg = [2, 4]", "expected 0 as the first angle"),
         (&good, "azimuth_deg = [0, 90]", "expected 180 as the last angle"),
         (&good, "radial_deg = { from = 0, to = 180, step = 0.001 }", "angles"),
-        (&good, "blur = 0.00001", "expected 0, or a number from .0001 to 1"),
+        (&good, "blur = 0.00001", "expected a number from 0.0001 to 1"),
         (&good, "noise = -1", "expected a number from 0 to 1"),
         (&good, "channels = \"rgb\"", "\"xyz\" or \"monochrome\""),
         (&good, "light = \"D66\"", "no light named `D66`"),

@@ -100,14 +100,14 @@ fn mistakes_are_answered_with_their_places() {
         (
             "key = \"display.pixel.film.0.thickness_nm\"",
             "key = \"optimize.starts\"",
-            "a search does not change",
+            "cannot be variables",
             "key = ",
         ),
         ("bounds = [5, 20]", "", "none of `bounds` and `choices` is given", "[[optimize.variables]]"),
         (
             "key = \"display.pixel.film.0.material\"",
             "key = \"display.pixel.film.0.thickness_nm\"",
-            "varies twice",
+            "more than one variable sets",
             "key = ",
         ),
         ("against = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
@@ -118,7 +118,7 @@ fn mistakes_are_answered_with_their_places() {
         ("\"white.Y\"", "\"wite.Y\"", "there is no state `wite`", "metric = "),
         ("condition = \"room\"", "condition = \"rom\"", "did you mean `room`?", "condition = "),
         ("condition = \"room\"", "view = 1", "there is no view 1", "view = "),
-        ("name = \"steep\"", "name = \"room\"", "there are two conditions `room`", "name = "),
+        ("name = \"steep\"", "name = \"room\"", "there are two conditions named `room`", "name = "),
         ("aim = \"maximise\"", "", "the key `aim` is missing", "[[optimize.objectives]]"),
         ("at_least = 0.1", "", "the key `at_least` is missing", "[[optimize.constraints]]"),
         ("[700, 0.5]", "[650, 0.5]", "`a list` reaches from 400 to 650 nm", "spectrum = "),
@@ -132,5 +132,5 @@ fn mistakes_are_answered_with_their_places() {
     }
     assert!(read(GOOD).unwrap_err().contains("the scenario has no `[optimize]`"));
     let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"walk\"\n[optimize]")]);
-    assert!(read(&walk).unwrap_err().contains("follow its noise"));
+    assert!(read(&walk).unwrap_err().contains("follow the noise of the walk"));
 }

@@ -1,9 +1,9 @@
 //! What became of a measurement on its way into a display, in words.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_goniometry::{Changes, Way};
 
 use super::Source;
-use crate::problem::Problem;
 use crate::resolve::Resolver;
 
 /// A total further above 1 than this is worth a warning.
@@ -29,7 +29,13 @@ impl Resolver<'_> {
         let (path, way) = (source.path, way.name());
         let largest = share * changes.most;
         if largest > 1.0 + FAR_ABOVE_ONE {
-            self.errors.push(source.file, Problem::MoreThanAll { way, total: largest });
+            let wrong = Diagnostic::new(format!("{way}: {largest:.3} times as much light leaves as arrives"))
+                .expected("at most 1")
+                .hint(
+                    "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `fill` and `mounting` change \
+                     them",
+                );
+            self.errors.push(source.file, wrong);
             return None;
         }
         if largest > 1.0 + ABOVE_ONE {

@@ -1,9 +1,9 @@
-//! Where in a text something stands, and how to show it.
+//! A place in a text: its name, line and column.
 
 use std::fmt;
 use std::ops::Range;
 
-use crate::words::{in_one_line, is_override, visible};
+use crate::text::{is_override, visible};
 
 /// A place in a named text, or the text as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -67,45 +67,9 @@ impl fmt::Display for Place {
     }
 }
 
-/// What to say about a place where something is wrong.
-#[derive(Debug, Clone, Copy)]
-pub struct Remark<'a> {
-    /// What is wrong.
-    pub message: &'a str,
-    /// Shown beside the caret: what was expected, in words that begin so.
-    pub expected: Option<&'a str>,
-    /// Lines below: where it was asked for.
-    pub note: Option<&'a str>,
-    /// Lines below: what to do.
-    pub hint: Option<&'a str>,
-}
-
-impl Remark<'_> {
-    /// Writes the remark with its place, as compilers do, without a final newline.
-    ///
-    /// # Errors
-    /// Those of the formatter.
-    pub fn show(&self, place: &Place, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // What is quoted may hold anything.
-        write!(f, "error: {}", in_one_line(self.message))?;
-        let margin = place.spot.as_ref().map_or(1, |spot| spot.line.to_string().len());
-        write!(f, "\n{:margin$}--> {}", "", in_one_line(&place.to_string()))?;
-        match &place.spot {
-            Some(spot) => spot.show(margin, self.expected, f)?,
-            None => line("", self.expected, margin, f)?,
-        }
-        line("note: ", self.note, margin, f)?;
-        line("help: ", self.hint, margin, f)
-    }
-}
-
-/// A line below the text.
-fn line(word: &str, text: Option<&str>, margin: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    text.map_or(Ok(()), |text| write!(f, "\n{:margin$} = {word}{}", "", visible(text)))
-}
-
 impl Spot {
-    fn show(&self, margin: usize, label: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// The line, and a caret below the spot with a label.
+    pub(crate) fn show(&self, margin: usize, label: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // A very long line is shown from a little before the spot.
         let hidden = if self.column > LONGEST_LINE_SHOWN { self.column - 20 } else { 0 };
         let shown = self.text.chars().skip(hidden).take(LONGEST_LINE_SHOWN);
@@ -129,43 +93,27 @@ fn floor_char(text: &str, at: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    struct Shown(Place);
-    impl fmt::Display for Shown {
-        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            let remark =
-                Remark { message: "bad", expected: Some("a length"), note: None, hint: Some("mend it") };
-            remark.show(&self.0, f)
-        }
-    }
+    use crate::Diagnostic;
 
     #[test]
-    fn a_spot_is_shown_as_compilers_do() {
-        let text = "a = 1\r\nthickness_nm = -5\r\n";
-        let place = Place::in_text("x.toml", text, 22..24);
-        assert_eq!(place.line_column(), Some((2, 16)));
-        let expected = "error: bad\n --> x.toml:2:16\n  |\n2 | thickness_nm = -5\n  |                ^^ a length\n  = help: mend it";
-        assert_eq!(Shown(place).to_string(), expected);
-    }
-
-    #[test]
-    fn columns_count_characters() {
+    fn column_counts_characters() {
         let text = "µ = \"ä\"; x";
         let start = text.find('x').unwrap();
         assert_eq!(Place::in_text("t", text, start..start + 1).line_column(), Some((1, 10)));
     }
 
     #[test]
-    fn any_range_of_any_text_is_a_place() {
+    fn place_of_any_range_is_shown() {
         for text in ["", "\n", "ä\n\u{1F98B}", "\u{feff}x"] {
             for start in 0..8 {
                 for end in 0..8 {
                     let place = Place::in_text("t", text, start..end);
-                    assert!(!Shown(place).to_string().is_empty());
+                    assert!(!Diagnostic::new("bad").at(&place).to_string().is_empty());
                 }
             }
         }
         let long = format!("{}!", "y".repeat(100_000));
-        assert!(Shown(Place::in_text("t", &long, 100_000..100_001)).to_string().len() < 1000);
+        let place = Place::in_text("t", &long, 100_000..100_001);
+        assert!(Diagnostic::new("bad").at(&place).to_string().len() < 1000);
     }
 }
