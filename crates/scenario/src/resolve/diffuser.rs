@@ -1,7 +1,7 @@
 //! Diffusers by their BTDF: lobes, kernels, and transmittances.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Diffuser, Interface, Lobe, ScatterFace, ScatterKernel};
+use papilio_display::scene::{Diffuser, Interface, Lobe, Ready, ScatterFace, ScatterKernel};
 use papilio_optics::lobe::{largest_haze, width_from_haze};
 use papilio_optics::scatter::{self, Normalisation, Scatter};
 use papilio_spectra::Spectrum;
@@ -24,13 +24,23 @@ struct Whole<'a> {
     straight_through: &'a At<Share>,
 }
 
+/// A diffuser given by its BTDF, as a layer.
+pub(super) fn transmitting(diffuser: Diffuser) -> Interface {
+    Ready::Diffuser(diffuser).into()
+}
+
+/// An interface given by its BSDF, as a layer.
+pub(super) fn scattering(face: ScatterFace) -> Interface {
+    Ready::Scatter(Box::new(face)).into()
+}
+
 impl Resolver<'_> {
     pub(super) fn btdf(&mut self, path: &str, diffuser: &Btdf) -> Option<Interface> {
         match diffuser {
-            Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(Interface::Diffuser),
-            Btdf::Lambertian(lobe) => self.lambertian(lobe).map(Interface::Diffuser),
-            Btdf::Ward(ward) => self.ward(ward).map(Interface::Scatter),
-            Btdf::Measured(measured) => self.measured_alone(path, measured).map(Interface::Scatter),
+            Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(transmitting),
+            Btdf::Lambertian(lobe) => self.lambertian(lobe).map(transmitting),
+            Btdf::Ward(ward) => self.ward(ward).map(scattering),
+            Btdf::Measured(measured) => self.measured_alone(path, measured).map(scattering),
         }
     }
 
