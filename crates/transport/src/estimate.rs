@@ -4,14 +4,14 @@
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Estimate {
     /// For each source, in the order they were given.
-    pub rho: Vec<Rho>,
+    pub rho: Vec<ReflectanceFactor>,
     /// Where a unit beam from the view direction ends.
     pub ledger: Ledger,
 }
 
 /// Reflectance factor under one source alone.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Rho {
+pub struct ReflectanceFactor {
     /// Light that met the base; shape `[state][wavelength]`.
     pub base: Vec<f64>,
     /// Light mirrored before it met the base, alike in all states; shape `[wavelength]`.

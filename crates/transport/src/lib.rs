@@ -63,7 +63,7 @@ pub mod walk;
 pub use angular::{AngularTable, Nodes};
 pub use base::{Base, Reflector};
 pub use cosines::CosinePanels;
-pub use estimate::{Estimate, Ledger, Rho};
+pub use estimate::{Estimate, Ledger, ReflectanceFactor};
 pub use field::Field;
 pub use formula::{Edge, Radiance};
 pub use front::Front;

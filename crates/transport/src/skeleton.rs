@@ -19,12 +19,12 @@ use crate::{Layered, Medium, Reflector};
 
 /// Which way light goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Going {
+pub(crate) enum Propagation {
     Down,
     Up,
 }
 
-impl Going {
+impl Propagation {
     /// The other way.
     pub(crate) fn reversed(self) -> Self {
         match self {
@@ -38,29 +38,29 @@ impl Going {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ray {
     pub(crate) plane: usize,
-    pub(crate) going: Going,
+    pub(crate) going: Propagation,
 }
 
 impl Ray {
     /// In the air, towards the display.
-    pub(crate) const ENTERING: Self = Self { plane: 0, going: Going::Down };
+    pub(crate) const ENTERING: Self = Self { plane: 0, going: Propagation::Down };
 
     /// In the air, away from the display.
-    pub(crate) const LEAVING: Self = Self { plane: 0, going: Going::Up };
+    pub(crate) const LEAVING: Self = Self { plane: 0, going: Propagation::Up };
 
     /// The ray that meets `element`.
-    pub(crate) fn meeting(element: usize, going: Going) -> Self {
+    pub(crate) fn arriving_at(element: usize, going: Propagation) -> Self {
         match going {
-            Going::Down => Self { plane: element, going },
-            Going::Up => Self { plane: element + 1, going },
+            Propagation::Down => Self { plane: element, going },
+            Propagation::Up => Self { plane: element + 1, going },
         }
     }
 
     /// The ray that comes from `element`.
-    pub(crate) fn from_element(element: usize, going: Going) -> Self {
+    pub(crate) fn from_element(element: usize, going: Propagation) -> Self {
         match going {
-            Going::Down => Self { plane: element + 1, going },
-            Going::Up => Self { plane: element, going },
+            Propagation::Down => Self { plane: element + 1, going },
+            Propagation::Up => Self { plane: element, going },
         }
     }
 
@@ -102,10 +102,10 @@ impl Part {
 
     /// The share that it absorbs of light that meets it on its way down or up.
     #[inline]
-    pub(crate) fn absorbed(&self, going: Going) -> f64 {
+    pub(crate) fn absorbed(&self, going: Propagation) -> f64 {
         let reflected = match going {
-            Going::Down => self.flat.above,
-            Going::Up => self.flat.below,
+            Propagation::Down => self.flat.above,
+            Propagation::Up => self.flat.below,
         };
         1.0 - self.flat.t - reflected - self.scattered[going as usize]
     }
@@ -185,7 +185,7 @@ impl Skeleton {
         for bin in 0..self.bins {
             self.spread(ray, bin, &mut field.direct);
             // What rises from the base does so over a black one: its returns are in `rising`.
-            self.spread(Ray { plane: last, going: Going::Up }, bin, &mut field.risen);
+            self.spread(Ray { plane: last, going: Propagation::Up }, bin, &mut field.risen);
         }
         let arriving = &field.direct.down[last * self.bins..];
         let above = &self.above[last * self.bins..];
@@ -202,8 +202,8 @@ impl Skeleton {
         let start = at(ray.plane);
         let sent = passing(1.0, self.above[start] * self.below[start]);
         (to.down[start], to.up[start]) = match ray.going {
-            Going::Down => (sent, sent * self.below[start]),
-            Going::Up => (sent * self.above[start], sent),
+            Propagation::Down => (sent, sent * self.below[start]),
+            Propagation::Up => (sent * self.above[start], sent),
         };
         let mut down = to.down[start];
         for plane in ray.plane..self.elements() {
@@ -265,10 +265,10 @@ impl Currents {
     }
 
     #[inline]
-    fn going(&self, going: Going) -> &[f64] {
+    fn going(&self, going: Propagation) -> &[f64] {
         match going {
-            Going::Down => &self.down,
-            Going::Up => &self.up,
+            Propagation::Down => &self.down,
+            Propagation::Up => &self.up,
         }
     }
 }

@@ -6,7 +6,7 @@
 //! the front once instead of twice. What leaks upwards is a veil of t times its luminance, and what the front sends back of it
 //! is diffuse light on the panel.
 
-use papilio_transport::{Front, Rho, Stack};
+use papilio_transport::{Front, ReflectanceFactor, Stack};
 
 use crate::scene::{FrontLight, Scene};
 
@@ -46,7 +46,11 @@ impl BelowFront {
     }
 
     /// Of what is seen of its light above the front, and of diffuse light.
-    pub(super) fn seen(&self, of_it: &Rho, of_diffuse: &Rho) -> Rho {
+    pub(super) fn seen(
+        &self,
+        of_it: &ReflectanceFactor,
+        of_diffuse: &ReflectanceFactor,
+    ) -> ReflectanceFactor {
         let Front { transmittance, reflectance_above, reflectance_below } = &self.front;
         let bins = transmittance.len();
         let share = |bin: usize| if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
@@ -61,6 +65,6 @@ impl BelowFront {
             let it = if self.is_diffuse { diffuse } else { 0.0 };
             share(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
         });
-        Rho { base: base.collect(), front: front.collect() }
+        ReflectanceFactor { base: base.collect(), front: front.collect() }
     }
 }

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 
 use papilio_colour::{Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
-use papilio_transport::{Base, Estimate, Rho};
+use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
@@ -110,7 +110,7 @@ impl<'a> Meter<'a> {
     }
 
     /// What is seen of each light, the front light as it is below the front of screen.
-    fn seen_of<'e>(&self, all: &'e [Rho]) -> impl Iterator<Item = Cow<'e, Rho>> {
+    fn seen_of<'e>(&self, all: &'e [ReflectanceFactor]) -> impl Iterator<Item = Cow<'e, ReflectanceFactor>> {
         let last = all.len().saturating_sub(1);
         all.iter().enumerate().map(move |(k, rho)| match &self.below_front {
             Some(guide) if k == last => Cow::Owned(guide.seen(rho, &all[0])),
@@ -126,7 +126,7 @@ impl<'a> Meter<'a> {
     }
 
     /// What is seen of each light as a sample.
-    pub(crate) fn sample_without_ledger(&self, seen: &[Rho]) -> Sample {
+    pub(crate) fn sample_without_ledger(&self, seen: &[ReflectanceFactor]) -> Sample {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
         for (light, rho) in self.lights.iter().zip(self.seen_of(seen)) {

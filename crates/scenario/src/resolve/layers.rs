@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
-    Distribution, FilmLayer, FrontComponent, Interface, Layer, Medium, Ready, Scattering, Sheet, Thickness,
+    Distribution, FilmLayer, FrontComponent, Interface, Layer, Medium, Ready, Scattering, Thickness,
 };
 use papilio_spectra::Spectrum;
 
@@ -54,7 +54,7 @@ pub(super) enum Part {
 /// A front-of-screen component as a layer.
 pub(super) fn sheet(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
-    Ready::Sheet(Sheet { reflectance, absorptance }).into()
+    Ready::sheet(reflectance, absorptance).into()
 }
 
 /// How a medium absorbs: by its internal transmittance, or by its thickness.

@@ -16,7 +16,7 @@ pub(crate) mod quadrature;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::{Cone, Estimate, Rho, Source, Stack};
+use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
 pub use gradient::TableGradient;
 pub(crate) use layered::{Action, Preparation, rough_width};
 
@@ -202,7 +202,7 @@ impl Kernel {
     }
 
     /// The `rho` of an estimate alone, which costs less: nothing is said of where light ends.
-    pub fn seen(&self, stack: &Stack, view: usize) -> Vec<Rho> {
+    pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
             _ => self.estimate(stack, view).rho,

@@ -10,7 +10,7 @@ use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, Scatte
 use crate::adding::{Action, Preparation, Scatterer};
 use crate::estimate::Account;
 use crate::front::Flat;
-use crate::skeleton::Going;
+use crate::skeleton::Propagation;
 
 /// A diffuser given by its BTDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,7 @@ impl LayerKind for Diffuser {
 }
 
 impl ScatteringInterface for Diffuser {
-    fn channels(&self, _: Going) -> Vec<Channel> {
+    fn channels(&self, _: Propagation) -> Vec<Channel> {
         vec![Channel::Through]
     }
 

@@ -34,7 +34,7 @@ use papilio_spectra::Spectrum;
 use crate::adding::{Action, Preparation, Scatterer};
 use crate::estimate::Account;
 use crate::front::Flat;
-use crate::skeleton::{Going, Part};
+use crate::skeleton::{Part, Propagation};
 
 /// What stands between two media.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,11 +167,11 @@ pub(crate) trait LayerKind: Debug + Sync {
 /// What *walk* asks an interface that scatters. Numbers refer to the light that is scattered on a [`Channel`].
 pub(crate) trait ScatteringInterface: Debug + Sync {
     /// The channels of light that travels this way.
-    fn channels(&self, going: Going) -> Vec<Channel>;
+    fn channels(&self, going: Propagation) -> Vec<Channel>;
 
     /// The fraction of light of this `|beta|` that takes the channel, as a number and a factor per wavelength; `None`
     /// if there is one channel, which takes all that is [`scattered`](LayerKind::scattered).
-    fn fraction(&self, _channel: Channel, _going: Going, _length: f64) -> Option<(f64, &Spectrum)> {
+    fn fraction(&self, _channel: Channel, _going: Propagation, _length: f64) -> Option<(f64, &Spectrum)> {
         None
     }
 
@@ -231,11 +231,11 @@ pub(crate) enum Channel {
 
 impl Channel {
     /// The ways on which light leaves that arrived like this.
-    pub(crate) fn leaves(self, going: Going) -> &'static [Going] {
+    pub(crate) fn leaves(self, going: Propagation) -> &'static [Propagation] {
         match (self, going) {
-            (Self::Both, _) => &[Going::Up, Going::Down],
-            (Self::Through, Going::Up) | (Self::Back, Going::Down) => &[Going::Up],
-            (Self::Through, Going::Down) | (Self::Back, Going::Up) => &[Going::Down],
+            (Self::Both, _) => &[Propagation::Up, Propagation::Down],
+            (Self::Through, Propagation::Up) | (Self::Back, Propagation::Down) => &[Propagation::Up],
+            (Self::Through, Propagation::Down) | (Self::Back, Propagation::Up) => &[Propagation::Down],
         }
     }
 }
@@ -244,7 +244,7 @@ impl Channel {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrival {
     pub(crate) beta: Beta,
-    pub(crate) going: Going,
+    pub(crate) going: Propagation,
     /// The channel that it takes.
     pub(crate) channel: Channel,
 }
@@ -253,7 +253,7 @@ pub(crate) struct Arrival {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Departure {
     pub(crate) beta: Beta,
-    pub(crate) going: Going,
+    pub(crate) going: Propagation,
 }
 
 /// How light is scattered from one direction to another, over direction cosines.

@@ -7,7 +7,7 @@ use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, Scatte
 use crate::adding::{Action, Preparation, Scatterer, rough_width};
 use crate::estimate::Account;
 use crate::front::Flat;
-use crate::skeleton::Going;
+use crate::skeleton::Propagation;
 
 impl LayerKind for Rough {
     fn regular(&self, _: &Incidence) -> Flat {
@@ -45,7 +45,7 @@ impl LayerKind for Rough {
 }
 
 impl ScatteringInterface for Rough {
-    fn channels(&self, _: Going) -> Vec<Channel> {
+    fn channels(&self, _: Propagation) -> Vec<Channel> {
         vec![Channel::Both]
     }
 
@@ -61,7 +61,7 @@ impl ScatteringInterface for Rough {
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)> {
         let sample = papilio_optics::Scatterer::sample(self, arriving(from), u)?;
         let OnSide { side, beta } = sample.direction;
-        let going = if side == Side::Above { Going::Up } else { Going::Down };
+        let going = if side == Side::Above { Propagation::Up } else { Propagation::Down };
         Some((Departure { beta, going }, Scattered::exactly(sample.density)))
     }
 }
@@ -71,6 +71,6 @@ fn arriving(Arrival { beta, going, .. }: Arrival) -> OnSide {
 }
 
 /// The side that light is on after it left the face this way.
-fn side_after(going: Going) -> Side {
-    if going == Going::Down { Side::Below } else { Side::Above }
+fn side_after(going: Propagation) -> Side {
+    if going == Propagation::Down { Side::Below } else { Side::Above }
 }

@@ -8,7 +8,7 @@ use super::{Arrival, Channel, Departure, Incidence, LayerKind, Medium, Scattered
 use crate::adding::{Action, Preparation, Scatterer};
 use crate::estimate::Account;
 use crate::front::Flat;
-use crate::skeleton::{Going, Part};
+use crate::skeleton::{Part, Propagation};
 
 /// A scattering kernel and what it is multiplied by at each wavelength.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,12 +79,12 @@ impl ScatterFace {
     }
 
     /// What goes through, of light on its way down or up.
-    pub(crate) fn through(&self, going: Going) -> Option<&ScatterKernel> {
+    pub(crate) fn through(&self, going: Propagation) -> Option<&ScatterKernel> {
         self.transmission.as_ref().map(|ways| &ways[going as usize])
     }
 
     /// What is sent back, of light on its way down or up.
-    pub(crate) fn back(&self, going: Going) -> Option<&ScatterKernel> {
+    pub(crate) fn back(&self, going: Propagation) -> Option<&ScatterKernel> {
         self.reflection[going as usize].as_ref()
     }
 
@@ -104,7 +104,7 @@ impl ScatterFace {
 
     /// All kernels, of light from above.
     pub(crate) fn kernels(&self) -> impl Iterator<Item = &ScatterKernel> {
-        self.through(Going::Down).into_iter().chain(self.reflection.iter().flatten())
+        self.through(Propagation::Down).into_iter().chain(self.reflection.iter().flatten())
     }
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn least_edge<'a>(kernels: impl IntoIterator<Item = &'a ScatterKernel
 
 impl ScatterFace {
     /// The kernel of a channel, for light that travels this way, and the kernel of the way back.
-    fn channel(&self, channel: Channel, going: Going) -> Option<[&ScatterKernel; 2]> {
+    fn channel(&self, channel: Channel, going: Propagation) -> Option<[&ScatterKernel; 2]> {
         match channel {
             Channel::Through => Some([self.through(going)?, self.through(going.reversed())?]),
             // Reflections are reciprocal.
@@ -144,7 +144,7 @@ impl LayerKind for ScatterFace {
     }
 
     fn scattered(&self, at: &Incidence) -> [f64; 2] {
-        [Going::Down, Going::Up].map(|going| {
+        [Propagation::Down, Propagation::Up].map(|going| {
             let kernels = [self.through(going), self.back(going)].into_iter().flatten();
             kernels.map(|kernel| kernel.total(at.beta) * kernel.factor[at.bin]).sum()
         })
@@ -152,7 +152,7 @@ impl LayerKind for ScatterFace {
 
     /// Totals are found once for all wavelengths.
     fn parts(&self, media: [&Medium; 2], beta_squared: f64, out: &mut [Part]) {
-        let ways = [Going::Down, Going::Up].map(|going| {
+        let ways = [Propagation::Down, Propagation::Up].map(|going| {
             [self.through(going), self.back(going)]
                 .map(|kernel| kernel.map(|kernel| (kernel.total(beta_squared.sqrt()), &kernel.factor)))
         });
@@ -169,7 +169,7 @@ impl LayerKind for ScatterFace {
     }
 
     fn known_within(&self) -> Option<f64> {
-        least_edge([self.through(Going::Down), self.back(Going::Down)].into_iter().flatten())
+        least_edge([self.through(Propagation::Down), self.back(Propagation::Down)].into_iter().flatten())
     }
 
     fn narrowness(&self) -> Option<Scatterer> {
@@ -187,7 +187,8 @@ impl LayerKind for ScatterFace {
 
     fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
         let disc = self.disc(prepare.bin).unwrap_or(1.0);
-        let ways = [self.through(Going::Down), self.back(Going::Down), self.back(Going::Up)];
+        let ways =
+            [self.through(Propagation::Down), self.back(Propagation::Down), self.back(Propagation::Up)];
         let mut number = |ScatterKernel { scatter, factor }: &'a ScatterKernel| {
             (prepare.kernel(scatter, disc), factor[prepare.bin])
         };
@@ -200,12 +201,12 @@ impl LayerKind for ScatterFace {
 }
 
 impl ScatteringInterface for ScatterFace {
-    fn channels(&self, going: Going) -> Vec<Channel> {
+    fn channels(&self, going: Propagation) -> Vec<Channel> {
         let both = [Channel::Through, Channel::Back];
         both.into_iter().filter(|channel| self.channel(*channel, going).is_some()).collect()
     }
 
-    fn fraction(&self, channel: Channel, going: Going, length: f64) -> Option<(f64, &Spectrum)> {
+    fn fraction(&self, channel: Channel, going: Propagation, length: f64) -> Option<(f64, &Spectrum)> {
         let [kernel, _] = self.channel(channel, going)?;
         Some((kernel.total(length), &kernel.factor))
     }

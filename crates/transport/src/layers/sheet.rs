@@ -3,7 +3,7 @@
 
 use papilio_spectra::Spectrum;
 
-use super::{Incidence, LayerKind};
+use super::{Incidence, Interface, LayerKind};
 use crate::estimate::Account;
 use crate::front::Flat;
 
@@ -14,6 +14,13 @@ pub struct Sheet {
     pub reflectance: Spectrum,
     /// Fraction absorbed, per wavelength.
     pub absorptance: Spectrum,
+}
+
+impl Interface {
+    /// A component that reflects and absorbs these fractions.
+    pub fn sheet(reflectance: Spectrum, absorptance: Spectrum) -> Self {
+        Self::Sheet(Sheet { reflectance, absorptance })
+    }
 }
 
 impl LayerKind for Sheet {

@@ -67,7 +67,7 @@ const GAUSSIAN_OF_LOBE: f64 = 1.2175;
 
 /// A way to draw directions for one lobe.
 #[derive(Debug)]
-pub(super) struct Drawing {
+pub(super) struct DirectionSampler {
     lobe: Lobe,
     kind: Kind,
 }
@@ -83,12 +83,12 @@ enum Kind {
 
 /// A direction, and the lobe's value over the density that it was drawn with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drawn {
+pub(super) struct DirectionSample {
     pub(super) beta: Beta,
     pub(super) weight: f64,
 }
 
-impl Drawing {
+impl DirectionSampler {
     /// That of a strategy; `index`: of the medium below the diffuser.
     pub(super) fn new(strategy: Strategy, lobe: Lobe, index: f64, sources: &[Source]) -> Self {
         let kind = match (strategy, lobe) {
@@ -111,9 +111,11 @@ impl Drawing {
 
     /// A direction in a medium whose directions fill a disc of this radius; `None` if there is none.
     #[inline]
-    pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<Drawn> {
+    pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<DirectionSample> {
         let beta = match &self.kind {
-            Kind::Kernel => return Some(Drawn { beta: self.lobe.sample_direction(from, u)?, weight: 1.0 }),
+            Kind::Kernel => {
+                return Some(DirectionSample { beta: self.lobe.sample_direction(from, u)?, weight: 1.0 });
+            }
             Kind::Uniform => {
                 let (x, y) = warp::polar(radius * (u[0] * (2.0 - u[0])).sqrt(), u[1]);
                 Beta { x, y }
@@ -134,7 +136,7 @@ impl Drawing {
             }
         };
         let density = self.density(from, beta, radius);
-        (density > 0.0).then(|| Drawn { beta, weight: self.lobe.density(from, beta) / density })
+        (density > 0.0).then(|| DirectionSample { beta, weight: self.lobe.density(from, beta) / density })
     }
 
     /// The density with which [`Self::draw`] gives `to`, over direction cosines.
@@ -214,7 +216,7 @@ mod tests {
 
     /// Chi-square of draws on the cells of a square grid against the density times `distorted`, in
     /// standard deviations.
-    fn statistic(drawing: &Drawing, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
+    fn statistic(drawing: &DirectionSampler, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
         const SIDE: usize = 12;
         const DRAWS: u64 = 60_000;
         let numbers = Numbers::new(Sampler::Random, 5, 0);
@@ -253,7 +255,7 @@ mod tests {
         let lamps =
             [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
         for strategy in Strategy::ALL {
-            let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
+            let drawing = DirectionSampler::new(strategy, lobe, 1.5, &lamps);
             for radius in [1.5, 1.0] {
                 let right = statistic(&drawing, radius, |_| 1.0);
                 assert!(right.abs() < 4.5, "{strategy:?} {radius}: {right}");
@@ -271,7 +273,7 @@ mod tests {
         let numbers = Numbers::new(Sampler::Random, 6, 0);
         let from = Beta { x: 0.2, y: 0.1 };
         for strategy in Strategy::ALL {
-            let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
+            let drawing = DirectionSampler::new(strategy, lobe, 1.5, &lamps);
             for path in 0..100 {
                 let u = numbers.block(path, 0);
                 let Some(drawn) = drawing.draw(from, 1.5, [u[0], u[1]]) else { continue };

@@ -3,12 +3,12 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::base::Above;
+use super::beam_response::BeamResponse;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
 use super::once::{Once, Way};
-use super::over::Over;
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
@@ -128,8 +128,8 @@ impl Prepared {
         directions: &Directions,
         precision: &Precision,
         stop: &AtomicBool,
-    ) -> (Self, Over) {
-        let mut over = Over::new(stack, directions);
+    ) -> (Self, BeamResponse) {
+        let mut over = BeamResponse::new(stack, directions);
         let mut prepared = Self { families: Vec::new(), once: Vec::new(), kept: true };
         let mut bytes = 0;
         for bins in families(stack) {
@@ -172,11 +172,11 @@ impl Prepared {
         directions: &Directions,
         precision: &Precision,
         stop: &AtomicBool,
-    ) -> Over {
+    ) -> BeamResponse {
         if !self.kept {
             return Self::new(stack, directions, precision, stop).1;
         }
-        let mut over = Over::new(stack, directions);
+        let mut over = BeamResponse::new(stack, directions);
         for (family, once) in self.families.iter().zip(&self.once) {
             let groups: Vec<&Group> = family.iter().collect();
             for order in 0..family.iter().map(|group| group.orders.len()).max().unwrap_or(0) {

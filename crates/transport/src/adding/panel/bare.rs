@@ -14,7 +14,7 @@ use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
-use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, Reflector, Rho, Source, Top};
+use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Reflectances of faces and pixels change over angles of this size, radians.
 const SMOOTH: f64 = 0.3;
@@ -130,7 +130,7 @@ impl Kernel {
             }
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => Rho { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => ReflectanceFactor { base: fate.leaving.clone(), front: fate.mirrored.clone() },
             Light::Directed(_) => dark(stack),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -153,7 +153,7 @@ impl Kernel {
             fate.meet_base(k, arriving, *r, (out[bin], back[bin]));
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => Rho { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => ReflectanceFactor { base: fate.leaving.clone(), front: fate.mirrored.clone() },
             Light::Directed(points) => {
                 let mut towards = vec![0.0; bins];
                 for point in points {
@@ -163,7 +163,7 @@ impl Kernel {
                 let index = stack.medium.index();
                 let seen = |(k, light): (usize, &f64)| light * towards[k % bins] / index[k % bins].powi(2);
                 let base = fate.reflected.iter().enumerate().map(seen).collect();
-                Rho { base, ..dark(stack) }
+                ReflectanceFactor { base, ..dark(stack) }
             }
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -201,9 +201,9 @@ fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
     if stack.single_pass || t == 0.0 { 1.0 } else { 1.0 / (1.0 - share) }
 }
 
-fn dark(stack: &Panel) -> Rho {
+fn dark(stack: &Panel) -> ReflectanceFactor {
     let base = &stack.base;
-    Rho { base: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
+    ReflectanceFactor { base: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
 }
 
 impl Fate {

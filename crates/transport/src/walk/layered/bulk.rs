@@ -18,12 +18,12 @@ use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
-use super::books::{Room, Sums};
+use super::ledger::{Sums, Workspace};
 use super::sources::Lamps;
-use super::{Draws, Sent};
+use super::{Draws, OutgoingRay};
 use crate::Medium;
 use crate::layers::Scattered;
-use crate::skeleton::{Going, Ray};
+use crate::skeleton::{Propagation, Ray};
 
 /// The least probability with which a flight in a thin medium ends there.
 const LEAST_AGAIN: f64 = 0.05;
@@ -101,54 +101,54 @@ impl<'a> Bulk<'a> {
     /// The numbers are for the first flight and the first deflection.
     pub(super) fn stay(
         &self,
-        (beta, going): (Beta, Going),
+        (beta, going): (Beta, Propagation),
         [first, mut angle, mut turn]: [f64; 3],
         draws: &mut Draws<'_>,
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Sent> {
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
         let direction = self.direction(beta, going);
         let depth = self.first_depth(direction[2], first);
         let mut stay = Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 };
-        let flown = if going == Going::Down { depth } else { self.optical_thickness - depth };
-        self.absorb(flown / direction[2].abs(), sums, room);
+        let flown = if going == Propagation::Down { depth } else { self.optical_thickness - depth };
+        self.absorb(flown / direction[2].abs(), sums, workspace);
         loop {
             if self.grey {
                 stay.absorbed += stay.scale * (1.0 - self.largest_albedo);
                 stay.scale *= self.largest_albedo;
             } else {
-                room.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
+                workspace.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
             }
             let early = draws.count < FIRST_EVENTS;
-            let part = if early { self.part_to_lamps(&room.lamps.about) } else { 0.0 };
-            self.gather(&stay, part, &mut room.lamps);
+            let part = if early { self.part_to_lamps(&workspace.lamps.about) } else { 0.0 };
+            self.gather(&stay, part, &mut workspace.lamps);
             let [survive, flight, next_angle, next_turn] = draws.next();
             let least = if early && self.largest_albedo > 0.0 { LEAST_SURVIVAL } else { 0.0 };
             let survives = stay.survives(survive, (self.largest_albedo * draws.most_survival()).max(least));
             if !self.grey || !survives {
-                self.settle(&mut stay, sums, room);
+                self.settle(&mut stay, sums, workspace);
             }
             if !survives {
                 return None;
             }
             let before = stay.direction;
-            stay.direction = self.deflected(before, part, [angle, turn], &room.lamps.about);
+            stay.direction = self.deflected(before, part, [angle, turn], &workspace.lamps.about);
             let cos = cosine_between(before, stay.direction);
-            let drawn = self.drawn(cos, stay.direction, part, &room.lamps.about);
+            let drawn = self.drawn(cos, stay.direction, part, &workspace.lamps.about);
             (angle, turn) = (next_angle, next_turn);
             let edge = self.way_out(&stay);
             let (length, weight) = self.fly(edge, flight);
             let weight = if part > 0.0 { weight * self.phase.at_cosine(cos) / drawn } else { weight };
             if weight != 1.0 {
                 stay.weigh(weight);
-                self.settle(&mut stay, sums, room);
+                self.settle(&mut stay, sums, workspace);
             }
             if length >= edge {
-                self.settle(&mut stay, sums, room);
-                self.absorb(edge, sums, room);
+                self.settle(&mut stay, sums, workspace);
+                self.absorb(edge, sums, workspace);
                 return Some(self.leave(&stay, drawn));
             }
-            self.absorb(length, sums, room);
+            self.absorb(length, sums, workspace);
             stay.depth = (stay.depth + length * stay.direction[2]).clamp(0.0, self.optical_thickness);
         }
     }
@@ -194,10 +194,10 @@ impl<'a> Bulk<'a> {
     }
 
     /// The unit vector of light with these cosines, never quite along the layer.
-    fn direction(&self, beta: Beta, going: Going) -> [f64; 3] {
+    fn direction(&self, beta: Beta, going: Propagation) -> [f64; 3] {
         let (x, y) = (beta.x / self.index, beta.y / self.index);
         let z = (1.0 - x * x - y * y).max(1e-18).sqrt();
-        [x, y, if going == Going::Down { z } else { -z }]
+        [x, y, if going == Propagation::Down { z } else { -z }]
     }
 
     /// Where the first flight ends, for it does so in the medium.
@@ -245,8 +245,8 @@ impl<'a> Bulk<'a> {
                 let towards = self.direction(lamp.beta, going);
                 let cos = cosine_between(towards, stay.direction);
                 let rest = match going {
-                    Going::Down => self.optical_thickness - stay.depth,
-                    Going::Up => stay.depth,
+                    Propagation::Down => self.optical_thickness - stay.depth,
+                    Propagation::Up => stay.depth,
                 };
                 let value = self.over_cosines(self.phase.at_cosine(cos), towards[2]);
                 let density = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
@@ -257,8 +257,8 @@ impl<'a> Bulk<'a> {
     }
 
     /// Brings the path's spectra and the sums up to date.
-    fn settle(&self, stay: &mut Stay, sums: &mut Sums, room: &mut Room) {
-        let Room { light, lamps, share, .. } = room;
+    fn settle(&self, stay: &mut Stay, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { light, lamps, share, .. } = workspace;
         for lamp in lamps.iter_mut() {
             share.clear();
             for (way, going) in WAYS.into_iter().enumerate() {
@@ -277,9 +277,9 @@ impl<'a> Bulk<'a> {
     }
 
     /// Absorption beside the scattering, over a way of this optical length.
-    fn absorb(&self, length: f64, sums: &mut Sums, room: &mut Room) {
+    fn absorb(&self, length: f64, sums: &mut Sums, workspace: &mut Workspace) {
         if self.transmittance.is_some() {
-            room.light.keep(|bin| self.clear(length, bin), &mut sums.absorbed.glass);
+            workspace.light.keep(|bin| self.clear(length, bin), &mut sums.absorbed.glass);
         }
     }
 
@@ -289,11 +289,11 @@ impl<'a> Bulk<'a> {
     }
 
     /// Out of the medium, in a direction that was drawn with this density per steradian.
-    fn leave(&self, stay: &Stay, drawn: f64) -> Sent {
+    fn leave(&self, stay: &Stay, drawn: f64) -> OutgoingRay {
         let [x, y, z] = stay.direction;
-        let going = if z > 0.0 { Going::Down } else { Going::Up };
+        let going = if z > 0.0 { Propagation::Down } else { Propagation::Up };
         let beta = Beta { x: self.index * x, y: self.index * y };
-        Sent::exactly(beta, Ray::from_element(self.element, going), self.over_cosines(drawn, z))
+        OutgoingRay::exactly(beta, Ray::from_element(self.element, going), self.over_cosines(drawn, z))
     }
 }
 
@@ -301,4 +301,4 @@ fn cosine_between(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-const WAYS: [Going; 2] = [Going::Up, Going::Down];
+const WAYS: [Propagation; 2] = [Propagation::Up, Propagation::Down];

@@ -9,8 +9,8 @@
 //!
 //! Light that met the base and light that did not share one path, with spectra of their own.
 
-mod books;
 mod bulk;
+mod ledger;
 mod light;
 mod pixel;
 mod scatterers;
@@ -23,10 +23,10 @@ use super::{PathNumbers, add_scaled};
 use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Cone, Source};
-pub(super) use books::Tally;
-use books::{Room, Sums};
+pub(super) use ledger::Accumulator;
+use ledger::{Sums, Workspace};
 use pixel::Pixel;
-use scatterers::{Kind, Meeting, at_lambertian_base, meetings};
+use scatterers::{Kind, ScatterEvent, at_lambertian_base, events};
 
 /// After its first scattering, a path never meets a further scatterer with a lower probability,
 /// if it can at all: light that lamps send to faint scatterers would make rare bright paths.
@@ -46,7 +46,7 @@ pub(super) struct Layered<'a> {
     view: Cone,
     sources: &'a [Source],
     /// Every way to meet a scatterer.
-    meetings: Vec<Meeting<'a>>,
+    events: Vec<ScatterEvent<'a>>,
     /// Where each element's absorption is booked.
     accounts: Vec<Account>,
     discs: bool,
@@ -54,7 +54,7 @@ pub(super) struct Layered<'a> {
 
 /// Light sent on its way in the flat skeleton.
 #[derive(Debug, Clone, Copy)]
-struct Sent {
+struct OutgoingRay {
     beta: Beta,
     ray: Ray,
     /// The density over direction cosines with which it was scattered into `beta`; infinite if it
@@ -69,7 +69,7 @@ struct Sent {
     rival: f64,
 }
 
-impl Sent {
+impl OutgoingRay {
     /// Light that no scatterer has sent.
     const UNSCATTERED: Self = Self {
         beta: Beta { x: 0.0, y: 0.0 },
@@ -114,15 +114,15 @@ impl<'a> Layered<'a> {
     pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
         let discs = sources.iter().any(Source::has_radiance);
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
-        Self { stack, view, sources, meetings: meetings(stack), accounts, discs }
+        Self { stack, view, sources, events: events(stack), accounts, discs }
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest).
     pub(super) fn rarest(&self) -> f64 {
-        if self.meetings.is_empty() {
+        if self.events.is_empty() {
             1.0
         } else {
-            (WITHOUT_REGARD / self.meetings.len() as f64).min(LEAST_SURVIVAL)
+            (WITHOUT_REGARD / self.events.len() as f64).min(LEAST_SURVIVAL)
         }
     }
 
@@ -131,21 +131,22 @@ impl<'a> Layered<'a> {
         !self.stack.base.is_specular()
     }
 
-    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
-        let Tally { sums, room } = tally;
-        room.lamps.draw(numbers, self, &mut room.skeleton);
-        room.light.start();
+    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+        let Accumulator { sums, workspace } = tally;
+        workspace.lamps.draw(numbers, self, &mut workspace.skeleton);
+        workspace.light.start();
         let mut draws = Draws { numbers, count: 0 };
         let beta = self.view.sample_towards(numbers.field());
-        let mut sent = Sent { beta, ray: Ray::ENTERING, ..Sent::UNSCATTERED };
-        while !room.light.is_dark() {
-            self.travel(sent, sums, room);
+        let mut sent = OutgoingRay { beta, ray: Ray::ENTERING, ..OutgoingRay::UNSCATTERED };
+        while !workspace.light.is_dark() {
+            self.travel(sent, sums, workspace);
             let u = draws.next();
             let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
             let survival = (least, draws.most_survival());
             let first = draws.count <= FIRST_EVENTS;
-            let Some(meeting) = self.choose(u[0], survival, first, sums, room) else { return };
-            let Some(next) = self.scatter(sent, meeting, [u[1], u[2], u[3]], &mut draws, sums, room) else {
+            let Some(event) = self.choose(u[0], survival, first, sums, workspace) else { return };
+            let Some(next) = self.scatter(sent, event, [u[1], u[2], u[3]], &mut draws, sums, workspace)
+            else {
                 return;
             };
             sent = next;
@@ -153,11 +154,11 @@ impl<'a> Layered<'a> {
     }
 
     /// All that happens to the path's light without scattering.
-    fn travel(&self, sent: Sent, sums: &mut Sums, room: &mut Room) {
-        room.skeleton.set(self.stack, sent.beta.squared());
-        room.skeleton.emit(sent.ray, &mut room.field);
-        self.book(sums, room);
-        let Room { light, field, share, .. } = room;
+    fn travel(&self, sent: OutgoingRay, sums: &mut Sums, workspace: &mut Workspace) {
+        workspace.skeleton.set(self.stack, sent.beta.squared());
+        workspace.skeleton.emit(sent.ray, &mut workspace.field);
+        self.book(sums, workspace);
+        let Workspace { light, field, share, .. } = workspace;
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.leaving.add_share(light, share, &field.rising, 1.0);
         if sent.density.is_finite() {
@@ -175,61 +176,61 @@ impl<'a> Layered<'a> {
         (least, most): (f64, f64),
         first: bool,
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<&Meeting<'a>> {
+        workspace: &mut Workspace,
+    ) -> Option<&ScatterEvent<'a>> {
         let mut total = 0.0;
-        for (i, meeting) in self.meetings.iter().enumerate() {
-            let Room { light, skeleton, field, share, .. } = room;
-            meeting.share(skeleton, field, share);
+        for (i, event) in self.events.iter().enumerate() {
+            let Workspace { light, skeleton, field, share, .. } = workspace;
+            event.share(skeleton, field, share);
             sums.unaccounted.add_share(light, share, &field.rising, 1.0);
-            room.meeting[i] = light.largest(share, &field.rising);
-            total += room.meeting[i];
+            workspace.chances[i] = light.largest(share, &field.rising);
+            total += workspace.chances[i];
         }
         let survival = total.max(least).min(most);
         if total == 0.0 || u >= survival {
             return None;
         }
-        let each = if first { WITHOUT_REGARD * total / self.meetings.len() as f64 } else { 0.0 };
+        let each = if first { WITHOUT_REGARD * total / self.events.len() as f64 } else { 0.0 };
         let mut chances = 0.0;
-        for chance in room.meeting.iter_mut().filter(|share| **share > 0.0) {
+        for chance in workspace.chances.iter_mut().filter(|share| **share > 0.0) {
             *chance += each;
             chances += *chance;
         }
         let mut below = u / survival * chances;
-        let chosen = room.meeting.iter().position(|chance| {
+        let chosen = workspace.chances.iter().position(|chance| {
             below -= chance;
             below < 0.0
         })?;
-        let meeting = &self.meetings[chosen];
-        meeting.share(&room.skeleton, &room.field, &mut room.share);
-        let scale = chances / (survival * room.meeting[chosen]);
-        room.light.carry(&room.share, &room.field.rising, scale);
-        sums.unaccounted.add(&room.light, -1.0);
-        Some(meeting)
+        let event = &self.events[chosen];
+        event.share(&workspace.skeleton, &workspace.field, &mut workspace.share);
+        let scale = chances / (survival * workspace.chances[chosen]);
+        workspace.light.carry(&workspace.share, &workspace.field.rising, scale);
+        sums.unaccounted.add(&workspace.light, -1.0);
+        Some(event)
     }
 
     /// What the scatterer does: connections to lamps, and a new direction.
     fn scatter(
         &self,
-        sent: Sent,
-        meeting: &Meeting<'_>,
+        sent: OutgoingRay,
+        event: &ScatterEvent<'_>,
         u: [f64; 3],
         draws: &mut Draws<'_>,
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Sent> {
-        match meeting.kind {
-            Kind::Bulk(bulk) => bulk.stay((sent.beta, meeting.going), u, draws, sums, room),
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
+        match event.kind {
+            Kind::Bulk(bulk) => bulk.stay((sent.beta, event.going), u, draws, sums, workspace),
             Kind::Base(reflectance, medium) => {
-                Some(at_lambertian_base(reflectance, medium, meeting.element, [u[1], u[2]], sums, room))
+                Some(at_lambertian_base(reflectance, medium, event.element, [u[1], u[2]], sums, workspace))
             }
             Kind::Pixel(kernels, medium) => {
-                let pixel = Pixel { kernels, medium, element: meeting.element };
-                pixel.reflect(sent.beta, u, sums, room)
+                let pixel = Pixel { kernels, medium, element: event.element };
+                pixel.reflect(sent.beta, u, sums, workspace)
             }
             Kind::Interface(interface, ..) => {
                 let u = interface.numbers(u, &mut || draws.next());
-                meeting.pass_interface(sent, u, sums, room)
+                event.pass_interface(sent, u, sums, workspace)
             }
         }
     }

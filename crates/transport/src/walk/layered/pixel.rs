@@ -5,11 +5,11 @@
 
 use papilio_optics::{Beta, Scatterer};
 
-use super::Sent;
-use super::books::{Room, Sums};
+use super::OutgoingRay;
+use super::ledger::{Sums, Workspace};
 use super::light::Light;
 use crate::layers::Scattered;
-use crate::skeleton::{Going, Ray};
+use crate::skeleton::{Propagation, Ray};
 use crate::{Medium, ScatterKernel};
 
 /// The base, under a medium (air, if there is none).
@@ -22,12 +22,18 @@ pub(super) struct Pixel<'a> {
 
 impl Pixel<'_> {
     /// Off the base: connections to lamps, and a new direction.
-    pub(super) fn reflect(&self, from: Beta, u: [f64; 3], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
-        let ray = Ray { plane: self.element, going: Going::Up };
-        sums.arriving.add(&room.light, 1.0);
-        self.tint(&mut room.light);
-        let mut turned = room.light.clone();
-        let Room { light, share, lamps, .. } = &mut *room;
+    pub(super) fn reflect(
+        &self,
+        from: Beta,
+        u: [f64; 3],
+        sums: &mut Sums,
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
+        let ray = Ray { plane: self.element, going: Propagation::Up };
+        sums.arriving.add(&workspace.light, 1.0);
+        self.tint(&mut workspace.light);
+        let mut turned = workspace.light.clone();
+        let Workspace { light, share, lamps, .. } = &mut *workspace;
         for lamp in lamps.iter() {
             turned.clone_from(light);
             let density = self.density(from, lamp.beta);
@@ -41,9 +47,9 @@ impl Pixel<'_> {
         }
         let sent = self.send(from, u)?;
         let density = self.density(from, sent);
-        self.weigh(&mut room.light, |kernel| self.value(kernel, from, sent) / density);
-        sums.reflected.add(&room.light, 1.0);
-        Some(Sent::exactly(sent, ray, density))
+        self.weigh(&mut workspace.light, |kernel| self.value(kernel, from, sent) / density);
+        sums.reflected.add(&workspace.light, 1.0);
+        Some(OutgoingRay::exactly(sent, ray, density))
     }
 
     /// All light has met the base, and has each state's colour.

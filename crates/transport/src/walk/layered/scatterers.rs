@@ -3,20 +3,20 @@
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
-use super::books::{Room, Sums};
 use super::bulk::Bulk;
+use super::ledger::{Sums, Workspace};
 use super::light::Share;
-use super::{Sent, sources};
+use super::{OutgoingRay, sources};
 use crate::layers::{Arrival, Channel, Departure, Scattered, ScatteringInterface};
-use crate::skeleton::{Field, Going, Ray, Skeleton};
+use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
 use crate::{Layered, Medium, Reflector, ScatterKernel};
 
 /// A scatterer, and light on its way to it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Meeting<'a> {
+pub(super) struct ScatterEvent<'a> {
     pub(super) element: usize,
-    pub(super) going: Going,
+    pub(super) going: Propagation,
     pub(super) kind: Kind<'a>,
 }
 
@@ -31,10 +31,10 @@ pub(super) enum Kind<'a> {
     Pixel(&'a [ScatterKernel], Option<&'a Medium>),
 }
 
-impl Meeting<'_> {
+impl ScatterEvent<'_> {
     /// Sets `share` to that of the light that meets the scatterer and is scattered.
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
-        let ray = Ray::meeting(self.element, self.going);
+        let ray = Ray::arriving_at(self.element, self.going);
         match self.kind {
             Kind::Base(..) | Kind::Pixel(..) => return share.set(field, ray, |_| 1.0),
             Kind::Interface(interface, channel, _) => {
@@ -49,19 +49,23 @@ impl Meeting<'_> {
     }
 
     /// Light from `beta` that an interface scatters on, without connections to sources; `None` if it absorbs it.
-    pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<Sent> {
+    pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let (to, scattered) = interface.sample(Arrival { beta, going: self.going, channel }, u)?;
         let Scattered { value, density, reverse } = scattered;
         let ray = Ray::from_element(self.element, to.going);
-        Some(Sent { back: reverse, weight: value / density, ..Sent::exactly(to.beta, ray, density) })
+        Some(OutgoingRay {
+            back: reverse,
+            weight: value / density,
+            ..OutgoingRay::exactly(to.beta, ray, density)
+        })
     }
 
     /// True if the medium into which an interface sends the light has such a direction.
-    pub(super) fn carries(&self, sent: Sent, bin: usize) -> bool {
+    pub(super) fn carries(&self, sent: OutgoingRay, bin: usize) -> bool {
         match self.kind {
             Kind::Interface(interface, _, media) if interface.scatters_beyond_media() => {
-                let to = if sent.ray.going == Going::Up { media[0] } else { media[1] };
+                let to = if sent.ray.going == Propagation::Up { media[0] } else { media[1] };
                 sent.beta.squared() < index(to, bin).powi(2)
             }
             _ => true,
@@ -71,36 +75,36 @@ impl Meeting<'_> {
     /// At an interface: connections to sources, and a new direction.
     pub(super) fn pass_interface(
         &self,
-        sent: Sent,
+        sent: OutgoingRay,
         u: [f64; 4],
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Sent> {
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let ways = channel.leaves(self.going);
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
         let from = Arrival { beta: sent.beta, going: self.going, channel };
         let scattered = |way: usize, beta| interface.scatter(from, Departure { beta, going: ways[way] });
-        sources::connect(rays, sent.density, scattered, |_, _| 1.0, sums, room);
+        sources::connect(rays, sent.density, scattered, |_, _| 1.0, sums, workspace);
         let Some(next) = self.send(sent.beta, u) else {
-            room.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
+            workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
             return None;
         };
         let kept = |bin| if self.carries(next, bin) { next.weight } else { 0.0 };
-        room.light.keep(kept, &mut sums.absorbed.diffuser);
-        Some(Sent { rival: sent.density, ..next })
+        workspace.light.keep(kept, &mut sums.absorbed.diffuser);
+        Some(OutgoingRay { rival: sent.density, ..next })
     }
 }
 
 /// Every way to meet a scatterer of the stack.
-pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
-    const BOTH_WAYS: [Going; 2] = [Going::Down, Going::Up];
-    let mut meetings = Vec::new();
+pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
+    const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
+    let mut events = Vec::new();
     for (element, (layer, media)) in stack.elements().enumerate() {
         let Some(interface) = layer.scattering_interface() else { continue };
         for going in BOTH_WAYS {
             let channels = interface.channels(going).into_iter();
-            meetings.extend(channels.map(|channel| Meeting {
+            events.extend(channels.map(|channel| ScatterEvent {
                 element,
                 going,
                 kind: Kind::Interface(interface, channel, media),
@@ -110,11 +114,11 @@ pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
     for (i, layer) in stack.layers.iter().enumerate() {
         if let Some(bulk) = Bulk::new(2 * i + 1, &layer.medium) {
             let kind = Kind::Bulk(bulk);
-            meetings.extend(BOTH_WAYS.map(|going| Meeting { element: 2 * i + 1, going, kind }));
+            events.extend(BOTH_WAYS.map(|going| ScatterEvent { element: 2 * i + 1, going, kind }));
         }
     }
     // From the top: numbers of random decisions depend on the order.
-    meetings.sort_by_key(|meeting| meeting.element);
+    events.sort_by_key(|event| event.element);
     let upper = stack.layers.last().map(|layer| &layer.medium);
     let base = match &stack.base.reflector {
         Reflector::Specular(_) => None,
@@ -122,8 +126,8 @@ pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
     };
     let element = 2 * stack.layers.len();
-    meetings.extend(base.map(|kind| Meeting { element, going: Going::Down, kind }));
-    meetings
+    events.extend(base.map(|kind| ScatterEvent { element, going: Propagation::Down, kind }));
+    events
 }
 
 /// The index of a medium, or of air.
@@ -138,9 +142,9 @@ pub(super) fn at_lambertian_base(
     element: usize,
     u: [f64; 2],
     sums: &mut Sums,
-    room: &mut Room,
-) -> Sent {
-    let light = &mut room.light;
+    workspace: &mut Workspace,
+) -> OutgoingRay {
+    let light = &mut workspace.light;
     sums.arriving.add(light, 1.0);
     let rows = light.met.chunks_exact_mut(light.fresh.len());
     for (row, reflectance) in rows.zip(reflectance.chunks_exact(light.fresh.len())) {
@@ -151,7 +155,7 @@ pub(super) fn at_lambertian_base(
     light.fresh.fill(0.0);
     sums.reflected.add(light, 1.0);
 
-    let ray = Ray { plane: element, going: Going::Up };
+    let ray = Ray { plane: element, going: Propagation::Up };
     let largest = medium.map_or(1.0, Medium::largest_index);
     // Over the disc of each wavelength, where the value is that of the largest.
     let density = warp::uniform_disc_density(largest);
@@ -161,9 +165,9 @@ pub(super) fn at_lambertian_base(
     };
     let scattered =
         |_, to: Beta| Scattered { value: density, density: base_density(largest, to), reverse: density };
-    sources::connect([ray].into_iter(), f64::INFINITY, scattered, spread, sums, room);
+    sources::connect([ray].into_iter(), f64::INFINITY, scattered, spread, sums, workspace);
     let out = base_direction(largest, u);
     let drawn = base_density(largest, out);
-    room.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
-    Sent::exactly(out, ray, drawn)
+    workspace.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
+    OutgoingRay::exactly(out, ray, drawn)
 }

@@ -12,10 +12,10 @@
 
 use papilio_optics::Beta;
 
-use super::books::{Room, Sums};
+use super::ledger::{Sums, Workspace};
 use super::light::{Light, Share};
 use super::scatterers::Kind;
-use super::{Layered, Sent};
+use super::{Layered, OutgoingRay};
 use crate::Source;
 use crate::layers::Scattered;
 use crate::skeleton::{Field, Ray, Skeleton};
@@ -53,9 +53,9 @@ pub(super) struct Lamp {
 /// Light that a scatterer sends on.
 #[derive(Debug, Clone)]
 struct Relay {
-    /// Numbers of the lamp and of the meeting.
+    /// Numbers of the lamp and of the event.
     of: usize,
-    meeting: usize,
+    event: usize,
     /// What of the lamp meets the scatterer and is scattered.
     arrived: Light,
     lamp: Lamp,
@@ -73,14 +73,11 @@ impl Lamps {
             let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
             let lamp = Lamp::new(source, target, walk, skeleton);
             let of = lamps.sources.len();
-            let meetings = walk
-                .meetings
-                .iter()
-                .enumerate()
-                .filter(|(_, meeting)| matches!(meeting.kind, Kind::Interface(..)));
-            lamps.scattered.extend(meetings.map(|(meeting, _)| Relay {
+            let events =
+                walk.events.iter().enumerate().filter(|(_, event)| matches!(event.kind, Kind::Interface(..)));
+            lamps.scattered.extend(events.map(|(event, _)| Relay {
                 of,
-                meeting,
+                event,
                 arrived: lamp.before.clone(),
                 lamp: lamp.clone(),
             }));
@@ -118,7 +115,7 @@ impl Lamps {
         skeleton.emit(Ray::ENTERING, &mut lamp.field);
         let mut share = Share::zeros(lamp.before.fresh.len());
         for scattered in self.scattered.iter_mut().filter(|scattered| scattered.of == of) {
-            walk.meetings[scattered.meeting].share(skeleton, &lamp.field, &mut share);
+            walk.events[scattered.event].share(skeleton, &lamp.field, &mut share);
             scattered.arrived.start();
             scattered.arrived.carry(&share, &lamp.field.rising, 1.0);
         }
@@ -196,10 +193,10 @@ impl Relay {
         if self.arrived.is_dark() {
             return;
         }
-        let meeting = &walk.meetings[self.meeting];
-        let Some(sent) = meeting.send(source.beta, u) else { return };
+        let event = &walk.events[self.event];
+        let Some(sent) = event.send(source.beta, u) else { return };
         lamp.before.clone_from(&self.arrived);
-        lamp.before.keep_where(|bin| meeting.carries(sent, bin));
+        lamp.before.keep_where(|bin| event.carries(sent, bin));
         lamp.before.scale(sent.weight);
         if lamp.before.is_dark() {
             return;
@@ -221,9 +218,9 @@ pub(super) fn connect(
     scattered: impl Fn(usize, Beta) -> Scattered,
     factor: impl Fn(Beta, usize) -> f64,
     sums: &mut Sums,
-    room: &mut Room,
+    workspace: &mut Workspace,
 ) {
-    let Room { light, share, lamps, .. } = room;
+    let Workspace { light, share, lamps, .. } = workspace;
     for lamp in lamps.iter() {
         share.clear();
         for (way, ray) in ways.clone().enumerate() {
@@ -237,7 +234,7 @@ pub(super) fn connect(
 /// Discs that scattered light runs into where it leaves.
 pub(super) fn meet_discs(
     sources: &[Source],
-    sent: Sent,
+    sent: OutgoingRay,
     (light, share, rising): (&Light, &Share, &[f64]),
     sums: &mut Sums,
 ) {

@@ -10,7 +10,7 @@ use papilio_sampling::warp::rounded;
 /// Steps to a width of the lobe.
 const STEPS: f64 = 32.0;
 
-/// Narrower lobes would take more room than a processor's first caches have.
+/// Narrower lobes would take more workspace than a processor's first caches have.
 const NARROWEST: f64 = 0.01;
 
 /// Offsets that are computed side by side.
@@ -18,13 +18,13 @@ const SIDE_BY_SIDE: usize = 16;
 
 /// Cubic polynomials of the place about even steps of `|beta|^2`.
 #[derive(Debug)]
-pub(super) struct Leaving {
+pub(super) struct Escape {
     lobe: Lobe,
     per_square: f64,
     steps: Vec<[f64; 4]>,
 }
 
-impl Leaving {
+impl Escape {
     /// For `|beta|` up to `largest`. Narrow lobes have no table: their shares are computed each time.
     pub(super) fn new(lobe: Lobe, largest: f64) -> Self {
         let width = match lobe {
@@ -85,7 +85,7 @@ mod tests {
     fn the_table_is_the_closed_form() {
         for width in [0.003, 0.01, 0.0567, 0.3, 2.0] {
             let lobe = Lobe::KCorrelation { width };
-            let leaving = Leaving::new(lobe, 1.52);
+            let leaving = Escape::new(lobe, 1.52);
             for step in 0..=15_200 {
                 let offset = f64::from(step) * 1e-4;
                 let [found] = leaving.at(&[offset * offset]);

@@ -12,7 +12,7 @@ use papilio_optics::{Beta, Scatterer};
 
 use crate::walk::Strategy;
 use crate::walk::guide::{Guide, Peak};
-use crate::walk::strategy::Drawing;
+use crate::walk::strategy::DirectionSampler;
 use crate::{Cone, Diffuser, Panel, Reflector, Source};
 
 /// How the direction is drawn.
@@ -21,7 +21,7 @@ pub(super) enum First {
     /// Several of them from the guide.
     Guided(Guided),
     /// From the lobe itself.
-    Kernel(Drawing),
+    Kernel(DirectionSampler),
     /// As all others.
     Plain,
 }
@@ -80,7 +80,7 @@ impl First {
         (sources, shares): (&[Source], &[f64]),
     ) -> Self {
         match (strategy, diffuser.lobe) {
-            (Strategy::Kernel, _) => Self::Kernel(Drawing::kernel(diffuser.lobe)),
+            (Strategy::Kernel, _) => Self::Kernel(DirectionSampler::kernel(diffuser.lobe)),
             (Strategy::Guided, Lobe::KCorrelation { width }) if view.half_angle() <= WIDEST_FIELD * width => {
                 let light = Light::new(diffuser, width, view.axis_towards(), sources, shares);
                 Worth::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)

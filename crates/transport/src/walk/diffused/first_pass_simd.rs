@@ -16,8 +16,8 @@ use papilio_sampling::Numbers;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Diffused;
-use super::books::Sums;
-use super::first::First;
+use super::first_pass::First;
+use super::ledger::Sums;
 use crate::walk::Target;
 use crate::{AngularTable, CosinePanels, Nodes, Reflector, Source};
 

@@ -4,14 +4,14 @@ use super::Layered;
 use super::light::{Light, Share};
 use super::sources::Lamps;
 use crate::estimate::Account;
-use crate::skeleton::{Field, Going, Ray, Skeleton};
-use crate::{Estimate, Ledger, Rho, Source};
+use crate::skeleton::{Field, Propagation, Ray, Skeleton};
+use crate::{Estimate, Ledger, ReflectanceFactor, Source};
 
-/// The sums of a replicate, and room to work in.
+/// The sums of a replicate, and workspace to work in.
 #[derive(Debug, Clone)]
-pub(in crate::walk) struct Tally {
+pub(in crate::walk) struct Accumulator {
     pub(super) sums: Sums,
-    pub(super) room: Room,
+    pub(super) workspace: Workspace,
 }
 
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ pub(super) struct Absorbed {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Room {
+pub(super) struct Workspace {
     /// The path's light.
     pub(super) light: Light,
     pub(super) skeleton: Skeleton,
@@ -46,7 +46,7 @@ pub(super) struct Room {
     pub(super) share: Share,
     pub(super) lamps: Lamps,
     /// For each way to meet a scatterer: the largest share of the light that does.
-    pub(super) meeting: Vec<f64>,
+    pub(super) chances: Vec<f64>,
 }
 
 impl Absorbed {
@@ -58,14 +58,14 @@ impl Absorbed {
 }
 
 impl Layered<'_> {
-    pub(in crate::walk) fn tally(&self) -> Tally {
+    pub(in crate::walk) fn tally(&self) -> Accumulator {
         let base = &self.stack.base;
         let (states, bins) = (base.states(), base.bins());
         let light = || Light::zeros(states, bins);
         let mut skeleton = Skeleton::new(self.stack);
         let field = skeleton.field();
         let lamps = Lamps::new(self, &mut skeleton);
-        Tally {
+        Accumulator {
             sums: Sums {
                 leaving: light(),
                 from_source: self.sources.iter().map(|_| light()).collect(),
@@ -74,26 +74,26 @@ impl Layered<'_> {
                 reflected: light(),
                 unaccounted: light(),
             },
-            room: Room {
+            workspace: Workspace {
                 light: light(),
                 skeleton,
                 field,
                 share: Share::zeros(bins),
                 lamps,
-                meeting: vec![0.0; self.meetings.len()],
+                chances: vec![0.0; self.events.len()],
             },
         }
     }
 
     /// Books where the path's light gets to without being scattered, the air apart.
-    pub(super) fn book(&self, sums: &mut Sums, room: &mut Room) {
-        let Room { light, skeleton, field, share, .. } = room;
+    pub(super) fn book(&self, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { light, skeleton, field, share, .. } = workspace;
         for (account, sum) in sums.absorbed.accounts() {
             share.clear();
             for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
                 let parts = skeleton.element(element);
-                for going in [Going::Down, Going::Up] {
-                    share.add(field, Ray::meeting(element, going), |bin| parts[bin].absorbed(going));
+                for going in [Propagation::Down, Propagation::Up] {
+                    share.add(field, Ray::arriving_at(element, going), |bin| parts[bin].absorbed(going));
                 }
             }
             sum.add_share(light, share, &field.rising, 1.0);
@@ -101,19 +101,19 @@ impl Layered<'_> {
         if self.base_scatters() {
             return;
         }
-        let base = Ray { plane: skeleton.elements(), going: Going::Down };
+        let base = Ray { plane: skeleton.elements(), going: Propagation::Down };
         share.set(field, base, |_| 1.0);
         sums.arriving.add_share(light, share, &field.rising, 1.0);
         share.set_rising();
         sums.reflected.add_share(light, share, &field.rising, 1.0);
     }
 
-    pub(in crate::walk) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
+    pub(in crate::walk) fn estimate(&self, tally: &Accumulator, scale: f64) -> Estimate {
         let sums = &tally.sums;
         let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
         let rho = self.sources.iter().zip(&sums.from_source).map(|(source, from_source)| {
             let light = if *source == Source::Diffuse { &sums.leaving } else { from_source };
-            Rho { base: mean(&light.met), front: mean(&light.fresh) }
+            ReflectanceFactor { base: mean(&light.met), front: mean(&light.fresh) }
         });
         Estimate { rho: rho.collect(), ledger: self.ledger(sums, scale) }
     }
