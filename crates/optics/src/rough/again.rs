@@ -15,7 +15,7 @@ use crate::Beta;
 use crate::chebyshev::Piecewise;
 
 /// Order of the rule that the deficits are integrated with: error below 1e-5.
-const ORDER: usize = 12;
+pub(super) const ORDER: usize = 12;
 
 /// The largest error of the table between its nodes.
 const TOLERANCE: f64 = 2e-6;

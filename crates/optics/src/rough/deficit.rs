@@ -1,4 +1,5 @@
-//! The share of light that one microfacet alone would lose: what it sends against the others.
+//! The share of light that one microfacet alone would lose: what it sends against the others; and the share that it
+//! sends back to the side where it came from.
 //!
 //! The deficit is an integral over the microfacet's normal h. In polar coordinates about the
 //! face's normal everything depends on h_z and on c1, the component along h of the wave vector
@@ -72,6 +73,22 @@ impl Microfacets {
     /// The share of light from this side, at this cosine to the face's normal, that one
     /// microfacet sends against others.
     pub(super) fn deficit(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
+        self.over_normals(rule, side, cosine, |arriving, h_z, h_t| arriving.over_azimuth(rule, h_z, h_t))
+    }
+
+    /// The share of that light that returns to its side after one microfacet.
+    pub(super) fn returned(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
+        self.over_normals(rule, side, cosine, |arriving, h_z, h_t| arriving.returned(rule, h_z, h_t))
+    }
+
+    /// The mean over the microfacets that light from this side sees, of what `over_azimuth` says of a tilt.
+    fn over_normals(
+        &self,
+        rule: &Rule,
+        side: Side,
+        cosine: f64,
+        over_azimuth: impl Fn(&Arriving<'_>, f64, f64) -> f64,
+    ) -> f64 {
         let n1 = self.index(side);
         // Along the face itself Lambda is infinite.
         let cosine = cosine.max(1e-9);
@@ -81,13 +98,13 @@ impl Microfacets {
         let arriving = Arriving { facets: self, n1, n2: self.index(side.other()), q, beta, hidden, across };
         // tan(tilt) = alpha tan(w) spreads the normals evenly, whatever the roughness.
         let w_of = |tilt: f64| (tilt.clamp(0.0, FRAC_PI_2).tan() / self.alpha).atan();
-        let lost = rule.integrate(0.0, FRAC_PI_2, arriving.tilts().map(w_of), |w| {
+        let sum = rule.integrate(0.0, FRAC_PI_2, arriving.tilts().map(w_of), |w| {
             let (sin, cos) = w.sin_cos();
             let length = cos.hypot(self.alpha * sin);
             let (h_z, h_t) = (cos / length, self.alpha * sin / length);
-            self.distribution.slopes(w) / h_z * arriving.over_azimuth(rule, h_z, h_t)
+            self.distribution.slopes(w) / h_z * over_azimuth(&arriving, h_z, h_t)
         });
-        lost / (q * (1.0 + hidden) * PI)
+        sum / (q * (1.0 + hidden) * PI)
     }
 }
 
@@ -134,17 +151,8 @@ impl Arriving<'_> {
 
     /// What facets of one tilt lose, weighted by c1, over half a turn.
     fn over_azimuth(&self, rule: &Rule, h_z: f64, h_t: f64) -> f64 {
-        let Self { facets, n1, n2, q, beta, hidden, .. } = *self;
-        let (critical, along) = (self.critical(), q / h_z);
-        // c1 edge-on, at the critical angle, where the reflected and the refracted light leave
-        // along the face.
-        let edges = [0.0, critical, 0.5 * along, 0.5 * (along + critical * critical / along)];
-        let azimuths = edges.map(|c1| ((q * h_z - c1) / (beta * h_t)).clamp(-1.0, 1.0).acos());
-        rule.integrate(0.0, PI, azimuths, |phi| {
-            let c1 = q * h_z - beta * h_t * phi.cos();
-            if c1 <= 0.0 {
-                return 0.0;
-            }
+        let Self { facets, n1, n2, q, hidden, .. } = *self;
+        self.half_a_turn(rule, h_z, h_t, |c1| {
             let c2 = beyond(c1, n1, n2);
             let passes = transmittance(c1, n1, c2, n2);
             // By Lambda after it; 0 if it does not leave.
@@ -157,6 +165,34 @@ impl Arriving<'_> {
             }
             let refracted = leaves(q - (c1 - c2) * h_z, n2, &|after| self.across.at(after));
             c1 * ((1.0 - passes) * (1.0 - reflected) + passes * (1.0 - refracted))
+        })
+    }
+
+    /// What facets of one tilt send back and nothing hides, weighted by c1, over half a turn.
+    fn returned(&self, rule: &Rule, h_z: f64, h_t: f64) -> f64 {
+        let Self { facets, n1, n2, q, hidden, .. } = *self;
+        self.half_a_turn(rule, h_z, h_t, |c1| {
+            let leaves = 2.0 * c1 * h_z - q;
+            if leaves <= 0.0 {
+                return 0.0;
+            }
+            let after = facets.hidden(leaves, (n1 - leaves) * (n1 + leaves)) / leaves;
+            let reflectance = 1.0 - transmittance(c1, n1, beyond(c1, n1, n2), n2);
+            c1 * reflectance * (1.0 + hidden) / (1.0 + hidden + after)
+        })
+    }
+
+    /// The integral over half a turn of what a facet does that the light sees, by c1.
+    fn half_a_turn(&self, rule: &Rule, h_z: f64, h_t: f64, by_c1: impl Fn(f64) -> f64) -> f64 {
+        let Self { q, beta, .. } = *self;
+        let (critical, along) = (self.critical(), q / h_z);
+        // c1 edge-on, at the critical angle, where the reflected and the refracted light leave
+        // along the face.
+        let edges = [0.0, critical, 0.5 * along, 0.5 * (along + critical * critical / along)];
+        let azimuths = edges.map(|c1| ((q * h_z - c1) / (beta * h_t)).clamp(-1.0, 1.0).acos());
+        rule.integrate(0.0, PI, azimuths, |phi| {
+            let c1 = q * h_z - beta * h_t * phi.cos();
+            if c1 <= 0.0 { 0.0 } else { by_c1(c1) }
         })
     }
 }
@@ -239,6 +275,8 @@ mod tests {
                     let cosine = (f64::from(step) / 20.0).powi(2);
                     let error = facets.deficit(&rule, side, cosine) - facets.deficit(&fine, side, cosine);
                     assert!(error.abs() < 1e-5, "{alpha} {below} {side:?} {cosine}: {error:e}");
+                    let error = facets.returned(&rule, side, cosine) - facets.returned(&fine, side, cosine);
+                    assert!(error.abs() < 1e-5, "returned, {alpha} {below} {side:?} {cosine}: {error:e}");
                 }
             }
         }

@@ -38,6 +38,7 @@ fn returned_light_is_that_of_the_walk_over_microfacets() {
         for ((from, theta_deg), published) in ways.into_iter().zip(published) {
             let found = shares(&face, from, theta_deg);
             for (found, published) in found.into_iter().zip(published) {
+                println!("{distribution:?} {alpha} {from:?} {theta_deg} {found:.6} {published}");
                 // Three sigma of the published number; two of the columns' own errors.
                 assert!(
                     (found - published).abs() < 2.4e-3,

@@ -1,8 +1,12 @@
 //! A rough face as azimuthal orders on a grid.
 //!
 //! The kernel of [`Rough`] has no closed Fourier series: it is sampled over the azimuth,
-//! by the trapezoid rule, which converges exponentially. What the quadrature over directions
-//! finds missing of a node's light is mirrored, so that none is lost.
+//! by the trapezoid rule, which converges exponentially.
+//!
+//! How much light returns to each side and how much crosses is known apart from all nodes, by the optics' own quadrature.
+//! Over the nodes refracted light converges slowly, as it jumps to zero where facets stand upright: its kernel is multiplied by a factor for
+//! each direction on either side that makes what crosses right from both, and stays reciprocal. What reflected light
+//! lacks then is mirrored, so that none is lost.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -47,7 +51,7 @@ impl RoughOrders {
             later: (1..count).map(|_| blank()).collect(),
             missing: Default::default(),
         };
-        let mut transforms = Transforms::new(count);
+        let mut transforms = Transforms::new(count, digits, Edge::new(face, grid));
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
                 if stop.load(Ordering::Relaxed) {
@@ -56,8 +60,9 @@ impl RoughOrders {
                 let first = if from == to { j } else { 0 };
                 let end = if j < grid.regular { len } else { grid.regular };
                 let rows = (first.min(end)..end).filter(|&i| grid.beta[i] < face.index(to));
-                for (i, values) in transforms.column(face, (from, grid.beta[j]), to, rows, digits, grid) {
-                    let scale = grid.scale[i] * grid.scale[j];
+                for (i, values) in transforms.column(face, (from, j), to, rows, grid) {
+                    let lit = if from == to { 1.0 } else { transforms.edge.lit(j, i) };
+                    let scale = grid.scale[i] * grid.scale[j] * lit;
                     all.set(way, i, j, len, &values, scale);
                     if from == to {
                         all.set(way, j, i, len, &values, scale);
@@ -65,8 +70,43 @@ impl RoughOrders {
                 }
             }
         }
+        all.balance(face, grid, digits as usize + 7);
         all.missing = missing(face, &all.part(face, 0, grid), grid);
         all
+    }
+
+    /// Makes what crosses right, from both sides, by a rule of this order: finer from level to level, so that an error of it shows
+    /// in their difference.
+    fn balance(&mut self, face: &Rough, grid: &Grid, order: usize) {
+        let len = grid.len();
+        // What one facet should send across, of which the nodes miss something.
+        let part = self.part(face, 0, grid);
+        let ones = vec![1.0; len];
+        let single = Operator { kernel: Some(self.zeroth[1].clone()), ..part.down.clone() };
+        let goal = |side: Side, whole: &Operator, single: &Operator| -> Vec<f64> {
+            let [whole, single] = [whole, single].map(|operator| operator.pull_back(&ones, &grid.scale));
+            let returned = face.returned(side, &grid.beta, order);
+            let one = |i: usize| {
+                single[i] + if grid.beta[i] < face.index(side) { 1.0 - returned[i] - whole[i] } else { 0.0 }
+            };
+            (0..len).map(one).collect()
+        };
+        let goals = [
+            goal(Side::Above, &part.down, &single),
+            goal(Side::Below, &part.down.transposed(), &single.transposed()),
+        ];
+        let [above, below] = factors(&self.zeroth[1], goals, grid);
+        for (from, column) in self.zeroth[1].columns_mut() {
+            column.iter_mut().zip(&below).for_each(|(value, below)| *value *= above[from] * below);
+        }
+        for order in &mut self.later {
+            for (from, column) in order[1].chunks_exact_mut(len).enumerate() {
+                column
+                    .iter_mut()
+                    .zip(&below)
+                    .for_each(|(value, below)| *value *= (above[from] * below) as f32);
+            }
+        }
     }
 
     fn set(&mut self, way: usize, out: usize, from: usize, len: usize, values: &[f64], scale: f64) {
@@ -108,6 +148,31 @@ impl RoughOrders {
         }
         part
     }
+}
+
+/// By what to multiply a kernel at each node above and below, so that it sends these shares of each node's light from above and from
+/// below (R. Sinkhorn, P. Knopp, Pacific J. Math. 21, 343 (1967)). What is left is no more than what the nodes' own sums of both differ by.
+fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid) -> [Vec<f64>; 2] {
+    /// Sweeps: each leaves a tenth or less, but of what is alike for many nodes, and wrong by little.
+    const SWEEPS: usize = 12;
+    /// Where the nodes miss more than this, factors do not mend it.
+    const MOST: f64 = 4.0;
+    let len = grid.len();
+    let back = kernel.transposed();
+    let next = |kernel: &Matrix, goal: &[f64], others: &[f64]| -> Vec<f64> {
+        let one = |j: usize| {
+            let terms = kernel.column(j)[..grid.regular].iter().zip(others).zip(&grid.scale);
+            let found: f64 = terms.map(|((k, other), scale)| k * other * scale).sum();
+            if found > 0.0 { (goal[j] * grid.scale[j] / found).clamp(1.0 / MOST, MOST) } else { 1.0 }
+        };
+        (0..len).map(one).collect()
+    };
+    let (mut above, mut below) = (vec![1.0; len], vec![1.0; len]);
+    for _ in 0..SWEEPS {
+        below = next(&back, &from_below, &above);
+        above = next(kernel, &from_above, &below);
+    }
+    [above, below]
 }
 
 /// Numbers of a kernel between so many nodes: reflections are alike both ways.
@@ -164,6 +229,66 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     }
 }
 
+/// Where refracted light ends: where facets stand upright, q is alike on both sides, and beyond that there is none. As the edge crosses a
+/// node's share of the directions, it is counted by the part that is lit.
+struct Edge {
+    /// From above, the least and the most of `sign (|beta_below|^2 - |beta_above|^2)` ...
+    sign: f64,
+    limit: f64,
+    /// |beta|^2 where each node's share of the directions begins and ends.
+    shares: Vec<[f64; 2]>,
+}
+
+impl Edge {
+    fn new(face: &Rough, grid: &Grid) -> Self {
+        let [above, below] = [Side::Above, Side::Below].map(|side| face.index(side).powi(2));
+        let mut end = 0.0;
+        let mut share = |i: usize| {
+            if i >= grid.regular {
+                return [grid.beta[i].powi(2); 2];
+            }
+            let begin = end;
+            end += grid.scale[i].powi(2) / PI;
+            [begin, end]
+        };
+        Self {
+            sign: (below - above).signum(),
+            limit: (below - above).abs(),
+            shares: (0..grid.len()).map(&mut share).collect(),
+        }
+    }
+
+    /// How much of two nodes' shares, above and below, is lit.
+    fn lit(&self, above: usize, below: usize) -> f64 {
+        let (thin, dense) = if self.sign > 0.0 { (above, below) } else { (below, above) };
+        let ([x0, x1], [y0, y1]) = (self.shares[thin], self.shares[dense]);
+        // Lit where y < x + limit.
+        let (height, from, to) = (y1 - y0, x0 + self.limit - y0, x1 + self.limit - y0);
+        let up_to = |u: f64| {
+            if u <= 0.0 {
+                0.0
+            } else if u < height {
+                0.5 * u * u / height
+            } else {
+                u - 0.5 * height
+            }
+        };
+        if to > from {
+            ((up_to(to) - up_to(from)) / (to - from)).clamp(0.0, 1.0)
+        } else if height > 0.0 {
+            (from / height).clamp(0.0, 1.0)
+        } else {
+            f64::from(u8::from(from > 0.0))
+        }
+    }
+
+    /// `|beta|` below that is lit from this one above, this one if it is.
+    fn within(&self, above: f64, below: f64) -> f64 {
+        let edge = (above * above + self.sign * self.limit * (1.0 - 1e-9)).max(0.0).sqrt();
+        if self.sign > 0.0 { below.min(edge) } else { below.max(edge) }
+    }
+}
+
 /// The distance in direction cosines over which the kernel changes most: refracted light
 /// about the normal, where a facet's slope bends it by the difference of the indices.
 pub(crate) fn width(face: &Rough) -> f64 {
@@ -180,34 +305,40 @@ fn orders(face: &Rough, digits: f64) -> usize {
 /// share them, and their sums are matrix products.
 struct Transforms {
     orders: usize,
+    digits: f64,
+    edge: Edge,
     /// By the logarithm of the number of intervals from 0 to pi: `[order, azimuth]`.
     cosines: Vec<Option<Matrix>>,
 }
 
 impl Transforms {
-    fn new(orders: usize) -> Self {
-        Self { orders, cosines: vec![None; MOST_INTERVALS.ilog2() as usize + 1] }
+    fn new(orders: usize, digits: f64, edge: Edge) -> Self {
+        Self { orders, digits, edge, cosines: vec![None; MOST_INTERVALS.ilog2() as usize + 1] }
     }
 
     /// Coefficients of the kernel from one direction to the nodes `rows` on the side `to`.
     fn column(
         &mut self,
         face: &Rough,
-        (from, a): (Side, f64),
+        (from, j): (Side, usize),
         to: Side,
         rows: impl Iterator<Item = usize>,
-        digits: f64,
         grid: &Grid,
     ) -> Vec<(usize, Vec<f64>)> {
         let mut of_rule = vec![Vec::new(); self.cosines.len()];
         let mut all = Vec::new();
+        let a = grid.beta[j];
         for i in rows {
-            let ends = [(from, a), (to, grid.beta[i])];
-            if let Some(rule) = rule(face, ends, digits) {
-                of_rule[rule].push(i);
+            if from != to && self.edge.lit(j, i) == 0.0 {
                 continue;
             }
-            let (b, mut values) = (grid.beta[i], vec![0.0; self.orders]);
+            let b = if from == to { grid.beta[i] } else { self.edge.within(a, grid.beta[i]) };
+            let ends = [(from, a), (to, b)];
+            if let Some(rule) = rule(face, ends, self.digits) {
+                of_rule[rule].push((i, b));
+                continue;
+            }
+            let mut values = vec![0.0; self.orders];
             graded(azimuth_width(face, ends), &mut values, |turn| {
                 let (sin, cos) = turn.sin_cos();
                 face.single(from, Beta { x: a, y: 0.0 }, to, Beta { x: b * cos, y: b * sin })
@@ -218,11 +349,11 @@ impl Transforms {
             let half = 1_usize << rule;
             let turns: Vec<f64> = (0..=half).map(|k| (PI * k as f64 / half as f64).cos()).collect();
             let pairs: Vec<_> =
-                rows.iter().map(|&i| face.single_by_azimuth((from, a), (to, grid.beta[i]))).collect();
+                rows.iter().map(|&(_, b)| face.single_by_azimuth((from, a), (to, b))).collect();
             let values = Matrix::from_fn(half + 1, rows.len(), |k, row| pairs[row](turns[k]));
             let mut sums = Matrix::zeros(self.orders, rows.len());
             sums.add_product(self.cosines(rule), &values, half + 1);
-            all.extend(rows.iter().enumerate().map(|(row, &i)| (i, sums.column(row).to_vec())));
+            all.extend(rows.iter().enumerate().map(|(row, &(i, _))| (i, sums.column(row).to_vec())));
         }
         all
     }
