@@ -40,7 +40,7 @@ fn make_face(alpha: f64) -> Rough {
 fn face_density(bencher: Bencher<'_, '_>) {
     let face = Rough::new(0.2, 1.0, 1.5);
     let (a, b) = (Beta { x: 0.3, y: 0.1 }, Beta { x: -0.2, y: 0.9 });
-    bencher.bench_local(|| face.density(Side::Above, black_box(a), Side::Below, black_box(b)));
+    bencher.bench_local(|| face.evaluate(Side::Above.at(black_box(a)), Side::Below.at(black_box(b))));
 }
 
 #[divan::bench(args = [0.01, 0.2, 1.0])]
@@ -50,7 +50,7 @@ fn face_sample(bencher: Bencher<'_, '_>, alpha: f64) {
     let mut path = 0;
     bencher.bench_local(|| {
         path += 1;
-        face.sample(Side::Below, black_box(Beta { x: 0.3, y: 0.1 }), numbers.block(path, 0))
+        face.sample(Side::Below.at(black_box(Beta { x: 0.3, y: 0.1 })), numbers.block(path, 0))
     });
 }
 

@@ -83,12 +83,12 @@ impl Side {
 /// A rough face.
 ///
 /// ```
-/// use papilio_optics::Beta;
 /// use papilio_optics::rough::{Rough, Side};
+/// use papilio_optics::{Beta, Scatterer};
 /// let face = Rough::new(0.2, 1.0, 1.5);
 /// let (down, up) = (Beta { x: 0.3, y: 0.0 }, Beta { x: -0.2, y: 0.4 });
-/// let there = face.density(Side::Above, down, Side::Below, up);
-/// let back = face.density(Side::Below, up, Side::Above, down);
+/// let there = face.evaluate(Side::Above.at(down), Side::Below.at(up));
+/// let back = face.evaluate(Side::Below.at(up), Side::Above.at(down));
 /// assert!(there > 0.0 && (there / back - 1.0).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -126,20 +126,7 @@ impl Rough {
         self.facets.index(side)
     }
 
-    /// Density per unit area of `beta_o` on side `to`, for light that arrives with `beta_i` on
-    /// side `from`: over both sides it integrates to one. Both are of propagation, so that
-    /// `beta_o = beta_i` is the mirror's direction on the same side, straight on across the face.
-    ///
-    /// Symmetric: light that retraces its way has the same density. 0 where `|beta|` is not
-    /// below the index of its side.
-    pub fn density(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
-        let (Some(i), Some(o)) = (self.cosine(from, beta_i), self.cosine(to, beta_o)) else {
-            return 0.0;
-        };
-        self.facets.single(from, beta_i, to, beta_o) + self.deficits.density((from, i), (to, o))
-    }
-
-    /// The part of [`Self::density`] that met one microfacet; symmetric as well.
+    /// The part of [`evaluate`](crate::Scatterer::evaluate) that met one microfacet; symmetric as well.
     pub fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
         self.facets.single(from, beta_i, to, beta_o)
     }
@@ -181,25 +168,6 @@ impl Rough {
             })
         };
         beta_lengths.iter().map(one).collect()
-    }
-
-    /// A side and direction drawn with [`Self::density`], weight one, from four uniform numbers;
-    /// |beta_i| is below the index of its side.
-    pub fn sample(&self, from: Side, beta_i: Beta, u: [f64; 4]) -> (Side, Beta) {
-        let meeting = self.facets.meet(from, beta_i, [u[0], u[1]]);
-        let reflectance = meeting.reflectance;
-        let reflected = u[2] < reflectance;
-        let mut again = u[3];
-        if let Some(leaving) = self.facets.leave(&meeting, reflected) {
-            if again < leaving.unshadowed {
-                return (leaving.side, leaving.beta);
-            }
-            again = (again - leaving.unshadowed) / (1.0 - leaving.unshadowed);
-        }
-        // Both choices leave what is uniform among the numbers that led to them.
-        let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
-        let cosine = self.cosine(from, beta_i).unwrap_or(0.0);
-        self.deficits.sample(&self.facets, (from, cosine), [again, turn])
     }
 
     /// Cosine to the face's normal of light that exists on this side.

@@ -12,9 +12,9 @@ pub struct Estimate {
 /// Reflectance factor under one source alone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReflectanceFactor {
-    /// Light that met the base; shape `[state][wavelength]`.
-    pub base: Vec<f64>,
-    /// Light mirrored before it met the base, alike in all states; shape `[wavelength]`.
+    /// Light that met the pixel; shape `[state][wavelength]`.
+    pub via_pixel: Vec<f64>,
+    /// Light reflected before it met the pixel, the same in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
 }
 

@@ -322,7 +322,7 @@ fn a_rough_face_over_black_is_its_kernel() {
         for ((theta, phi), seen) in places.into_iter().zip(&seen) {
             for (source, light) in lights.into_iter().enumerate() {
                 let (from, to) = (Beta::from_source(light, 0.0, 1.0), Beta::towards(theta, phi, 1.0));
-                let truth = PI * rough.density(Side::Above, from, Side::Above, to);
+                let truth = PI * rough.evaluate(Side::Above.at(from), Side::Above.at(to));
                 let what = format!("alpha {alpha}, n {index}, from {light}, to {theta} {phi}: {truth}");
                 assert_close(&what, rho(seen, source) / truth, 1.0, 2e-3);
             }
