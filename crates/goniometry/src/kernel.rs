@@ -377,7 +377,7 @@ mod tests {
         let closed = Lobe::KCorrelation { width: WIDTH };
         for (k, length) in [0.0, 20.0, 40.0, 60.0].map(|theta| ray(theta).length()).into_iter().enumerate() {
             let (air, glass) =
-                (0.8 * closed.share_in_disc(length, 1.0), 0.8 * closed.share_in_disc(length, 1.5));
+                (0.8 * closed.fraction_in_disc(length, 1.0), 0.8 * closed.fraction_in_disc(length, 1.5));
             assert!((changes.totals[k][1] - air).abs() < 1e-4, "{k}: {air} {:?}", changes.totals[k]);
             assert!(
                 (scatter.albedo_at(length) - glass).abs() < 3e-4,
@@ -386,7 +386,7 @@ mod tests {
             );
         }
         for length in [0.2, 0.97, 1.0, 1.003, 1.05, 1.2, 1.45] {
-            let share = 0.8 * closed.share_in_disc(length, 1.0);
+            let share = 0.8 * closed.fraction_in_disc(length, 1.0);
             assert!(
                 (back.albedo_at(length) - share).abs() < 5e-4,
                 "{length}: {share} {}",

@@ -35,7 +35,7 @@ fn a_sample_without_blur_is_found_again() {
     let data = Data::of_part(&measured(&instrument(), &|from, to| sample.btdf(from, to)), 0);
     // 16 incidences; the specular direction counts once for each.
     assert!(data.len() > 11_000 && data.len() < 14_000, "{}", data.len());
-    let total = 0.9 / Lobe::KCorrelation { width: sample.width }.hemispherical_share();
+    let total = 0.9 / Lobe::KCorrelation { width: sample.width }.hemispherical_fraction();
     for weights in [Weights::Even, Weights::SolidAngle] {
         let options = FitOptions { weights, ..FitOptions::default() };
         let fit = Fit::new(&data, Kind::KCorrelation, &options).unwrap();

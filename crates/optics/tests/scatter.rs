@@ -79,7 +79,7 @@ fn totals_are_integrals() {
     for (step, allowed) in [(0.02, 2e-4), (0.06, 1e-2)] {
         let (kernel, lobe) = (of_lobe(0.06, step), Lobe::KCorrelation { width: 0.06 });
         for length in [0.0, 0.2, 0.7, 0.95, 1.0] {
-            let error = kernel.albedo_at(length) - lobe.share_in_disc(length, 1.0);
+            let error = kernel.albedo_at(length) - lobe.fraction_in_disc(length, 1.0);
             assert!(error.abs() < allowed, "{step} {length}: {error}");
             assert!((kernel.albedo_at(length) - kernel.reversed().albedo_at(length)).abs() < allowed);
         }

@@ -368,7 +368,7 @@ fn from_a_breath_to_a_wall() {
     let stack = layered(vec![layer(Interface::Diffuser(diffuser(1e-4, 1.0, 0.0)), clear(1.5))], mirror(1.0));
     let runs = Runs::new(&stack, 89.9, &[Source::Diffuse], 16);
     let sin = 89.9_f64.to_radians().sin();
-    runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.share_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
+    runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.fraction_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
 }
 
 /// Once scattered, light in a thin slab is rarely scattered again; the errors know of it.

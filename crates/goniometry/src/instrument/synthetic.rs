@@ -49,7 +49,7 @@ impl SyntheticSample {
     /// f, 1/sr, beyond its edge.
     pub fn btdf(&self, from: Beta, to: Beta) -> f64 {
         let lobe = Lobe::KCorrelation { width: self.width };
-        self.total_transmittance / lobe.hemispherical_share() * lobe.density(from, to)
+        self.total_transmittance / lobe.hemispherical_fraction() * lobe.density(from, to)
     }
 
     /// Total transmittance at normal incidence, of one wavelength: what a spectroradiometer finds.

@@ -66,7 +66,7 @@ impl Lobe {
     }
 
     /// Fraction of the lobe within `radius` of the direction of normal incidence.
-    pub fn share_within(&self, radius: f64) -> f64 {
+    pub fn fraction_within(&self, radius: f64) -> f64 {
         match *self {
             Self::KCorrelation { width } => KCorrelation { width }.fraction_within(radius),
             Self::Lambertian => Lambertian.fraction_within(radius),
@@ -76,19 +76,19 @@ impl Lobe {
     /// Fraction of the lobe that stays within the air hemisphere at normal incidence.
     ///
     /// `total_transmittance = T ((1 - s) fraction + s)`, s the regular fraction.
-    pub fn hemispherical_share(&self) -> f64 {
-        self.share_within(1.0)
+    pub fn hemispherical_fraction(&self) -> f64 {
+        self.fraction_within(1.0)
     }
 
     /// Fraction of the lobe within the disc `|beta_o| <= radius`, for light that arrives with `|beta_i| = offset`;
     /// what a diffuser sends out into the air is that of radius 1.
-    pub fn share_in_disc(&self, offset: f64, radius: f64) -> f64 {
-        self.shares_in_disc([offset], radius)[0]
+    pub fn fraction_in_disc(&self, offset: f64, radius: f64) -> f64 {
+        self.fractions_in_disc([offset], radius)[0]
     }
 
     /// The same for several offsets at once: divisions overlap.
     #[inline(always)]
-    pub fn shares_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
+    pub fn fractions_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
         match *self {
             Self::KCorrelation { width } => KCorrelation { width }.fractions_in_disc(offsets, radius),
             Self::Lambertian => {
@@ -101,8 +101,8 @@ impl Lobe {
     /// at normal incidence, the straight-through share included.
     pub fn haze(&self, straight_through: f64) -> f64 {
         let scattered = 1.0 - straight_through;
-        let hemisphere = self.share_within(1.0);
-        let beyond = hemisphere - self.share_within(HAZE_ANGLE_DEG.to_radians().sin());
+        let hemisphere = self.fraction_within(1.0);
+        let beyond = hemisphere - self.fraction_within(HAZE_ANGLE_DEG.to_radians().sin());
         scattered * beyond / (scattered * hemisphere + straight_through)
     }
 }
@@ -171,7 +171,7 @@ mod tests {
 
     /// Chi-square of samples against a claimed distribution of the radius, on 16 x 16 cells
     /// of equal probability around the unscattered direction.
-    fn chi_square(lobe: Lobe, beta_i: Beta, share_within: impl Fn(f64) -> f64) -> f64 {
+    fn chi_square(lobe: Lobe, beta_i: Beta, fraction_within: impl Fn(f64) -> f64) -> f64 {
         let numbers = papilio_sampling::Numbers::new(papilio_sampling::Sampler::Random, 17, 0);
         let (samples, mut cells) = (40_000, [0.0_f64; 256]);
         for path in 0..samples {
@@ -180,7 +180,7 @@ mod tests {
             let from = if lobe == Lobe::Lambertian { beta_o } else { beta_o - beta_i };
             let turn = from.y.atan2(from.x).rem_euclid(2.0 * PI) / (2.0 * PI);
             let cell = |v: f64| ((v * 16.0) as usize).min(15);
-            cells[cell(share_within(from.length())) * 16 + cell(turn)] += 1.0;
+            cells[cell(fraction_within(from.length())) * 16 + cell(turn)] += 1.0;
         }
         let expected = samples as f64 / 256.0;
         cells.iter().map(|n| (n - expected).powi(2) / expected).sum()
@@ -189,7 +189,7 @@ mod tests {
     /// The 1e-4 quantile of chi-square with 255 degrees of freedom.
     const CHI_SQUARE_255: f64 = 345.6;
 
-    /// `share_within` is the integral of the density (tested below), so this ties
+    /// `fraction_within` is the integral of the density (tested below), so this ties
     /// samples to densities.
     #[test]
     fn samples_follow_the_density() {
@@ -197,8 +197,9 @@ mod tests {
             [Lobe::KCorrelation { width: 0.0567 }, Lobe::KCorrelation { width: 0.9 }, Lobe::Lambertian]
         {
             for theta_deg in [0.0, 30.0] {
-                let statistic =
-                    chi_square(lobe, Beta::towards(theta_deg, 50.0, 1.0), |radius| lobe.share_within(radius));
+                let statistic = chi_square(lobe, Beta::towards(theta_deg, 50.0, 1.0), |radius| {
+                    lobe.fraction_within(radius)
+                });
                 assert!(statistic < CHI_SQUARE_255, "{lobe:?} {theta_deg}: {statistic}");
             }
         }
@@ -208,7 +209,7 @@ mod tests {
     fn a_density_that_is_slightly_too_wide_is_caught() {
         let wider = Lobe::KCorrelation { width: 0.0567 * 1.05 };
         let lobe = Lobe::KCorrelation { width: 0.0567 };
-        let statistic = chi_square(lobe, Beta::default(), |radius| wider.share_within(radius));
+        let statistic = chi_square(lobe, Beta::default(), |radius| wider.fraction_within(radius));
         assert!(statistic > CHI_SQUARE_255, "{statistic}");
     }
 
@@ -265,15 +266,15 @@ mod tests {
                     let phi = PI * (f64::from(step) + 0.5) / f64::from(steps);
                     let half_chord = (radius * radius - (offset * phi.sin()).powi(2)).max(0.0).sqrt();
                     let [near, far] = [-half_chord, half_chord].map(|h| (h - offset * phi.cos()).max(0.0));
-                    lobe.share_within(far) - lobe.share_within(near)
+                    lobe.fraction_within(far) - lobe.fraction_within(near)
                 });
                 let integral = mean.sum::<f64>() / f64::from(steps);
-                let found = lobe.share_in_disc(offset, radius);
+                let found = lobe.fraction_in_disc(offset, radius);
                 assert!((found - integral).abs() < 2e-8, "{width} {radius} {offset}: {found} {integral}");
             }
         }
-        assert_eq!(Lobe::Lambertian.share_in_disc(0.5, 1.0), 1.0);
-        assert_eq!(Lobe::Lambertian.share_in_disc(1.2, 1.0), 0.0);
+        assert_eq!(Lobe::Lambertian.fraction_in_disc(0.5, 1.0), 1.0);
+        assert_eq!(Lobe::Lambertian.fraction_in_disc(1.2, 1.0), 0.0);
     }
 
     #[test]
@@ -289,7 +290,7 @@ mod tests {
                     .sum::<f64>()
                     * radius
                     / rings as f64;
-                assert!((integral - lobe.share_within(radius)).abs() < 1e-6);
+                assert!((integral - lobe.fraction_within(radius)).abs() < 1e-6);
             }
         }
     }

@@ -120,7 +120,8 @@ impl Resolver<'_> {
         whole: &Whole<'_>,
         causes: [Origin; 3],
     ) -> Option<Diffuser> {
-        let transmittance = self.transmittance(lobe.map(|lobe| lobe.hemispherical_share()), whole, causes)?;
+        let transmittance =
+            self.transmittance(lobe.map(|lobe| lobe.hemispherical_fraction()), whole, causes)?;
         Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.straight_through.0 })
     }
 

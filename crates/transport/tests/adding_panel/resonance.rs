@@ -36,7 +36,7 @@ fn over_the_resonance(lobe: Lobe, from: Beta, to: Beta) -> [f64; 2] {
         let (sin, cos) = ((f64::from(ring) + 0.5) * step).sin_cos();
         let radius = 1.5 * sin;
         let weight = 2.25 * sin * cos * step * 2.0 * PI / f64::from(spokes) * resonance(cos);
-        let share_leaving = lobe.share_in_disc(radius, 1.0);
+        let share_leaving = lobe.fraction_in_disc(radius, 1.0);
         for spoke in 0..spokes {
             let (x, y) = papilio_sampling::warp::polar(radius, f64::from(spoke) / f64::from(spokes));
             let seen = weight * lobe.density(from, Beta { x, y });

@@ -221,7 +221,7 @@ impl LobeBetween {
                 let column = (0..grid.regular).filter(|&i| grid.beta[i] < index);
                 column.map(|i| grid.scale[i] * kernel[(i, j)]).sum::<f64>() / grid.scale[j]
             };
-            let misses = |j: usize, index| lobe.share_in_disc(grid.beta[j], index) - found(j, index);
+            let misses = |j: usize, index| lobe.fraction_in_disc(grid.beta[j], index) - found(j, index);
             (0..grid.len()).map(|j| 0.5 * (misses(j, indices[0]) + misses(j, indices[1]))).collect()
         });
         Self { lobe, indices, orders, missing: missing.unwrap_or_default() }

@@ -40,7 +40,7 @@ impl Escape {
         let mut values = vec![0.0];
         for first in (0..count).step_by(SIDE_BY_SIDE) {
             let offset = |k: usize| ((first + k) as f64 / per_square).sqrt();
-            values.extend(lobe.shares_in_disc::<SIDE_BY_SIDE>(std::array::from_fn(offset), 1.0));
+            values.extend(lobe.fractions_in_disc::<SIDE_BY_SIDE>(std::array::from_fn(offset), 1.0));
         }
         values[0] = 4.0 * (values[1] + values[3]) - 6.0 * values[2] - values[4];
         let steps = values
@@ -63,7 +63,7 @@ impl Escape {
                     let t = at - step;
                     a + t * (b + t * (c + t * d))
                 }
-                None => self.lobe.share_in_disc(squared.sqrt(), 1.0),
+                None => self.lobe.fraction_in_disc(squared.sqrt(), 1.0),
             };
         }
         shares
@@ -89,7 +89,7 @@ mod tests {
             for step in 0..=15_200 {
                 let offset = f64::from(step) * 1e-4;
                 let [found] = leaving.at(&[offset * offset]);
-                let expected = lobe.share_in_disc(offset, 1.0);
+                let expected = lobe.fraction_in_disc(offset, 1.0);
                 assert!((found - expected).abs() < 1e-8, "b {width}, |beta| {offset}: {found} {expected}");
             }
         }

@@ -124,7 +124,7 @@ impl Light {
             .map(|(i, source)| Lamp { points: points(source, width), share: share(i) })
             .collect();
         let leaving =
-            (0..=(4.0 * STEPS) as usize).map(|k| lobe.share_in_disc(k as f64 / STEPS, 1.0)).collect();
+            (0..=(4.0 * STEPS) as usize).map(|k| lobe.fraction_in_disc(k as f64 / STEPS, 1.0)).collect();
         let mut light = Self { lobe, straight: diffuser.straight_through, lamps, mean: 0.0, leaving };
         // Two passes of the lobe are one of twice the width.
         let twice = Lobe::KCorrelation { width: 2.0 * width };
@@ -157,7 +157,7 @@ impl Lamp {
     /// The light that a lobe brings from it, as a reflectance factor.
     fn seen(&self, lobe: Lobe, beta: Beta) -> f64 {
         if self.points.is_empty() {
-            return lobe.share_in_disc(beta.length(), 1.0);
+            return lobe.fraction_in_disc(beta.length(), 1.0);
         }
         let sum: f64 = self.points.iter().map(|point| lobe.density(beta, *point)).sum();
         PI * sum / self.points.len() as f64

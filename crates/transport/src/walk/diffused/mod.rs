@@ -397,7 +397,8 @@ impl<'a> Diffused<'a> {
     #[inline]
     fn leaves(&self, weight: f64, up: Below) -> f64 {
         let offset = up.beta.length();
-        let scattered = up.weight * (1.0 - self.straight()) * self.diffuser.lobe.share_in_disc(offset, 1.0);
+        let scattered =
+            up.weight * (1.0 - self.straight()) * self.diffuser.lobe.fraction_in_disc(offset, 1.0);
         // In a dispersive medium the light has the wavelengths that are lost to this direction no more: a direction that
         // all have stands for the rest.
         let smallest = self.stack.medium.index().iter().copied().fold(f64::INFINITY, f64::min);

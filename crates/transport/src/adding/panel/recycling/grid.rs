@@ -105,7 +105,7 @@ impl Grid {
         let between = table(&air, &glass);
         let within = if straight > 0.0 { table(&air, &air) } else { Vec::new() };
         let (leaving, leaving_straight) = (pass.shares_leaving(&glass), pass.shares_leaving(&air));
-        let reaching = |node: &Node| straight + (1.0 - straight) * lobe.share_in_disc(node.x, pass.index);
+        let reaching = |node: &Node| straight + (1.0 - straight) * lobe.fraction_in_disc(node.x, pass.index);
         let arriving = air.iter().map(reaching).collect();
         Self { lobe, straight, orders, air, glass, between, within, leaving, leaving_straight, arriving }
     }
