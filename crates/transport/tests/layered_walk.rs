@@ -116,7 +116,7 @@ fn flat_layers_are_exact() {
         let from = Cone::new(50.0, 20.0, 0.0, 1.0);
         for e in replicates_of(&layers, from, &[Source::Diffuse], 0, 3, Sampler::Sobol) {
             assert!((e.rho[0].front[0] - a.front[0]).abs() < 1e-14);
-            assert!((e.rho[0].base[0] - a.base[0]).abs() < 1e-14);
+            assert!((e.rho[0].via_pixel[0] - a.base[0]).abs() < 1e-14);
             assert!((e.ledger.returned[0] - a.front[0] - a.base[0]).abs() < 1e-14);
             assert!(e.ledger.unaccounted[0] == 0.0);
         }
@@ -342,7 +342,7 @@ fn every_wavelength_and_state_is_its_own() {
                 let what = format!("bin {bin}, state {state}, source {source}, Lambertian {lambertian}");
                 assert_unbiased(&what, 1.0, 0.15, |seed| {
                     let seen = |e: &Estimate, bins: usize, bin: usize| {
-                        e.rho[source].base[state * bins + bin] + e.rho[source].front[bin]
+                        e.rho[source].via_pixel[state * bins + bin] + e.rho[source].front[bin]
                     };
                     let (x, error_x) = all.mean(2 * seed, |e| seen(e, 3, bin));
                     let (y, error_y) = alone.mean(2 * seed + 1, |e| seen(e, 1, 0));

@@ -197,7 +197,7 @@ fn a_constant_pixel_is_lambertian() {
             let closed = estimate(1, &over(lambertian(reflectance)), view(30.0), &sources);
             for source in 0..2 {
                 let (a, b) = (&found.rho[source], &closed.rho[source]);
-                assert_close("base", a.base[state] / b.base[0], 1.0, 1e-3);
+                assert_close("base", a.via_pixel[state] / b.via_pixel[0], 1.0, 1e-3);
                 assert_close("front", a.front[0], b.front[0], 1e-12);
             }
             assert_close("pixel", found.ledger.pixel[state], closed.ledger.pixel[0], 1e-3);

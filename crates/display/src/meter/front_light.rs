@@ -55,7 +55,7 @@ impl BelowFront {
         let bins = transmittance.len();
         let share = |bin: usize| if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
         let sent_back = |bin: usize| self.leak * reflectance_below[bin];
-        let base = of_it.base.iter().zip(&of_diffuse.base).enumerate().map(|(k, (it, diffuse))| {
+        let base = of_it.via_pixel.iter().zip(&of_diffuse.via_pixel).enumerate().map(|(k, (it, diffuse))| {
             let bin = k % bins;
             share(bin) * (it + sent_back(bin) * diffuse)
         });
@@ -65,6 +65,6 @@ impl BelowFront {
             let it = if self.is_diffuse { diffuse } else { 0.0 };
             share(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
         });
-        ReflectanceFactor { base: base.collect(), front: front.collect() }
+        ReflectanceFactor { via_pixel: base.collect(), front: front.collect() }
     }
 }

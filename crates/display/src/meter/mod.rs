@@ -132,7 +132,7 @@ impl<'a> Meter<'a> {
         for (light, rho) in self.lights.iter().zip(self.seen_of(seen)) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
-                let base = &rho.base[state * layout.bins..][..layout.bins];
+                let base = &rho.via_pixel[state * layout.bins..][..layout.bins];
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
                 let radiance = sample[layout.radiance(state)].iter_mut().zip(&light.radiance);
                 radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);

@@ -131,7 +131,7 @@ impl Survey<'_> {
         let y_bar = self.setup.observer.weights()[1];
         let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
         let front = sum(&rho.front);
-        all.extend(rho.base.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
+        all.extend(rho.via_pixel.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
     }
 
     /// What is scattered, as [`Self::scattered`] says, with nodes and the relative errors of Y. A panel's kernels
@@ -279,7 +279,7 @@ impl Survey<'_> {
             .beams
             .iter()
             .filter_map(image)
-            .map(|image| ReflectanceFactor { base: image.base, front: image.front })
+            .map(|image| ReflectanceFactor { via_pixel: image.base, front: image.front })
             .collect();
         self.of_state(state, images.iter())
     }
@@ -293,7 +293,7 @@ impl Survey<'_> {
 
 /// By way of the base and before it, [state][wavelength].
 fn both(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
-    rho.base.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
+    rho.via_pixel.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
 }
 
 /// A point of view in air.

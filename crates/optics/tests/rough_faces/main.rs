@@ -305,7 +305,7 @@ fn one_microfacet_alone_loses_6_percent_over_a_white_mirror() {
         "{lost} +- {error}, {expected} +- {its_error}"
     );
     assert!((lost - 0.063).abs() < 0.004, "{lost}");
-    let whole = |from, a, u| {
+    let whole = |from: Side, a, u| {
         let OnSide { side: to, beta: b } = face.sample(from.at(a), u).unwrap().direction;
         (to, b, 1.0)
     };

@@ -81,7 +81,7 @@ impl<'a> Bare<'a> {
         let (all, one) = (|| vec![0.0; self.stack.base.states() * bins], || vec![0.0; bins]);
         Accumulator {
             sums: Sums {
-                rho: self.sources.iter().map(|_| ReflectanceFactor { base: all(), front: one() }).collect(),
+                rho: self.sources.iter().map(|_| ReflectanceFactor { via_pixel: all(), front: one() }).collect(),
                 mirrored: one(),
                 absorbed_entering: one(),
                 arriving: all(),
@@ -144,7 +144,7 @@ impl<'a> Bare<'a> {
         }
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             if *source == Source::Diffuse {
-                add_rows_times(&mut rho.base, carried, &flat.t, 1.0);
+                add_rows_times(&mut rho.via_pixel, carried, &flat.t, 1.0);
             }
         }
     }
@@ -179,7 +179,7 @@ impl<'a> Bare<'a> {
             let Some(target) = Target::sample(source, u) else { continue };
             towards.set(self.stack, target.beta.squared());
             fill(factor, towards.t.iter().zip(self.spread_factors(target.beta)).map(|(t, f)| t * f));
-            add_rows_times(&mut rho.base, carried, factor, self.balanced(&target));
+            add_rows_times(&mut rho.via_pixel, carried, factor, self.balanced(&target));
         }
     }
 
@@ -208,7 +208,7 @@ impl<'a> Bare<'a> {
                 (_, Some(target)) => self.balanced(&target),
                 _ => continue,
             };
-            add_rows_times(&mut rho.base, carried, factor, weight);
+            add_rows_times(&mut rho.via_pixel, carried, factor, weight);
         }
         let lost = flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r);
         fill(factor, lost.zip(self.spread_factors(beta)).map(|(lost, f)| lost * f));
@@ -237,7 +237,7 @@ impl<'a> Bare<'a> {
         let rho = sums
             .rho
             .iter()
-            .map(|rho| ReflectanceFactor { base: mean(&rho.base), front: mean(&rho.front) })
+            .map(|rho| ReflectanceFactor { via_pixel: mean(&rho.via_pixel), front: mean(&rho.front) })
             .collect();
         Estimate { rho, ledger: self.ledger(sums, scale) }
     }

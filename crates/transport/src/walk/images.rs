@@ -112,7 +112,7 @@ impl<'a> Images<'a> {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
             let rho = &mut estimate.rho[seen.source];
             super::add_scaled(&mut rho.front, &sum.front, scale);
-            super::add_scaled(&mut rho.base, &sum.base, scale);
+            super::add_scaled(&mut rho.via_pixel, &sum.base, scale);
         }
     }
 }

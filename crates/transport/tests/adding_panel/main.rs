@@ -379,7 +379,7 @@ fn dispersive_glass_is_a_glass_for_each_wavelength() {
             stack.medium = Medium::new(one(indices[bin]));
             let single = solve(&stack, view(8.0), &lights(), 1);
             for source in 0..3 {
-                let (a, b) = (found.rho[source].base[bin], single.rho[source].base[0]);
+                let (a, b) = (found.rho[source].via_pixel[bin], single.rho[source].via_pixel[0]);
                 assert!((a / b - 1.0).abs() < 1e-5, "bin {bin}, source {source}: {a} {b}");
             }
         }

@@ -64,7 +64,7 @@ pub(crate) fn assert_the_walk_agrees(name: &str, stack: &Stack, states: usize, p
     let runs = RefCell::new(HashMap::new());
     for (source, state) in (0..sources.len()).flat_map(|source| (0..states).map(move |state| (source, state)))
     {
-        let seen = |e: &Estimate| e.rho[source].base[state] + e.rho[source].front[0];
+        let seen = |e: &Estimate| e.rho[source].via_pixel[state] + e.rho[source].front[0];
         let what = format!("{name}, source {source}, state {state}");
         assert_unbiased(&what, seen(&truth), 0.1, |seed| {
             let mut runs = runs.borrow_mut();

@@ -87,7 +87,7 @@ pub(crate) fn mean_and_error(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// Total reflectance factor of the first wavelength and state under source `i`.
 pub(crate) fn rho(estimate: &Estimate, i: usize) -> f64 {
-    estimate.rho[i].base[0] + estimate.rho[i].front[0]
+    estimate.rho[i].via_pixel[0] + estimate.rho[i].front[0]
 }
 
 /// How many seeds the statistics run over: 48, or as `PAPILIO_SEEDS` says.

@@ -52,7 +52,7 @@ impl BeamResponse {
     /// Nothing seen yet.
     pub(super) fn new(stack: &Layered, directions: &Directions) -> Self {
         let (states, bins) = (stack.base.states(), stack.base.bins());
-        let zeros = || ReflectanceFactor { base: vec![0.0; states * bins], front: vec![0.0; bins] };
+        let zeros = || ReflectanceFactor { via_pixel: vec![0.0; states * bins], front: vec![0.0; bins] };
         let beams = directions.views.iter().map(|_| directions.sources.iter().map(|_| zeros()).collect());
         Self { base: stack.base.clone(), beams: beams.collect(), families: Vec::new() }
     }
@@ -108,7 +108,7 @@ impl BeamResponse {
                     let Some(seen) = seen.get(number) else { continue };
                     let diffuse = directions.sources.iter().zip(&mut estimate.rho);
                     for (_, rho) in diffuse.filter(|(source, _)| source.is_empty()) {
-                        columns.add(&mut rho.base, &seen.diffuse, ray.weight);
+                        columns.add(&mut rho.via_pixel, &seen.diffuse, ray.weight);
                         bins.iter().for_each(|&bin| rho.front[bin] += ray.weight * seen.diffuse_front);
                     }
                     let Ledger { returned, front, diffuser, glass, pixel, inactive, unaccounted: _ } =
@@ -252,7 +252,7 @@ impl Followed {
                             light.weight * way.density(beta(ray), beta(light), turn)
                         };
                         let factor = PI * ray.weight * lights.iter().map(sent).sum::<f64>();
-                        add(&mut rho.base, &places, base, factor);
+                        add(&mut rho.via_pixel, &places, base, factor);
                         add(&mut rho.front, &bins, front, factor);
                     }
                 }
@@ -291,7 +291,7 @@ impl Followed {
                         };
                         let light: f64 = lights.iter().map(turned).sum();
                         let factor = PI * ray.weight * light * both_ways;
-                        add(&mut rho.base, &places, kernels.base.column(pair), factor);
+                        add(&mut rho.via_pixel, &places, kernels.base.column(pair), factor);
                         add(&mut rho.front, &bins, kernels.front.column(pair), factor);
                     }
                 }

@@ -200,7 +200,7 @@ impl Kernel {
             let rho = &mut estimate.rho[image.source];
             for point in &image.points {
                 let seen = layered_image(stack, point.beta);
-                rho.base.iter_mut().zip(&seen.base).for_each(|(sum, x)| *sum += point.weight * x);
+                rho.via_pixel.iter_mut().zip(&seen.base).for_each(|(sum, x)| *sum += point.weight * x);
                 rho.front.iter_mut().zip(&seen.front).for_each(|(sum, x)| *sum += point.weight * x);
             }
         }

@@ -54,11 +54,11 @@ impl Pixels {
         let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view, stop));
         let alone = all.next().unwrap_or_default();
         let fronts =
-            alone.rho.into_iter().map(|rho| ReflectanceFactor { base: Vec::new(), front: rho.front });
+            alone.rho.into_iter().map(|rho| ReflectanceFactor { via_pixel: Vec::new(), front: rho.front });
         let mut estimate = Estimate { rho: fronts.collect(), ledger: Ledger::default() };
         for state in all {
             for (rho, of_state) in estimate.rho.iter_mut().zip(&state.rho) {
-                let ReflectanceFactor { base, front } = rho;
+                let ReflectanceFactor { via_pixel: base, front } = rho;
                 base.extend(of_state.front.iter().zip(&*front).map(|(whole, front)| whole - front));
             }
             let (sum, one) = (&mut estimate.ledger, state.ledger);

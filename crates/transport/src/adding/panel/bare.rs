@@ -108,7 +108,7 @@ impl Kernel {
             for point in &seen.points {
                 let image = panel_image(stack, point.beta);
                 add_scaled(&mut rho.front, &image.front, point.weight);
-                add_scaled(&mut rho.base, &image.base, point.weight);
+                add_scaled(&mut rho.via_pixel, &image.base, point.weight);
             }
         }
         estimate
@@ -130,7 +130,7 @@ impl Kernel {
             }
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => ReflectanceFactor { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() },
             Light::Directed(_) => dark(stack),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -153,7 +153,7 @@ impl Kernel {
             fate.meet_base(k, arriving, *r, (out[bin], back[bin]));
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => ReflectanceFactor { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() },
             Light::Directed(points) => {
                 let mut towards = vec![0.0; bins];
                 for point in points {
@@ -163,7 +163,7 @@ impl Kernel {
                 let index = stack.medium.index();
                 let seen = |(k, light): (usize, &f64)| light * towards[k % bins] / index[k % bins].powi(2);
                 let base = fate.reflected.iter().enumerate().map(seen).collect();
-                ReflectanceFactor { base, ..dark(stack) }
+                ReflectanceFactor { via_pixel: base, ..dark(stack) }
             }
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -203,7 +203,7 @@ fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
 
 fn dark(stack: &Panel) -> ReflectanceFactor {
     let base = &stack.base;
-    ReflectanceFactor { base: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
+    ReflectanceFactor { via_pixel: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
 }
 
 impl Fate {

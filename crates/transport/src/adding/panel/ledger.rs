@@ -69,7 +69,7 @@ impl Sums {
             for row in base.chunks_exact_mut(through.len()) {
                 row.iter_mut().zip(&through).for_each(|(value, t)| *value *= t);
             }
-            ReflectanceFactor { base, front }
+            ReflectanceFactor { via_pixel: base, front }
         });
         rho.collect()
     }

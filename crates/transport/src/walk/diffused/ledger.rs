@@ -111,7 +111,7 @@ impl Diffused<'_> {
                 Source::Diffuse => self.stack.front.reflectance_above.to_vec(),
                 _ => vec![0.0; self.through.len()],
             };
-            ReflectanceFactor { base, front }
+            ReflectanceFactor { via_pixel: base, front }
         };
         let rho = self.sources.iter().enumerate().map(of_source).collect();
         let ledger = self.ledger(&sums.entering.sum(scale), &sums.arriving.sum(scale), reflected, leaving);

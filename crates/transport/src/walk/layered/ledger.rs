@@ -113,7 +113,7 @@ impl Layered<'_> {
         let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
         let rho = self.sources.iter().zip(&sums.from_source).map(|(source, from_source)| {
             let light = if *source == Source::Diffuse { &sums.leaving } else { from_source };
-            ReflectanceFactor { base: mean(&light.met), front: mean(&light.fresh) }
+            ReflectanceFactor { via_pixel: mean(&light.met), front: mean(&light.fresh) }
         });
         Estimate { rho: rho.collect(), ledger: self.ledger(sums, scale) }
     }

@@ -294,7 +294,7 @@ fn add_images(stack: &Panel, images: &[ImagePoints], rho: &mut [ReflectanceFacto
         for point in &seen.points {
             let image = panel_image(stack, point.beta);
             add_scaled(&mut rho.front, &image.front, point.weight);
-            add_scaled(&mut rho.base, &image.base, point.weight);
+            add_scaled(&mut rho.via_pixel, &image.base, point.weight);
         }
     }
 }
