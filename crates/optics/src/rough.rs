@@ -155,6 +155,11 @@ impl Rough {
         self.cosine(side, beta).map_or([0.0; 2], |cosine| self.deficits.at(side, cosine))
     }
 
+    /// What the products of [`Self::several`] are divided by: the integral of what is sent back, or across, over the directions of a side.
+    pub fn several_total(&self, from: Side, to: Side) -> f64 {
+        self.deficits.total(from, to)
+    }
+
     /// The share of light that returns to its side, after however many microfacets; the rest crosses the face. For as
     /// many |beta| as are asked for; 0 where it is not below the side's index.
     ///

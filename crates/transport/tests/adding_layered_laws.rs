@@ -132,7 +132,7 @@ fn levels_tighten() {
     }
 }
 
-/// Refracted light of one microfacet jumps to zero in grazing directions: slower, but sure.
+/// Refracted light of one microfacet jumps to zero in grazing directions: slower than other layers, but sure.
 #[test]
 fn rough_faces_tighten() {
     let sources = [Source::Diffuse, beam(-20.0, 0.0)];
@@ -141,8 +141,8 @@ fn rough_faces_tighten() {
         let levels = [0, 1, 2].map(|level| estimate(level, &stack, view(8.0), &sources));
         for source in 0..2 {
             let [a, b, c] = levels.each_ref().map(|estimate| rho(estimate, source));
-            assert_close(&format!("alpha {alpha}, source {source}"), a / c, 1.0, 2e-3);
-            assert_close(&format!("alpha {alpha}, source {source}"), b / c, 1.0, 5e-4);
+            assert_close(&format!("alpha {alpha}, source {source}"), a / c, 1.0, 1e-4);
+            assert_close(&format!("alpha {alpha}, source {source}"), b / c, 1.0, 2e-5);
         }
     }
 }

@@ -309,6 +309,27 @@ fn light_sent_twice_near_the_horizon_equals_a_plain_quadrature() {
     }
 }
 
+/// What a rough face over black returns of diffuse light is the integral of its kernel over one side, from the coarsest level on:
+/// errors of what it refracts have no part in that.
+#[test]
+fn a_rough_face_over_black_returns_the_integral_of_its_kernel() {
+    for alpha in [0.1, 0.3, 1.0] {
+        let rough = Rough::new(alpha, 1.0, 1.5);
+        let stack = stack([(Interface::Rough(rough.clone()), clear(1.5))], mirror(0.0));
+        let thetas = [0.0, 30.0, 60.0, 80.0];
+        for level in [0, 1] {
+            let seen = views(level, &stack, &thetas.map(view), &[Source::Diffuse]);
+            for (theta, seen) in thetas.into_iter().zip(&seen) {
+                let from = Beta::towards(theta, 0.0, 1.0);
+                let truth = by_directions(200, |to| rough.density(Side::Above, from, Side::Above, to));
+                let what = format!("alpha {alpha}, {theta} deg, level {level}: {truth}");
+                assert_close(&what, rho(seen, 0) / truth, 1.0, 2e-4);
+                assert_close(&what, seen.ledger.pixel[0], 1.0 - truth, 2e-5);
+            }
+        }
+    }
+}
+
 /// A rough face over black is its kernel, as near to the horizon as one likes: what it refracts is lost.
 #[test]
 fn a_rough_face_over_black_is_its_kernel() {

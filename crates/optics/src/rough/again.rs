@@ -98,7 +98,7 @@ impl Deficits {
     }
 
     /// Of directions: what the integrals of a way are divided by; alike from both sides.
-    fn total(&self, from: Side, to: Side) -> f64 {
+    pub(super) fn total(&self, from: Side, to: Side) -> f64 {
         if from == to {
             self.of(from).totals[BACK]
         } else {

@@ -21,30 +21,59 @@ fn shares(face: &Rough, from: Side, theta_deg: f64) -> [f64; 2] {
     [once + back, 1.0 - back - across]
 }
 
-/// Numbers of an independent code of Heitz's algorithm (n = 1.5, errors of one sigma about 0.0008): light returned
-/// after any number of facets, light that left after one, from air at 0 and 60 deg, from glass at 0 and 60 deg.
+/// Numbers of two independent codes of Heitz's algorithm, n = 1.5: light returned after any number of facets, light that left
+/// after one, from air at 0 and 60 deg, from glass at 0 and 60 deg. The first table has errors of one sigma of about 0.0008; the
+/// second was walked by 10 million walkers for each incidence, to 0.00015 or better.
 #[test]
 fn returned_light_is_that_of_the_walk_over_microfacets() {
     use Distribution::{Beckmann, Ggx};
-    for (distribution, alpha, published) in [
-        (Ggx, 0.2, [[0.0387, 0.9950], [0.0773, 0.9717], [0.0856, 0.9539], [0.9172, 0.8721]]),
-        (Ggx, 0.5, [[0.0306, 0.9681], [0.0486, 0.8763], [0.2345, 0.7547], [0.7575, 0.6445]]),
-        (Ggx, 1.0, [[0.0154, 0.8930], [0.0275, 0.6125], [0.4052, 0.4168], [0.6562, 0.4361]]),
-        (Beckmann, 0.2, [[0.0395, 1.0000], [0.0904, 0.9932], [0.0397, 1.0000], [0.9952, 0.9641]]),
-        (Beckmann, 0.5, [[0.0396, 0.9971], [0.0661, 0.9637], [0.0991, 0.9620], [0.8455, 0.7693]]),
+    for (distribution, alpha, published, walked) in [
+        (
+            Ggx,
+            0.2,
+            [[0.0387, 0.9950], [0.0773, 0.9717], [0.0856, 0.9539], [0.9172, 0.8721]],
+            [[0.03874, 0.99502], [0.07720, 0.97203], [0.08477, 0.95449], [0.91729, 0.87297]],
+        ),
+        (
+            Ggx,
+            0.5,
+            [[0.0306, 0.9681], [0.0486, 0.8763], [0.2345, 0.7547], [0.7575, 0.6445]],
+            [[0.03010, 0.96810], [0.04840, 0.87691], [0.23549, 0.75356], [0.75601, 0.64475]],
+        ),
+        (
+            Ggx,
+            1.0,
+            [[0.0154, 0.8930], [0.0275, 0.6125], [0.4052, 0.4168], [0.6562, 0.4361]],
+            [[0.01543, 0.89329], [0.02768, 0.61249], [0.40578, 0.41730], [0.65630, 0.43574]],
+        ),
+        (
+            Beckmann,
+            0.2,
+            [[0.0395, 1.0000], [0.0904, 0.9932], [0.0397, 1.0000], [0.9952, 0.9641]],
+            [[0.04010, 1.00000], [0.09065, 0.99272], [0.04045, 1.00000], [0.99534, 0.96430]],
+        ),
+        (
+            Beckmann,
+            0.5,
+            [[0.0396, 0.9971], [0.0661, 0.9637], [0.0991, 0.9620], [0.8455, 0.7693]],
+            [[0.03923, 0.99723], [0.06607, 0.96335], [0.09879, 0.96184], [0.84593, 0.76966]],
+        ),
     ] {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
         let ways = [(Side::Above, 0.0), (Side::Above, 60.0), (Side::Below, 0.0), (Side::Below, 60.0)];
-        for ((from, theta_deg), published) in ways.into_iter().zip(published) {
+        for (((from, theta_deg), published), walked) in ways.into_iter().zip(published).zip(walked) {
             let found = shares(&face, from, theta_deg);
-            for (found, published) in found.into_iter().zip(published) {
-                println!("{distribution:?} {alpha} {from:?} {theta_deg} {found:.6} {published}");
-                // Three sigma of the published number; two of the columns' own errors.
-                assert!(
-                    (found - published).abs() < 2.4e-3,
-                    "{distribution:?} {alpha} {from:?} {theta_deg}: {found} {published}"
-                );
+            let what = format!("{distribution:?} {alpha} {from:?} {theta_deg}: {found:?}");
+            for way in 0..2 {
+                assert!((found[way] - published[way]).abs() < 2e-3, "{what} {published:?}");
+                // The grid on which the walk's balance is solved is off by .0009 at most, at alpha 1 from glass.
+                assert!((found[way] - walked[way]).abs() < 1e-3, "{what} {walked:?}");
             }
+            let [returned] = face.returned(from, &[beta(&face, from, theta_deg).length()], 16)[..] else {
+                panic!("one for each")
+            };
+            // The quadrature that adding takes, against the density's own integral by the test's rule.
+            assert!((returned - found[0]).abs() < 1e-3, "{what} {returned}");
         }
     }
 }

@@ -31,7 +31,9 @@ pub(super) struct Directions {
 impl Directions {
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
-        let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH)];
+        // What else a rough face does is so close from the first levels on that a single direction would be the largest error.
+        let is_rough = stack.layers.iter().any(|layer| matches!(layer.interface, Interface::Rough(_)));
+        let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH && !is_rough)];
         // Layers that scatter, and flat ones.
         let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
         let mut directions = Self { beta: Vec::new(), views: Vec::new(), sources: Vec::new() };

@@ -211,20 +211,17 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
         };
         (0..grid.len()).map(|i| one(i) * grid.scale[i]).collect()
     };
-    let total = |several: &[f64]| -> f64 { (0..grid.regular).map(|i| grid.scale[i] * several[i]).sum() };
     let [back, across] = [0, 1].map(|way| [Side::Above, Side::Below].map(|side| several(side, way)));
-    let [above, below] = [&back[0], &back[1]].map(|back| total(back));
-    // Alike from both sides, but for the quadrature.
-    let through = (total(&across[0]) * total(&across[1])).sqrt();
-    for (operator, out, from, total) in [
-        (&mut part.above, &back[0], &back[0], above),
-        (&mut part.down, &across[1], &across[0], through),
-        (&mut part.below, &back[1], &back[1], below),
+    for ((from, to), operator, outward, inward) in [
+        (WAYS[0], &mut part.above, &back[0], &back[0]),
+        (WAYS[1], &mut part.down, &across[1], &across[0]),
+        (WAYS[2], &mut part.below, &back[1], &back[1]),
     ] {
+        let total = face.several_total(from, to);
         // A face of few and gentle slopes hides nothing.
         if let Some(kernel) = operator.kernel.as_mut().filter(|_| total > 0.0) {
-            let len = out.len();
-            *kernel = Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + out[i] * from[j] / total);
+            let len = outward.len();
+            *kernel = Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + outward[i] * inward[j] / total);
         }
     }
 }
