@@ -46,9 +46,9 @@
 //! BSDFs with the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016); C. Kulla, A. Conty,
 //! "Revisiting Physically Based Shading at Imageworks", SIGGRAPH courses 2017.
 
-mod again;
 mod deficit;
 mod microfacets;
+mod multiple_scattering;
 mod on_side;
 mod several;
 mod shadowing;

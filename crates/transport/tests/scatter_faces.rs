@@ -321,7 +321,7 @@ fn a_rough_face_over_black_returns_the_integral_of_its_kernel() {
             let seen = views(level, &stack, &thetas.map(view), &[Source::Diffuse]);
             for (theta, seen) in thetas.into_iter().zip(&seen) {
                 let from = Beta::towards(theta, 0.0, 1.0);
-                let truth = by_directions(200, |to| rough.density(Side::Above, from, Side::Above, to));
+                let truth = by_directions(200, |to| rough.evaluate(Side::Above.at(from), Side::Above.at(to)));
                 let what = format!("alpha {alpha}, {theta} deg, level {level}: {truth}");
                 assert_close(&what, rho(seen, 0) / truth, 1.0, 2e-4);
                 assert_close(&what, seen.ledger.pixel[0], 1.0 - truth, 2e-5);

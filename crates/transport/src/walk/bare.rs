@@ -81,7 +81,11 @@ impl<'a> Bare<'a> {
         let (all, one) = (|| vec![0.0; self.stack.base.states() * bins], || vec![0.0; bins]);
         Accumulator {
             sums: Sums {
-                rho: self.sources.iter().map(|_| ReflectanceFactor { via_pixel: all(), front: one() }).collect(),
+                rho: self
+                    .sources
+                    .iter()
+                    .map(|_| ReflectanceFactor { via_pixel: all(), front: one() })
+                    .collect(),
                 mirrored: one(),
                 absorbed_entering: one(),
                 arriving: all(),

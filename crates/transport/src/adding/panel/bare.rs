@@ -130,7 +130,9 @@ impl Kernel {
             }
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => {
+                ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
+            }
             Light::Directed(_) => dark(stack),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -153,7 +155,9 @@ impl Kernel {
             fate.meet_base(k, arriving, *r, (out[bin], back[bin]));
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => {
+                ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
+            }
             Light::Directed(points) => {
                 let mut towards = vec![0.0; bins];
                 for point in points {
