@@ -53,9 +53,9 @@ mod on_side;
 mod several;
 mod shadowing;
 
-use again::{Deficits, ORDER};
 use deficit::Rule;
 use microfacets::Microfacets;
+use multiple_scattering::{Deficits, ORDER};
 pub use on_side::OnSide;
 pub use shadowing::Distribution;
 
@@ -169,7 +169,8 @@ impl Rough {
         let one = |length: &f64| {
             let cosine = self.cosine(side, Beta { x: *length, y: 0.0 });
             cosine.map_or(0.0, |cosine| {
-                self.facets.returned(&rule, side, cosine) + self.deficits.at(side, cosine)[again::BACK]
+                self.facets.returned(&rule, side, cosine)
+                    + self.deficits.at(side, cosine)[multiple_scattering::BACK]
             })
         };
         beta_lengths.iter().map(one).collect()
