@@ -1,9 +1,9 @@
 //! The general display: any layers in any order, as interfaces and media in turn.
 //!
-//! Top to bottom: air, then for each layer its interface and the medium below it, then the
-//! base under the last medium. Light exchanged between layers is followed through all orders,
-//! light trapped by total internal reflection included. Every interface is an operator on
-//! direction cosines; what reaches a medium beyond its index (`|beta| >= n`) does not enter it.
+//! Top to bottom: air, then for each layer its interface and the medium below it, then the base under the last
+//! medium. Light is followed through all orders of inter-reflection, including light trapped by total internal
+//! reflection. Every interface is an operator on direction cosines; light with `|beta| >= n` does not enter a medium
+//! of index n.
 
 use crate::layers::{LayerKind, least_edge};
 use crate::{Base, Interface, Medium, Panel, Reflector};
@@ -49,8 +49,8 @@ pub enum Stack {
 }
 
 impl Stack {
-    /// The `|beta|` beyond which nothing is known of what is seen from above: where the table of the first thing that scatters
-    /// ends. `None` if it goes on to the horizon.
+    /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer ends. `None`
+    /// if it extends to the horizon.
     pub fn known_within(&self) -> Option<f64> {
         let Self::Layered(layered) = self else { return None };
         if let Some(first) = layered.elements().map(|(kind, _)| kind).find(|kind| kind.scatters()) {

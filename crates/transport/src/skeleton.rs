@@ -1,23 +1,20 @@
-//! The flat skeleton of a stack: where light of one direction gets to without being scattered.
+//! The flat skeleton of a stack: transport of light of one direction without scattering.
 //!
-//! At given direction cosines everything that is flat mirrors and passes light without
-//! changing them; whatever scatters is replaced by its straight part (a diffuser by s T, a
-//! scattering medium by exp(-tau/mu), a rough face and a Lambertian base by nothing). What
-//! is left is a row of parts with reflectances and one transmittance each, all of whose
-//! inter-reflections are summed in closed form, for every wavelength and, where the base is
-//! a mirror, for every state.
+//! At given direction cosines everything flat reflects and transmits light without changing them. A scatterer is
+//! replaced by its regular part: a diffuser by s T, a scattering medium by exp(-tau/mu), a rough interface and a
+//! Lambertian base by nothing. The result is a row of parts with reflectances and one transmittance each. All their
+//! inter-reflections are summed in closed form, for every wavelength and, where the base is a mirror, for every state.
 //!
-//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* lie
-//! between them: plane 0 in the air over all elements, plane e above element e, the last one
-//! on the base. A [`Field`] holds the light at every plane that one unit of basic radiance
-//! makes, in both directions. All parts are reciprocal: the light going down at a plane, per
-//! unit that enters from the air, is also the share of light sent up there that leaves.
+//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* are between them: plane 0 in
+//! the air above all elements, plane e above element e, the last one on the base. A [`Field`] contains the light at every
+//! plane, in both directions, that one unit of basic radiance causes. All parts are reciprocal: the light going down at
+//! a plane, per unit that enters from the air, is also the fraction of light emitted upwards there that leaves.
 
 use crate::front::Flat;
 use crate::layers::LayerKind;
 use crate::{Layered, Medium, Reflector};
 
-/// Which way light goes.
+/// Whether light propagates down or up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Propagation {
     Down,
@@ -34,7 +31,7 @@ impl Propagation {
     }
 }
 
-/// Light at a plane, on its way.
+/// Light at a plane, propagating down or up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ray {
     pub(crate) plane: usize,
@@ -48,7 +45,7 @@ impl Ray {
     /// In the air, away from the display.
     pub(crate) const LEAVING: Self = Self { plane: 0, going: Propagation::Up };
 
-    /// The ray that meets `element`.
+    /// The ray that arrives at `element`.
     pub(crate) fn arriving_at(element: usize, going: Propagation) -> Self {
         match going {
             Propagation::Down => Self { plane: element, going },
@@ -56,7 +53,7 @@ impl Ray {
         }
     }
 
-    /// The ray that comes from `element`.
+    /// The ray that leaves `element`.
     pub(crate) fn from_element(element: usize, going: Propagation) -> Self {
         match going {
             Propagation::Down => Self { plane: element + 1, going },
@@ -64,13 +61,13 @@ impl Ray {
         }
     }
 
-    /// The same way the other way round.
+    /// The ray of the opposite propagation.
     pub(crate) fn reversed(self) -> Self {
         Self { going: self.going.reversed(), ..self }
     }
 }
 
-/// The flat parts of a stack at one direction, and what lies above and below each plane.
+/// Flat parts of a stack at one direction, and the reflectances above and below each plane.
 #[derive(Debug, Clone)]
 pub(crate) struct Skeleton {
     air: Medium,
@@ -79,9 +76,9 @@ pub(crate) struct Skeleton {
     length: f64,
     /// The elements; shape `[element][wavelength]`.
     parts: Vec<Part>,
-    /// Reflectance of all that lies above a plane, seen from it; shape `[plane][wavelength]`.
+    /// Reflectance of everything above a plane, seen from it; shape `[plane][wavelength]`.
     above: Vec<f64>,
-    /// Of all that lies below, over a black base.
+    /// The same of everything below, over a black base.
     below: Vec<f64>,
     /// The base's reflectance; shape `[state][wavelength]`, 0 where it is Lambertian.
     base: Vec<f64>,
@@ -91,7 +88,7 @@ pub(crate) struct Skeleton {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) flat: Flat,
-    /// The share that it scatters, of light from above and from below.
+    /// Fraction scattered, of light from above and from below.
     pub(crate) scattered: [f64; 2],
 }
 
@@ -100,7 +97,7 @@ impl Part {
         Self { flat, scattered: [0.0; 2] }
     }
 
-    /// The share that it absorbs of light that meets it on its way down or up.
+    /// Fraction absorbed, of light that arrives going down or up.
     #[inline]
     pub(crate) fn absorbed(&self, going: Propagation) -> f64 {
         let reflected = match going {
@@ -177,14 +174,14 @@ impl Skeleton {
         }
     }
 
-    /// The field that one unit of light makes, sent out as `ray`.
+    /// Computes the field of one unit of light emitted as `ray`.
     pub(crate) fn emit(&self, ray: Ray, field: &mut Field) {
         let last = self.elements();
         field.direct.clear();
         field.risen.clear();
         for bin in 0..self.bins {
             self.spread(ray, bin, &mut field.direct);
-            // What rises from the base does so over a black one: its returns are in `rising`.
+            // Over a black base: returns to the base are in `rising`.
             self.spread(Ray { plane: last, going: Propagation::Up }, bin, &mut field.risen);
         }
         let arriving = &field.direct.down[last * self.bins..];
@@ -196,7 +193,7 @@ impl Skeleton {
         }
     }
 
-    /// All that one unit of light makes over a black base, at one wavelength.
+    /// Light at all planes for one unit over a black base, at one wavelength.
     fn spread(&self, ray: Ray, bin: usize, to: &mut Currents) {
         let at = |plane: usize| plane * self.bins + bin;
         let start = at(ray.plane);
@@ -222,28 +219,28 @@ impl Skeleton {
     }
 }
 
-/// What passes a part and then goes to and fro behind it, a share `returned` at a time. Nothing
-/// gets into a closed box of whole mirrors.
+/// Light that passes a part and is then reflected to and fro behind it, a fraction `returned` each time. Nothing
+/// enters a closed box of perfect mirrors.
 #[inline]
 fn passing(t: f64, returned: f64) -> f64 {
     if t == 0.0 || returned >= 1.0 { 0.0 } else { t / (1.0 - returned) }
 }
 
-/// The light at every plane, per unit that was sent out. Its amount by way of a specular base is
-/// `risen` times `rising`, a product of wavelength and of state.
+/// Light at every plane, per unit emitted. Light via a specular base is `risen`, by wavelength, times `rising`, by
+/// state and wavelength.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
     bins: usize,
     /// Light that has not met the base.
     pub(crate) direct: Currents,
-    /// Light that has, per unit that rises from it.
+    /// Light that has met the base, per unit that rises from it.
     pub(crate) risen: Currents,
-    /// What rises from the base, all returns to it included; shape `[state][wavelength]`.
+    /// Light that rises from the base, all returns to it included; shape `[state][wavelength]`.
     pub(crate) rising: Vec<f64>,
 }
 
 impl Field {
-    /// What goes as `ray`, per wavelength: not by way of the base, and per unit that rises from it.
+    /// Light that travels as `ray`, per wavelength: light that has not met the base, and per unit that rises from it.
     #[inline]
     pub(crate) fn at(&self, ray: Ray) -> (&[f64], &[f64]) {
         let at = ray.plane * self.bins;

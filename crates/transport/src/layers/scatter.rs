@@ -1,4 +1,4 @@
-//! A face given by its BSDF, and the kernels that it is made of.
+//! An interface given by its BSDF, and the kernels that it consists of.
 
 use papilio_optics::Scatterer as _;
 use papilio_optics::scatter::Scatter;
@@ -10,99 +10,98 @@ use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
 
-/// A scattering kernel and what it is multiplied by at each wavelength.
+/// A scattering kernel and its factor at each wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterKernel {
-    /// What becomes of light, by direction.
+    /// The kernel.
     pub scatter: Scatter,
-    /// The factor.
+    /// Its factor, per wavelength.
     pub factor: Spectrum,
 }
 
-/// A face given by its BSDF, faces of whatever it is included: light of the air disc
-/// `|beta| <= 1` is scattered into the air disc, passes straight, or is absorbed in it. What it transmits may reach
-/// beyond the air disc below it, and comes back from there.
+/// An interface given by its BSDF, which includes the surfaces of the sample. Light of the air disc `|beta| <= 1` is
+/// scattered into the air disc, keeps its direction, or is absorbed. Transmitted light may reach beyond the air disc
+/// below the interface; light from there is transmitted back.
 ///
-/// All its ways are reciprocal: light that goes up takes the ways back of light that goes down,
-/// and of a reflection both readings are averaged.
+/// It is reciprocal: light that goes up is transmitted by the reverse of the kernel for light that goes down, and a
+/// reflection is the mean of its kernel and the reverse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterFace {
     straight: Spectrum,
     /// `[down, up]`.
     transmission: Option<[ScatterKernel; 2]>,
     reflection: [Option<ScatterKernel>; 2],
-    /// The radius of the disc that its kernels live in, if that is not the air's: they are then a
-    /// pixel's.
+    /// Radius of the disc of its kernels, if that is not the disc of air: the kernel of a pixel.
     disc: Option<Spectrum>,
 }
 
 impl ScatterFace {
-    /// A face that passes this share of light, per wavelength, without changing its direction,
+    /// An interface that transmits this fraction of light, per wavelength, without changing its direction,
     /// and absorbs the rest.
     pub fn new(straight: Spectrum) -> Self {
         Self { straight, transmission: None, reflection: [None, None], disc: None }
     }
 
-    /// The same with light from above scattered through it like this.
+    /// Adds scattered transmission of light from above.
     pub fn with_transmission(mut self, ScatterKernel { scatter, factor }: ScatterKernel) -> Self {
         let up = ScatterKernel { scatter: scatter.reversed(), factor: factor.clone() };
         self.transmission = Some([ScatterKernel { scatter, factor }, up]);
         self
     }
 
-    /// The same with light from above scattered back like this.
+    /// Adds scattered reflection of light from above.
     pub fn with_reflection_above(mut self, kernel: ScatterKernel) -> Self {
         self.reflection[0] = Some(kernel.reciprocal());
         self
     }
 
-    /// The same with light from below scattered back like this.
+    /// Adds scattered reflection of light from below.
     pub fn with_reflection_below(mut self, kernel: ScatterKernel) -> Self {
         self.reflection[1] = Some(kernel.reciprocal());
         self
     }
 
-    /// A pixel under a medium of this index: what it does not send back it takes.
+    /// A pixel under a medium of this index: it absorbs what it does not reflect.
     pub(crate) fn pixel(kernel: ScatterKernel, index: &Spectrum) -> Self {
         let face = Self::new(index.map(|_| 0.0)).with_reflection_above(kernel);
         Self { disc: Some(index.clone()), ..face }
     }
 
-    /// The radius of its disc, if it is a pixel.
+    /// Radius of its disc, if it is a pixel.
     pub(crate) fn disc(&self, bin: usize) -> Option<f64> {
         self.disc.as_ref().map(|disc| disc[bin])
     }
 
-    /// The share that passes straight, per wavelength.
+    /// Regular transmittance, per wavelength.
     pub fn straight(&self) -> &Spectrum {
         &self.straight
     }
 
-    /// What goes through, of light on its way down or up.
+    /// Kernel of transmission, of light going down or up.
     pub(crate) fn through(&self, going: Propagation) -> Option<&ScatterKernel> {
         self.transmission.as_ref().map(|ways| &ways[going as usize])
     }
 
-    /// What is sent back, of light on its way down or up.
+    /// Kernel of reflection, of light going down or up.
     pub(crate) fn back(&self, going: Propagation) -> Option<&ScatterKernel> {
         self.reflection[going as usize].as_ref()
     }
 
-    /// The least width of its kernels.
+    /// Smallest width of its kernels.
     pub(crate) fn width(&self) -> f64 {
         let disc = self.disc.as_ref().map_or(1.0, Spectrum::min);
         disc * self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where its kernels jump but for the rim of the air disc, `|beta|`; one that ends at the normal itself, as a table of that
-    /// incidence alone, leaves no interval before its end.
+    /// `|beta|` at which its kernels jump, apart from the rim of the air disc. A kernel that ends at the normal itself,
+    /// as a table of that incidence alone, leaves no interval before its end.
     fn kernel_edges(&self, bin: usize) -> impl Iterator<Item = f64> {
         let disc = self.disc(bin).unwrap_or(1.0);
         let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges());
         edges.filter(|edge| *edge > 0.0).map(move |edge| edge * disc)
     }
 
-    /// All kernels, of light from above.
+    /// All kernels, for light from above.
     pub(crate) fn kernels(&self) -> impl Iterator<Item = &ScatterKernel> {
         self.through(Propagation::Down).into_iter().chain(self.reflection.iter().flatten())
     }
@@ -113,13 +112,13 @@ impl ScatterKernel {
         Self { scatter: self.scatter.reciprocal(), ..self }
     }
 
-    /// The share of light with this `|beta|` that is sent on, before the factor.
+    /// Albedo for light with this `|beta|`, before the factor; 0 beyond the disc.
     pub(crate) fn total(&self, beta_length: f64) -> f64 {
         if beta_length <= self.scatter.discs()[0] { self.scatter.albedo_at(beta_length) } else { 0.0 }
     }
 }
 
-/// Where the first of some kernels ends within its disc.
+/// The smallest `|beta|` within its disc at which one of these kernels ends.
 pub(crate) fn least_edge<'a>(kernels: impl IntoIterator<Item = &'a ScatterKernel>) -> Option<f64> {
     let edges = kernels.into_iter().flat_map(|kernel| kernel.scatter.edges());
     edges.filter(|edge| *edge < 1.0).reduce(f64::min)
@@ -150,7 +149,7 @@ impl LayerKind for ScatterFace {
         })
     }
 
-    /// Totals are found once for all wavelengths.
+    /// Albedos are computed once for all wavelengths.
     fn parts(&self, media: [&Medium; 2], beta_squared: f64, out: &mut [Part]) {
         let ways = [Propagation::Down, Propagation::Up].map(|going| {
             [self.through(going), self.back(going)]

@@ -19,22 +19,23 @@ use crate::estimate::Account;
 use crate::front::Flat;
 use crate::layers::{Incidence, LayerKind};
 
-/// What a layer does to light on the nodes, at one wavelength; scatterers by their number.
+/// Effect of a layer on light at the nodes, at one wavelength; scatterers by number.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Action {
-    /// Keeps its direction: the regular part is all.
+    /// Light keeps its direction: there is a regular part only.
     Regular,
-    /// Passes it with this internal transmittance along the normal.
+    /// A clear medium of this internal transmittance along the normal.
     Clear { transmittance: f64 },
-    /// Reflects and transmits it as a scatterer does.
+    /// A scatterer reflects and transmits it.
     Whole { number: usize },
-    /// As `Whole`; of what it absorbs this fraction is absorbed besides the scattering.
+    /// As `Whole`; this fraction of the absorption is absorption besides the scattering.
     Slab { number: usize, absorbing_share: f64 },
-    /// Adds kernels, times a factor, to the regular part: through from above, back from above, back from below.
+    /// Kernels, each with a factor, besides the regular part: transmission from above, reflection from above, reflection
+    /// from below.
     Kernels([Option<(usize, f64)>; 3]),
 }
 
-/// What a layer needs to say what it does at one wavelength: it adds what scatters.
+/// Context in which a layer determines its [`Action`] at one wavelength: it registers its scatterers.
 pub(crate) struct Preparation<'p, 'a> {
     /// Number of the wavelength.
     pub(crate) bin: usize,
@@ -224,7 +225,7 @@ impl Element<'_> {
         }
     }
 
-    /// Books what the part absorbs.
+    /// Adds the absorption of the part to its account.
     fn booked(&self, part: Part, grid: &Grid) -> Part {
         let slab = match self.action {
             Action::Slab { absorbing_share, .. } => Some(absorbing_share),
@@ -243,7 +244,7 @@ impl Element<'_> {
     }
 }
 
-/// A kernel with its factor; nothing, if there is none.
+/// A kernel times its factor; 0 if there is none.
 fn scatters(kernel: Option<(usize, f64)>, scattered: &[Scattered], grid: &Grid) -> Operator {
     match kernel.map(|(number, factor)| (&scattered[number], factor)) {
         Some((Scattered::Kernel(operator), factor)) => operator.clone().scaled(factor),

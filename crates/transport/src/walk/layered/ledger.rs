@@ -1,4 +1,4 @@
-//! The sums of the paths, and what they mean: reflectance factors and the ledger.
+//! Sums over paths, and the reflectance factors and ledger that follow from them.
 
 use super::Layered;
 use super::light::{Light, Share};
@@ -7,7 +7,7 @@ use crate::estimate::Account;
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::{Estimate, Ledger, ReflectanceFactor, Source};
 
-/// The sums of a replicate, and workspace to work in.
+/// Sums of a replicate, and its workspace.
 #[derive(Debug, Clone)]
 pub(in crate::walk) struct Accumulator {
     pub(super) sums: Sums,
@@ -16,16 +16,16 @@ pub(in crate::walk) struct Accumulator {
 
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
-    /// Leaves into the air: what diffuse light sees.
+    /// Light that leaves into the air, where it meets diffuse light.
     pub(super) leaving: Light,
-    /// For each directed source: light that it sends to the path.
+    /// Light of each directed source that reaches the path.
     pub(super) from_source: Vec<Light>,
-    /// Absorbed, by layer.
+    /// Absorbed light by account.
     pub(super) absorbed: Absorbed,
-    /// Reaches the base, and is reflected by it.
+    /// Light that reaches the base, and light that it reflects.
     pub(super) arriving: Light,
     pub(super) reflected: Light,
-    /// What the choice of the next scatterer dropped, less what it added.
+    /// Light dropped by the choice of the next scatterer, less light added by it.
     pub(super) unaccounted: Light,
 }
 
@@ -41,11 +41,11 @@ pub(super) struct Workspace {
     /// The path's light.
     pub(super) light: Light,
     pub(super) skeleton: Skeleton,
-    /// What the path's light does between two scattering events.
+    /// The path's light between two scattering events.
     pub(super) field: Field,
     pub(super) share: Share,
     pub(super) lamps: Lamps,
-    /// For each way to meet a scatterer: the largest share of the light that does.
+    /// For each scattering event, the largest fraction of light of any state and wavelength that takes part in it.
     pub(super) chances: Vec<f64>,
 }
 
@@ -85,7 +85,7 @@ impl Layered<'_> {
         }
     }
 
-    /// Books where the path's light gets to without being scattered, the air apart.
+    /// Adds the path's unscattered light to the accounts, except what leaves into the air.
     pub(super) fn book(&self, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { light, skeleton, field, share, .. } = workspace;
         for (account, sum) in sums.absorbed.accounts() {

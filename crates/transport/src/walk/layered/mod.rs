@@ -1,13 +1,12 @@
-//! The general tracer: any layers in any order, over a mirror or a Lambertian base.
+//! The general tracer: any layers in any order, over a mirror or a base that scatters.
 //!
-//! Between two scattering events light keeps its direction cosines, and where it gets to is
-//! known in closed form, all inter-reflections of flat parts and of a specular base included
-//! ([`Skeleton`](crate::skeleton)): what leaves, what each layer absorbs, and how much meets each
-//! scatterer from either side. The first two are added to the sums as they are. Random are
-//! only the choice of the next scatterer (or the end of the path) and what happens there: a
-//! diffuser's lobe, a rough face, a flight through a scattering medium, a Lambertian base.
+//! Between two scattering events light keeps its direction cosines. Its transport is then known in closed form, with all
+//! inter-reflections of flat parts and of a specular base ([`Skeleton`](crate::skeleton)): the light that leaves, the
+//! light that each layer absorbs, and the light that arrives at each scatterer from either side. The first two are
+//! added to the sums directly. Random are only the choice of the next scatterer (or the end of the path) and the event
+//! itself: scattering at an interface, flights through a scattering medium, reflection by a scattering base.
 //!
-//! Light that met the base and light that did not share one path, with spectra of their own.
+//! Light that has met the base and light that has not share one path, with separate spectra.
 
 mod bulk;
 mod ledger;
@@ -28,16 +27,16 @@ use ledger::{Sums, Workspace};
 use pixel::Pixel;
 use scatterers::{Kind, ScatterEvent, at_lambertian_base, events};
 
-/// After its first scattering, a path never meets a further scatterer with a lower probability,
-/// if it can at all: light that lamps send to faint scatterers would make rare bright paths.
+/// After its first event a path continues with at least this probability, if it can continue at all: otherwise
+/// light from sources at faint scatterers would make rare bright paths.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// In the first events of a path scatterers are chosen with this probability in all that has no regard to how much
-/// light meets them: a faint one may be all that some light is seen by, and no replicate is to miss it.
+/// In the first events of a path this much of the probability is divided equally among the scatterers, whatever light
+/// they receive: some light may be seen through a faint one only, and no replicate may miss it.
 const WITHOUT_REGARD: f64 = 0.1;
 const FIRST_EVENTS: u32 = 4;
 
-/// From this event on even light that nothing absorbs is subject to roulette.
+/// From this event on, roulette applies even if nothing absorbs.
 const FREE_EVENTS: u32 = 256;
 
 #[derive(Debug)]
@@ -45,32 +44,31 @@ pub(super) struct Layered<'a> {
     stack: &'a crate::Layered,
     view: Cone,
     sources: &'a [Source],
-    /// Every way to meet a scatterer.
+    /// All kinds of scattering events.
     events: Vec<ScatterEvent<'a>>,
-    /// Where each element's absorption is booked.
+    /// Account of the absorption of each element.
     accounts: Vec<Account>,
     discs: bool,
 }
 
-/// Light sent on its way in the flat skeleton.
+/// Light that starts its way through the flat skeleton.
 #[derive(Debug, Clone, Copy)]
 struct OutgoingRay {
     beta: Beta,
     ray: Ray,
-    /// The density over direction cosines with which it was scattered into `beta`; infinite if it
-    /// never was.
+    /// Density over direction cosines with which `beta` was sampled; infinite if it was never scattered.
     density: f64,
-    /// The density with which the same scatterer would send light from `beta` back where it came from.
+    /// Density with which the same scatterer would sample the way back.
     back: f64,
-    /// The kernel's value over that density.
+    /// Value of the kernel over that density.
     weight: f64,
-    /// That with which the path had chosen the direction before, where the scatterer sends
-    /// light of the sources on as well; else infinite.
+    /// Density with which the path chose its direction before, where the scatterer also relays light of
+    /// the sources; otherwise infinite.
     rival: f64,
 }
 
 impl OutgoingRay {
-    /// Light that no scatterer has sent.
+    /// Light that has not been scattered.
     const UNSCATTERED: Self = Self {
         beta: Beta { x: 0.0, y: 0.0 },
         ray: Ray::ENTERING,
@@ -80,13 +78,13 @@ impl OutgoingRay {
         rival: f64::INFINITY,
     };
 
-    /// Light drawn from the very kernel that scatters it, which is the same for the way back.
+    /// Light sampled in proportion to a reciprocal kernel.
     fn exactly(beta: Beta, ray: Ray, density: f64) -> Self {
         Self { beta, ray, density, back: density, weight: 1.0, rival: f64::INFINITY }
     }
 }
 
-/// The random numbers of a path, block by block; blocks are counted.
+/// Random numbers of a path in counted blocks.
 struct Draws<'a> {
     numbers: &'a PathNumbers<'a>,
     count: u32,
@@ -100,10 +98,10 @@ impl Draws<'_> {
         self.numbers.block(block)
     }
 
-    /// The highest probability with which the path may go on.
+    /// Largest probability with which the path may continue.
     ///
     /// The number of events in thick layers that absorb nothing has a long tail, n^(-1/2). Roulette
-    /// that takes paths out like n^(-.45) from there on bounds their mean cost, and leaves the
+    /// that ends paths like n^(-0.45) from there on bounds their mean cost and leaves the
     /// variance finite; any fixed probability would not.
     fn most_survival(&self) -> f64 {
         if self.count < FREE_EVENTS { 1.0 } else { 1.0 - 0.45 / f64::from(self.count) }
@@ -153,7 +151,7 @@ impl<'a> Layered<'a> {
         }
     }
 
-    /// All that happens to the path's light without scattering.
+    /// Adds all that happens to the path's light without scattering.
     fn travel(&self, sent: OutgoingRay, sums: &mut Sums, workspace: &mut Workspace) {
         workspace.skeleton.set(self.stack, sent.beta.squared());
         workspace.skeleton.emit(sent.ray, &mut workspace.field);
@@ -166,10 +164,10 @@ impl<'a> Layered<'a> {
         }
     }
 
-    /// The next scatterer, with the light that meets it as the path's; `None` if the path ends.
+    /// Chooses the next event and reduces the path's light to what takes part in it; `None` if the path ends.
     ///
-    /// Each way is chosen with the largest share of any state's and wavelength's light that goes
-    /// it, so that no weight grows; in the first events with a least probability, so that weights grow by a tenth at most.
+    /// The probability of an event is the largest fraction of any state's and wavelength's light that takes part in it,
+    /// so that no weight grows. In the first events it has a lower limit, so that weights grow by a tenth at most.
     fn choose(
         &self,
         u: f64,
@@ -209,7 +207,7 @@ impl<'a> Layered<'a> {
         Some(event)
     }
 
-    /// What the scatterer does: connections to lamps, and a new direction.
+    /// Performs the event: connections to sources, and a new direction.
     fn scatter(
         &self,
         sent: OutgoingRay,

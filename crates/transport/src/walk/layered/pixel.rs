@@ -1,7 +1,7 @@
-//! A base that scatters by a kernel for each state.
+//! A base that scatters by one kernel per state.
 //!
-//! One direction serves all states: it is drawn from the kernel of one of them, and each state's
-//! light has the weight of its own kernel over the mean of all densities.
+//! One direction serves all states: it is sampled from the kernel of one of them, and the light of each state is
+//! multiplied by its own kernel over the mean of all densities.
 
 use papilio_optics::{Beta, Scatterer};
 
@@ -21,7 +21,7 @@ pub(super) struct Pixel<'a> {
 }
 
 impl Pixel<'_> {
-    /// Off the base: connections to lamps, and a new direction.
+    /// Reflection by the base: connections to sources, and a new direction.
     pub(super) fn reflect(
         &self,
         from: Beta,
@@ -52,7 +52,7 @@ impl Pixel<'_> {
         Some(OutgoingRay::exactly(sent, ray, density))
     }
 
-    /// All light has met the base, and has each state's colour.
+    /// Turns all light into light that has met the base, in the colour of each state.
     fn tint(&self, light: &mut Light) {
         let rows = light.met.chunks_exact_mut(light.fresh.len());
         for (row, kernel) in rows.zip(self.kernels) {

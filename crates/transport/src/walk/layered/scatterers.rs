@@ -1,4 +1,5 @@
-//! What scatters: interfaces, a Lambertian base (scattering media: [`bulk`](super::bulk)).
+//! Scattering events at interfaces and at a Lambertian base (media: [`bulk`](super::bulk), other bases:
+//! [`pixel`](super::pixel)).
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
@@ -12,7 +13,7 @@ use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
 use crate::{Layered, Medium, Reflector, ScatterKernel};
 
-/// A scatterer, and light on its way to it.
+/// A scatterer, and the way in which light arrives at it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScatterEvent<'a> {
     pub(super) element: usize,
@@ -32,7 +33,7 @@ pub(super) enum Kind<'a> {
 }
 
 impl ScatterEvent<'_> {
-    /// Sets `share` to that of the light that meets the scatterer and is scattered.
+    /// Sets `share` to the fraction of light that arrives and is scattered.
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::arriving_at(self.element, self.going);
         match self.kind {
@@ -48,7 +49,7 @@ impl ScatterEvent<'_> {
         share.set(field, ray, |bin| parts[bin].scattered[self.going as usize]);
     }
 
-    /// Light from `beta` that an interface scatters on, without connections to sources; `None` if it absorbs it.
+    /// Samples the light that an interface scatters, without connections to sources; `None` if it is absorbed.
     pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let (to, scattered) = interface.sample(Arrival { beta, going: self.going, channel }, u)?;
@@ -61,7 +62,7 @@ impl ScatterEvent<'_> {
         })
     }
 
-    /// True if the medium into which an interface sends the light has such a direction.
+    /// True if the medium that the light is scattered into has such a direction.
     pub(super) fn carries(&self, sent: OutgoingRay, bin: usize) -> bool {
         match self.kind {
             Kind::Interface(interface, _, media) if interface.scatters_beyond_media() => {
@@ -72,7 +73,7 @@ impl ScatterEvent<'_> {
         }
     }
 
-    /// At an interface: connections to sources, and a new direction.
+    /// Scattering at an interface: connections to sources, and a new direction.
     pub(super) fn pass_interface(
         &self,
         sent: OutgoingRay,
@@ -96,7 +97,7 @@ impl ScatterEvent<'_> {
     }
 }
 
-/// Every way to meet a scatterer of the stack.
+/// All scattering events that a stack has.
 pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
     const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
     let mut events = Vec::new();
@@ -135,7 +136,7 @@ fn index(medium: Option<&Medium>, bin: usize) -> f64 {
     medium.map_or(1.0, |medium| medium.index()[bin])
 }
 
-/// Off a Lambertian base: the same basic radiance in every direction of the medium.
+/// Reflection by a Lambertian base: the same basic radiance in every direction of the medium.
 pub(super) fn at_lambertian_base(
     reflectance: &[f64],
     medium: Option<&Medium>,

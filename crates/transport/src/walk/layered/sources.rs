@@ -1,13 +1,12 @@
-//! Directed sources: met by connection, and discs by chance as well.
+//! Directed sources: connections to all of them, and chance hits of discs.
 //!
-//! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]), so each
-//! scattering event adds what it turns of that light into the path: every way from the source whose
-//! first scattering (from the source's end) is this event, once.
+//! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]). Each scattering event adds the
+//! light of a source that it scatters into the path: every way from the source whose first event, counted from the
+//! source, is this one, exactly once.
 //!
-//! A narrow lobe at that first scattering is a needle for the path. So each diffuser and rough face
-//! also sends light of the source on, once for each path, in a direction drawn from its own
-//! kernel; that light is a lamp of its own, which events connect to in the same way. A direction
-//! that both the path and the scatterer may draw is weighted by the balance heuristic
+//! If that first event has a narrow lobe, the path rarely finds it. So each scattering interface also relays the light
+//! of the source, once per path, in a direction sampled from its own kernel; events connect to the relayed light in the
+//! same way. A direction that both the path and the interface may sample is weighted by the balance heuristic
 //! ([`Target::weight`]).
 
 use papilio_optics::Beta;
@@ -21,16 +20,16 @@ use crate::layers::Scattered;
 use crate::skeleton::{Field, Ray, Skeleton};
 use crate::walk::{PathNumbers, Target};
 
-/// The light of all sources that have a direction.
+/// Light of all directed sources.
 #[derive(Debug, Clone)]
 pub(super) struct Lamps {
     sources: Vec<Lamp>,
     scattered: Vec<Relay>,
-    /// The directions of beams and of the middles of discs.
+    /// Directions of beams and of the centres of discs.
     pub(super) about: Vec<Beta>,
 }
 
-/// Light of one direction, everywhere.
+/// Light of one direction, at every plane of the stack.
 #[derive(Debug, Clone)]
 pub(super) struct Lamp {
     source: usize,
@@ -38,25 +37,25 @@ pub(super) struct Lamp {
     target: Target,
     /// The direction of this light.
     pub(super) beta: Beta,
-    /// The densities with which a scatterer sent it that way, and would have sent it back; the source
-    /// itself had no choice.
+    /// Densities with which an interface sampled this direction and would sample the way back; `None` for the light
+    /// of the source itself.
     drawn: Option<[f64; 2]>,
     field: Field,
-    /// What has become of the light before it was sent out as `field`; what met the base before is also
-    /// in the field's `rising`.
+    /// Fraction of the light that was relayed as `field`; what met the base before is also in the
+    /// field's `rising`.
     before: Light,
     dark: bool,
-    /// In a scattering medium: what its events have turned upwards and downwards, yet to be settled.
+    /// In a scattering medium: light scattered into the path upwards and downwards that is not in the sums yet.
     pub(super) gathered: [f64; 2],
 }
 
-/// Light that a scatterer sends on.
+/// Light that an interface relays.
 #[derive(Debug, Clone)]
 struct Relay {
     /// Numbers of the lamp and of the event.
     of: usize,
     event: usize,
-    /// What of the lamp meets the scatterer and is scattered.
+    /// Light that arrives at the interface and is scattered.
     arrived: Light,
     lamp: Lamp,
 }
@@ -89,7 +88,7 @@ impl Lamps {
         lamps
     }
 
-    /// Draws all that is drawn for a path.
+    /// Samples everything for a new path.
     pub(super) fn draw(&mut self, numbers: &PathNumbers<'_>, walk: &Layered<'_>, skeleton: &mut Skeleton) {
         if walk.discs {
             for of in 0..self.sources.len() {
@@ -107,7 +106,7 @@ impl Lamps {
         }
     }
 
-    /// Turns to this point of a source.
+    /// Moves to this point of a source.
     fn aim(&mut self, of: usize, target: Target, walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.sources[of];
         (lamp.target, lamp.beta) = (target, target.beta);
@@ -129,7 +128,7 @@ impl Lamps {
         self.split().1
     }
 
-    /// Where beams and discs are, and the lamps.
+    /// Directions of beams and discs, and the lamps.
     pub(super) fn split(&mut self) -> (&[Beta], impl Iterator<Item = &mut Lamp>) {
         let scattered = self.scattered.iter_mut().map(|scattered| &mut scattered.lamp);
         let lamps = self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark);
@@ -155,8 +154,8 @@ impl Lamp {
         }
     }
 
-    /// The balanced weight of a connection by an event that turns light this way. `rival` is the density with which the path had chosen the direction that the
-    /// event turns, where the event may also send light of the source on; else infinite.
+    /// Weight of a connection, by the balance heuristic. `rival` is the density with which the path chose its
+    /// direction before the event, where the event may also relay light of the source; otherwise infinite.
     #[inline]
     pub(super) fn weight(&self, scattered: Scattered, rival: f64) -> f64 {
         let Scattered { value, density, reverse } = scattered;
@@ -169,13 +168,13 @@ impl Lamp {
         }
     }
 
-    /// The share of light sent out as `ray` this way that reaches the source.
+    /// Fraction of light emitted as `ray` that reaches the source.
     #[inline]
     pub(super) fn reach(&self, ray: Ray, factor: impl Fn(usize) -> f64, share: &mut Share) {
         share.add(&self.field, ray.reversed(), factor);
     }
 
-    /// Adds what of the path's light reaches the source.
+    /// Adds the path's light that reaches the source.
     pub(super) fn add(&self, light: &Light, share: &Share, sums: &mut Sums) {
         let sum = &mut sums.from_source[self.source];
         if self.drawn.is_none() {
@@ -209,9 +208,10 @@ impl Relay {
     }
 }
 
-/// Connects the path's light to all lamps at a scattering event.
+/// Connects the path's light to all sources at a scattering event.
 ///
-/// `ways` are those on which the event can send it on; `scattered(way, beta)` says how it does, and `factor(beta, bin)` what differs between wavelengths.
+/// `ways` are the rays on which light can leave the event; `scattered(way, beta)` are its densities, and
+/// `factor(beta, bin)` is what depends on wavelength.
 pub(super) fn connect(
     ways: impl Iterator<Item = Ray> + Clone,
     rival: f64,
@@ -231,7 +231,7 @@ pub(super) fn connect(
     }
 }
 
-/// Discs that scattered light runs into where it leaves.
+/// Adds discs that scattered light hits where it leaves the display.
 pub(super) fn meet_discs(
     sources: &[Source],
     sent: OutgoingRay,
