@@ -5,9 +5,9 @@
 //! angle between the directions of propagation before and after: 1 is straight on.
 //!
 //! **Parameter.** The anisotropy g, the mean cosine: -1 < g < 1. 0 is isotropic, above 0
-//! forward; particles larger than the wavelength have .7 to .95.
+//! forward; particles larger than the wavelength have 0.7 to 0.95.
 //!
-//! **Intuition.** Half of the light of g = .9 stays within 10 deg, yet a tenth goes beyond
+//! **Intuition.** Half of the light of g = 0.9 stays within 10 deg, yet a tenth goes beyond
 //! 41 deg. Its Legendre moments are the powers of g, so that two deflections in a row are one
 //! with g^2.
 //!
@@ -48,7 +48,7 @@ impl HenyeyGreenstein {
         (1.0 - g * g) / (4.0 * PI * s * s.sqrt())
     }
 
-    /// The cosine of a scattering angle drawn with [`Self::at_cosine`], from a uniform number;
+    /// The cosine of a scattering angle sampled with [`Self::at_cosine`], from a uniform number;
     /// it rises with `u`. The azimuth is uniform.
     #[inline]
     pub fn sample_cosine(&self, u: f64) -> f64 {
@@ -151,7 +151,7 @@ mod tests {
         }
     }
 
-    /// The integral of the density below the cosine that is drawn from u is u.
+    /// The integral of the density below the cosine that is sampled from u is u.
     #[test]
     fn sample_inverts_the_cumulative_density() {
         for anisotropy in ANISOTROPIES {

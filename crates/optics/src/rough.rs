@@ -19,7 +19,7 @@
 //! for correlated heights, `1/(1 + L_i + L_o)` in reflection, `B(1 + L_i, 1 + L_o)` in refraction.
 //!
 //! **Several microfacets.** What G takes away does not vanish: it meets further microfacets. Of
-//! light that arrives with a, Heitz's walk over microfacets returns the share r(a) to its own side
+//! light that arrives with a, Heitz's walk over microfacets returns the fraction r(a) to its own side
 //! after more than one, and sends t(a) across. Both are given out as Kulla and Conty do:
 //! `r(a) r(b)/R` between directions of one side, `t(a) t(b)/T` across, R and T the integrals of r and
 //! t over a side. That is symmetric, and over both sides the whole integrates to one. So a rough
@@ -34,11 +34,11 @@
 //! of one; sampling follows k but for that. What is returned in all is within 0.002 of the walk.
 //!
 //! **Validity.** Geometric optics: features larger than the wavelength, no diffraction, no
-//! speckle, no straight-through light. Slopes are independent of heights and of their
+//! speckle, no regular light. Slopes are independent of heights and of their
 //! neighbours'. In which directions light of several microfacets leaves is a model. Light is
 //! unpolarised at each facet.
 //!
-//! Refracted light of one microfacet jumps to zero where q is alike on both sides, since upright
+//! Refracted light of one microfacet jumps to zero where q is the same on both sides, since upright
 //! facets are as bright as the tail of GGX is heavy: cut quadratures there.
 //!
 //! Sources: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR
@@ -98,7 +98,7 @@ pub struct Rough {
 }
 
 impl Rough {
-    /// A face of GGX slopes and this roughness, .01 to 1, between media of these indices, above 0 and different.
+    /// A face of GGX slopes and this roughness, 0.01 to 1, between media of these indices, above 0 and different.
     ///
     /// Takes a few tenths of a second: it tabulates what one microfacet alone would lose, and where that goes.
     pub fn new(alpha: f64, above: f64, below: f64) -> Self {
@@ -141,7 +141,7 @@ impl Rough {
         }
     }
 
-    /// The share of light from this side that meets more than one microfacet: one less the
+    /// The fraction of light from this side that meets more than one microfacet: one less the
     /// integral of [`Self::single`] over both sides. `beta_length` is below the side's index.
     pub fn deficit(&self, side: Side, beta_length: f64) -> f64 {
         let [back, across] = self.several(side, beta_length);
@@ -160,7 +160,7 @@ impl Rough {
         self.deficits.total(from, to)
     }
 
-    /// The share of light that returns to its side, after however many microfacets; the rest crosses the face. For as
+    /// The fraction of light that returns to its side, after however many microfacets; the rest crosses the face. For as
     /// many |beta| as are asked for; 0 where it is not below the side's index.
     ///
     /// By Gauss's rule of this order, 12 or more: 12 is good to 1e-5.

@@ -4,7 +4,7 @@
 //! same side (reflection) or through (transmission), by its BSDF f in 1/sr without the cosine,
 //! referred to air: since `cos(theta) d omega = d^2 beta`, f is the density per area of direction
 //! cosines of what becomes of a unit of light. Unlike a [`Lobe`](crate::lobe::Lobe) it says what
-//! becomes of all light: [`evaluate`](Scatterer::evaluate) integrates to the share that is sent, and what is neither sent
+//! becomes of all light: [`evaluate`](Scatterer::evaluate) integrates to the fraction that is sent, and what is neither sent
 //! nor reflected is absorbed.
 //!
 //! **Kinds.** [`Ward`]: a formula, for faces and (flipped) for films. [`Table`]: what was
@@ -67,7 +67,7 @@ impl From<Ward> for Scatter {
     }
 }
 
-/// Kernels are alike if they share their numbers.
+/// Kernels are the same if they share their numbers.
 impl PartialEq for Scatter {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {

@@ -18,7 +18,7 @@ pub struct ReflectanceFactor {
     pub front: Vec<f64>,
 }
 
-/// Shares of a unit beam, per state and wavelength (shape `[state][wavelength]`).
+/// Fractions of a unit beam, per state and wavelength (shape `[state][wavelength]`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ledger {
     /// Back into the room.

@@ -1,6 +1,6 @@
 //! Front of screen: flat components in air, combined incoherently.
 //!
-//! Each component mirrors a share R and absorbs a share A of the light, alike from
+//! Each component mirrors a fraction R and absorbs a fraction A of the light, alike from
 //! both sides and at every angle (Feng 2012, fig. 3.2); it transmits 1 - R - A. Two
 //! parts above each other, `r'` the upper one's reflectance from below:
 //!

@@ -98,7 +98,7 @@ impl Lobe {
     }
 
     /// Haze: share beyond 2.5 deg of all light transmitted into the air hemisphere
-    /// at normal incidence, the straight-through share included.
+    /// at normal incidence, the regular fraction included.
     pub fn haze(&self, straight_through: f64) -> f64 {
         let scattered = 1.0 - straight_through;
         let hemisphere = self.fraction_within(1.0);
@@ -112,7 +112,7 @@ pub const HAZE_ANGLE_DEG: f64 = 2.5;
 
 /// The width b of the k-correlation lobe that has this [haze](Lobe::haze).
 ///
-/// With a straight-through share the haze first rises and then falls with b (a very
+/// With a regular fraction the haze first rises and then falls with b (a very
 /// wide lobe sends most of its light beyond the hemisphere): the narrower of the two
 /// widths is meant. `None` if no width gives that haze.
 pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
@@ -132,7 +132,7 @@ pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
     Some((0.5 * (low + high)).exp())
 }
 
-/// The largest haze that a k-correlation lobe can have beside this straight-through share.
+/// The largest haze that a k-correlation lobe can have beside this regular fraction.
 pub fn largest_haze(straight_through: f64) -> f64 {
     let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
     haze_of(log_width_of_most_haze(haze_of))
@@ -225,14 +225,14 @@ mod tests {
             assert!(width_from_haze(most - 1e-9, straight_through).is_some());
             assert_eq!(width_from_haze(most + 1e-9, straight_through), None);
         }
-        // The widest lobe is flat over the hemisphere: all but the share sin^2 2.5 deg is haze.
+        // The widest lobe is flat over the hemisphere: all but the fraction sin^2 2.5 deg is haze.
         let flat = 1.0 - 2.5_f64.to_radians().sin().powi(2);
         assert!((largest_haze(0.0) - flat).abs() < 1e-6);
         assert_eq!(largest_haze(1.0), 0.0);
         assert_eq!(width_from_haze(f64::NAN, 0.0), None);
     }
 
-    /// TIS/T of a b = .1 lobe by truncation alone, 0 to 75 deg, by brute-force
+    /// TIS/T of a b = 0.1 lobe by truncation alone, 0 to 75 deg, by brute-force
     /// integration over the unit disc.
     #[test]
     fn truncation_takes_more_of_oblique_light() {

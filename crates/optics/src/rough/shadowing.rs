@@ -1,6 +1,6 @@
 //! The slopes of a face, and what they hide: Smith's Lambda for heights that are independent of slopes.
 //!
-//! A ray that goes along a direction of cosine mu over heights that fill (0, 1) evenly meets a facet at the rate
+//! A ray that goes along a direction of cosine mu over heights that fill (0, 1) uniformly meets a facet at the rate
 //! Lambda while it leaves, 1 + Lambda while it comes, per logarithm of the height: light at the height C leaves with
 //! the chance `C^Lambda`. All else here follows from that (E. Heitz et al., "Multiple-Scattering Microfacet BSDFs with
 //! the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016), eq. 4 to 12).
@@ -40,7 +40,7 @@ impl Distribution {
         }
     }
 
-    /// Share of the face's area, seen from above, whose slope is `alpha tan(w)`, per unit of w from 0 to pi/2.
+    /// Fraction of the face's area, seen from above, whose slope is `alpha tan(w)`, per unit of w from 0 to pi/2.
     pub(super) fn slopes(self, w: f64) -> f64 {
         let (sin, cos) = w.sin_cos();
         match self {
@@ -70,7 +70,7 @@ impl Distribution {
         }
     }
 
-    /// A normal, of any length, drawn among those of a face of alpha 1 that light from `towards`, a unit vector, sees,
+    /// A normal, of any length, sampled among those of a face of alpha 1 that light from `towards`, a unit vector, sees,
     /// weighted by their projected areas.
     pub(super) fn visible(self, towards: [f64; 3], [u, v]: [f64; 2]) -> [f64; 3] {
         match self {

@@ -1,4 +1,4 @@
-//! The share of light that a kernel sends into its disc, by incidence.
+//! The fraction of light that a kernel sends into its disc, by incidence.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -8,15 +8,15 @@
 //!
 //! **Between the numbers** the kernel is cubic in its logarithm, along diameters through the
 //! peak and over azimuth and incidence, and does not overshoot ([`smooth`](super::smooth)). A
-//! k-correlation lobe tabulated every .3 of its width b keeps its values within .04 %, every .9 within
-//! .5 %; every b, its integral within .1 %.
+//! k-correlation lobe tabulated every 0.3 of its width b keeps its values within 0.04 %, every 0.9 within
+//! 0.5 %; every b, its integral within 0.1 %.
 //!
 //! **At the edges.** Before the first incidence its values hold, beyond the last one too, or nothing is
 //! sent there ([`Table::dark_beyond`]); beyond the last distance nothing is sent. Along the normal, and at the
 //! peak, the mean over azimuth counts: an isotropic sample has no azimuth there.
 //!
-//! **Sampling.** [`sample`](crate::scatterer::Scatterer::sample) draws from a working table that is bilinear
-//! between finer nodes: what is drawn follows `density` exactly, and value over density is the albedo,
+//! **Sampling.** [`sample`](crate::scatterer::Scatterer::sample) samples from a working table that is bilinear
+//! between finer nodes: what is sampled follows `density` exactly, and value over density is the albedo,
 //! within some per cent.
 
 use std::f64::consts::PI;

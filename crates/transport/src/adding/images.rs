@@ -205,7 +205,7 @@ fn arc(cone: &Cone, angle: f64, turn: f64, half: f64, count: usize, weight: f64,
 mod tests {
     use super::*;
 
-    /// The share of two overlapping small circles, by the planar lens formula.
+    /// The fraction of two overlapping small circles, by the planar lens formula.
     #[test]
     fn the_area_of_a_lens() {
         let lens = |a: f64, b: f64, d: f64| {

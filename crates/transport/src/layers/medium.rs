@@ -24,7 +24,7 @@ pub struct Scattering {
     pub optical_thickness: f64,
     /// Mean cosine of the scattering angle, -1 to 1 (both excluded).
     pub anisotropy: f64,
-    /// Share of the extinguished light that is scattered, 0 to 1, per wavelength.
+    /// Fraction of the extinguished light that is scattered, 0 to 1, per wavelength.
     pub albedo: Spectrum,
 }
 

@@ -3,8 +3,8 @@
 //! Front and face are one flat part whose inter-reflections are summed in closed form
 //! at each angle. Over a mirror light keeps its angle, and all its round trips are a geometric
 //! series: nothing is random but the point in the viewer's field. Off a Lambertian base light comes
-//! up to the face as often as roulette grants. Only directions that can leave are drawn: what total
-//! internal reflection traps is known in closed form, and however small the share of either is, no
+//! up to the face as often as roulette grants. Only directions that can leave are sampled: what total
+//! internal reflection traps is known in closed form, and however small the fraction of either is, no
 //! path has to find it. The path carries spectra all the way: `[state][wavelength]`.
 
 use papilio_optics::Beta;
@@ -194,7 +194,7 @@ impl<'a> Bare<'a> {
         target.balanced(drawn, || drawn, 0.0)
     }
 
-    /// Per wavelength: the Lambertian density at `beta` over that with which directions are drawn.
+    /// Per wavelength: the Lambertian density at `beta` over that with which directions are sampled.
     fn spread_factors(&self, beta: Beta) -> impl Iterator<Item = f64> {
         let (medium, leaving) = (&self.stack.medium, self.leaving);
         medium.index().iter().map(move |&n| if beta.squared() < n * n { (leaving / n).powi(2) } else { 0.0 })

@@ -3,7 +3,7 @@
 //! # Estimator
 //! A path starts with the direction cosines of light that reaches the viewer and
 //! follows it back: through the front, into the medium, to the base, out again, and
-//! on for as many passes as Russian roulette grants. Every sampled event is drawn
+//! on for as many passes as Russian roulette grants. Every event is sampled
 //! from its own kernel, so the path's weight holds spectra alone. One path carries all
 //! wavelengths and all states, so that contrast and gamut come from correlated
 //! numbers.
@@ -123,7 +123,7 @@ impl<'a> Walk<'a> {
         Self::with_strategy(stack, view, sources, Strategy::default(), &[])
     }
 
-    /// As [`Self::new`], directions drawn by this strategy where a panel's diffuser scatters (all
+    /// As [`Self::new`], directions sampled by this strategy where a panel's diffuser scatters (all
     /// other stacks know the kernel alone).
     ///
     /// `shares` are the sources' shares of the illuminance, for which the guided strategy cares; missing
@@ -330,8 +330,8 @@ impl Target {
     }
 
     /// What one sample adds to `rho` where a direction reaches this point by any of three
-    /// techniques: the last scattering event, whose kernel has this `value` and is drawn with density
-    /// `pdf`; this connection; and the direction before it drawn backwards from here, with a density
+    /// techniques: the last scattering event, whose kernel has this `value` and is sampled with density
+    /// `pdf`; this connection; and the direction before it sampled backwards from here, with a density
     /// of this `ratio` to that with which the path drew it (0: it is not).
     ///
     /// Balance heuristic: the integrand over the sum of the three products of densities. The same

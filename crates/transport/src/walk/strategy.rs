@@ -1,13 +1,13 @@
-//! How directions are drawn where a diffuser scatters.
+//! How directions are sampled where a diffuser scatters.
 //!
-//! Whatever they are drawn from, a path's weight holds the lobe's value over the density, so that
+//! Whatever they are sampled from, a path's weight holds the lobe's value over the density, so that
 //! every strategy has the same mean; they differ in noise.
 //!
-//! - [`Strategy::Uniform`]: evenly over the hemisphere (of the medium on the way down, of air up).
-//! - [`Strategy::Cosine`]: evenly over direction cosines.
+//! - [`Strategy::Uniform`]: uniformly over the hemisphere (of the medium on the way down, of air up).
+//! - [`Strategy::Cosine`]: uniformly over direction cosines.
 //! - [`Strategy::Ward`]: Ward's lobe with the width that fits the diffuser best (least squares, as
 //!   Feng 2012, eq. 4-17, 4-18), about the unscattered direction (eq. 4-19 to 4-21). Its Gaussian
-//!   tail ends where the diffuser's goes on: one direction in ten is drawn by the cosine, without
+//!   tail ends where the diffuser's goes on: one direction in ten is sampled by the cosine, without
 //!   which the weights have no bound.
 //! - [`Strategy::Kernel`]: from the lobe itself; towards lamps from both ends.
 //! - [`Strategy::Guided`]: on the first pass from the product of lobe, light and pixel
@@ -23,7 +23,7 @@ use papilio_sampling::warp;
 
 use crate::Source;
 
-/// How the walk draws directions where a diffuser scatters.
+/// How the walk samples directions where a diffuser scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Strategy {
     /// Evenly over the hemisphere of directions.
@@ -55,10 +55,10 @@ impl Strategy {
     }
 }
 
-/// The part of directions that are drawn by the cosine beside Ward's.
+/// The part of directions that are sampled by the cosine beside Ward's.
 const BESIDE_WARD: f64 = 0.1;
 
-/// The part that are drawn from lobes about lamps.
+/// The part that are sampled from lobes about lamps.
 const TO_LAMPS: f64 = 0.5;
 
 /// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: of
@@ -81,7 +81,7 @@ enum Kind {
     Lamps(Vec<(Beta, Lobe)>),
 }
 
-/// A direction, and the lobe's value over the density that it was drawn with.
+/// A direction, and the lobe's value over the density that it was sampled with.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DirectionSample {
     pub(super) beta: Beta,
@@ -214,7 +214,7 @@ mod tests {
     use super::*;
     use papilio_sampling::{Numbers, Sampler};
 
-    /// Chi-square of draws on the cells of a square grid against the density times `distorted`, in
+    /// Chi-square of samples on the cells of a square grid against the density times `distorted`, in
     /// standard deviations.
     fn statistic(drawing: &DirectionSampler, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
         const SIDE: usize = 12;

@@ -15,7 +15,7 @@ pub(super) struct Ray {
     pub(super) extra: usize,
     pub(super) turn: f64,
     pub(super) weight: f64,
-    /// A whole ring, alike at all azimuths.
+    /// A whole ring, the same at all azimuths.
     pub(super) is_ring: bool,
 }
 

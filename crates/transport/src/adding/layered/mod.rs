@@ -24,8 +24,8 @@
 //! three: light that facets refract along the face jumps to zero there.
 //!
 //! # Cost
-//! Wavelengths at which the layers above the base are alike share their operators; where indices
-//! are alike, the nodes and what scatters. Work grows with the square to the cube of the nodes, and with
+//! Wavelengths at which the layers above the base are the same share their operators; where indices
+//! are the same, the nodes and what scatters. Work grows with the square to the cube of the nodes, and with
 //! azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes order 0 alone.
 
 mod algebra;

@@ -90,7 +90,7 @@ impl Kernel {
         }
     }
 
-    /// BeamResponse all azimuths.
+    /// Over all azimuths.
     fn mean(&self, from: f64, to: f64) -> f64 {
         let width = match self {
             Self::Rough { face, from: side, to: other } => azimuth_width(face, [(*side, from), (*other, to)]),

@@ -5,7 +5,7 @@ use super::grid::Grid;
 use crate::estimate::Account;
 use crate::front::Flat;
 
-/// For light that arrives at each node, the share that is absorbed in each [`Account`].
+/// For light that arrives at each node, the fraction that is absorbed in each [`Account`].
 pub(super) type Absorbed = [Vec<f64>; 4];
 
 /// What a part does to light.
@@ -17,7 +17,7 @@ pub(super) struct Part {
     pub(super) below: Operator,
     /// Light from above, let through; light from below takes the transposed way.
     pub(super) down: Operator,
-    /// Shares of light from above and from below that are absorbed: of order 0 alone.
+    /// Fractions of light from above and from below that are absorbed: of order 0 alone.
     pub(super) absorbed: Option<[Absorbed; 2]>,
 }
 

@@ -15,7 +15,7 @@ use super::scatterers::{Scattered, Scatterers};
 use crate::front::Flat;
 use crate::{Layered, Reflector};
 
-/// Wavelengths at which the layers above the base are alike, and what these do.
+/// Wavelengths at which the layers above the base are the same, and what these do.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     pub(super) bins: Vec<usize>,
@@ -45,19 +45,19 @@ pub(super) struct Lower {
     pub(super) absorbed: [Absorbed; 2],
 }
 
-/// Shares of light by where it ends, by node: those with weight that the medium below carries,
+/// Fractions of light by where it ends, by node: those with weight that the medium below carries,
 /// then the extra ones.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shares {
     /// Root of each node's weight.
     pub(super) scale: Vec<f64>,
-    /// Of light from above, the share that comes through.
+    /// Of light from above, the fraction that comes through.
     pub(super) arriving: Vec<f64>,
-    /// Of light that rises, the share that returns.
+    /// Of light that rises, the fraction that returns.
     pub(super) returning: Vec<f64>,
-    /// Of light that rises, the share that leaves.
+    /// Of light that rises, the fraction that leaves.
     pub(super) leaving: Vec<f64>,
-    /// Of light from above, the share that leaves without having come through.
+    /// Of light from above, the fraction that leaves without having come through.
     pub(super) leaving_front: Vec<f64>,
     /// Absorbed shares of light from above and of light that rises.
     pub(super) absorbed: [Absorbed; 2],
@@ -242,7 +242,7 @@ pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
 /// Takes the operators of an order, for each group that has it.
 type AddOrder<'f> = dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>) + 'f;
 
-/// Groups of wavelengths at which all indices are alike; `add` takes the operators of each order in turn.
+/// Groups of wavelengths at which all indices are the same; `add` takes the operators of each order in turn.
 fn prepare(
     stack: &Layered,
     family: Vec<Vec<usize>>,
@@ -255,7 +255,7 @@ fn prepare(
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
     let lights = extras(&directions.sources);
-    // Of lights that are alike at all azimuths order 0 is all.
+    // Of lights that are the same at all azimuths order 0 is all.
     let turned = turned_extras(&directions.sources);
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
@@ -332,7 +332,7 @@ struct Growing<'a> {
     convergence: Convergence,
     stage: Stage,
     lambertian: bool,
-    /// The layers above the last scatterer, where they are flat: alike in all orders.
+    /// The layers above the last scatterer, where they are flat: the same in all orders.
     flat: Option<Part>,
 }
 

@@ -152,7 +152,7 @@ impl ScatterOrders {
     }
 }
 
-/// Orders that light between views and lights of these largest `|beta|` has, if each is sent by way of other directions.
+/// Orders that light between views and lights of these largest `|beta|` has, if each is sent via other directions.
 fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
     if !scatter.is_gaussian() {
         return (digits / scatter.width()).ceil() as usize;

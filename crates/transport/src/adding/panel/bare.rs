@@ -1,7 +1,7 @@
 //! A bare panel: front and face are flat, only the base may scatter.
 //!
 //! A mirror under flat parts is a geometric series at every angle. A Lambertian base sends the
-//! same basic radiance `R/(pi n^2)` everywhere, so one number closes all orders: the share
+//! same basic radiance `R/(pi n^2)` everywhere, so one number closes all orders: the fraction
 //! `r_d` of it that front and face send back (Saunderson's internal diffuse reflectance), beyond
 //! the critical angle exactly.
 
@@ -76,7 +76,7 @@ impl Kernel {
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
             Source::Field(field) => {
-                // Over inclination all is smooth, and alike at all azimuths.
+                // Over inclination all is smooth, and the same at all azimuths.
                 let rings = rings(field, Peaks { views: &[], width: SMOOTH }, digits);
                 let point =
                     |ring: &Ring| Point { beta: Beta { x: ring.radius, y: 0.0 }, weight: ring.weight() };
@@ -200,7 +200,7 @@ impl Kernel {
     }
 }
 
-/// All orders of a round trip that keeps this share of light that has entered with `t`.
+/// All orders of a round trip that keeps this fraction of light that has entered with `t`.
 fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
     if stack.single_pass || t == 0.0 { 1.0 } else { 1.0 / (1.0 - share) }
 }
@@ -232,7 +232,7 @@ impl Fate {
         }
     }
 
-    /// Light that arrives at the base in all orders, and its way up: `above` is the shares of
+    /// Light that arrives at the base in all orders, and its way up: `above` is the fractions of
     /// it that leave and that come back.
     fn meet_base(&mut self, k: usize, arriving: f64, r: f64, above: (f64, f64)) {
         let (out, back) = above;

@@ -62,7 +62,7 @@ impl Pass<'_> {
         self.diffuser.straight_through
     }
 
-    /// The share of light at the diffuser's underside that leaves into the air.
+    /// The fraction of light at the diffuser's underside that leaves into the air.
     fn share_leaving<const N: usize>(&self, radii: [f64; N]) -> [f64; N] {
         let scattered = self.diffuser.lobe.fractions_in_disc(radii, 1.0);
         let straight = radii.map(|radius| if radius <= 1.0 { self.straight() } else { 0.0 });

@@ -1,6 +1,6 @@
 //! A Lambertian base under a diffuser: rank one.
 //!
-//! Of light above the diffuser at `beta`, the share `a(beta)` reaches the base (straight through,
+//! Of light above the diffuser at `beta`, the fraction `a(beta)` reaches the base (straight through,
 //! or by the lobe into the glass's disc: closed forms); the base sends `R/(pi n^2)` into every
 //! direction of that disc; by reciprocity `a` is also what leaves towards `beta`. One pass is
 //! `a(v) R a(l)/(pi n^2)`, and all orders are a geometric series in

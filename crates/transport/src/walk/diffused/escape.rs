@@ -1,7 +1,7 @@
-//! The share of light at the diffuser's underside that leaves into the air, tabulated: its closed form takes an
+//! The fraction of light at the diffuser's underside that leaves into the air, tabulated: its closed form takes an
 //! elliptic integral, ten times what else a path's first pass does.
 //!
-//! A k-correlation lobe of width b puts it into `|beta| <= 1`; the share falls from 1 to 0 over some b about the rim. Steps
+//! A k-correlation lobe of width b puts it into `|beta| <= 1`; the fraction falls from 1 to 0 over some b about the rim. Steps
 //! of b/32 in `|beta|^2`, b/64 there in `|beta|`, and cubic interpolation among four points err by less than 1e-8.
 
 use papilio_optics::lobe::Lobe;
@@ -25,7 +25,7 @@ pub(super) struct Escape {
 }
 
 impl Escape {
-    /// For `|beta|` up to `largest`. Narrow lobes have no table: their shares are computed each time.
+    /// For `|beta|` up to `largest`. Narrow lobes have no table: their fractions are computed each time.
     pub(super) fn new(lobe: Lobe, largest: f64) -> Self {
         let width = match lobe {
             Lobe::KCorrelation { width } => width.min(1.0),

@@ -2,7 +2,7 @@
 //!
 //! On the first pass all that a direction below the diffuser is worth is known: the lobe's value
 //! from the viewer, the pixel's reflectance, and what comes back to it from each source by the
-//! lobe once more. Guided, the direction is drawn from a [`Guide`] to their product. Later passes
+//! lobe once more. Guided, the direction is sampled from a [`Guide`] to their product. Later passes
 //! carry a few parts in a hundred and are not part of it.
 
 use std::f64::consts::PI;
@@ -15,7 +15,7 @@ use crate::walk::guide::{Guide, Peak};
 use crate::walk::strategy::DirectionSampler;
 use crate::{Cone, Diffuser, Panel, Reflector, Source};
 
-/// How the direction is drawn.
+/// How the direction is sampled.
 #[derive(Debug)]
 pub(super) enum First {
     /// Several of them from the guide.
@@ -26,7 +26,7 @@ pub(super) enum First {
     Plain,
 }
 
-/// Directions of a guided path's first pass, evenly spread over the guide: drawing them costs far less
+/// Directions of a guided path's first pass, uniform over the guide: drawing them costs far less
 /// than what they tell of a pixel whose reflectance varies with angle.
 pub(super) const SPLITS: usize = 8;
 
@@ -106,11 +106,11 @@ struct Light {
     lamps: Vec<Lamp>,
     /// The mean over the directions that the viewer sees.
     mean: f64,
-    /// The share of the lobe that leaves into the air, at evenly spaced `|beta|`.
+    /// The fraction of the lobe that leaves into the air, at uniformly spaced `|beta|`.
     leaving: Vec<f64>,
 }
 
-/// Steps of the share that leaves per unit of `|beta|`.
+/// Steps of the fraction that leaves per unit of `|beta|`.
 const STEPS: f64 = 64.0;
 
 impl Light {

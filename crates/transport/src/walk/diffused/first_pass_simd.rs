@@ -1,6 +1,6 @@
 //! First passes of several paths at once, as registers hold them.
 //!
-//! Over a mirror, with directions drawn from the lobe, diffuse light and beams, all first passes
+//! Over a mirror, with directions sampled from the lobe, diffuse light and beams, all first passes
 //! go the same way and end in weights on the nodes of the pixel's table: what leads there is arithmetic
 //! without a branch, which compilers spread over the widest registers that there are. Only where to look
 //! things up is found path by path; the look-ups themselves wait until there are enough of them in a panel of the table.
@@ -32,7 +32,7 @@ type Lanes = [f64; LANES];
 struct Group {
     /// What the paths see below the diffuser.
     below: Directions,
-    /// The share of light there that leaves.
+    /// The fraction of light there that leaves.
     leaving: Lanes,
     beams: Vec<FromBeam>,
 }
@@ -53,9 +53,9 @@ struct FromBeam {
     /// The number of the source, and its direction.
     source: usize,
     beam: Beta,
-    /// To the direction that the path has drawn.
+    /// To the direction that the path has sampled.
     connected: Lanes,
-    /// To one drawn about the beam, and that direction.
+    /// To one sampled about the beam, and that direction.
     weight: Lanes,
     backwards: Directions,
 }

@@ -118,7 +118,7 @@ impl Diffused<'_> {
         Estimate { rho, ledger }
     }
 
-    /// A beam's light reaches the diffuser also by way of its own specular round trips.
+    /// A beam's light reaches the diffuser also via its own specular round trips.
     fn beam_light(&self, beam: Beta, before: &Incident, connected: Vec<f64>, scale: f64) -> Vec<f64> {
         let mut base = connected;
         if self.straight() == 0.0 || !self.specular {

@@ -65,12 +65,12 @@ pub(super) struct Diffused<'a> {
     /// There are beams or discs.
     directed: bool,
     discs: bool,
-    /// How the first direction of light that meets the lobe from the pixel's side is drawn.
+    /// How the first direction of light that meets the lobe from the pixel's side is sampled.
     first: First,
     /// How all others are.
     drawing: DirectionSampler,
     leaving: Escape,
-    /// The pixel's directions are also drawn from the sources' side.
+    /// The pixel's directions are also sampled from the sources' side.
     backwards: bool,
 }
 
@@ -340,7 +340,7 @@ impl<'a> Diffused<'a> {
         }
         let light = reflected(look_up, &workspace.reflected);
         self.connect(up, light, carries.then_some(&workspace.carried), numbers, sums);
-        // All that leaves meets diffuse light: no direction need be drawn for that.
+        // All that leaves meets diffuse light: no direction need be sampled for that.
         sums.leaving.add(light, self.leaves(weight, up));
         Some(Met { up, look_up })
     }
@@ -393,7 +393,7 @@ impl<'a> Diffused<'a> {
     /// The light that leaves into the air, of such a weight that the base has sent up, on the path's way as `up`.
     ///
     /// What goes straight from a Lambertian base leaves if it has a direction in the air, as 1/n^2 of it has: that is
-    /// not left to the path's own direction, for with evenly spread numbers all replicates may count alike.
+    /// not left to the path's own direction, for with uniform numbers all replicates may count alike.
     #[inline]
     fn leaves(&self, weight: f64, up: Below) -> f64 {
         let offset = up.beta.length();
@@ -508,7 +508,7 @@ impl<'a> Diffused<'a> {
     }
 }
 
-/// The probability with which light beyond a first pass is scattered by the lobe: the share that is, but neither way is
+/// The probability with which light beyond a first pass is scattered by the lobe: the fraction that is, but neither way is
 /// so rare that few paths take it. Weights grow by that from pass to pass, but by less than the light falls.
 fn chance_of_lobe(straight: f64, left: f64) -> f64 {
     let least = LEAST_WAY.min(0.25 * (1.0 - left).max(0.0));
@@ -536,7 +536,7 @@ enum Spread {
 }
 
 impl Spread {
-    /// The weight of `beta` at index `n`, where it was drawn for index `largest`.
+    /// The weight of `beta` at index `n`, where it was sampled for index `largest`.
     fn kept(self, beta: Beta, n: f64, largest: f64) -> f64 {
         match self {
             _ if beta.squared() >= n * n => 0.0,

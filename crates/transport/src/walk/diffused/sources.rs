@@ -1,4 +1,4 @@
-//! Directed sources: met by connection, by chance, and by directions drawn from their side.
+//! Directed sources: met by connection, by chance, and by directions sampled from their side.
 //!
 //! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
 //! direction that the path had no choice about (infinite density) competes with nothing.
@@ -135,7 +135,7 @@ impl Diffused<'_> {
         target.balanced((1.0 - self.straight()) * lobe, || 0.0, lobe / forward)
     }
 
-    /// Directed sources, by a direction below the diffuser that is drawn from the source's
+    /// Directed sources, by a direction below the diffuser that is sampled from the source's
     /// side; `chosen` is the density with which the path itself would choose it.
     pub(super) fn sample_backwards(
         &self,
@@ -208,7 +208,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// A direction in the medium drawn from the lobe around a source, and its balanced weight.
+    /// A direction in the medium sampled from the lobe around a source, and its balanced weight.
     fn backwards(
         &self,
         source: &Source,
