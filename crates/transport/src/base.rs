@@ -11,7 +11,7 @@ use crate::{AngularTable, Cone, Medium, ScatterKernel};
 pub struct Base {
     /// How it reflects.
     pub reflector: Reflector,
-    /// Absorptance of the inactive share of the panel, times that fraction, per wavelength.
+    /// Absorptance of the inactive part of the panel, times its fraction of the area, per wavelength.
     pub inactive_absorptance: Spectrum,
 }
 

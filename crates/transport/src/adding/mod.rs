@@ -43,12 +43,12 @@ pub struct Narrowest {
     /// Which one, counted from the top among what scatters, from 1.
     pub number: usize,
     /// What it is.
-    pub scatterer: Scatterer,
+    pub scatterer: Narrowness,
 }
 
 /// What scatters, by what makes it narrow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Scatterer {
+pub enum Narrowness {
     /// A diffuser's lobe.
     Lobe {
         /// Its width b, direction cosines.
@@ -73,7 +73,7 @@ pub enum Scatterer {
     },
 }
 
-impl Scatterer {
+impl Narrowness {
     /// The distance in direction cosines over which what is seen of it changes.
     fn smoothness(self) -> f64 {
         match self {

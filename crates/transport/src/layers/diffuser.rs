@@ -2,12 +2,12 @@
 //!
 //! What its lobe scatters beyond the index of the medium there, above (1 in air) or below, it absorbs.
 
-use papilio_optics::Scatterer as _;
+use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 use papilio_spectra::Spectrum;
 
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
-use crate::adding::{Action, Preparation, Scatterer};
+use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::Propagation;
@@ -37,9 +37,9 @@ impl LayerKind for Diffuser {
         Account::Diffuser
     }
 
-    fn narrowness(&self) -> Option<Scatterer> {
+    fn narrowness(&self) -> Option<Narrowness> {
         match self.lobe {
-            Lobe::KCorrelation { width } => Some(Scatterer::Lobe { width }),
+            Lobe::KCorrelation { width } => Some(Narrowness::Lobe { width }),
             Lobe::Lambertian => None,
         }
     }

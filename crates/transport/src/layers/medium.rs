@@ -3,7 +3,7 @@
 use papilio_spectra::Spectrum;
 
 use super::{Incidence, LayerKind};
-use crate::adding::{Action, Preparation, Scatterer};
+use crate::adding::{Action, Narrowness, Preparation};
 use crate::front::Flat;
 use crate::skeleton::Part;
 
@@ -112,8 +112,8 @@ impl LayerKind for Medium {
         self.scattering.is_some()
     }
 
-    fn narrowness(&self) -> Option<Scatterer> {
-        self.scattering().map(|s| Scatterer::Slab { anisotropy: s.anisotropy })
+    fn narrowness(&self) -> Option<Narrowness> {
+        self.scattering().map(|s| Narrowness::Slab { anisotropy: s.anisotropy })
     }
 
     fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {

@@ -31,7 +31,7 @@ use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 
-use crate::adding::{Action, Preparation, Scatterer};
+use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
@@ -136,7 +136,7 @@ pub(crate) trait LayerKind: Debug + Sync {
     }
 
     /// How narrow it scatters; `None` if it needs no finer directions than flat layers do.
-    fn narrowness(&self) -> Option<Scatterer> {
+    fn narrowness(&self) -> Option<Narrowness> {
         None
     }
 

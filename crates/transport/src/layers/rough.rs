@@ -1,10 +1,10 @@
 //! A rough face between two media of constant index.
 
-use papilio_optics::Scatterer as _;
+use papilio_optics::Scatterer;
 use papilio_optics::rough::{OnSide, Rough, Side};
 
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
-use crate::adding::{Action, Preparation, Scatterer, rough_width};
+use crate::adding::{Action, Narrowness, Preparation, rough_width};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::Propagation;
@@ -26,8 +26,8 @@ impl LayerKind for Rough {
         Account::Diffuser
     }
 
-    fn narrowness(&self) -> Option<Scatterer> {
-        Some(Scatterer::Rough { alpha: self.alpha(), width: rough_width(self) })
+    fn narrowness(&self) -> Option<Narrowness> {
+        Some(Narrowness::Rough { alpha: self.alpha(), width: rough_width(self) })
     }
 
     /// What facets refract along the face jumps to zero there: levels gain little.
@@ -59,7 +59,7 @@ impl ScatteringInterface for Rough {
     }
 
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)> {
-        let sample = papilio_optics::Scatterer::sample(self, arriving(from), u)?;
+        let sample = Scatterer::sample(self, arriving(from), u)?;
         let OnSide { side, beta } = sample.direction;
         let going = if side == Side::Above { Propagation::Up } else { Propagation::Down };
         Some((Departure { beta, going }, Scattered::exactly(sample.density)))

@@ -1,11 +1,11 @@
 //! An interface given by its BSDF, and the kernels that it consists of.
 
-use papilio_optics::Scatterer as _;
+use papilio_optics::Scatterer;
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::Spectrum;
 
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Medium, Scattered, ScatteringInterface};
-use crate::adding::{Action, Preparation, Scatterer};
+use crate::adding::{Action, Narrowness, Preparation};
 use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
@@ -171,8 +171,8 @@ impl LayerKind for ScatterFace {
         least_edge([self.through(Propagation::Down), self.back(Propagation::Down)].into_iter().flatten())
     }
 
-    fn narrowness(&self) -> Option<Scatterer> {
-        Some(Scatterer::Face { width: self.width() })
+    fn narrowness(&self) -> Option<Narrowness> {
+        Some(Narrowness::Face { width: self.width() })
     }
 
     fn edges(&self, bin: usize) -> Vec<f64> {

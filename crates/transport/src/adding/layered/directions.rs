@@ -3,7 +3,7 @@
 use papilio_optics::Beta;
 
 use super::precision::Precision;
-use crate::adding::Scatterer;
+use crate::adding::Narrowness;
 use crate::adding::field::{Peaks, Ring, rings};
 use crate::adding::quadrature::{Point, cone_points, disc_points, smooth_at};
 use crate::layers::LayerKind;
@@ -34,7 +34,7 @@ impl Directions {
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
         // What else a rough face does is so close from the first levels on that a single direction would be the largest error.
-        let rough = |kind: &dyn LayerKind| matches!(kind.narrowness(), Some(Scatterer::Rough { .. }));
+        let rough = |kind: &dyn LayerKind| matches!(kind.narrowness(), Some(Narrowness::Rough { .. }));
         let is_rough = stack.elements().any(|(kind, _)| rough(kind));
         let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH && !is_rough)];
         // Layers that scatter, and flat ones.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::grid::Density;
-use crate::adding::{Narrowest, Scatterer};
+use crate::adding::{Narrowest, Narrowness};
 use crate::layers::LayerKind;
 use crate::{Layered, Medium};
 
@@ -69,14 +69,14 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
 }
 
 /// What scatters, and the medium there or below.
-fn scatterers(stack: &Layered) -> impl Iterator<Item = (Scatterer, &Medium)> {
+fn scatterers(stack: &Layered) -> impl Iterator<Item = (Narrowness, &Medium)> {
     let narrow = |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| kind.narrowness().zip(below);
     stack.elements().filter_map(narrow)
 }
 
 /// What asks for the most nodes at the first wavelength, whose indices lie at `splits`.
 pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) -> Option<Narrowest> {
-    let nodes = |(number, (scatterer, medium)): (usize, (Scatterer, &Medium))| {
+    let nodes = |(number, (scatterer, medium)): (usize, (Narrowness, &Medium))| {
         let mut density = precision.least();
         precision.resolve(scatterer, medium.index()[0], &mut density);
         (density.total(splits), Narrowest { number: number + 1, scatterer })
@@ -96,17 +96,17 @@ impl Precision {
     }
 
     /// Nodes that resolve this, too, in a medium of this index.
-    fn resolve(&self, scatterer: Scatterer, index: f64, density: &mut Density) {
+    fn resolve(&self, scatterer: Narrowness, index: f64, density: &mut Density) {
         // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
         let by_width = |width: f64| 2.0 * PI * width / self.digits;
         match scatterer {
-            Scatterer::Lobe { width } | Scatterer::Face { width } => {
+            Narrowness::Lobe { width } | Narrowness::Face { width } => {
                 density.spacing = density.spacing.min(by_width(width));
             }
-            Scatterer::Rough { width, .. } => {
+            Narrowness::Rough { width, .. } => {
                 density.spacing = density.spacing.min(by_width(width)).min(self.jump);
             }
-            Scatterer::Slab { anisotropy } => {
+            Narrowness::Slab { anisotropy } => {
                 let spacing = PI / self.legendre_terms(anisotropy) as f64;
                 if density.angle.is_none_or(|(_, known)| spacing < known) {
                     density.angle = Some((index, spacing));
