@@ -3,7 +3,7 @@
 mod told;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Interface, Medium, ScatterFace, ScatterKernel, ScatteringPixel};
+use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
 use papilio_goniometry::{
     self as goniometry, Fill, GoniometryError, Lamination, Measurement, Preparation, Unblur, Unblurred, Way,
@@ -14,6 +14,7 @@ use papilio_spectra::{Spectrum, illuminant};
 use serde_json::json;
 
 use super::Resolver;
+use super::diffuser::scattering;
 use super::layers::Part;
 use crate::describe::diffuser::{Extrapolate, Measured, Mounting, Normalise, SpectralMean};
 use crate::describe::display::ShareSpectrum;
@@ -106,16 +107,16 @@ impl Resolver<'_> {
             self.in_air(&diffuser.extrapolate, "this mounting")?;
         }
         let face = self.face(path, diffuser, behind)?;
-        let mut parts = vec![Part::Interface(Interface::Scatter(face))];
+        let mut parts = vec![Part::Interface(scattering(face))];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
             // What the air disc does not hold stays in the glass.
-            Mounting::Laminated => Interface::Coated,
-            Mounting::Air => Interface::Fresnel,
+            Mounting::Laminated => Ready::Coated,
+            Mounting::Air => Ready::Fresnel,
         };
         let ones = Spectrum::constant(&self.grid, 1.0);
         let air = Medium { index: ones.clone(), transmittance: ones, scattering: None };
-        parts.extend([Part::Medium(air, Origin::FILE), Part::Interface(below)]);
+        parts.extend([Part::Medium(air, Origin::FILE), Part::Interface(below.into())]);
         Some(parts)
     }
 

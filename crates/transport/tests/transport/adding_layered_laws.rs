@@ -240,7 +240,8 @@ fn every_wavelength_and_state_is_its_own() {
         let alone = estimate(0, &coloured(&[bin]), view(15.0), &sources);
         for source in 0..2 {
             for state in 0..2 {
-                let (a, b) = (together.rho[source].base[3 * state + bin], alone.rho[source].base[state]);
+                let (a, b) =
+                    (together.rho[source].via_pixel[3 * state + bin], alone.rho[source].via_pixel[state]);
                 assert_close("base", a / b, 1.0, 1e-9);
             }
             assert_close("front", together.rho[source].front[bin], alone.rho[source].front[0], 1e-12);

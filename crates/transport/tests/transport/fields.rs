@@ -234,9 +234,19 @@ fn images_of_uneven_light_are_means_over_the_field_of_view() {
             };
             let found = estimate(1, &stack, view, &[slope.clone(), Source::Disc(disc)]);
             let truth = std::f64::consts::PI * mean(&|beta| field.radiance(beta));
-            assert_close(&format!("field, {speed} {half}"), found.rho[0].base[0] / truth, 1.0, tolerance);
+            assert_close(
+                &format!("field, {speed} {half}"),
+                found.rho[0].via_pixel[0] / truth,
+                1.0,
+                tolerance,
+            );
             let inside = std::f64::consts::PI / disc.projected_solid_angle() * mean(&|_| 1.0);
-            assert_close(&format!("disc, {speed} {half}"), found.rho[1].base[0] / inside, 1.0, tolerance);
+            assert_close(
+                &format!("disc, {speed} {half}"),
+                found.rho[1].via_pixel[0] / inside,
+                1.0,
+                tolerance,
+            );
         }
     }
 }
