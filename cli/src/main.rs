@@ -87,7 +87,7 @@ impl Failure {
         resolved.located(&error).map_or(Self::Display(error), Self::Scenario)
     }
 
-    /// Why one of many designs or points failed; `note`: which one.
+    /// Failure of one of many designs or points, which `note` identifies.
     fn of_one(error: impl Into<papilio_design::DesignError>, note: &str) -> Self {
         match error.into() {
             papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors.with_note(note)),
@@ -111,7 +111,7 @@ impl Failure {
 }
 
 impl From<papilio_design::DesignError> for Failure {
-    /// What is wrong with a scenario stays that.
+    /// An invalid scenario is reported as such, with its place.
     fn from(error: papilio_design::DesignError) -> Self {
         match error {
             papilio_design::DesignError::Scenario(errors) => Self::Scenario(errors),
@@ -149,8 +149,8 @@ fn report_invalid_arguments(error: &clap::Error) -> ExitCode {
     }
 }
 
-/// What to say where an option asks for what this program was built without.
-fn not_built(command: &Command) -> Option<String> {
+/// Error message if the options request a format that this program was built without.
+fn missing_feature(command: &Command) -> Option<String> {
     let (png, parquet) = match command {
         Command::Run(run) => (run.png, false),
         Command::Optimize(optimize) => (optimize.png, false),
@@ -174,8 +174,8 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return report_invalid_arguments(&error),
     };
-    if let Some(missing) = not_built(&arguments.command) {
-        print_message(&format!("error: {missing}"));
+    if let Some(message) = missing_feature(&arguments.command) {
+        print_message(&format!("error: {message}"));
         return ExitCode::from(2);
     }
     let result = match arguments.command {

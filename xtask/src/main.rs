@@ -30,7 +30,7 @@ const TASKS: [Task; 10] = [
     ),
     (
         "full",
-        "run test with far more seeds and random displays, longer fuzzing, every example scenario, and all tests of the page and of Python; then oracle and deny",
+        "run test with far more seeds and random displays, longer fuzzing, all example scenarios, and all tests of the page and of Python; then oracle and deny",
         full,
     ),
     ("page", "build the page of the web app, and run all its tests in Chromium", page::page),
@@ -41,7 +41,7 @@ const TASKS: [Task; 10] = [
     ),
     (
         "oracle",
-        "compare the reference tables of validation/ and the tables of the CIE with the Python programs that made them",
+        "compare the reference tables of validation/ and the CIE tables with the Python programs that made them",
         oracle::oracle,
     ),
     ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),

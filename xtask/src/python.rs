@@ -11,7 +11,8 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// Creates the environment in the target folder, unless these packages were the last ones installed there.
+    /// Creates the environment in the target folder, or installs its missing packages. Does nothing if the same list of
+    /// packages was installed there last.
     pub(crate) fn new(name: &str, packages: &[&str]) -> Result<Self, String> {
         let environment = Self { folder: shell::target().join(name) };
         let installed = fs::read_to_string(environment.list()).unwrap_or_default();
@@ -37,12 +38,12 @@ impl Environment {
         let environment = Self { folder };
         let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;
-        // Written last: a failed installation is repeated the next time.
+        // Written last: an installation that fails is gone on with the next time.
         fs::write(environment.list(), packages.join("\n")).map_err(|error| format!("{name}: {error}"))?;
         Ok(environment)
     }
 
-    /// File with the packages that were installed last, one per line.
+    /// Path of the list of installed packages, one per line.
     fn list(&self) -> PathBuf {
         self.folder.join("packages.txt")
     }

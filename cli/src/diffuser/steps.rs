@@ -11,7 +11,7 @@ use crate::{Failure, folder, output, print_message, report, run};
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
-    ("normalise", "none", "not normalised (without k)"),
+    ("normalise", "none", "not normalised"),
     ("spectral_mean", "uniform", "uniform spectral mean"),
     ("transmission", "1.0", "without transmission spectrum"),
     ("instrument_blur", "0", "instrument blur not removed"),

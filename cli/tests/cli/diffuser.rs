@@ -200,7 +200,7 @@ fn steps_are_taken_out_one_by_one() {
     let (text, _) = done(&["steps", &scenario, "--beside", &truth, "--out", &folder.name("steps")]);
     for (name, y) in [
         ("as specified", 0.1962),
-        ("not normalised (without k)", 0.1743),
+        ("not normalised", 0.1743),
         ("uniform spectral mean", 0.2119),
         ("without transmission spectrum", 0.1962),
         ("nothing beyond the last incidence", 0.1950),
@@ -211,8 +211,7 @@ fn steps_are_taken_out_one_by_one() {
         assert!((found - y).abs() < 2e-4, "{name}: {text}");
     }
     let svg = fs::read_to_string(folder.path("steps/step-normalise.svg")).unwrap();
-    let words =
-        ["as specified", "not normalised (without k)", "The true lobe of H78", "red", "black", "viewed at 8"];
+    let words = ["as specified", "not normalised", "The true lobe of H78", "red", "black", "viewed at 8"];
     assert!(words.iter().all(|word| svg.contains(word)));
     assert!(folder.path("steps/about.json").is_file());
     assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 9);
