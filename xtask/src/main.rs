@@ -22,7 +22,7 @@ use shell::{Needs, Outcome, cargo};
 /// A name, what the chore does, and the chore.
 type Chore = (&'static str, &'static str, fn() -> Outcome);
 
-const CHORES: [Chore; 10] = [
+const CHORES: [Chore; 11] = [
     (
         "test",
         "format, lints, all tests, documentation, every example scenario, the web app's page, the Python package",
@@ -41,6 +41,7 @@ const CHORES: [Chore; 10] = [
     ),
     ("oracle", "recompute the reference tables of validation/ with their Python oracles", oracle::oracle),
     ("peers", "time Papilio beside other programs, for docs/peers.md", peers::peers),
+    ("docs", "write the tables of docs/ that are made of the code", docs),
     ("deny", "licences, advisories and sources of all dependencies", deny),
     ("bench", "all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures anew", pictures::pictures),
@@ -90,6 +91,19 @@ fn full() -> Outcome {
     package::package()?;
     oracle::oracle()?;
     deny()
+}
+
+/// The tests that compare these tables write them when they are told to.
+fn docs() -> Outcome {
+    for (package, test, name) in [
+        ("papilio-scenario", "scenario", "tables_of_keys_in_the_docs_are_those_of_the_grammar"),
+        ("papilio-formats", "bsdf", "table_of_formats_in_the_docs_is_that_of_the_readers"),
+    ] {
+        let mut written = cargo(["test", "--package", package, "--test", test, name]);
+        written.env("PAPILIO_WRITE_DOCS", "1");
+        shell::run(written)?;
+    }
+    Ok(())
 }
 
 fn bench() -> Outcome {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use papilio_formats::bsdf_formats;
 
 use super::{ScenarioArguments, Workers};
 
@@ -34,8 +35,7 @@ pub(crate) enum Diffuser {
 
 #[derive(Debug, Args)]
 pub(crate) struct Inspect {
-    /// Radiant/Zemax, ASTM E1392, Klems, tensor tree, RGL, MERL, CSV or Papilio: told by its content
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", help = format!("A file of measured scattering, recognised by its content: {}", bsdf_formats()))]
     pub(crate) file: PathBuf,
     /// A transmission spectrum that goes with it (CSV), for a line and a figure; may be repeated
     #[arg(long, value_name = "FILE")]

@@ -1,5 +1,6 @@
 //! What can be wrong with a data file, and where.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use papilio_spectra::SpectraError;
@@ -38,7 +39,7 @@ pub enum Problem {
     #[error("another program is writing this journal")]
     Busy,
     /// The file is a journal, but not of what it is to be joined with.
-    #[error("this is the journal of something else: another scenario, other files or another version")]
+    #[error("this journal belongs to another scenario, other files or another version")]
     ForeignJournal,
     /// Larger than any sensible table.
     #[error("this file has {bytes} bytes, more than {limit}")]
@@ -197,7 +198,7 @@ pub enum Problem {
     #[error(transparent)]
     Map(Box<MapProblem>),
     /// Something about a luminaire's file.
-    #[error("this is no IES LM-63 file that can be used: {what}")]
+    #[error("this IES LM-63 file cannot be used: {what}")]
     Ies {
         /// What is wrong.
         what: &'static str,
@@ -232,10 +233,9 @@ const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change 
 impl Problem {
     /// What is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
-        let owned = |text: Option<&'static str>| text.map(str::to_owned);
         Diagnostic {
-            expected: owned(self.expected()),
-            hint: owned(self.hint()),
+            expected: self.expected().map(str::to_owned),
+            hint: self.hint().map(Cow::into_owned),
             ..Diagnostic::new(self.to_string())
         }
     }
@@ -269,10 +269,10 @@ impl Problem {
     }
 
     /// What to do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        Some(match self {
+    pub fn hint(&self) -> Option<Cow<'static, str>> {
+        Some(Cow::Borrowed(match self {
             Self::Bsdf(problem) => return problem.hint(),
-            Self::Map(problem) => return problem.hint(),
+            Self::Map(problem) => return problem.hint().map(Cow::Borrowed),
             Self::Busy => "wait for it, or choose another folder",
             Self::ForeignJournal => "parts are computed from the same file with the same --set",
             Self::NotUtf8 => "save it as plain text in UTF-8",
@@ -284,7 +284,7 @@ impl Problem {
             }
             Self::Quotes => "a quoted cell begins and ends with a double quote; a quote inside it is doubled",
             Self::NotANumber { found } if found.contains([',', ';', ' ', '\t']) => {
-                "decimal commas are not read: write decimals with a point, and part all columns alike"
+                "decimal commas are not read: write decimals with a point, and use the same separator in all rows"
             }
             Self::BrokenLine { .. } => {
                 "take the line out of the file (of a search, optimize.jsonl, all lines after it, too), and give the same command again: \
@@ -310,12 +310,12 @@ impl Problem {
             Self::OutOfOrder { .. } => "sort the rows by wavelength and leave one row for each",
             Self::NotFinite { .. } => "leave the row out, or give its value",
             Self::OutOfRange { what: "reflectance" | "the share", value, .. } if *value > 1.0 => {
-                "shares are of 1, not percent"
+                "fractions are of 1, not percent"
             }
             Self::OutOfRange { what: "k", .. } => SIGN_OF_K,
             Self::Spectra(SpectraError::NoIndex { k, .. }) if *k < 0.0 => SIGN_OF_K,
             _ => return None,
-        })
+        }))
     }
 }
 

@@ -7,6 +7,7 @@
 mod astm;
 mod display;
 mod display_read;
+mod formats;
 mod klems_write;
 mod merl;
 mod npz;
@@ -25,6 +26,7 @@ mod write;
 mod xml;
 
 pub use display::{BsdfSource, write_bsdf};
+pub use formats::{bsdf_format_table, bsdf_formats};
 pub use problem::BsdfProblem;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 

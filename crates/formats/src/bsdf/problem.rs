@@ -1,10 +1,12 @@
 //! What can be wrong with a BSDF file in particular.
 
+use std::borrow::Cow;
+
 /// What can be wrong with a BSDF file, beside what can be wrong with any.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BsdfProblem {
     /// Its content is none of the formats.
-    #[error("this is none of the BSDF formats that are known")]
+    #[error("this is not a BSDF file in any known format")]
     Unknown,
     /// A version of a format, or a feature of it, that is not read.
     #[error("{what} is not read")]
@@ -99,14 +101,14 @@ impl BsdfProblem {
     }
 
     /// What to do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Unknown => {
-                "read are Radiant/Zemax tables, ASTM E1392, Klems and tensor-tree XML, RGL `.bsdf`, MERL, Papilio's \
-                 own, and CSV with the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value"
-            }
-            Self::Ends { .. } => "the file seems to be cut off: copy it again",
-            _ => return None,
-        })
+    pub fn hint(&self) -> Option<Cow<'static, str>> {
+        match self {
+            Self::Unknown => Some(Cow::Owned(format!(
+                "the formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value",
+                super::bsdf_formats()
+            ))),
+            Self::Ends { .. } => Some(Cow::Borrowed("the file seems to be cut off: copy it again")),
+            _ => None,
+        }
     }
 }

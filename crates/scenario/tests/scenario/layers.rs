@@ -65,8 +65,8 @@ fn every_kind_of_layer() {
     let slab = layers[4].medium.scattering.as_ref().unwrap();
     assert_eq!((slab.optical_thickness, slab.anisotropy, slab.albedo[0]), (2.0, 0.8, 0.99));
     assert!(layers.iter().filter(|layer| layer.medium.scattering.is_some()).count() == 1);
-    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 turns light around about as one of \
-                0.4 with anisotropy 0 does (similarity)";
+    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 scatters light back about as much \
+                as one of 0.4 with anisotropy 0 (similarity)";
     assert_eq!(resolved.notes, [note]);
 }
 

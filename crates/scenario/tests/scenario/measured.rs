@@ -165,15 +165,12 @@ fn a_single_incidence_holds_unless_none_is_written() {
     let [single, two] = [&[0][..], &[0, 30]].map(|incidences| film(incidences, 90));
     let [notes, warnings] = told(&single, "");
     assert!(
-        notes.contains("one incidence, 0 deg: its lobe holds") && warnings.is_empty(),
+        notes.contains("one incidence, 0 deg: its lobe is used") && warnings.is_empty(),
         "{notes}\n{warnings}"
     );
     assert_eq!(told(&single, "extrapolate = \"hold\""), [String::new(), String::new()]);
     let [notes, warnings] = told(&single, "extrapolate = \"none\"");
-    assert!(
-        notes.is_empty() && warnings.contains("beyond 0 deg: lamps and views from there are dark"),
-        "{warnings}"
-    );
+    assert!(notes.is_empty() && warnings.contains("beyond 0 deg: light from there is lost"), "{warnings}");
     let [notes, warnings] = told(&two, "");
     assert!(notes.is_empty() && warnings.contains("beyond 30 deg"), "{notes}\n{warnings}");
 }
