@@ -55,7 +55,7 @@ pub const MOST_CELLS: usize = 50_000_000;
 pub(crate) const LARGEST_VALUE: f64 = 1e15;
 
 /// What is expected of a value, in words.
-const VALUE_RANGE: &str = "expected 0 to 1e15 per sr";
+const VALUE_RANGE: &str = "0 to 1e15 per sr";
 
 /// No line of a text may be longer, in bytes.
 const LONGEST_LINE: usize = 1 << 20;

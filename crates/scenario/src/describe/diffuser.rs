@@ -15,7 +15,7 @@ kinds! {
         Lambertian(Lambertian) = "lambertian",
         /// Ward's lobe of half vectors, given by its BTDF.
         Ward(Ward) = "ward",
-        /// As a goniometer or an imaging sphere saw it.
+        /// Measured with a goniometer or an imaging sphere.
         Measured(Measured) = "measured",
         /// Particles in a binder.
         Slab(Slab) = "slab",
@@ -44,7 +44,7 @@ kinds! {
         Lambertian(Lambertian) = "lambertian",
         /// Ward's lobe of half vectors.
         Ward(Ward) = "ward",
-        /// As a goniometer or an imaging sphere saw it.
+        /// Measured with a goniometer or an imaging sphere.
         Measured(Measured) = "measured",
     }
 }
@@ -113,7 +113,7 @@ table! {
 }
 
 choice! {
-    /// What the totals of a measurement are to be.
+    /// What the totals of a measurement are set to.
     Normalise {
         /// The integrals of the file's values.
         None = "none",
@@ -123,7 +123,7 @@ choice! {
 }
 
 choice! {
-    /// How the level of a file, one number, is the mean of a spectrum.
+    /// Which mean of a spectrum the level of a file, one number, is.
     SpectralMean {
         /// The plain mean over the wavelengths of the grid (Feng 2012, eq. 3-10).
         Even = "even",
@@ -162,7 +162,7 @@ choice! {
         AsMeasured = "as-measured",
         /// The film touches the glass: its back face in air is removed.
         Laminated = "laminated",
-        /// An air gap follows, then the glass's bare face.
+        /// An air gap follows, then the bare face of the glass.
         Air = "air",
     }
 }

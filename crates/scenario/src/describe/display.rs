@@ -42,7 +42,7 @@ impl Display {
 }
 
 table! {
-    /// A front-of-screen component, alike from both sides and at all angles.
+    /// A component in front of the screen, the same from both sides and at all angles.
     FrontComponent {
         /// Fraction of the light that is reflected specularly.
         reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
@@ -77,9 +77,9 @@ choice! {
 }
 
 forms! {
-    /// A share of the light at every wavelength: a number from 0 to 1, or a two-column spectrum file.
+    /// A fraction of the light at every wavelength: a number from 0 to 1, or a two-column spectrum file.
     ShareSpectrum, format!("{}, or a spectrum file", Share::in_words()); {
-        /// Alike at all wavelengths.
+        /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
         /// A file, relative to the scenario.
         File(String) if Value::Text(_),
@@ -99,7 +99,7 @@ forms! {
 }
 
 table! {
-    /// A complex refractive index, alike at all wavelengths.
+    /// A complex refractive index, the same at all wavelengths.
     NK {
         /// Refractive index.
         n: Index,

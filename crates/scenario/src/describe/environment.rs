@@ -10,23 +10,23 @@ use crate::read::At;
 kinds! {
     /// Light from many directions at once; its keys depend on `model`.
     Environment by "model" {
-        /// An even ring around the normal.
+        /// A ring around the normal, of uniform radiance.
         Ring(Ring) = "ring",
-        /// An even part of the hemisphere.
+        /// A part of the hemisphere, of uniform radiance.
         Cap(Cap) = "cap",
-        /// Alike at all azimuths, by a table over inclination.
+        /// The same at all azimuths: a table over inclination.
         Profile(Profile) = "profile",
         /// A CIE standard general sky.
         Sky(Sky) = "sky",
         /// A picture of the whole sphere.
         Map(Map) = "map",
-        /// A luminaire by its IES file, far away.
+        /// A distant luminaire, by its IES file.
         Luminaire(Luminaire) = "luminaire",
     }
 }
 
 table! {
-    /// An even ring around the normal, such as a ring light.
+    /// A ring of uniform radiance around the normal, such as a ring light.
     Ring {
         /// Fraction of `illuminance_lx`.
         share: Share,
@@ -40,7 +40,7 @@ table! {
 }
 
 table! {
-    /// An even part of the hemisphere around the normal, or around any other direction; the display's horizon ends it.
+    /// A part of the hemisphere of uniform radiance, around the normal or any other direction; the display's horizon ends it.
     Cap {
         /// Fraction of `illuminance_lx`.
         share: Share,
@@ -138,7 +138,7 @@ table! {
 }
 
 table! {
-    /// A luminaire far away: a disc of its opening's size, listed among the directed sources.
+    /// A distant luminaire: a disc of the size of its opening, listed among the directed sources.
     Luminaire {
         /// Fraction of `illuminance_lx`.
         share: Share,

@@ -18,7 +18,7 @@ kinds! {
         Slab(Slab) = "slab",
         /// A diffuser given by its BTDF, its faces included.
         Diffuser(Btdf) = "diffuser",
-        /// A flat component in a medium, alike from both sides and at all angles.
+        /// A flat component in a medium, the same from both sides and at all angles.
         Sheet(FrontComponent) = "sheet",
         /// Coherent thin films, an antireflection coating for example.
         Coating(Coating) = "coating",
@@ -82,7 +82,7 @@ table! {
     }
 }
 
-/// A layer of which its kind says all.
+/// A layer without other keys.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(crate) struct NoKeys {}
 
@@ -107,6 +107,6 @@ impl schemars::JsonSchema for NoKeys {
         "NoKeys".into()
     }
     fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        of_table(&[], "A layer of which its kind says all.", generator)
+        of_table(&[], "A layer without other keys.", generator)
     }
 }

@@ -53,7 +53,7 @@ choice! {
     Channels {
         /// CIE X, Y and Z.
         Xyz = "xyz",
-        /// The luminous one.
+        /// One channel, weighted with V(lambda).
         Monochrome = "monochrome",
     }
 }

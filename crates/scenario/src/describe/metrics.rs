@@ -1,11 +1,11 @@
-//! `[metrics]`: what is said of the colours.
+//! `[metrics]`: how colours are evaluated.
 
 use super::numbers::{AdaptingLuminance, Background};
 use crate::grammar::{choice, table};
 use crate::read::At;
 
 table! {
-    /// What is said of the colours.
+    /// How colours are evaluated.
     Metrics {
         /// CIE standard observer of X, Y and Z.
         observer: Observer = Observer::Cie1931,
@@ -23,9 +23,9 @@ table! {
 choice! {
     /// A CIE standard observer.
     Observer {
-        /// Of 1931, 2 degrees.
+        /// CIE 1931, 2 degrees.
         Cie1931 = "1931",
-        /// Of 1964, 10 degrees.
+        /// CIE 1964, 10 degrees.
         Cie1964 = "1964",
     }
 }

@@ -33,7 +33,7 @@ table! {
     File later ["study"] {
         /// Title for tables and figures, one line.
         title: Option<Title>,
-        /// The wavelengths of the computation.
+        /// The wavelengths of the computation. Default: the defaults of its keys.
         spectrum: Spectrum,
         /// The display, from the front of screen to the pixel.
         display: display::Display,
@@ -41,9 +41,9 @@ table! {
         lighting: lighting::Lighting,
         /// The directions of view. Default: along the normal.
         viewer: viewer::Viewer,
-        /// How colours are evaluated.
+        /// How colours are evaluated. Default: the defaults of its keys.
         metrics: metrics::Metrics,
-        /// How to compute, and how accurately.
+        /// How to compute, and how accurately. Default: the defaults of its keys.
         solver: solver::Solver,
         /// A virtual imaging sphere that measures the diffuser, for `papilio diffuser measure` only.
         measure: Option<measure::Measure>,

@@ -48,7 +48,7 @@ choice! {
         Gradient = "gradient",
         /// By a population of designs (differential evolution).
         Global = "global",
-        /// The second, and from what it found the first.
+        /// First `"global"`, then `"gradient"` from its best design.
         Both = "both",
     }
 }
@@ -132,9 +132,9 @@ table! {
 }
 
 forms! {
-    /// A reflectance factor: alike at all wavelengths, from a file, or as [nm, value] pairs.
+    /// A reflectance factor: the same at all wavelengths, from a file, or as [nm, value] pairs.
     WantedSpectrum, format!("{}, a spectrum file, or a list of [nm, value]", Share::in_words()); {
-        /// Alike at all wavelengths.
+        /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
         /// A two-column file, relative to the scenario.
         File(String) if Value::Text(_),

@@ -21,9 +21,9 @@ kinds! {
         Film(Box<FilmPixel>) = "film",
         /// States from an angle x wavelength table.
         Table(TablePixel) = "table",
-        /// States that reflect alike at all angles.
+        /// States that reflect the same at all angles.
         Uniform(UniformPixel) = "uniform",
-        /// States that scatter as a goniometer or an imaging sphere saw them.
+        /// States with a BRDF that was measured with a goniometer or an imaging sphere.
         Measured(MeasuredPixel) = "measured",
     }
 }
@@ -191,7 +191,7 @@ choice! {
 }
 
 table! {
-    /// States that reflect alike at all angles.
+    /// States that reflect the same at all angles.
     UniformPixel {
         /// How the pixel reflects.
         kind: ReflectionKind,

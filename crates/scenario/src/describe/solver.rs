@@ -119,7 +119,7 @@ choice! {
         Random = "random",
         /// Jittered points on pairs of coordinates.
         Stratified = "stratified",
-        /// Points that keep away from each other on pairs of coordinates, in sets of at most 4096.
+        /// Points that are far from each other on pairs of coordinates, in sets of at most 4096.
         BestCandidate = "best-candidate",
     }
 }
@@ -127,9 +127,9 @@ choice! {
 choice! {
     /// How directions are drawn.
     Scattering {
-        /// From the lobe itself, towards lamps from both ends.
+        /// From the lobe itself, towards lamps from both ends of the path.
         Kernel = "kernel",
-        /// Evenly over the hemisphere.
+        /// Uniformly over the hemisphere.
         Uniform = "uniform",
         /// Proportionally to the cosine.
         Cosine = "cosine",
@@ -145,7 +145,7 @@ choice! {
     Approximation {
         /// All orders.
         None = "none",
-        /// One pass through the panel, the front of screen to first order.
+        /// One pass through the panel, with the front of screen to first order (Feng 2012, eq. 3-2, 3-3 and 3-5).
         SinglePass = "single-pass",
     }
 }
@@ -153,7 +153,7 @@ choice! {
 choice! {
     /// The medium of a scenario's angles.
     AngleMedium {
-        /// In air; Snell's law does the rest.
+        /// In air; light is refracted by Snell's law.
         Air = "air",
         /// In glass, for a bare panel.
         Glass = "glass",

@@ -10,7 +10,7 @@ use crate::read::{At, Read};
 use crate::tree::Node;
 
 table! {
-    /// How keys scatter in production, for `papilio tolerance` alone.
+    /// How keys vary in production, for `papilio tolerance` only.
     Tolerance {
         /// Number of displays.
         samples: Count<64, MOST_SAMPLES> = Count(4096),
@@ -124,7 +124,7 @@ table! {
 }
 
 table! {
-    /// Keys that rise and fall together.
+    /// Keys whose deviations are correlated.
     Correlated {
         /// Two or more of the keys, by name (by path where no name is given); every pair has the coefficient.
         keys: Vec<At<String>>,

@@ -155,7 +155,7 @@ fn glass_that_absorbs() {
     // A glass without k stays clear, whatever its thickness; that is said.
     let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
     assert!(thick.scene.display.panel().is_some());
-    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm does nothing")));
+    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect")));
     // Of the two, a set one replaces the file's.
     let text = changed(&[("index = 1.5", "index = 1.5\nthickness_mm = 2")]);
     assert!(resolve(&text, Path::new(""), &["display.glass.internal_transmittance=0.9"]).is_ok());

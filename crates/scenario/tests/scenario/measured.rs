@@ -181,10 +181,10 @@ fn a_single_incidence_holds_unless_none_is_written() {
 fn light_beyond_the_last_measured_angle_is_told() {
     let film = film(&[0, 30], 60);
     let [_, warnings] = told(&film, "extrapolate = \"none\"");
-    assert!(warnings.contains("nothing is sent there"), "{warnings}");
+    assert!(warnings.contains("no light is sent there"), "{warnings}");
     let [_, warnings] = told(&film, "extrapolate = \"hold\"");
-    assert!(warnings.contains("extrapolated, not measured"), "{warnings}");
-    let share = warnings.split(" hold ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    assert!(warnings.contains("this part is not measured"), "{warnings}");
+    let share = warnings.split(" tails there have ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
     let share: f64 = share.parse().unwrap();
     assert!((share - 25.0).abs() < 4.0, "{warnings}");
 }
