@@ -174,7 +174,7 @@ impl Resolver<'_> {
     fn beer_lambert(&mut self, path: &str, index: &[Complex64], thickness_mm: f64) -> Spectrum {
         if index.iter().all(|index| index.im == 0.0) {
             self.notes
-                .push(format!("{path}.thickness_mm does nothing: its index has k = 0 at every wavelength"));
+                .push(format!("{path}.thickness_mm has no effect: the index has k = 0 at every wavelength"));
         }
         let depth = 4.0 * PI * NM_PER_MM * thickness_mm;
         let transmittance = |(index, nm): (&Complex64, f64)| (-depth * index.im / nm).exp();
@@ -201,8 +201,8 @@ impl Resolver<'_> {
         if anisotropy != 0.0 {
             let reduced = tidy((1.0 - anisotropy) * optical_thickness);
             self.notes.push(format!(
-                "{path}: an optical thickness of {optical_thickness} with anisotropy {anisotropy} turns light around \
-                 about as one of {reduced} with anisotropy 0 does (similarity)"
+                "{path}: an optical thickness of {optical_thickness} with anisotropy {anisotropy} scatters light \
+                 back about as much as one of {reduced} with anisotropy 0 (similarity)"
             ));
         }
         Some(Medium {

@@ -65,8 +65,8 @@ fn every_kind_of_layer() {
     let slab = layers[4].medium.scattering.as_ref().unwrap();
     assert_eq!((slab.optical_thickness, slab.anisotropy, slab.albedo[0]), (2.0, 0.8, 0.99));
     assert!(layers.iter().filter(|layer| layer.medium.scattering.is_some()).count() == 1);
-    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 turns light around about as one of \
-                0.4 with anisotropy 0 does (similarity)";
+    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 scatters light back about as much \
+                as one of 0.4 with anisotropy 0 (similarity)";
     assert_eq!(resolved.notes, [note]);
 }
 
@@ -155,7 +155,7 @@ fn glass_that_absorbs() {
     // A glass without k stays clear, whatever its thickness; that is said.
     let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
     assert!(thick.scene.display.panel().is_some());
-    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm does nothing")));
+    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect")));
     // Of the two, a set one replaces the file's.
     let text = changed(&[("index = 1.5", "index = 1.5\nthickness_mm = 2")]);
     assert!(resolve(&text, Path::new(""), &["display.glass.internal_transmittance=0.9"]).is_ok());
