@@ -33,6 +33,14 @@ impl KCorrelation {
         width / (2.0 * PI * s * s.sqrt())
     }
 
+    /// The direction of [`sample`](Scatterer::sample).
+    #[inline(always)]
+    pub(super) fn sample_direction(&self, from: Beta, u: [f64; 2]) -> Beta {
+        let radius = self.width * (1.0 / (u[0] * u[0]) - 1.0).sqrt();
+        let (x, y) = warp::polar(radius, u[1]);
+        from + Beta { x, y }
+    }
+
     /// Fraction of the lobe within a distance of the regular direction.
     pub fn fraction_within(&self, radius: f64) -> f64 {
         let Self { width } = *self;
@@ -66,9 +74,7 @@ impl Scatterer for KCorrelation {
 
     #[inline(always)]
     fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sample<Beta>> {
-        let radius = self.width * (1.0 / (u[0] * u[0]) - 1.0).sqrt();
-        let (x, y) = warp::polar(radius, u[1]);
-        let to = from + Beta { x, y };
+        let to = self.sample_direction(from, [u[0], u[1]]);
         Some(Sample::exact(to, self.density(from, to)))
     }
 

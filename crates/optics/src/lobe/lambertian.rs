@@ -15,6 +15,16 @@ use crate::scatterer::{Sample, Scatterer};
 pub struct Lambertian;
 
 impl Lambertian {
+    /// The direction of [`sample`](Scatterer::sample).
+    #[inline(always)]
+    pub(super) fn sample_direction(self, from: Beta, u: [f64; 2]) -> Option<Beta> {
+        if from.squared() > 1.0 {
+            return None;
+        }
+        let (x, y) = warp::uniform_disc(1.0, u);
+        Some(Beta { x, y })
+    }
+
     /// Fraction of the lobe within the disc `|beta_o| <= radius`.
     #[inline(always)]
     pub fn fraction_within(self, radius: f64) -> f64 {
@@ -32,11 +42,7 @@ impl Scatterer for Lambertian {
 
     #[inline(always)]
     fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sample<Beta>> {
-        if from.squared() > 1.0 {
-            return None;
-        }
-        let (x, y) = warp::uniform_disc(1.0, [u[0], u[1]]);
-        Some(Sample::exact(Beta { x, y }, 1.0 / PI))
+        Some(Sample::exact(self.sample_direction(from, [u[0], u[1]])?, 1.0 / PI))
     }
 
     #[inline(always)]

@@ -62,7 +62,11 @@ impl Lobe {
     /// The direction of [`sample`](Scatterer::sample) alone, from the two numbers that lobes need.
     #[inline(always)]
     pub fn sample_direction(&self, from: Beta, [u, v]: [f64; 2]) -> Option<Beta> {
-        self.sample(from, [u, v, 0.0, 0.0]).map(|sample| sample.direction)
+        // Without closures and without the density: this is the innermost loop of Monte Carlo.
+        match *self {
+            Self::KCorrelation { width } => Some(KCorrelation { width }.sample_direction(from, [u, v])),
+            Self::Lambertian => Lambertian.sample_direction(from, [u, v]),
+        }
     }
 
     /// Fraction of the lobe within `radius` of the direction of normal incidence.
