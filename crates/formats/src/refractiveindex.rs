@@ -10,6 +10,7 @@
 
 use std::ops::Range;
 
+use papilio_diagnostics::Place;
 use papilio_spectra::{Dispersion, Tabulated};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
@@ -17,7 +18,6 @@ use serde_saphyr::Spanned;
 use crate::error::{FormatError, Problem};
 use crate::rows::Table;
 use crate::spectrum::Columns;
-use papilio_diagnostics::Place;
 use papilio_diagnostics::Warned;
 
 /// True if the text has a `DATA` list at its outermost level.
