@@ -2,11 +2,11 @@
 
 use std::fmt;
 
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
-use papilio_diagnostics::{Diagnostic, Place};
 
 /// A file that cannot be used: what is wrong, and where in it.
 ///

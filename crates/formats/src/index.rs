@@ -1,5 +1,6 @@
 //! Refractive indices: n-k tables in nm, and the files of refractiveindex.info.
 
+use papilio_diagnostics::Warned;
 use papilio_spectra::{Dispersion, Tabulated};
 
 use crate::error::{FormatError, Problem};
@@ -7,7 +8,6 @@ use crate::file::DataFile;
 use crate::refractiveindex;
 use crate::rows::{Row, Table};
 use crate::spectrum::{Columns, data_rows};
-use papilio_diagnostics::Warned;
 
 /// Reads n + ik from a file, recognised by its content.
 ///

@@ -10,6 +10,7 @@
 
 use std::ops::Range;
 
+use papilio_diagnostics::Place;
 use papilio_spectra::{Dispersion, Tabulated};
 
 mod page;
@@ -18,7 +19,6 @@ use self::page::{Entry, Value, fault};
 use crate::error::{FormatError, Problem};
 use crate::rows::Table;
 use crate::spectrum::Columns;
-use papilio_diagnostics::Place;
 use papilio_diagnostics::Warned;
 
 /// True if the text has a `DATA` list at its outermost level.

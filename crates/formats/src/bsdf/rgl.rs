@@ -3,12 +3,12 @@
 //! `tensor_file`, a zero, two bytes of version, and for each field its name, shape, type and place in
 //! the file; all little-endian.
 
+use papilio_diagnostics::Place;
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpFields, WarpedGrid, Way};
 
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 const MAGIC: &[u8] = b"tensor_file\0";
 

@@ -6,9 +6,10 @@
 
 use std::ops::Range;
 
+use papilio_diagnostics::Place;
+
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// The most angles of either kind.
 const MOST_ANGLES: usize = 2000;
