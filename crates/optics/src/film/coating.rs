@@ -142,7 +142,7 @@ impl Table {
         };
         let denser = match above == below {
             true => None,
-            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or_else(|| fringes)?),
+            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or(fringes)?),
         };
         let both = both.ok_or(fringes)?;
         Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })
