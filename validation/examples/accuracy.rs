@@ -46,7 +46,7 @@ struct Case {
 
 impl Case {
     fn seen(&self, estimate: &Estimate) -> f64 {
-        let rho = estimate.rho.iter().map(|rho| rho.base[0] + rho.front[0]);
+        let rho = estimate.rho.iter().map(|rho| rho.via_pixel[0] + rho.front[0]);
         rho.zip(&self.shares).map(|(rho, share)| rho * share).sum()
     }
 

@@ -12,7 +12,7 @@ use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
-    Scattering, Source, Stack, Top,
+    Scattering, Sheet, Source, Stack, Top,
 };
 
 use papilio_testing::Dice;
@@ -223,10 +223,10 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
     let same = Medium::new(constant(above));
     match kind {
         0 => {
-            let interface = Interface::Sheet {
+            let interface = Interface::Sheet(Sheet {
                 reflectance: spectrum(dice, 0.0, 0.3),
                 absorptance: spectrum(dice, 0.0, 0.2),
-            };
+            });
             ("sheet".to_owned(), Layer { interface, medium: same }, above)
         }
         1 | 2 => {

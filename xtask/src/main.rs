@@ -22,7 +22,7 @@ use shell::{Needs, Outcome, cargo};
 /// Name, description and function of a task.
 type Task = (&'static str, &'static str, fn() -> Outcome);
 
-const TASKS: [Task; 10] = [
+const TASKS: [Task; 11] = [
     (
         "test",
         "run all checks: format, lints, tests, documentation, three example scenarios, web page, Python package",
@@ -45,6 +45,7 @@ const TASKS: [Task; 10] = [
         oracle::oracle,
     ),
     ("peers", "measure the speed of Papilio and other programs, for docs/peers.md", peers::peers),
+    ("docs", "write the tables of docs/ that are generated from the code", docs),
     ("deny", "check licences, advisories and sources of all dependencies", deny),
     ("bench", "run all benchmarks", bench),
     ("picture", "make the pictures of docs/pictures again", pictures::pictures),
@@ -96,6 +97,19 @@ fn full() -> Outcome {
     package::package()?;
     oracle::oracle()?;
     deny()
+}
+
+/// The tests that compare these tables write them when they are told to.
+fn docs() -> Outcome {
+    for (package, test, name) in [
+        ("papilio-scenario", "scenario", "tables_of_keys_in_the_docs_are_those_of_the_grammar"),
+        ("papilio-formats", "bsdf", "table_of_formats_in_the_docs_is_that_of_the_readers"),
+    ] {
+        let mut written = cargo(["test", "--package", package, "--test", test, name]);
+        written.env("PAPILIO_WRITE_DOCS", "1");
+        shell::run(written)?;
+    }
+    Ok(())
 }
 
 fn bench() -> Outcome {

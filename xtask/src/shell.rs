@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 
 use crate::page;
 
@@ -99,7 +99,41 @@ pub(crate) fn run_and_read(mut command: Command, read: Option<&mut dyn FnMut(&st
             read(&line);
         }
     }
-    let status = child.wait().map_err(failure)?;
+    ended(&shown, child.wait().map_err(failure)?)
+}
+
+/// Result of a command that ran in parallel with others.
+pub(crate) struct Apart {
+    /// What it wrote to its standard output and its standard error.
+    pub(crate) texts: [String; 2],
+    /// Its exit status.
+    pub(crate) outcome: Outcome,
+    shown: String,
+}
+
+impl Apart {
+    /// Shows the command and what it wrote.
+    pub(crate) fn show(&self) {
+        println!("\n> {}", self.shown);
+        print!("{}", self.texts[0]);
+        eprint!("{}", self.texts[1]);
+    }
+}
+
+/// Runs a command and keeps what it writes, for later.
+pub(crate) fn run_apart(mut command: Command) -> Apart {
+    let shown = shown(&command);
+    match command.stdin(Stdio::null()).output() {
+        Ok(output) => Apart {
+            texts: [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()),
+            outcome: ended(&shown, output.status),
+            shown,
+        },
+        Err(error) => Apart { texts: Default::default(), outcome: Err(format!("{shown}: {error}")), shown },
+    }
+}
+
+fn ended(shown: &str, status: ExitStatus) -> Outcome {
     if status.success() { Ok(()) } else { Err(format!("{shown}: {status}")) }
 }
 

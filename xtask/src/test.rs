@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use crate::package::{self, Profile};
 use crate::page;
-use crate::shell::{self, Needs, Outcome, cargo, command};
+use crate::python::Environment;
+use crate::shell::{self, Apart, Needs, Outcome, cargo, command};
 
 /// Seeds over which the statistical tests run in `cargo xtask full`; every day 16.
 pub(crate) const SEEDS: u64 = 480;
@@ -26,7 +27,8 @@ const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
 /// As many as make the mean square of z-scores known to a tenth.
 const SCENARIOS: &str = "300";
 
-/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format.
+/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format. Where it is set, those of
+/// scenarios mutate ten times as many.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
 /// Long enough for some hundred thousand files of each format.
@@ -99,7 +101,22 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     let mut compile = tests();
     compile.arg("--no-run");
     let _ = count.step("tests, compiled", |_| shell::run(compile));
-    count.step("tests", |count| count.tests(tests()));
+    let environment = count.package();
+    let mut others = Vec::new();
+    if let Some(browser) = &browser {
+        others.push(("  page, alone", page::unit_tests()));
+        others.push(("  page, in a browser", page::end_to_end(of_page, browser)));
+    }
+    others.extend(environment.map(|environment| ("  Python", package::tests(&environment, Profile::Dev))));
+    if of_page == page::EVERYDAY {
+        count.step("tests", |count| count.together(tests(), others));
+    } else {
+        // The long ones look at times.
+        count.step("tests", |count| count.tests(tests()));
+        others
+            .into_iter()
+            .for_each(|(name, other)| count.step(name.trim_start(), |count| count.tests(other)));
+    }
     let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
     docs.args(features(of_page)).env("RUSTDOCFLAGS", "-D warnings");
     count.step("documentation", |count| count.check(shell::run(docs)));
@@ -110,10 +127,6 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     }
     count
         .step("scenarios", |count| scenarios.iter().for_each(|scenario| count.check(run_scenario(scenario))));
-    if let Some(browser) = browser {
-        count.step("page, tests", |count| count.page_tests(of_page, &browser));
-    }
-    count.package();
     count.conclude()
 }
 
@@ -167,13 +180,34 @@ impl Count {
         self.reasons.push(why);
     }
 
-    /// Runs the tests and adds up cargo's own summaries, one for each test program.
+    /// Runs cargo's tests, and meanwhile the others, one after the other: those wait for browsers and clocks much of their time.
+    fn together(&mut self, tests: Command, others: Vec<(&'static str, Command)>) {
+        let others = std::thread::spawn(move || -> Vec<(&'static str, Apart, Duration)> {
+            let timed = |(name, other)| {
+                let begun = Instant::now();
+                (name, shell::run_apart(other), begun.elapsed())
+            };
+            others.into_iter().map(timed).collect()
+        });
+        self.step("  cargo", |count| count.tests(tests));
+        let Ok(others) = others.join() else { return self.fail(1, "the other tests: no end".to_owned()) };
+        for (name, other, took) in others {
+            self.steps.push((name, took));
+            other.show();
+            let counted = other.texts[0].lines().filter_map(counts);
+            let (passed, failed) = counted.fold((0, 0), |sum, (p, f)| (sum.0 + p, sum.1 + f));
+            self.passed += passed;
+            if let Err(why) = other.outcome {
+                self.fail(failed.max(1), why);
+            }
+        }
+    }
+
+    /// Runs the tests and adds up their own summaries, one for each test program.
     fn tests(&mut self, tests: Command) {
         let (mut passed, mut failed) = (0, 0);
         let mut read = |line: &str| {
-            if let Some((p, f)) =
-                summary(line).or_else(|| summary_of_node(line)).or_else(|| summary_of_pytest(line))
-            {
+            if let Some((p, f)) = counts(line) {
                 passed += p;
                 failed += f;
             }
@@ -202,28 +236,29 @@ impl Count {
         is_built.then_some(browser)
     }
 
-    fn page_tests(&mut self, which: &str, browser: &Path) {
-        self.tests(page::unit_tests());
-        self.tests(page::end_to_end(which, browser));
-    }
-
-    /// The Python package's tests, with the wheel of the development profile; left out where there is no Python.
-    fn package(&mut self) {
+    /// The Python package: the wheel of the development profile in its environment; left out where there is no Python.
+    fn package(&mut self) -> Option<Environment> {
         let environment = match self.step("Python, environment", |_| package::environment()) {
             Ok(environment) => environment,
-            Err(missing) => return self.left_out.push(format!("the Python package: {missing}")),
+            Err(missing) => {
+                self.left_out.push(format!("the Python package: {missing}"));
+                return None;
+            }
         };
         match self.step("Python, wheel", |_| package::build(&environment, Profile::Dev)) {
-            Ok(()) => {
-                self.step("Python, tests", |count| count.tests(package::tests(&environment, Profile::Dev)));
+            Ok(()) => Some(environment),
+            Err(why) => {
+                self.fail(1, why);
+                None
             }
-            Err(why) => self.fail(1, why),
         }
     }
 
     fn conclude(self) -> Outcome {
         println!();
-        let all: Duration = self.steps.iter().map(|(_, took)| *took).sum();
+        // What is indented is a part of the step below it.
+        let whole = self.steps.iter().filter(|(name, _)| !name.starts_with(' '));
+        let all: Duration = whole.map(|(_, took)| *took).sum();
         for (name, took) in self.steps.iter().copied().chain([("all", all)]) {
             println!("{name:<20} {:7.1} s", took.as_secs_f64());
         }
@@ -232,6 +267,11 @@ impl Count {
         println!("{} passed, {} failed", self.passed, self.failed);
         if self.failed == 0 { Ok(()) } else { Err("not green".to_owned()) }
     }
+}
+
+/// Passed and failed, from a summary line of any program of tests.
+fn counts(line: &str) -> Option<(u64, u64)> {
+    summary(line).or_else(|| summary_of_node(line)).or_else(|| summary_of_pytest(line))
 }
 
 /// Passed and failed, from a line like `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.

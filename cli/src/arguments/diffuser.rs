@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+use papilio_formats::bsdf_formats;
 
 use super::{ScenarioArguments, Workers};
 
@@ -37,8 +38,7 @@ pub(crate) enum Diffuser {
 
 #[derive(Debug, Args)]
 pub(crate) struct Inspect {
-    /// File in Radiant/Zemax, ASTM E1392, Klems, tensor tree, RGL, MERL, CSV or Papilio format, detected from its content
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", help = format!("File of measured scattering; the format is detected from the content: {}", bsdf_formats()))]
     pub(crate) file: PathBuf,
     /// Transmission spectrum of the sample (CSV), to report and plot; can be repeated
     #[arg(long, value_name = "FILE")]

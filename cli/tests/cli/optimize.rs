@@ -140,7 +140,11 @@ fn parts_on_many_machines_end_as_one_search() {
         let other = ["optimize", &file, "--out", &merged, "--merge", one, "--set", "optimize.seed=7"];
         let refused = papilio(&other);
         assert_eq!(refused.status.code(), Some(2));
-        assert!(stderr(&refused).contains("this is the journal of something else"), "{}", stderr(&refused));
+        assert!(
+            stderr(&refused).contains("this journal belongs to another scenario"),
+            "{}",
+            stderr(&refused)
+        );
         assert!(files(Path::new(&merged)).iter().all(|(name, bytes)| *bytes == whole[name]));
     }
     let (_folder, file, out) = place(&SCENARIO.replace("[optimize]", "[optimize]\nmethod = \"global\""));

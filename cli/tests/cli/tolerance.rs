@@ -172,7 +172,7 @@ fn parts_make_the_whole() {
     let output =
         papilio(&[&["tolerance", &file, "--out", &out, "--set", "tolerance.seed=5"][..], &merge].concat());
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("this is the journal of something else"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("this journal belongs to another scenario"), "{}", stderr(&output));
 }
 
 /// More samples begin with those that are known; other limits need none anew; another seed all.
@@ -229,7 +229,7 @@ fn mistakes_are_answered_with_their_place() {
         (
             "normal = { sigma = 0.3 }",
             "",
-            &["none of normal, lognormal, uniform, triangular, choices is given"],
+            &["none of `normal`, `lognormal`, `uniform`, `triangular` and `choices` is given"],
         ),
         (
             "normal = { sigma = 0.3 }",
@@ -248,7 +248,7 @@ fn mistakes_are_answered_with_their_place() {
             &["no key `thicknes_nm`", "did you mean `thickness_nm`?"],
         ),
         ("film.1.thickness_nm", "film.7.thickness_nm", &["s.toml:24:7", "this array has the indices 0 to 2"]),
-        ("film.1.thickness_nm", "film.-1.thickness_nm", &["indices count from 0: this array has 0 to 2"]),
+        ("film.1.thickness_nm", "film.-1.thickness_nm", &["indices start at 0: this array has 0 to 2"]),
         (
             "gap_nm.green\"]",
             "gap_nm.gren\"]",
@@ -274,7 +274,7 @@ fn mistakes_are_answered_with_their_place() {
         (
             "name = \"gaps\"\nkeys",
             "name = \"gaps\"\nkey = \"a\"\nkeys",
-            &["more than one of key, keys is given"],
+            &["more than one of `key` and `keys` is given"],
         ),
         ("gap_nm.green\"]", "gap_nm.red\"]", &["`display.pixel.gap_nm.red` has more than one distribution"]),
     ];

@@ -6,7 +6,8 @@ const MOST_PROPOSED: usize = 8;
 /// What may have been meant by a wrong name, or else all names there are: "did you mean `haze`?", "the keys are haze, width".
 pub fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, what: &str) -> String {
     let known: Vec<&str> = known.into_iter().collect();
-    did_you_mean(wrong, known.iter().copied()).unwrap_or_else(|| format!("the {what} are {}", known.join(", ")))
+    did_you_mean(wrong, known.iter().copied())
+        .unwrap_or_else(|| format!("the {what} are {}", known.join(", ")))
 }
 
 /// A question that proposes those of `names` that are equally close to `wrong`, if any is close.

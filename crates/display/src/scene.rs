@@ -14,7 +14,7 @@ pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::walk::Strategy;
-pub use papilio_transport::{Field, ScatterFace, ScatterKernel, Scattering};
+pub use papilio_transport::{Diffuser, Field, Interface as Ready, ScatterFace, ScatterKernel, Scattering};
 
 pub use crate::target::{Metric, Target, Tolerance};
 
@@ -125,18 +125,10 @@ pub struct Layer {
 /// What stands between two media.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Interface {
-    /// Nothing: the media have the same index.
-    Open,
-    /// A perfect antireflection face: what both media can carry passes whole, the rest is reflected whole.
-    Coated,
-    /// A bare face.
-    Fresnel,
-    /// A component that mirrors and absorbs at all angles alike; the media have the same index.
-    Sheet(FrontComponent),
+    /// One of the kinds that need no more than what they hold.
+    Ready(Ready),
     /// Coherent thin films.
     Coating(Coating),
-    /// A diffuser given by its BTDF.
-    Diffuser(Diffuser),
     /// A rough face between media of constant index.
     Rough {
         /// Roughness: the largest slopes are about this.
@@ -144,8 +136,12 @@ pub enum Interface {
         /// How the slopes are spread.
         distribution: Distribution,
     },
-    /// A face given by its BSDF: light of the air disc is scattered into it, passes straight, or is lost.
-    Scatter(ScatterFace),
+}
+
+impl From<Ready> for Interface {
+    fn from(ready: Ready) -> Self {
+        Self::Ready(ready)
+    }
 }
 
 /// Coherent thin films between two media.
@@ -186,17 +182,6 @@ pub struct FrontComponent {
     pub reflectance: Spectrum,
     /// Share of the light that it absorbs, 0 to 1; the two together at most 1.
     pub absorptance: Spectrum,
-}
-
-/// A diffuser given by its BTDF; it stands for everything between air and glass.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Diffuser {
-    /// The angular shape of the scattered part.
-    pub lobe: Lobe,
-    /// T of the whole lobe (straight-through included), 0 to 1, per wavelength.
-    pub transmittance: Spectrum,
-    /// Share of the transmitted light that goes straight through, 0 to 1.
-    pub straight_through: f64,
 }
 
 /// The glass between surface and pixel.

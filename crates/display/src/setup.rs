@@ -6,7 +6,7 @@ use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source, Stack, Top,
+    Base, Cone, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source, Stack, Top,
 };
 
 use crate::DisplayError;
@@ -225,31 +225,15 @@ fn interface(
     below: &Spectrum,
 ) -> Result<Interface, DisplayError> {
     Ok(match interface {
-        scene::Interface::Open => Interface::Open,
-        scene::Interface::Coated => Interface::Coated,
-        scene::Interface::Fresnel => Interface::Fresnel,
-        scene::Interface::Sheet(sheet) => Interface::Sheet {
-            reflectance: sheet.reflectance.clone(),
-            absorptance: sheet.absorptance.clone(),
-        },
+        scene::Interface::Ready(ready) => ready.clone(),
         scene::Interface::Coating(coating) => {
             let made = Coating::new(&scene.grid.wavelengths_nm(), above, &coating.films, below);
             Interface::Coating(made.map_err(|error| DisplayError::of_coating(error, &coating.key))?)
         }
-        scene::Interface::Diffuser(diffuser) => Interface::Diffuser(self::diffuser(diffuser)),
-        scene::Interface::Scatter(face) => Interface::Scatter(Box::new(face.clone())),
         scene::Interface::Rough { alpha, distribution } => {
             Interface::Rough(Rough::with(*distribution, *alpha, above[0], below[0]))
         }
     })
-}
-
-fn diffuser(diffuser: &scene::Diffuser) -> Diffuser {
-    Diffuser {
-        lobe: diffuser.lobe,
-        transmittance: diffuser.transmittance.clone(),
-        straight_through: diffuser.straight_through,
-    }
 }
 
 /// The medium above the pixel; without refraction, the glass is as wide as the air.
@@ -261,7 +245,7 @@ pub(crate) fn medium(scene: &Scene) -> Medium {
 
 fn top(panel: &scene::Panel) -> Top {
     match (&panel.diffuser, panel.glass.surface) {
-        (Some(diffuser), _) => Top::Diffuser(self::diffuser(diffuser)),
+        (Some(diffuser), _) => Top::Diffuser(diffuser.clone()),
         (None, Surface::Coated) => Top::Coated,
         (None, Surface::Fresnel) => Top::Fresnel(panel.glass.index.clone()),
     }

@@ -4,8 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
-use crate::error::{FormatError, Problem};
 use papilio_diagnostics::Place;
+
+use crate::error::{FormatError, Problem};
 
 /// No input file may be larger, in bytes, save for those of measured scattering.
 pub const LARGEST_FILE: u64 = 64 << 20;

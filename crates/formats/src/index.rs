@@ -1,5 +1,6 @@
 //! Refractive indices: n-k tables in nm, and the files of refractiveindex.info.
 
+use papilio_diagnostics::Warned;
 use papilio_spectra::{Dispersion, Tabulated};
 
 use crate::error::{FormatError, Problem};
@@ -7,7 +8,6 @@ use crate::file::DataFile;
 use crate::refractiveindex;
 use crate::rows::{Row, Table};
 use crate::spectrum::{Columns, data_rows};
-use papilio_diagnostics::Warned;
 
 /// Reads n + ik from a file, recognised by its content.
 ///
@@ -59,7 +59,7 @@ fn n_and_k<'a>(
 ) -> Result<(Tabulated, Option<Tabulated>), FormatError> {
     let mut columns = Columns::default();
     for row in rows {
-        row.expect_cells(3, "expected three: wavelength in nm, n, k")?;
+        row.expect_cells(3, "three: wavelength in nm, n, k")?;
         columns.push(&row)?;
         not_negative(&row, 1, "n")?;
         not_negative(&row, 2, "k")?;
@@ -71,7 +71,7 @@ fn n_and_k<'a>(
 fn n_alone<'a>(table: Table<'a>, rows: impl Iterator<Item = Row<'a>>) -> Result<Tabulated, FormatError> {
     let mut columns = Columns::default();
     for row in rows {
-        row.expect_cells(2, "expected as many as on the first row: wavelength in nm, n")?;
+        row.expect_cells(2, "as many as on the first row: wavelength in nm, n")?;
         columns.push(&row)?;
         not_negative(&row, 1, "n")?;
     }
@@ -84,5 +84,5 @@ fn not_negative(row: &Row<'_>, cell: usize, what: &'static str) -> Result<(), Fo
     if value >= 0.0 {
         return Ok(());
     }
-    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected: "expected 0 or more" }))
+    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected: "0 or more" }))
 }

@@ -79,20 +79,19 @@ struct Panel {
 
 impl Panel {
     fn push(&mut self, columns: &Columns, row: &Row<'_>) -> Result<(), FormatError> {
-        row.expect_cells(columns.count, "expected as many as in the first row")?;
+        row.expect_cells(columns.count, "as many as in the first row")?;
         let state = row.cells[columns.state].text.to_string();
         if !is_name(&state) {
             return Err(row.cell_error(columns.state, Problem::BadName));
         }
-        let theta_deg = in_range(row, columns.theta, "an angle", -90.0, 90.0, "expected -90 to 90 deg")?;
+        let theta_deg = in_range(row, columns.theta, "an angle", -90.0, 90.0, "-90 to 90 deg")?;
         let phi_deg = match columns.phi {
-            Some(phi) => in_range(row, phi, "an azimuth", -360.0, 360.0, "expected -360 to 360 deg")?,
+            Some(phi) => in_range(row, phi, "an azimuth", -360.0, 360.0, "-360 to 360 deg")?,
             None => 0.0,
         };
         let key = (state.clone(), (theta_deg + 0.0).to_bits(), (phi_deg + 0.0).to_bits());
         let known = self.by_direction.get(&key).copied();
-        let value =
-            |cell| in_range(row, cell, "the value", -1.0, 1e4, "expected -1 to 1e4, 1 for a perfect white");
+        let value = |cell| in_range(row, cell, "the value", -1.0, 1e4, "-1 to 1e4, 1 for a perfect white");
         let mut measured = |quantity| {
             self.by_direction.insert(key.clone(), self.measured.len());
             self.measured.push(Measured { state: state.clone(), theta_deg, phi_deg, quantity });
@@ -108,7 +107,7 @@ impl Panel {
                 measured(Quantity::Xyz(xyz));
             }
             Values::Spectrum([nm, factor]) => {
-                let nm = in_range(row, nm, "a wavelength", 30.0, 1e6, "expected a wavelength in nm")?;
+                let nm = in_range(row, nm, "a wavelength", 30.0, 1e6, "a wavelength in nm")?;
                 let point = (nm, value(factor)?, row.cells[0].start());
                 // The spectrum itself is made when all its rows are there.
                 let nothing = || Quantity::Xyz(Xyz { x: 0.0, y: 0.0, z: 0.0 });

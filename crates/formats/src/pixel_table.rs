@@ -117,7 +117,7 @@ struct Point {
 
 impl Points {
     fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
-        row.expect_cells(4, "expected four: state, theta_deg, wavelength_nm, reflectance")?;
+        row.expect_cells(4, "four: state, theta_deg, wavelength_nm, reflectance")?;
         let name: &str = &row.cells[0].text;
         let state = match self.by_name.get(name) {
             Some(&state) => state,
@@ -128,9 +128,9 @@ impl Points {
                 self.names.len() - 1
             }
         };
-        let theta_deg = in_range(row, 1, "an angle", 0.0, 90.0, "expected 0 to 90 deg")?;
-        let nm = in_range(row, 2, "a wavelength", 30.0, 1e6, "expected a wavelength in nm")?;
-        let reflectance = in_range(row, 3, "reflectance", 0.0, 1.0, "expected 0 to 1")?;
+        let theta_deg = in_range(row, 1, "an angle", 0.0, 90.0, "0 to 90 deg")?;
+        let nm = in_range(row, 2, "a wavelength", 30.0, 1e6, "a wavelength in nm")?;
+        let reflectance = in_range(row, 3, "reflectance", 0.0, 1.0, "0 to 1")?;
         self.points.push(Point { state, theta_deg, nm, reflectance, row: self.places.len() });
         self.places.push(row.cells[0].start());
         Ok(())

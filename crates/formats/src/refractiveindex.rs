@@ -10,6 +10,7 @@
 
 use std::ops::Range;
 
+use papilio_diagnostics::Place;
 use papilio_spectra::{Dispersion, Tabulated};
 
 mod page;
@@ -18,7 +19,6 @@ use self::page::{Entry, Value, fault};
 use crate::error::{FormatError, Problem};
 use crate::rows::Table;
 use crate::spectrum::Columns;
-use papilio_diagnostics::Place;
 use papilio_diagnostics::Warned;
 
 /// True if the text has a `DATA` list at its outermost level.
@@ -234,7 +234,7 @@ fn not_negative(value: f64, what: &'static str) -> Result<(), Problem> {
     if value >= 0.0 {
         return Ok(());
     }
-    Err(Problem::OutOfRange { what, value, expected: "expected 0 or more" })
+    Err(Problem::OutOfRange { what, value, expected: "0 or more" })
 }
 
 impl Entry<'_> {
@@ -254,8 +254,7 @@ impl Entry<'_> {
         for (place, text) in data.rows(file) {
             let numbers = numbers(text).map_err(|problem| fault_at(file, place.clone(), problem))?;
             if numbers.len() != of + 1 {
-                let expected =
-                    if of == 2 { "expected three: um, n, k" } else { "expected two: um and the value" };
+                let expected = if of == 2 { "three: um, n, k" } else { "two: um and the value" };
                 let problem = Problem::Columns { expected, count: of + 1, found: numbers.len() };
                 return Err(fault_at(file, place, problem));
             }

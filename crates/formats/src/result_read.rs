@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use papilio_colour::{Standard, Xyz};
+use papilio_diagnostics::Place;
 use papilio_display::compare::{Simulated, SimulatedView};
 use papilio_spectra::Grid;
 use serde::Deserialize;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// A run's result and its title.
 #[derive(Debug, Clone, PartialEq)]

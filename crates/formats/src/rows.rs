@@ -6,9 +6,10 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use papilio_diagnostics::Place;
+
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// A text whose lines are rows; blank lines are no rows.
 #[derive(Clone, Copy)]

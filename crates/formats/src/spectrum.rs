@@ -36,7 +36,7 @@ pub fn read_spectrum(file: &DataFile) -> Result<Tabulated, FormatError> {
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
 pub fn read_shares(file: &DataFile) -> Result<Tabulated, FormatError> {
-    read_checked(file, |row, value| within(row, value, 0.0..=1.0, "the share", "expected 0 to 1"))
+    read_checked(file, |row, value| within(row, value, 0.0..=1.0, "the share", "0 to 1"))
 }
 
 /// Reads the relative spectrum of a light: values of 0 or more, the largest between 1e-30 and 1e30.
@@ -44,14 +44,13 @@ pub fn read_shares(file: &DataFile) -> Result<Tabulated, FormatError> {
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
 pub fn read_light(file: &DataFile) -> Result<Tabulated, FormatError> {
-    let light = read_checked(file, |row, value| {
-        within(row, value, 0.0..=*LIGHT.end(), "the light", "expected 0 to 1e30")
-    })?;
+    let light =
+        read_checked(file, |row, value| within(row, value, 0.0..=*LIGHT.end(), "the light", "0 to 1e30"))?;
     let largest = light.values().iter().copied().fold(0.0, f64::max);
     if LIGHT.contains(&largest) {
         return Ok(light);
     }
-    let expected = "expected a largest value between 1e-30 and 1e30";
+    let expected = "a largest value between 1e-30 and 1e30";
     Err(Table::new(file)?.error(Problem::OutOfRange { what: "the largest value", value: largest, expected }))
 }
 
@@ -62,7 +61,7 @@ fn read_checked(
     let table = Table::new(file)?;
     let mut columns = Columns::default();
     for row in data_rows(table) {
-        row.expect_cells(2, "expected two: wavelength in nm, value")?;
+        row.expect_cells(2, "two: wavelength in nm, value")?;
         columns.push(&row)?;
         check(&row, row.number(1)?)?;
     }
@@ -116,7 +115,7 @@ impl<const N: usize> Columns<N> {
     /// Takes a wavelength, which must go on in the direction of the first two, and its values.
     pub(crate) fn add(&mut self, nm: f64, values: [f64; N]) -> Result<(), Problem> {
         if nm <= 0.0 {
-            let expected = "expected a wavelength above 0";
+            let expected = "a wavelength above 0";
             return Err(Problem::OutOfRange { what: "a wavelength", value: nm, expected });
         }
         if let Some(&before) = self.nm.last() {

@@ -189,6 +189,8 @@ fn roughness(grid: &SpecularGrid, correction: &[Option<f64>]) -> (Option<f64>, u
 
 #[cfg(test)]
 mod tests {
+    use papilio_optics::Scatterer;
+
     use super::*;
     use crate::{Instrument, Noise, View};
     use papilio_optics::{Beta, lobe::Lobe};

@@ -128,7 +128,8 @@ pub fn kernel(
     let incidence: Vec<f64> = incidences.iter().map(|theta| theta.to_radians().sin()).collect();
     let last = incidence[incidence.len() - 1];
     let in_air = Scatter::from(table.clone());
-    let totals = (0..incidences.len()).map(|k| [shape.total(k), mean * in_air.total(incidence[k])]).collect();
+    let totals =
+        (0..incidences.len()).map(|k| [shape.total(k), mean * in_air.albedo_at(incidence[k])]).collect();
     let scatter = match extrapolate {
         Some(index) if index > 1.0 => Scatter::from(table.reaching(index)),
         _ => in_air,
@@ -138,7 +139,7 @@ pub fn kernel(
     let changes = Changes {
         filled: shape.filled(),
         totals,
-        most: incidence.iter().map(|beta| mean * scatter.total(*beta)).fold(0.0, f64::max),
+        most: incidence.iter().map(|beta| mean * scatter.albedo_at(*beta)).fold(0.0, f64::max),
         to_tis: preparation.to_tis,
         laminated: preparation.lamination.is_some(),
         measured_to_deg: least_measured_deg(&shape),
@@ -175,7 +176,7 @@ fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, Goniom
     // No node lies on the edge of a lobe that ends: its light is right, its edge is as wide as the nodes are apart.
     let made = Scatter::from(table);
     let off: Vec<f64> = (0..incidence.len())
-        .map(|k| match made.total(incidence[k]) {
+        .map(|k| match made.albedo_at(incidence[k]) {
             total if total > 0.0 => scale[k] * shape.total(k) / total,
             _ => 1.0,
         })
@@ -244,8 +245,8 @@ mod tests {
 
     use super::*;
     use crate::{Channel, SpecularGrid, Symmetry, Way};
-    use papilio_optics::Beta;
     use papilio_optics::lobe::Lobe;
+    use papilio_optics::{Beta, Scatterer};
 
     const WIDTH: f64 = 0.1;
     const TIS: [f64; 4] = [0.9, 0.88, 0.8, 0.7];
@@ -299,10 +300,10 @@ mod tests {
         for from in [0.0, 20.0, 40.0, 60.0].map(ray) {
             for (theta, phi) in [(0.0, 0.0), (15.0, 70.0), (35.0, 10.0), (60.0, 0.0), (70.0, 120.0)] {
                 let to = Beta::towards(theta, phi, 1.0);
-                let ratio = film.value(from, to) / lobe(from, to);
+                let ratio = film.evaluate(from, to) / lobe(from, to);
                 assert!((ratio - 1.0).abs() < 1e-3, "{from:?} {to:?}: {ratio}");
                 // As it was seen it has the face's loss, 4 % and more.
-                assert!(seen.value(from, to) < 0.965 * lobe(from, to), "{from:?} {to:?}");
+                assert!(seen.evaluate(from, to) < 0.965 * lobe(from, to), "{from:?} {to:?}");
             }
         }
     }
@@ -315,7 +316,7 @@ mod tests {
         let preparation = Preparation { to_tis: true, ..Preparation::default() };
         let (scatter, changes) = kernel(&part(lobe), 0, &preparation, &spectrum).unwrap();
         for (k, tis) in TIS.into_iter().enumerate() {
-            let averaged = mean * scatter.total(ray(20.0 * k as f64).x);
+            let averaged = mean * scatter.albedo_at(ray(20.0 * k as f64).x);
             assert!((averaged / tis - 1.0).abs() < 1e-3, "{k}: {averaged} {tis}");
             assert!((changes.totals[k][1] / tis - 1.0).abs() < 1e-3);
         }
@@ -331,8 +332,8 @@ mod tests {
         });
         assert!((lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && kept.lost == 0.0, "{lost:?}");
         let (from, to) = (ray(75.0), ray(70.0));
-        assert_eq!(none.value(from, to), 0.0);
-        assert!((hold.value(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.value(from, to));
+        assert_eq!(none.evaluate(from, to), 0.0);
+        assert!((hold.evaluate(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.evaluate(from, to));
     }
 
     /// With a single incidence, along the normal, the lobe holds if it is to, or nothing else is sent.
@@ -351,12 +352,12 @@ mod tests {
         let (default, held) = made(None, true);
         let (hold, _) = made(Some(1.0), true);
         for (from, to) in [(0.0, 10.0), (20.0, 15.0), (70.0, 60.0)].map(|(from, to)| (ray(from), ray(to))) {
-            let value = hold.value(from, to);
+            let value = hold.evaluate(from, to);
             assert!((value / lobe(from, to) - 1.0).abs() < 3e-3, "{from:?}: {value}");
-            assert_eq!(default.value(from, to), value);
-            assert_eq!(none.value(from, to), if from.x == 0.0 { value } else { 0.0 });
+            assert_eq!(default.evaluate(from, to), value);
+            assert_eq!(none.evaluate(from, to), if from.x == 0.0 { value } else { 0.0 });
         }
-        assert_eq!((none.total(0.1), none.reversed().value(ray(10.0), ray(20.0))), (0.0, 0.0));
+        assert_eq!((none.albedo_at(0.1), none.reversed().evaluate(ray(10.0), ray(20.0))), (0.0, 0.0));
         assert_eq!((lost.lost, lost.held_single, held.lost, held.held_single), (1.0, false, 0.0, true));
     }
 
@@ -368,21 +369,29 @@ mod tests {
         let back = scatter.reversed();
         for (from, to) in [(0.0, 1.2), (0.5, 1.1), (0.86, 1.45), (0.3, -1.4)] {
             let [from, to] = [from, to].map(|x| Beta { x, y: 0.0 });
-            for value in [scatter.value(from, to), back.value(to, from)] {
+            for value in [scatter.evaluate(from, to), back.evaluate(to, from)] {
                 assert!((value / lobe(from, to) - 1.0).abs() < 1e-2, "{from:?} {to:?}: {value}");
             }
-            assert_eq!(scatter.value(to, from), 0.0);
+            assert_eq!(scatter.evaluate(to, from), 0.0);
         }
         let closed = Lobe::KCorrelation { width: WIDTH };
         for (k, length) in [0.0, 20.0, 40.0, 60.0].map(|theta| ray(theta).length()).into_iter().enumerate() {
             let (air, glass) =
-                (0.8 * closed.share_in_disc(length, 1.0), 0.8 * closed.share_in_disc(length, 1.5));
+                (0.8 * closed.fraction_in_disc(length, 1.0), 0.8 * closed.fraction_in_disc(length, 1.5));
             assert!((changes.totals[k][1] - air).abs() < 1e-4, "{k}: {air} {:?}", changes.totals[k]);
-            assert!((scatter.total(length) - glass).abs() < 3e-4, "{k}: {glass} {}", scatter.total(length));
+            assert!(
+                (scatter.albedo_at(length) - glass).abs() < 3e-4,
+                "{k}: {glass} {}",
+                scatter.albedo_at(length)
+            );
         }
         for length in [0.2, 0.97, 1.0, 1.003, 1.05, 1.2, 1.45] {
-            let share = 0.8 * closed.share_in_disc(length, 1.0);
-            assert!((back.total(length) - share).abs() < 5e-4, "{length}: {share} {}", back.total(length));
+            let share = 0.8 * closed.fraction_in_disc(length, 1.0);
+            assert!(
+                (back.albedo_at(length) - share).abs() < 5e-4,
+                "{length}: {share} {}",
+                back.albedo_at(length)
+            );
         }
     }
 }

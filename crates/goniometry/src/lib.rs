@@ -32,6 +32,7 @@
 //! ```
 
 mod audit;
+mod backing;
 mod calibration;
 mod direction;
 mod double_pass;
@@ -46,6 +47,7 @@ mod shape;
 mod two_instruments;
 
 pub use audit::{Audit, Incidence, Rotation};
+pub use backing::Backing;
 pub use calibration::{Calibrated, Calibration, calibrated};
 pub use direction::Direction;
 pub use double_pass::double_pass_error;

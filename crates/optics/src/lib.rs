@@ -6,6 +6,7 @@
 //! - [`film`]: any stack of coherent thin layers, metals and evanescent waves included:
 //!   [`film::coherent`] tells everything about one wavelength and direction,
 //!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
+//! - [`scatterer`]: the interface of everything that scatters;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
 //! - [`rough`]: a rough face that sends light to both sides and loses none;
@@ -42,8 +43,10 @@ pub mod lobe;
 pub mod phase;
 pub mod rough;
 pub mod scatter;
+pub mod scatterer;
 mod wide;
 
 pub use direction::{Beta, sine_of_inclination};
 pub use error::OpticsError;
+pub use scatterer::{Sample, Scatterer};
 pub use wide::wide;

@@ -5,9 +5,9 @@
 //! angle between the directions of propagation before and after: 1 is straight on.
 //!
 //! **Parameter.** The anisotropy g, the mean cosine: -1 < g < 1. 0 is isotropic, above 0
-//! forward; particles larger than the wavelength have .7 to .95.
+//! forward; particles larger than the wavelength have 0.7 to 0.95.
 //!
-//! **Intuition.** Half of the light of g = .9 stays within 10 deg, yet a tenth goes beyond
+//! **Intuition.** Half of the light of g = 0.9 stays within 10 deg, yet a tenth goes beyond
 //! 41 deg. Its Legendre moments are the powers of g, so that two deflections in a row are one
 //! with g^2.
 //!
@@ -18,13 +18,17 @@
 
 use std::f64::consts::PI;
 
+use papilio_sampling::warp;
+
+use crate::scatterer::{Sample, Scatterer};
+
 /// The phase function of Henyey and Greenstein.
 ///
 /// ```
 /// use papilio_optics::phase::HenyeyGreenstein;
 /// let forward = HenyeyGreenstein { anisotropy: 0.75 };
 /// // (1 + g)/(1 - g)^2 over 4 pi straight on.
-/// assert!((forward.density(1.0) * 4.0 * std::f64::consts::PI - 28.0).abs() < 1e-12);
+/// assert!((forward.at_cosine(1.0) * 4.0 * std::f64::consts::PI - 28.0).abs() < 1e-12);
 /// assert_eq!(forward.moment(1), 0.75);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,17 +41,17 @@ impl HenyeyGreenstein {
     /// Density per steradian at this cosine of the scattering angle; over the sphere it
     /// integrates to one.
     #[inline]
-    pub fn density(&self, cos: f64) -> f64 {
+    pub fn at_cosine(&self, cos: f64) -> f64 {
         let g = self.anisotropy;
         // 1 + g^2 - 2 g cos, as a sum of what is not negative.
         let s = (1.0 - g.abs()).powi(2) + 2.0 * (g.abs() - g * cos);
         (1.0 - g * g) / (4.0 * PI * s * s.sqrt())
     }
 
-    /// The cosine of a scattering angle drawn with [`Self::density`], from a uniform number;
+    /// The cosine of a scattering angle sampled with [`Self::at_cosine`], from a uniform number;
     /// it rises with `u`. The azimuth is uniform.
     #[inline]
-    pub fn sample(&self, u: f64) -> f64 {
+    pub fn sample_cosine(&self, u: f64) -> f64 {
         let g = self.anisotropy;
         // The usual inversion, rearranged: 1 - cos is a product, exact for every g, 0 included.
         let narrowing = (1.0 - g) / (1.0 - g + 2.0 * g * u);
@@ -57,6 +61,31 @@ impl HenyeyGreenstein {
     /// Legendre moment of order `l`: the mean of P_l(cos), which is g^l.
     pub fn moment(&self, l: u32) -> f64 {
         (0..l).fold(1.0, |power, _| power * self.anisotropy)
+    }
+}
+
+impl Scatterer for HenyeyGreenstein {
+    /// A unit vector.
+    type Direction = [f64; 3];
+
+    #[inline]
+    fn evaluate(&self, from: [f64; 3], to: [f64; 3]) -> f64 {
+        self.at_cosine(from[0] * to[0] + from[1] * to[1] + from[2] * to[2])
+    }
+
+    #[inline]
+    fn sample(&self, from: [f64; 3], u: [f64; 4]) -> Option<Sample<[f64; 3]>> {
+        let cos = self.sample_cosine(u[0]);
+        Some(Sample::exact(warp::deflected(from, 1.0 - cos, u[1]), self.at_cosine(cos)))
+    }
+
+    #[inline]
+    fn density(&self, from: [f64; 3], to: [f64; 3]) -> f64 {
+        self.evaluate(from, to)
+    }
+
+    fn albedo(&self, _: [f64; 3]) -> f64 {
+        1.0
     }
 }
 
@@ -82,7 +111,7 @@ mod tests {
             for offset in [-1.0, 1.0] {
                 let v = a + width * (f64::from(step) + 0.5 + offset * 0.5 / 3.0_f64.sqrt());
                 let cos = sign * (1.0 - 2.0 * v.powi(4));
-                sum += phase.density(cos) * weight(cos) * 8.0 * v.powi(3);
+                sum += phase.at_cosine(cos) * weight(cos) * 8.0 * v.powi(3);
             }
         }
         2.0 * PI * sum * width.abs() / 2.0
@@ -117,19 +146,19 @@ mod tests {
                 let u = f64::from(step) / 100.0;
                 let fraction = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
                 let textbook = (1.0 + g * g - fraction * fraction) / (2.0 * g);
-                let found = HenyeyGreenstein { anisotropy: g }.sample(u);
+                let found = HenyeyGreenstein { anisotropy: g }.sample_cosine(u);
                 assert!((found - textbook).abs() < 1e-12, "g {g}, u {u}: {found} {textbook}");
             }
         }
     }
 
-    /// The integral of the density below the cosine that is drawn from u is u.
+    /// The integral of the density below the cosine that is sampled from u is u.
     #[test]
     fn sample_inverts_the_cumulative_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             for u in [0.0, 1e-3, 0.2, 0.5, 0.9, 0.999, 1.0] {
-                let cos = phase.sample(u);
+                let cos = phase.sample_cosine(u);
                 assert!((-1.0..=1.0).contains(&cos), "g {anisotropy}, u {u}: {cos}");
                 let found = integral(phase, -1.0, cos, |_| 1.0);
                 assert!((found - u).abs() < 1e-9, "g {anisotropy}: {found} {u}");
@@ -142,7 +171,7 @@ mod tests {
         let numbers = Numbers::new(Sampler::Random, 23, 0);
         let (samples, mut counts, mut sum) = (40_000, [0.0; 32], 0.0);
         for path in 0..samples {
-            let cos = drawn.sample(numbers.block(path, 0)[0]);
+            let cos = drawn.sample_cosine(numbers.block(path, 0)[0]);
             sum += cos;
             counts[((cos.acos() / PI * 32.0) as usize).min(31)] += 1.0;
         }

@@ -19,7 +19,7 @@
 //! for correlated heights, `1/(1 + L_i + L_o)` in reflection, `B(1 + L_i, 1 + L_o)` in refraction.
 //!
 //! **Several microfacets.** What G takes away does not vanish: it meets further microfacets. Of
-//! light that arrives with a, Heitz's walk over microfacets returns the share r(a) to its own side
+//! light that arrives with a, Heitz's walk over microfacets returns the fraction r(a) to its own side
 //! after more than one, and sends t(a) across. Both are given out as Kulla and Conty do:
 //! `r(a) r(b)/R` between directions of one side, `t(a) t(b)/T` across, R and T the integrals of r and
 //! t over a side. That is symmetric, and over both sides the whole integrates to one. So a rough
@@ -34,11 +34,11 @@
 //! of one; sampling follows k but for that. What is returned in all is within 0.002 of the walk.
 //!
 //! **Validity.** Geometric optics: features larger than the wavelength, no diffraction, no
-//! speckle, no straight-through light. Slopes are independent of heights and of their
+//! speckle, no regular light. Slopes are independent of heights and of their
 //! neighbours'. In which directions light of several microfacets leaves is a model. Light is
 //! unpolarised at each facet.
 //!
-//! Refracted light of one microfacet jumps to zero where q is alike on both sides, since upright
+//! Refracted light of one microfacet jumps to zero where q is the same on both sides, since upright
 //! facets are as bright as the tail of GGX is heavy: cut quadratures there.
 //!
 //! Sources: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR
@@ -46,15 +46,17 @@
 //! BSDFs with the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016); C. Kulla, A. Conty,
 //! "Revisiting Physically Based Shading at Imageworks", SIGGRAPH courses 2017.
 
-mod again;
 mod deficit;
 mod microfacets;
+mod multiple_scattering;
+mod on_side;
 mod several;
 mod shadowing;
 
-use again::{Deficits, ORDER};
 use deficit::Rule;
 use microfacets::Microfacets;
+use multiple_scattering::{Deficits, ORDER};
+pub use on_side::OnSide;
 pub use shadowing::Distribution;
 
 use crate::Beta;
@@ -81,12 +83,12 @@ impl Side {
 /// A rough face.
 ///
 /// ```
-/// use papilio_optics::Beta;
 /// use papilio_optics::rough::{Rough, Side};
+/// use papilio_optics::{Beta, Scatterer};
 /// let face = Rough::new(0.2, 1.0, 1.5);
 /// let (down, up) = (Beta { x: 0.3, y: 0.0 }, Beta { x: -0.2, y: 0.4 });
-/// let there = face.density(Side::Above, down, Side::Below, up);
-/// let back = face.density(Side::Below, up, Side::Above, down);
+/// let there = face.evaluate(Side::Above.at(down), Side::Below.at(up));
+/// let back = face.evaluate(Side::Below.at(up), Side::Above.at(down));
 /// assert!(there > 0.0 && (there / back - 1.0).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +98,7 @@ pub struct Rough {
 }
 
 impl Rough {
-    /// A face of GGX slopes and this roughness, .01 to 1, between media of these indices, above 0 and different.
+    /// A face of GGX slopes and this roughness, 0.01 to 1, between media of these indices, above 0 and different.
     ///
     /// Takes a few tenths of a second: it tabulates what one microfacet alone would lose, and where that goes.
     pub fn new(alpha: f64, above: f64, below: f64) -> Self {
@@ -124,20 +126,7 @@ impl Rough {
         self.facets.index(side)
     }
 
-    /// Density per unit area of `beta_o` on side `to`, for light that arrives with `beta_i` on
-    /// side `from`: over both sides it integrates to one. Both are of propagation, so that
-    /// `beta_o = beta_i` is the mirror's direction on the same side, straight on across the face.
-    ///
-    /// Symmetric: light that retraces its way has the same density. 0 where `|beta|` is not
-    /// below the index of its side.
-    pub fn density(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
-        let (Some(i), Some(o)) = (self.cosine(from, beta_i), self.cosine(to, beta_o)) else {
-            return 0.0;
-        };
-        self.facets.single(from, beta_i, to, beta_o) + self.deficits.density((from, i), (to, o))
-    }
-
-    /// The part of [`Self::density`] that met one microfacet; symmetric as well.
+    /// The part of [`evaluate`](crate::Scatterer::evaluate) that met one microfacet; symmetric as well.
     pub fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
         self.facets.single(from, beta_i, to, beta_o)
     }
@@ -152,7 +141,7 @@ impl Rough {
         }
     }
 
-    /// The share of light from this side that meets more than one microfacet: one less the
+    /// The fraction of light from this side that meets more than one microfacet: one less the
     /// integral of [`Self::single`] over both sides. `beta_length` is below the side's index.
     pub fn deficit(&self, side: Side, beta_length: f64) -> f64 {
         let [back, across] = self.several(side, beta_length);
@@ -171,7 +160,7 @@ impl Rough {
         self.deficits.total(from, to)
     }
 
-    /// The share of light that returns to its side, after however many microfacets; the rest crosses the face. For as
+    /// The fraction of light that returns to its side, after however many microfacets; the rest crosses the face. For as
     /// many |beta| as are asked for; 0 where it is not below the side's index.
     ///
     /// By Gauss's rule of this order, 12 or more: 12 is good to 1e-5.
@@ -180,29 +169,11 @@ impl Rough {
         let one = |length: &f64| {
             let cosine = self.cosine(side, Beta { x: *length, y: 0.0 });
             cosine.map_or(0.0, |cosine| {
-                self.facets.returned(&rule, side, cosine) + self.deficits.at(side, cosine)[again::BACK]
+                self.facets.returned(&rule, side, cosine)
+                    + self.deficits.at(side, cosine)[multiple_scattering::BACK]
             })
         };
         beta_lengths.iter().map(one).collect()
-    }
-
-    /// A side and direction drawn with [`Self::density`], weight one, from four uniform numbers;
-    /// |beta_i| is below the index of its side.
-    pub fn sample(&self, from: Side, beta_i: Beta, u: [f64; 4]) -> (Side, Beta) {
-        let meeting = self.facets.meet(from, beta_i, [u[0], u[1]]);
-        let reflectance = meeting.reflectance;
-        let reflected = u[2] < reflectance;
-        let mut again = u[3];
-        if let Some(leaving) = self.facets.leave(&meeting, reflected) {
-            if again < leaving.unshadowed {
-                return (leaving.side, leaving.beta);
-            }
-            again = (again - leaving.unshadowed) / (1.0 - leaving.unshadowed);
-        }
-        // Both choices leave what is uniform among the numbers that led to them.
-        let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
-        let cosine = self.cosine(from, beta_i).unwrap_or(0.0);
-        self.deficits.sample(&self.facets, (from, cosine), [again, turn])
     }
 
     /// Cosine to the face's normal of light that exists on this side.

@@ -4,7 +4,7 @@
 //! same side (reflection) or through (transmission), by its BSDF f in 1/sr without the cosine,
 //! referred to air: since `cos(theta) d omega = d^2 beta`, f is the density per area of direction
 //! cosines of what becomes of a unit of light. Unlike a [`Lobe`](crate::lobe::Lobe) it says what
-//! becomes of all light: `value` integrates to the share that is sent, and what is neither sent
+//! becomes of all light: [`evaluate`](Scatterer::evaluate) integrates to the fraction that is sent, and what is neither sent
 //! nor reflected is absorbed.
 //!
 //! **Kinds.** [`Ward`]: a formula, for faces and (flipped) for films. [`Table`]: what was
@@ -19,20 +19,21 @@
 //! a table need not know that. [`Scatter::reciprocal`] is the mean of both readings. Of light
 //! that goes up through a diffuser measured downwards, [`Scatter::reversed`] says what becomes.
 
+mod albedos;
 mod axis;
 mod gauss;
 mod proposal;
 mod smooth;
 mod table;
-mod totals;
 mod ward;
 
 use std::sync::Arc;
 
 pub use table::Table;
-pub use ward::{Normalisation, Ward};
+pub use ward::{GaussianFacets, HalfVector, Normalisation, Ward, ward};
 
 use crate::Beta;
+use crate::scatterer::{Sample, Scatterer};
 
 /// A scattering kernel.
 #[derive(Debug, Clone)]
@@ -54,15 +55,6 @@ pub enum Sense {
     Mean,
 }
 
-/// A direction drawn, and the density per area of direction cosines that it was drawn with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sampled {
-    /// Where the light goes.
-    pub beta: Beta,
-    /// The proposal's density there.
-    pub pdf: f64,
-}
-
 impl From<Table> for Scatter {
     fn from(table: Table) -> Self {
         Self::Table(Arc::new(table), Sense::Forward)
@@ -75,7 +67,7 @@ impl From<Ward> for Scatter {
     }
 }
 
-/// Kernels are alike if they share their numbers.
+/// Kernels are the same if they share their numbers.
 impl PartialEq for Scatter {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -86,74 +78,78 @@ impl PartialEq for Scatter {
     }
 }
 
-impl Scatter {
-    /// f in 1/sr: the density per area of direction cosines of light from `from` that is sent to
-    /// `to`, both of propagation. 0 beyond the [discs](Self::discs).
+impl Scatterer for Scatter {
+    type Direction = Beta;
+
     #[inline]
-    pub fn value(&self, from: Beta, to: Beta) -> f64 {
+    fn evaluate(&self, from: Beta, to: Beta) -> f64 {
         if self.misses(from, to) {
             return 0.0;
         }
         match self {
-            Self::Ward(ward) => ward.value(from, to),
+            Self::Ward(ward) => ward.evaluate(from, to),
             Self::Table(table, Sense::Forward) => table.value(from, to),
             Self::Table(table, Sense::Reversed) => table.value(to, from),
             Self::Table(table, Sense::Mean) => 0.5 * (table.value(from, to) + table.value(to, from)),
         }
     }
 
-    /// A direction for light from `from`, drawn with [`Self::pdf`] from three uniform numbers; `None`
-    /// where the proposal misses the disc, and the light is lost. Its weight is value over pdf.
     #[inline]
-    pub fn sample(&self, from: Beta, u: [f64; 3]) -> Option<Sampled> {
-        let beta = match self {
-            Self::Ward(ward) => ward.sample(from, [u[0], u[1]])?,
-            Self::Table(table, Sense::Forward) => table.sample(from, u, false),
-            Self::Table(table, Sense::Reversed) => table.sample(from, u, true),
-            Self::Table(table, Sense::Mean) if u[2] < 0.5 => {
-                table.sample(from, [u[0], u[1], 2.0 * u[2]], false)
+    fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sample<Beta>> {
+        let [u, v, choice, _] = u;
+        let to = match self {
+            Self::Ward(ward) => ward.facets().sample(from, [u, v])?,
+            Self::Table(table, Sense::Forward) => table.sample(from, [u, v, choice], false),
+            Self::Table(table, Sense::Reversed) => table.sample(from, [u, v, choice], true),
+            Self::Table(table, Sense::Mean) if choice < 0.5 => {
+                table.sample(from, [u, v, 2.0 * choice], false)
             }
-            Self::Table(table, Sense::Mean) => table.sample(from, [u[0], u[1], 2.0 * u[2] - 1.0], true),
+            Self::Table(table, Sense::Mean) => table.sample(from, [u, v, 2.0 * choice - 1.0], true),
         };
-        let pdf = self.pdf(from, beta);
-        (pdf > 0.0).then_some(Sampled { beta, pdf })
+        Sample::new(self, from, to)
     }
 
-    /// The density of [`Self::sample`] per area of direction cosines; 0 beyond the disc that light
-    /// is sent to, over which it integrates to one or less.
     #[inline]
-    pub fn pdf(&self, from: Beta, to: Beta) -> f64 {
+    fn density(&self, from: Beta, to: Beta) -> f64 {
         if self.misses(from, to) {
             return 0.0;
         }
         match self {
-            Self::Ward(ward) => ward.pdf(from, to),
-            Self::Table(table, Sense::Forward) => table.pdf(from, to, false),
-            Self::Table(table, Sense::Reversed) => table.pdf(from, to, true),
-            Self::Table(table, Sense::Mean) => 0.5 * (table.pdf(from, to, false) + table.pdf(from, to, true)),
-        }
-    }
-
-    /// The share of light that arrives with this `|beta|`, within its disc, that is sent on: the integral
-    /// of [`Self::value`], within about 1e-4.
-    #[inline]
-    pub fn total(&self, from_length: f64) -> f64 {
-        match self {
-            Self::Ward(ward) => ward.total(from_length),
-            Self::Table(table, Sense::Forward) => table.total(from_length, false),
-            Self::Table(table, Sense::Reversed) => table.total(from_length, true),
+            Self::Ward(ward) => ward.density(from, to),
+            Self::Table(table, Sense::Forward) => table.density(from, to, false),
+            Self::Table(table, Sense::Reversed) => table.density(from, to, true),
             Self::Table(table, Sense::Mean) => {
-                0.5 * (table.total(from_length, false) + table.total(from_length, true))
+                0.5 * (table.density(from, to, false) + table.density(from, to, true))
             }
         }
     }
 
-    /// [`Self::total`] by an integral of its own, for whoever needs it better than interpolated: of a fineness of 2, 3, ..., each of
-    /// which gains a digit or more.
-    pub fn total_by(&self, from_length: f64, fineness: usize) -> f64 {
-        let table = |table: &Table, reversed| table.total_by(from_length, reversed, fineness);
+    fn albedo(&self, from: Beta) -> f64 {
+        self.albedo_at(from.length())
+    }
+}
+
+impl Scatter {
+    /// The [albedo](Scatterer::albedo) for light that arrives with this `|beta|`, within its disc, interpolated:
+    /// within about 1e-4.
+    #[inline]
+    pub fn albedo_at(&self, from_length: f64) -> f64 {
         match self {
-            Self::Ward(ward) => ward.total_by(from_length, fineness),
+            Self::Ward(ward) => ward.albedo_at(from_length),
+            Self::Table(table, Sense::Forward) => table.albedo(from_length, false),
+            Self::Table(table, Sense::Reversed) => table.albedo(from_length, true),
+            Self::Table(table, Sense::Mean) => {
+                0.5 * (table.albedo(from_length, false) + table.albedo(from_length, true))
+            }
+        }
+    }
+
+    /// [`Self::albedo_at`] by an integral, for callers that need more digits than the interpolation has: of a
+    /// fineness of 2, 3, ..., each of which gains a digit or more.
+    pub fn albedo_by(&self, from_length: f64, fineness: usize) -> f64 {
+        let table = |table: &Table, reversed| table.albedo_by(from_length, reversed, fineness);
+        match self {
+            Self::Ward(ward) => ward.albedo_by(from_length, fineness),
             Self::Table(of, Sense::Forward) => table(of, false),
             Self::Table(of, Sense::Reversed) => table(of, true),
             Self::Table(of, Sense::Mean) => 0.5 * (table(of, false) + table(of, true)),
@@ -217,7 +213,7 @@ impl Scatter {
         ends.into_iter().filter(|end| *end != 1.0)
     }
 
-    /// The kernel of light that retraces its ways: `reversed.value(a, b) = value(b, a)`.
+    /// The kernel of light that retraces its ways: `reversed.evaluate(a, b) = evaluate(b, a)`.
     pub fn reversed(&self) -> Self {
         match self {
             Self::Ward(ward) => Self::Ward(Arc::clone(ward)),

@@ -13,7 +13,7 @@ pub(crate) fn phase_functions() -> Section {
     let count = MEAN_COSINES.len() as f64;
     let curve = |(k, g): (usize, f64)| {
         let phase = HenyeyGreenstein { anisotropy: g };
-        let value = |deg: f64| phase.density(deg.to_radians().cos());
+        let value = |deg: f64| phase.at_cosine(deg.to_radians().cos());
         ChartCurve {
             name: format!("g = {g}"),
             hue: Hue::Scale(k as f64 / count),
@@ -38,7 +38,7 @@ pub(crate) fn phase_functions() -> Section {
         let mut sums = [0.0; 2];
         for k in 0..steps {
             let (sin, cos) = ((f64::from(k) + 0.5) * step).sin_cos();
-            let ring = 2.0 * std::f64::consts::PI * sin * step * phase.density(cos);
+            let ring = 2.0 * std::f64::consts::PI * sin * step * phase.at_cosine(cos);
             sums[0] += ring;
             sums[1] += ring * cos;
         }

@@ -74,12 +74,13 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         let [u, v, s, t] = numbers.block(16 + k, 0);
         let start = -eye * down(seen, 1.0);
         let mut points = vec![(start, eye), (0.0, 0.0)];
-        let Some(inside) = lobe.sample(seen, [u, v]).filter(|beta| beta.squared() < GLASS * GLASS) else {
+        let Some(inside) = lobe.sample_direction(seen, [u, v]).filter(|beta| beta.squared() < GLASS * GLASS)
+        else {
             return points;
         };
         let slope = down(inside, GLASS);
         points.extend([(glass * slope, -glass), (2.0 * glass * slope, 0.0)]);
-        let Some(out) = lobe.sample(inside, [s, t]).filter(|beta| beta.squared() < 1.0) else {
+        let Some(out) = lobe.sample_direction(inside, [s, t]).filter(|beta| beta.squared() < 1.0) else {
             return points;
         };
         points.push((2.0 * glass * slope + eye * down(out, 1.0), eye));

@@ -147,10 +147,10 @@ mod tests {
     #[test]
     fn disc_samples_follow_their_density() {
         let radius: f64 = 1.5;
-        let share_within = |r: f64| uniform_disc_density(radius) * std::f64::consts::PI * r * r;
+        let fraction_within = |r: f64| uniform_disc_density(radius) * std::f64::consts::PI * r * r;
         let found = chi_square(|u| {
             let (x, y) = uniform_disc(radius, u);
-            [share_within(x.hypot(y)), turn(x, y)]
+            [fraction_within(x.hypot(y)), turn(x, y)]
         });
         assert!(found.is_likely(), "{found:?}");
     }

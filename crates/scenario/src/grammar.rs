@@ -28,11 +28,23 @@ macro_rules! table {
             fn keys() -> Vec<&'static str> {
                 vec![$(stringify!($field)),*]
             }
+
+            fn rows() -> Vec<$crate::schema::Row> {
+                vec![$( $crate::schema::Row::new::<$ty>(
+                    stringify!($field),
+                    concat!($($field_doc, "\n"),*),
+                    $crate::grammar::table!(@default $($default)?),
+                ) ),*]
+            }
         }
 
         impl $crate::read::Read for $name {
             fn in_words() -> String {
                 concat!("a table with the keys", $(" ", stringify!($field)),*).to_owned()
+            }
+
+            fn on_page() -> String {
+                "a table".to_owned()
             }
 
             #[allow(non_snake_case, reason = "as in the struct")]
@@ -56,14 +68,8 @@ macro_rules! table {
             }
 
             fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-                let mut keys = $crate::schema::Keys::default();
-                $( keys.add::<$ty>(
-                    stringify!($field),
-                    concat!($($field_doc, "\n"),*),
-                    $crate::grammar::table!(@default $($default)?),
-                    generator,
-                ); )*
-                keys.into_table(concat!($($doc, "\n"),*))
+                let rows = <Self as $crate::read::Table>::rows();
+                $crate::schema::of_table(&rows, concat!($($doc, "\n"),*), generator)
             }
         }
     };
@@ -100,6 +106,10 @@ macro_rules! kinds {
             fn in_words() -> String {
                 let kinds: &[&str] = &[$(concat!($tag, " = \"", $word, "\"")),*];
                 format!("a table with {}", kinds.join(" or "))
+            }
+
+            fn on_page() -> String {
+                concat!("a table; its keys depend on `", $tag, "`").to_owned()
             }
 
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {
@@ -149,6 +159,10 @@ macro_rules! choice {
         impl $crate::read::Read for $name {
             fn in_words() -> String {
                 [$(concat!("\"", $word, "\"")),*].join(" or ")
+            }
+
+            fn on_page() -> String {
+                $crate::schema::choices(&[$(($word, concat!($($word_doc),*))),*])
             }
 
             fn read(node: &$crate::tree::Node, errors: &mut $crate::error::Errors) -> Option<Self> {

@@ -54,11 +54,13 @@ mod error;
 mod grammar;
 mod kinds;
 mod library;
+mod memo;
 mod migrate;
 mod mistake;
 mod nearest;
 mod optimise;
 mod origin;
+mod page;
 mod path;
 mod preset;
 mod range;
@@ -78,16 +80,18 @@ mod varied;
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
+pub use memo::Memo;
 pub use migrate::{Migrated, RenamedPlace, migrate};
 pub use mistake::MistakeKind;
 pub use optimise::{
     Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod, SearchObjective,
     SearchQuantity, SearchRange, SearchVariable,
 };
+pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use path::KeyPath;
 pub use preset::{new_scenario, preset_names};
-pub use resolve::{Memo, VirtualMeasurement};
+pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
 pub use sweep::{LightSweep, Sweep};

@@ -8,7 +8,7 @@ use papilio_diagnostics::{Diagnostic, Place, suggestion};
 use papilio_formats::{DataFile, FormatError};
 use sha2::{Digest, Sha256};
 
-use crate::resolve::Memo;
+use crate::memo::Memo;
 
 /// Where the files are that a scenario names.
 #[derive(Debug, Clone)]

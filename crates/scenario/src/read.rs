@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 use crate::error::Errors;
 use crate::mistake;
 use crate::origin::Origin;
+use crate::schema::Row;
 use crate::tree::{Entry, Node, Value};
 
 /// A value and where it was given; a default stands where its table does.
@@ -24,6 +25,11 @@ pub(crate) struct At<T> {
 pub(crate) trait Read: Sized + JsonSchema {
     /// The kind of value, in words: "a number from 0 to 1".
     fn in_words() -> String;
+
+    /// The same for a page of documentation, in Markdown.
+    fn on_page() -> String {
+        Self::in_words()
+    }
 
     /// The value, or at least one error.
     fn read(node: &Node, errors: &mut Errors) -> Option<Self>;
@@ -47,6 +53,11 @@ pub(crate) trait Read: Sized + JsonSchema {
 /// A table with a fixed set of keys.
 pub(crate) trait Table {
     fn keys() -> Vec<&'static str>;
+
+    /// Its keys for schema and documentation; none of a table whose kinds have keys of their own.
+    fn rows() -> Vec<Row> {
+        Vec::new()
+    }
 }
 
 impl<T> Deref for At<T> {
@@ -145,6 +156,9 @@ impl<T: Read> Read for Option<T> {
     fn in_words() -> String {
         T::in_words()
     }
+    fn on_page() -> String {
+        T::on_page()
+    }
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         T::read(node, errors).map(Some)
     }
@@ -163,6 +177,9 @@ impl<T: Read> Read for Box<T> {
     fn in_words() -> String {
         T::in_words()
     }
+    fn on_page() -> String {
+        T::on_page()
+    }
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         T::read(node, errors).map(Self::new)
     }
@@ -171,6 +188,9 @@ impl<T: Read> Read for Box<T> {
 impl<T: Table> Table for Box<T> {
     fn keys() -> Vec<&'static str> {
         T::keys()
+    }
+    fn rows() -> Vec<Row> {
+        T::rows()
     }
 }
 
@@ -201,6 +221,9 @@ impl Read for bool {
 impl<T: Read> Read for Vec<At<T>> {
     fn in_words() -> String {
         format!("a list, each item {}", T::in_words())
+    }
+    fn on_page() -> String {
+        format!("a list, each item {}", T::on_page())
     }
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let Value::Array(items) = &node.value else {
@@ -249,6 +272,9 @@ impl<T> Named<T> {
 impl<T: Read> Read for Named<T> {
     fn in_words() -> String {
         format!("a table of names, each with {}", T::in_words())
+    }
+    fn on_page() -> String {
+        format!("a table of names, each with {}", T::on_page())
     }
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let Value::Table(entries) = &node.value else {

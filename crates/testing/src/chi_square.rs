@@ -57,7 +57,7 @@ mod tests {
     fn quantiles_are_those_of_tables() {
         for (freedom, quantile) in [(8.0, 31.8276), (15.0, 44.2632), (31.0, 69.1057), (255.0, 347.6542)] {
             let z = ChiSquare { statistic: quantile, freedom }.z();
-            assert!((z - 3.719).abs() < 0.02, "{freedom}: {z}");
+            assert!((z - 3.719).abs() < 0.05, "{freedom}: {z}");
         }
     }
 

@@ -109,7 +109,7 @@ pub(crate) struct Stencil {
 impl Stencil {
     pub(crate) const LEN: usize = 16;
 
-    /// Nodes between which evenly spaced ones are interpolated.
+    /// Nodes between which uniformly spaced ones are interpolated.
     const EVEN: usize = 8;
 
     /// The look-up of a table with one node.
@@ -169,7 +169,7 @@ pub struct AngularTable {
     pub nodes: Nodes,
     /// Basis reflectances, shape `[node][basis][wavelength]`; shared, for they are large.
     pub basis: Arc<[f64]>,
-    /// The share of each basis in each state, shape `[state][basis]`.
+    /// The fraction of each basis in each state, shape `[state][basis]`.
     pub mixture: Vec<f64>,
     /// What every state reflects besides, shape `[wavelength]`.
     pub common: Vec<f64>,

@@ -11,7 +11,7 @@ use crate::{AngularTable, Cone, Medium, ScatterKernel};
 pub struct Base {
     /// How it reflects.
     pub reflector: Reflector,
-    /// Absorptance of the inactive share of the panel, times that share, per wavelength.
+    /// Absorptance of the inactive part of the panel, times its fraction of the area, per wavelength.
     pub inactive_absorptance: Spectrum,
 }
 
@@ -66,7 +66,7 @@ impl Base {
         matches!(self.reflector, Reflector::Specular(_))
     }
 
-    /// The share that every state reflects at `|beta|^2`; `out` has shape `[state][wavelength]`.
+    /// The fraction that every state reflects at `|beta|^2`; `out` has shape `[state][wavelength]`.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         match &self.reflector {
             Reflector::Specular(table) => table.reflectance(beta_squared, medium, out),

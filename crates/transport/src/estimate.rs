@@ -4,21 +4,21 @@
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Estimate {
     /// For each source, in the order they were given.
-    pub rho: Vec<Rho>,
+    pub rho: Vec<ReflectanceFactor>,
     /// Where a unit beam from the view direction ends.
     pub ledger: Ledger,
 }
 
 /// Reflectance factor under one source alone.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Rho {
-    /// Light that met the base; shape `[state][wavelength]`.
-    pub base: Vec<f64>,
-    /// Light mirrored before it met the base, alike in all states; shape `[wavelength]`.
+pub struct ReflectanceFactor {
+    /// Light that met the pixel; shape `[state][wavelength]`.
+    pub via_pixel: Vec<f64>,
+    /// Light reflected before it met the pixel, the same in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
 }
 
-/// Shares of a unit beam, per state and wavelength (shape `[state][wavelength]`).
+/// Fractions of a unit beam, per state and wavelength (shape `[state][wavelength]`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ledger {
     /// Back into the room.
@@ -50,4 +50,17 @@ impl Ledger {
             unaccounted: zeros(),
         }
     }
+}
+
+/// The account of the [`Ledger`] that light absorbed by a layer is added to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Account {
+    /// Front-of-screen components.
+    Front = 0,
+    /// Diffusers, scattering media and rough faces.
+    Diffuser = 1,
+    /// Clear media and coatings.
+    Glass = 2,
+    /// A pixel that scatters.
+    Pixel = 3,
 }

@@ -173,7 +173,7 @@ impl Formula {
         self.radiance.span()
     }
 
-    /// True if its edges are alike at all azimuths.
+    /// True if its edges are the same at all azimuths.
     pub(crate) fn is_round(&self) -> bool {
         self.seen.iter().all(Seen::is_concentric)
     }

@@ -1,6 +1,6 @@
 //! Front of screen: flat components in air, combined incoherently.
 //!
-//! Each component mirrors a share R and absorbs a share A of the light, alike from
+//! Each component mirrors a fraction R and absorbs a fraction A of the light, alike from
 //! both sides and at every angle (Feng 2012, fig. 3.2); it transmits 1 - R - A. Two
 //! parts above each other, `r'` the upper one's reflectance from below:
 //!
@@ -86,6 +86,13 @@ pub(crate) struct Flat {
 }
 
 impl Flat {
+    /// Everything passes.
+    pub(crate) const CLEAR: Self = Self { t: 1.0, above: 0.0, below: 0.0 };
+    /// Everything is absorbed, or scattered.
+    pub(crate) const OPAQUE: Self = Self { t: 0.0, above: 0.0, below: 0.0 };
+    /// Everything is reflected.
+    pub(crate) const MIRROR: Self = Self { t: 0.0, above: 1.0, below: 1.0 };
+
     /// This part above `lower`, all inter-reflections included.
     #[inline]
     pub(crate) fn over(self, lower: Self) -> Self {

@@ -34,7 +34,7 @@
 //! let mut replicate = walk.replicate();
 //! walk.trace(&mut replicate, &Numbers::new(Sampler::Sobol, 0, 0), 1 << 14);
 //! let rho = &walk.estimate(&replicate).rho[0];
-//! // r + (1 - r)^2 .5 / (1 - .5 r) with r = .04.
+//! // r + (1 - r)^2 0.5 / (1 - 0.5 r) with r = 0.04.
 //! assert!((rho.base[0] + rho.front[0] - 0.510204).abs() < 1e-3);
 //! ```
 //!
@@ -52,8 +52,8 @@ mod field;
 mod formula;
 mod front;
 mod layered;
+mod layers;
 mod light;
-mod medium;
 mod panel;
 mod product;
 mod skeleton;
@@ -63,12 +63,12 @@ pub mod walk;
 pub use angular::{AngularTable, Nodes};
 pub use base::{Base, Reflector};
 pub use cosines::CosinePanels;
-pub use estimate::{Estimate, Ledger, Rho};
+pub use estimate::{Estimate, Ledger, ReflectanceFactor};
 pub use field::Field;
 pub use formula::{Edge, Radiance};
 pub use front::Front;
-pub use layered::{Diffuser, Interface, Layer, Layered, ScatterFace, ScatterKernel, Stack};
+pub use layered::{Layer, Layered, Stack};
+pub use layers::*;
 pub use light::{Cone, Source};
-pub use medium::{Medium, Scattering};
 pub use panel::{Panel, Top};
 pub use specular::{Image, specular_image};

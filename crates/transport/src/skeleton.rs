@@ -1,72 +1,73 @@
-//! The flat skeleton of a stack: where light of one direction gets to without being scattered.
+//! The flat skeleton of a stack: transport of light of one direction without scattering.
 //!
-//! At given direction cosines everything that is flat mirrors and passes light without
-//! changing them; whatever scatters is replaced by its straight part (a diffuser by s T, a
-//! scattering medium by exp(-tau/mu), a rough face and a Lambertian base by nothing). What
-//! is left is a row of parts with reflectances and one transmittance each, all of whose
-//! inter-reflections are summed in closed form, for every wavelength and, where the base is
-//! a mirror, for every state.
+//! At given direction cosines everything flat reflects and transmits light without changing them. A scatterer is
+//! replaced by its regular part: a diffuser by s T, a scattering medium by exp(-tau/mu), a rough interface and a
+//! Lambertian base by nothing. The result is a row of parts with reflectances and one transmittance each. All their
+//! inter-reflections are summed in closed form, for every wavelength and, where the base is a mirror, for every state.
 //!
-//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* lie
-//! between them: plane 0 in the air over all elements, plane e above element e, the last one
-//! on the base. A [`Field`] holds the light at every plane that one unit of basic radiance
-//! makes, in both directions. All parts are reciprocal: the light going down at a plane, per
-//! unit that enters from the air, is also the share of light sent up there that leaves.
-
-use papilio_optics::interface::fresnel_reflectance;
-use papilio_spectra::Spectrum;
+//! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* are between them: plane 0 in
+//! the air above all elements, plane e above element e, the last one on the base. A [`Field`] contains the light at every
+//! plane, in both directions, that one unit of basic radiance causes. All parts are reciprocal: the light going down at
+//! a plane, per unit that enters from the air, is also the fraction of light emitted upwards there that leaves.
 
 use crate::front::Flat;
-use crate::{Interface, Layer, Layered, Medium, Reflector, ScatterFace};
+use crate::layers::LayerKind;
+use crate::{Layered, Medium, Reflector};
 
-/// Which way light goes.
+/// Whether light propagates down or up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Going {
+pub(crate) enum Propagation {
     Down,
     Up,
 }
 
-/// Light at a plane, on its way.
+impl Propagation {
+    /// The other way.
+    pub(crate) fn reversed(self) -> Self {
+        match self {
+            Self::Down => Self::Up,
+            Self::Up => Self::Down,
+        }
+    }
+}
+
+/// Light at a plane, propagating down or up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ray {
     pub(crate) plane: usize,
-    pub(crate) going: Going,
+    pub(crate) going: Propagation,
 }
 
 impl Ray {
     /// In the air, towards the display.
-    pub(crate) const ENTERING: Self = Self { plane: 0, going: Going::Down };
+    pub(crate) const ENTERING: Self = Self { plane: 0, going: Propagation::Down };
 
     /// In the air, away from the display.
-    pub(crate) const LEAVING: Self = Self { plane: 0, going: Going::Up };
+    pub(crate) const LEAVING: Self = Self { plane: 0, going: Propagation::Up };
 
-    /// The ray that meets `element`.
-    pub(crate) fn meeting(element: usize, going: Going) -> Self {
+    /// The ray that arrives at `element`.
+    pub(crate) fn arriving_at(element: usize, going: Propagation) -> Self {
         match going {
-            Going::Down => Self { plane: element, going },
-            Going::Up => Self { plane: element + 1, going },
+            Propagation::Down => Self { plane: element, going },
+            Propagation::Up => Self { plane: element + 1, going },
         }
     }
 
-    /// The ray that comes from `element`.
-    pub(crate) fn from_element(element: usize, going: Going) -> Self {
+    /// The ray that leaves `element`.
+    pub(crate) fn from_element(element: usize, going: Propagation) -> Self {
         match going {
-            Going::Down => Self { plane: element + 1, going },
-            Going::Up => Self { plane: element, going },
+            Propagation::Down => Self { plane: element + 1, going },
+            Propagation::Up => Self { plane: element, going },
         }
     }
 
-    /// The same way the other way round.
+    /// The ray of the opposite propagation.
     pub(crate) fn reversed(self) -> Self {
-        let going = match self.going {
-            Going::Down => Going::Up,
-            Going::Up => Going::Down,
-        };
-        Self { going, ..self }
+        Self { going: self.going.reversed(), ..self }
     }
 }
 
-/// The flat parts of a stack at one direction, and what lies above and below each plane.
+/// Flat parts of a stack at one direction, and the reflectances above and below each plane.
 #[derive(Debug, Clone)]
 pub(crate) struct Skeleton {
     air: Medium,
@@ -75,9 +76,9 @@ pub(crate) struct Skeleton {
     length: f64,
     /// The elements; shape `[element][wavelength]`.
     parts: Vec<Part>,
-    /// Reflectance of all that lies above a plane, seen from it; shape `[plane][wavelength]`.
+    /// Reflectance of everything above a plane, seen from it; shape `[plane][wavelength]`.
     above: Vec<f64>,
-    /// Of all that lies below, over a black base.
+    /// The same of everything below, over a black base.
     below: Vec<f64>,
     /// The base's reflectance; shape `[state][wavelength]`, 0 where it is Lambertian.
     base: Vec<f64>,
@@ -87,25 +88,21 @@ pub(crate) struct Skeleton {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) flat: Flat,
-    /// The share that it scatters, of light from above and from below.
+    /// Fraction scattered, of light from above and from below.
     pub(crate) scattered: [f64; 2],
 }
 
 impl Part {
-    const NOTHING: Self = Self::flat(Flat { t: 1.0, above: 0.0, below: 0.0 });
-    const OPAQUE: Self = Self::flat(Flat { t: 0.0, above: 0.0, below: 0.0 });
-    const MIRROR: Self = Self::flat(Flat { t: 0.0, above: 1.0, below: 1.0 });
-
-    const fn flat(flat: Flat) -> Self {
+    pub(crate) const fn flat(flat: Flat) -> Self {
         Self { flat, scattered: [0.0; 2] }
     }
 
-    /// The share that it absorbs of light that meets it on its way down or up.
+    /// Fraction absorbed, of light that arrives going down or up.
     #[inline]
-    pub(crate) fn absorbed(&self, going: Going) -> f64 {
+    pub(crate) fn absorbed(&self, going: Propagation) -> f64 {
         let reflected = match going {
-            Going::Down => self.flat.above,
-            Going::Up => self.flat.below,
+            Propagation::Down => self.flat.above,
+            Propagation::Up => self.flat.below,
         };
         1.0 - self.flat.t - reflected - self.scattered[going as usize]
     }
@@ -119,7 +116,7 @@ impl Skeleton {
             air: Medium::new(vec![1.0; bins].into()),
             bins,
             length: 0.0,
-            parts: vec![Part::NOTHING; elements * bins],
+            parts: vec![Part::flat(Flat::CLEAR); elements * bins],
             above: vec![0.0; (elements + 1) * bins],
             below: vec![0.0; (elements + 1) * bins],
             base: vec![0.0; stack.base.states() * bins],
@@ -153,10 +150,8 @@ impl Skeleton {
         let mut upper = &self.air;
         for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bins)) {
             let (interface, medium) = parts.split_at_mut(self.bins);
-            set_interface(upper, layer, beta_squared, interface);
-            for (bin, part) in medium.iter_mut().enumerate() {
-                *part = through_medium(&layer.medium, beta_squared, bin);
-            }
+            layer.interface.kind().parts([upper, &layer.medium], beta_squared, interface);
+            layer.medium.parts([&layer.medium; 2], beta_squared, medium);
             upper = &layer.medium;
         }
         match &stack.base.reflector {
@@ -179,15 +174,15 @@ impl Skeleton {
         }
     }
 
-    /// The field that one unit of light makes, sent out as `ray`.
+    /// Computes the field of one unit of light emitted as `ray`.
     pub(crate) fn emit(&self, ray: Ray, field: &mut Field) {
         let last = self.elements();
         field.direct.clear();
         field.risen.clear();
         for bin in 0..self.bins {
             self.spread(ray, bin, &mut field.direct);
-            // What rises from the base does so over a black one: its returns are in `rising`.
-            self.spread(Ray { plane: last, going: Going::Up }, bin, &mut field.risen);
+            // Over a black base: returns to the base are in `rising`.
+            self.spread(Ray { plane: last, going: Propagation::Up }, bin, &mut field.risen);
         }
         let arriving = &field.direct.down[last * self.bins..];
         let above = &self.above[last * self.bins..];
@@ -198,14 +193,14 @@ impl Skeleton {
         }
     }
 
-    /// All that one unit of light makes over a black base, at one wavelength.
+    /// Light at all planes for one unit over a black base, at one wavelength.
     fn spread(&self, ray: Ray, bin: usize, to: &mut Currents) {
         let at = |plane: usize| plane * self.bins + bin;
         let start = at(ray.plane);
         let sent = passing(1.0, self.above[start] * self.below[start]);
         (to.down[start], to.up[start]) = match ray.going {
-            Going::Down => (sent, sent * self.below[start]),
-            Going::Up => (sent * self.above[start], sent),
+            Propagation::Down => (sent, sent * self.below[start]),
+            Propagation::Up => (sent * self.above[start], sent),
         };
         let mut down = to.down[start];
         for plane in ray.plane..self.elements() {
@@ -224,28 +219,28 @@ impl Skeleton {
     }
 }
 
-/// What passes a part and then goes to and fro behind it, a share `returned` at a time. Nothing
-/// gets into a closed box of whole mirrors.
+/// Light that passes a part and is then reflected to and fro behind it, a fraction `returned` each time. Nothing
+/// enters a closed box of perfect mirrors.
 #[inline]
 fn passing(t: f64, returned: f64) -> f64 {
     if t == 0.0 || returned >= 1.0 { 0.0 } else { t / (1.0 - returned) }
 }
 
-/// The light at every plane, per unit that was sent out. Its amount by way of a specular base is
-/// `risen` times `rising`, a product of wavelength and of state.
+/// Light at every plane, per unit emitted. Light via a specular base is `risen`, by wavelength, times `rising`, by
+/// state and wavelength.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
     bins: usize,
     /// Light that has not met the base.
     pub(crate) direct: Currents,
-    /// Light that has, per unit that rises from it.
+    /// Light that has met the base, per unit that rises from it.
     pub(crate) risen: Currents,
-    /// What rises from the base, all returns to it included; shape `[state][wavelength]`.
+    /// Light that rises from the base, all returns to it included; shape `[state][wavelength]`.
     pub(crate) rising: Vec<f64>,
 }
 
 impl Field {
-    /// What goes as `ray`, per wavelength: not by way of the base, and per unit that rises from it.
+    /// Light that travels as `ray`, per wavelength: light that has not met the base, and per unit that rises from it.
     #[inline]
     pub(crate) fn at(&self, ray: Ray) -> (&[f64], &[f64]) {
         let at = ray.plane * self.bins;
@@ -267,86 +262,10 @@ impl Currents {
     }
 
     #[inline]
-    fn going(&self, going: Going) -> &[f64] {
+    fn going(&self, going: Propagation) -> &[f64] {
         match going {
-            Going::Down => &self.down,
-            Going::Up => &self.up,
+            Propagation::Down => &self.down,
+            Propagation::Up => &self.up,
         }
     }
-}
-
-/// The interface over a layer, at every wavelength.
-fn set_interface(upper: &Medium, layer: &Layer, beta_squared: f64, out: &mut [Part]) {
-    let alike = match &layer.interface {
-        Interface::Scatter(face) => return set_scatter_face(face, beta_squared, out),
-        Interface::Open | Interface::Rough(_) => true,
-        Interface::Coated | Interface::Fresnel => {
-            upper.constant_index().is_some() && layer.medium.constant_index().is_some()
-        }
-        Interface::Sheet { .. } | Interface::Coating(_) | Interface::Diffuser(_) => false,
-    };
-    let first = at_interface(upper, layer, beta_squared, 0);
-    for (bin, part) in out.iter_mut().enumerate() {
-        *part = if alike { first } else { at_interface(upper, layer, beta_squared, bin) };
-    }
-}
-
-/// A face given by its BSDF, at every wavelength.
-fn set_scatter_face(face: &ScatterFace, beta_squared: f64, out: &mut [Part]) {
-    let ways = [Going::Down, Going::Up].map(|going| {
-        [face.through(going), face.back(going)]
-            .map(|kernel| kernel.map(|kernel| (kernel.total(beta_squared.sqrt()), &kernel.factor)))
-    });
-    for (bin, part) in out.iter_mut().enumerate() {
-        let share = |way: &Option<(f64, &Spectrum)>| way.map_or(0.0, |(total, factor)| total * factor[bin]);
-        let straight = if beta_squared <= 1.0 { face.straight()[bin] } else { 0.0 };
-        part.flat = Flat { t: straight, above: 0.0, below: 0.0 };
-        part.scattered = ways.each_ref().map(|way| way.iter().map(share).sum());
-    }
-}
-
-fn at_interface(upper: &Medium, layer: &Layer, beta_squared: f64, bin: usize) -> Part {
-    let (n1, n2) = (upper.index()[bin], layer.medium.index()[bin]);
-    let least = n1.min(n2);
-    let both_carry = beta_squared <= least * least;
-    match &layer.interface {
-        Interface::Open => Part::NOTHING,
-        Interface::Coated if both_carry => Part::NOTHING,
-        Interface::Coated => Part::MIRROR,
-        Interface::Fresnel => {
-            let r = fresnel_reflectance(n1, n2, beta_squared.sqrt());
-            Part::flat(Flat { t: 1.0 - r, above: r, below: r })
-        }
-        Interface::Sheet { reflectance, absorptance } => {
-            let r = reflectance[bin];
-            Part::flat(Flat { t: 1.0 - r - absorptance[bin], above: r, below: r })
-        }
-        Interface::Coating(coating) => {
-            let part = coating.part(beta_squared, bin);
-            Part::flat(Flat { t: part.transmittance, above: part.above, below: part.below })
-        }
-        Interface::Diffuser(diffuser) => {
-            let (t, s) = (diffuser.transmittance[bin], diffuser.straight_through);
-            let straight = if both_carry { t * s } else { 0.0 };
-            Part { flat: Flat { t: straight, above: 0.0, below: 0.0 }, scattered: [t * (1.0 - s); 2] }
-        }
-        Interface::Rough(_) => Part { scattered: [1.0; 2], ..Part::OPAQUE },
-        // Its wavelengths are set together.
-        Interface::Scatter(_) => Part::OPAQUE,
-    }
-}
-
-fn through_medium(medium: &Medium, beta_squared: f64, bin: usize) -> Part {
-    let n = medium.index()[bin];
-    if beta_squared >= n * n {
-        return Part::OPAQUE;
-    }
-    if medium.transmittance().is_none() && medium.scattering().is_none() {
-        return Part::NOTHING;
-    }
-    let secant = 1.0 / (1.0 - beta_squared / (n * n)).sqrt();
-    let clear = medium.transmittance().map_or(1.0, |t| t[bin].powf(secant));
-    let depth = medium.scattering().map_or(0.0, |s| s.optical_thickness * secant);
-    let t = clear * (-depth).exp();
-    Part { flat: Flat { t, above: 0.0, below: 0.0 }, scattered: [-(-depth).exp_m1(); 2] }
 }

@@ -10,7 +10,7 @@ use crate::{Diffuser, Layered, Panel, Reflector, Stack, Top};
 /// What a mirror image holds, in parts of the source's own radiance.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Image {
-    /// Mirrored before the base, alike in all states; shape `[wavelength]`.
+    /// Mirrored before the base, the same in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
     /// By way of the base; shape `[state][wavelength]`.
     pub base: Vec<f64>,
@@ -61,7 +61,7 @@ pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
     Image { front: (0..base.bins()).map(|bin| flat(bin).above).collect(), base: r }
 }
 
-/// All orders of a round trip that keeps this share of the light.
+/// All orders of a round trip that keeps this fraction of the light.
 fn round_trip(stack: &Panel, share: f64) -> f64 {
     if stack.single_pass { 1.0 } else { 1.0 / (1.0 - share) }
 }

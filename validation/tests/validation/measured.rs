@@ -17,7 +17,10 @@ use papilio_goniometry::{Audit, Channel, Instrument, SyntheticSample};
 use papilio_scenario::Scenario;
 use papilio_validation::{run, scenario};
 
-const HAZES: [f64; 3] = [0.65, 0.78, 0.81];
+/// The outer two by day, all three where there is time.
+fn hazes() -> &'static [f64] {
+    if std::env::var_os("PAPILIO_STACKS").is_some() { &[0.65, 0.78, 0.81] } else { &[0.65, 0.81] }
+}
 
 fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name)
@@ -103,7 +106,7 @@ const ADDING: &str = "solver.relative_error=1e-4";
 fn on_half_a_degree_a_measured_diffuser_is_the_diffuser() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.bsdf");
-    for haze in HAZES {
+    for &haze in hazes() {
         measured(haze, 0.5, &path);
         for glass in [AIR, GLASS] {
             println!("haze {haze}, {glass}");
@@ -118,7 +121,7 @@ fn on_half_a_degree_a_measured_diffuser_is_the_diffuser() {
 fn on_the_real_grid_the_audit_predicts_the_error() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.bsdf");
-    for haze in HAZES {
+    for &haze in hazes() {
         let predicted = measured(haze, 2.0, &path);
         println!("haze {haze}, predicted {:.3} %", 100.0 * predicted);
         for glass in [AIR, GLASS] {

@@ -23,7 +23,7 @@ fn numbers(estimate: &Estimate) -> Vec<f64> {
     let bins = WAVELENGTHS_NM.len();
     let mut all = Vec::new();
     for rho in &estimate.rho {
-        all.extend((0..STATES * bins).map(|k| rho.base[k] + rho.front[k % bins]));
+        all.extend((0..STATES * bins).map(|k| rho.via_pixel[k] + rho.front[k % bins]));
     }
     let ledger = &estimate.ledger;
     for part in

@@ -43,7 +43,7 @@ impl Tangents<'_> {
                 }
                 slope
             };
-            seen.iter().flat_map(|rho| slope(&rho.base)).collect()
+            seen.iter().flat_map(|rho| slope(&rho.via_pixel)).collect()
         });
         Ok(slopes.collect())
     }

@@ -17,7 +17,7 @@ impl Meter<'_> {
                 Xyz { x, y, z }
             };
             let front = seen(&rho.front);
-            for (colour, base) in colours.iter_mut().zip(rho.base.chunks_exact(self.layout.bins)) {
+            for (colour, base) in colours.iter_mut().zip(rho.via_pixel.chunks_exact(self.layout.bins)) {
                 *colour = *colour + seen(base) + front;
             }
         }

@@ -6,7 +6,7 @@
 //! the front once instead of twice. What leaks upwards is a veil of t times its luminance, and what the front sends back of it
 //! is diffuse light on the panel.
 
-use papilio_transport::{Front, Interface, Rho, Stack};
+use papilio_transport::{Front, ReflectanceFactor, Stack};
 
 use crate::scene::{FrontLight, Scene};
 
@@ -24,11 +24,10 @@ impl BelowFront {
         let front = match stack {
             Stack::Panel(panel) => panel.front.clone(),
             Stack::Layered(layered) => {
-                let sheets = layered.layers.iter().map_while(|layer| match &layer.interface {
-                    Interface::Sheet { reflectance, absorptance } => Some((&**reflectance, &**absorptance)),
-                    _ => None,
-                });
-                Front::exact(scene.grid.len(), sheets)
+                let components = layered.layers.iter().map_while(|layer| layer.interface.front_component());
+                let components =
+                    components.map(|[reflectance, absorptance]| (&**reflectance, &**absorptance));
+                Front::exact(scene.grid.len(), components)
             }
         };
         Some(Self { front, is_diffuse: field.is_none(), leak: *upward_over_downward })
@@ -47,12 +46,16 @@ impl BelowFront {
     }
 
     /// Of what is seen of its light above the front, and of diffuse light.
-    pub(super) fn seen(&self, of_it: &Rho, of_diffuse: &Rho) -> Rho {
+    pub(super) fn seen(
+        &self,
+        of_it: &ReflectanceFactor,
+        of_diffuse: &ReflectanceFactor,
+    ) -> ReflectanceFactor {
         let Front { transmittance, reflectance_above, reflectance_below } = &self.front;
         let bins = transmittance.len();
         let share = |bin: usize| if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
         let sent_back = |bin: usize| self.leak * reflectance_below[bin];
-        let base = of_it.base.iter().zip(&of_diffuse.base).enumerate().map(|(k, (it, diffuse))| {
+        let base = of_it.via_pixel.iter().zip(&of_diffuse.via_pixel).enumerate().map(|(k, (it, diffuse))| {
             let bin = k % bins;
             share(bin) * (it + sent_back(bin) * diffuse)
         });
@@ -62,6 +65,6 @@ impl BelowFront {
             let it = if self.is_diffuse { diffuse } else { 0.0 };
             share(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
         });
-        Rho { base: base.collect(), front: front.collect() }
+        ReflectanceFactor { via_pixel: base.collect(), front: front.collect() }
     }
 }

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 
 use papilio_colour::{Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
-use papilio_transport::{Base, Estimate, Rho};
+use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
@@ -110,7 +110,7 @@ impl<'a> Meter<'a> {
     }
 
     /// What is seen of each light, the front light as it is below the front of screen.
-    fn seen_of<'e>(&self, all: &'e [Rho]) -> impl Iterator<Item = Cow<'e, Rho>> {
+    fn seen_of<'e>(&self, all: &'e [ReflectanceFactor]) -> impl Iterator<Item = Cow<'e, ReflectanceFactor>> {
         let last = all.len().saturating_sub(1);
         all.iter().enumerate().map(move |(k, rho)| match &self.below_front {
             Some(guide) if k == last => Cow::Owned(guide.seen(rho, &all[0])),
@@ -126,13 +126,13 @@ impl<'a> Meter<'a> {
     }
 
     /// What is seen of each light as a sample.
-    pub(crate) fn sample_without_ledger(&self, seen: &[Rho]) -> Sample {
+    pub(crate) fn sample_without_ledger(&self, seen: &[ReflectanceFactor]) -> Sample {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
         for (light, rho) in self.lights.iter().zip(self.seen_of(seen)) {
             let from_front = sum_of_products(&rho.front, &light.xyz[1]);
             for state in 0..layout.states {
-                let base = &rho.base[state * layout.bins..][..layout.bins];
+                let base = &rho.via_pixel[state * layout.bins..][..layout.bins];
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
                 let radiance = sample[layout.radiance(state)].iter_mut().zip(&light.radiance);
                 radiance.zip(both.clone()).for_each(|((sum, white), rho)| *sum += white * rho);

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use papilio_optics::Beta;
 use papilio_transport::adding::{Kernel, error_over_difference};
-use papilio_transport::{Cone, Estimate, Rho, Source, Stack, specular_image};
+use papilio_transport::{Cone, Estimate, ReflectanceFactor, Source, Stack, specular_image};
 use rayon::ThreadPool;
 
 use super::cone::DEFAULT_TARGET;
@@ -127,11 +127,11 @@ impl Survey<'_> {
     }
 
     /// Adds the Y of each state.
-    fn add_luminous(&self, rho: &Rho, all: &mut Luminous) {
+    fn add_luminous(&self, rho: &ReflectanceFactor, all: &mut Luminous) {
         let y_bar = self.setup.observer.weights()[1];
         let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
         let front = sum(&rho.front);
-        all.extend(rho.base.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
+        all.extend(rho.via_pixel.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
     }
 
     /// What is scattered, as [`Self::scattered`] says, with nodes and the relative errors of Y. A panel's kernels
@@ -275,25 +275,25 @@ impl Survey<'_> {
             Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
             _ => None,
         };
-        let images: Vec<Rho> = self
+        let images: Vec<ReflectanceFactor> = self
             .beams
             .iter()
             .filter_map(image)
-            .map(|image| Rho { base: image.base, front: image.front })
+            .map(|image| ReflectanceFactor { via_pixel: image.base, front: image.front })
             .collect();
         self.of_state(state, images.iter())
     }
 
     /// A state's spectra, one after the other.
-    fn of_state<'r>(&self, state: usize, all: impl Iterator<Item = &'r Rho>) -> Vec<f64> {
+    fn of_state<'r>(&self, state: usize, all: impl Iterator<Item = &'r ReflectanceFactor>) -> Vec<f64> {
         let bins = self.setup.scene.grid.len();
         all.flat_map(|rho| both(rho).skip(state * bins).take(bins)).collect()
     }
 }
 
 /// By way of the base and before it, [state][wavelength].
-fn both(rho: &Rho) -> impl Iterator<Item = f64> {
-    rho.base.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
+fn both(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
+    rho.via_pixel.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
 }
 
 /// A point of view in air.

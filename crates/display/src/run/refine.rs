@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use papilio_transport::Stack;
-use papilio_transport::adding::{FINEST, MOST_NODES, Scatterer, narrowest, nodes_needed};
+use papilio_transport::adding::{FINEST, MOST_NODES, Narrowness, narrowest, nodes_needed};
 
 use crate::DisplayError;
 use crate::meter::relative;
@@ -49,10 +49,10 @@ fn too_narrow(stack: &Stack) -> DisplayError {
         None => ("a face".to_owned(), 1),
         Some(found) => {
             let what = match found.scatterer {
-                Scatterer::Lobe { width } => format!("the diffuser of width {width:.5}"),
-                Scatterer::Face { width } => format!("the diffuser of width {width:.5}"),
-                Scatterer::Rough { alpha, .. } => format!("the rough face of alpha {alpha}"),
-                Scatterer::Slab { anisotropy } => format!("the slab of anisotropy {anisotropy}"),
+                Narrowness::Lobe { width } => format!("the diffuser of width {width:.5}"),
+                Narrowness::Face { width } => format!("the diffuser of width {width:.5}"),
+                Narrowness::Rough { alpha, .. } => format!("the rough face of alpha {alpha}"),
+                Narrowness::Slab { anisotropy } => format!("the slab of anisotropy {anisotropy}"),
             };
             (what, found.number)
         }

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use crate::common::{run_on, scenario};
 use papilio_display::scene::{Method, Scene, Stop};
 use papilio_display::{BrdfGrid, ConeGrid, ConeResult, Control, DisplayError, brdf, cone};
-use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
+use papilio_optics::{Beta, Scatterer};
 
 fn scene(name: &str, target: f64) -> Scene {
     let mut scene = scenario(name, &["spectrum.step_nm=20"]).unwrap().scene;
@@ -201,7 +201,7 @@ fn a_rough_face_in_grazing_light_is_its_kernel() {
         [(85.0, 0.0), (85.0, 180.0), (89.0, 0.0), (89.0, 180.0)].into_iter().enumerate()
     {
         let (from, to) = (Beta::from_source(theta, 0.0, 1.0), Beta::towards(85.0, phi, 1.0));
-        let alone = face.density(Side::Above, from, Side::Above, to);
+        let alone = face.evaluate(Side::Above.at(from), Side::Above.at(to));
         let found = f64::from(table.states[white].brdf[row * bins]);
         assert!((0.0..0.7 / PI).contains(&(found - alone)), "{theta} {phi}: {found}, alone {alone}");
         let error = table.row_errors.relative[white * 4 + row];

@@ -97,7 +97,7 @@ fn columns(text: Text<'_>, line: &Range<usize>) -> Result<Vec<Channel>, FormatEr
     for angle in ANGLES {
         let word = words.next().unwrap_or(line.end..line.end);
         if !text.is(&word, angle) {
-            let expected = "expected `VARS theta_i,phi_i,theta_s,phi_s` and names of values";
+            let expected = "`VARS theta_i,phi_i,theta_s,phi_s` and names of values";
             return Err(
                 text.error(word.clone(), BsdfProblem::Unexpected { found: text.quote(word), expected })
             );
@@ -107,14 +107,14 @@ fn columns(text: Text<'_>, line: &Range<usize>) -> Result<Vec<Channel>, FormatEr
     for word in words {
         let name = text.quote(word.clone());
         let channel = channel(&name).ok_or_else(|| {
-            let expected = "expected R, G, B, X, Y, Z, a wavelength as `550nm`, or BSDF";
+            let expected = "R, G, B, X, Y, Z, a wavelength as `550nm`, or BSDF";
             text.error(word.clone(), BsdfProblem::Unexpected { found: name.clone(), expected })
         })?;
         if channels.contains(&channel) {
             return Err(text.error(word, BsdfProblem::Twice { what: name }));
         }
         if channels.len() >= MOST_CHANNELS {
-            let expected = "expected at most 1000 columns of values";
+            let expected = "at most 1000 columns of values";
             return Err(text.error(word, BsdfProblem::Unexpected { found: name, expected }));
         }
         channels.push(channel);
@@ -146,7 +146,7 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
     let count = ANGLES.len() + channels.len();
     let found = text.words(line.clone()).take(count + 1).count();
     if found != count {
-        let expected = "expected as many columns as `VARS` names";
+        let expected = "as many columns as `VARS` names";
         return Err(text.error(line, Problem::Columns { count, expected, found }));
     }
     let mut words = text.words(line.clone());
@@ -154,7 +154,7 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
         let value = text.number(word.clone())?;
         let range = if k % 2 == 0 { 0.0..=PI + 1e-6 } else { -TURN..=TURN };
         if !range.contains(&value) {
-            let expected = "expected radians: 0 to pi from the front's normal, -2 pi to 2 pi around";
+            let expected = "radians: 0 to pi from the front's normal, -2 pi to 2 pi around";
             return Err(text.error(word, Problem::OutOfRange { what: ANGLES[k], value, expected }));
         }
         // A right angle that radians of a few digits overshoot is still on the front.

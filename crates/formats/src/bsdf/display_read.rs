@@ -21,7 +21,7 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     let about: About = serde_json::from_str(about).map_err(|e| arrays.unsound("about", &e.to_string()))?;
     if about.version != 1 {
         let what = format!("version {} of {FORMAT}", about.version);
-        return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "expected version 1" }));
+        return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "version 1" }));
     }
     let states = arrays.texts("state")?;
     let part = first_state(&mut arrays, states.len())?;

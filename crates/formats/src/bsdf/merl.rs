@@ -1,11 +1,11 @@
 //! Reads the BRDFs of the MERL database: three numbers of cells, then planes of red, green and blue.
 
+use papilio_diagnostics::Place;
 use papilio_goniometry::{Channel, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Way};
 
 use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// What the planes' numbers are multiplied with (the database's reference code).
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];

@@ -7,6 +7,7 @@
 mod astm;
 mod display;
 mod display_read;
+mod formats;
 mod klems_write;
 mod merl;
 mod npz;
@@ -25,6 +26,7 @@ mod write;
 mod xml;
 
 pub use display::{BsdfSource, write_bsdf};
+pub use formats::{bsdf_format_table, bsdf_formats};
 pub use problem::BsdfProblem;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
@@ -53,7 +55,7 @@ pub const MOST_CELLS: usize = 50_000_000;
 pub(crate) const LARGEST_VALUE: f64 = 1e15;
 
 /// What is expected of a value, in words.
-const VALUE_RANGE: &str = "expected 0 to 1e15 per sr";
+const VALUE_RANGE: &str = "0 to 1e15 per sr";
 
 /// No line of a text may be longer, in bytes.
 const LONGEST_LINE: usize = 1 << 20;

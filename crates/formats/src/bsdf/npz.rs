@@ -2,13 +2,13 @@
 
 use std::io::{Cursor, Read};
 
+use papilio_diagnostics::Place;
 use zip::read::ZipArchive;
 use zip::result::ZipError;
 
 use super::{BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// No archive has more arrays.
 const MOST_ARRAYS: usize = 1000;

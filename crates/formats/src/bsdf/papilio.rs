@@ -72,10 +72,10 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     let about: About = serde_json::from_str(about).map_err(|e| arrays.unsound("about", &e.to_string()))?;
     if about.version != 1 {
         let what = format!("version {} of {FORMAT}", about.version);
-        return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "expected version 1" }));
+        return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "version 1" }));
     }
     if let Some(&value) = about.media.iter().find(|n| !(n.is_finite() && **n >= 1.0)) {
-        let expected = "expected an index of 1 or more";
+        let expected = "an index of 1 or more";
         return Err(arrays.error(Problem::OutOfRange { what: "the index of a medium", value, expected }));
     }
     let mut parts: Vec<Part> = Vec::new();

@@ -1,13 +1,13 @@
 //! What can be wrong with a BSDF file in particular.
 
+use papilio_diagnostics::Diagnostic;
+
 /// What can be wrong with a BSDF file, beside what can be wrong with any.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum BsdfProblem {
     /// Its content is none of the formats.
-    #[error("this is none of the BSDF formats that are known")]
     Unknown,
     /// A version of a format, or a feature of it, that is not read.
-    #[error("{what} is not read")]
     Unsupported {
         /// What it is.
         what: String,
@@ -15,13 +15,11 @@ pub enum BsdfProblem {
         expected: &'static str,
     },
     /// Something that must be there is not.
-    #[error("there is no {what}")]
     Missing {
         /// What it is.
         what: &'static str,
     },
     /// Something else than what must stand here.
-    #[error("`{found}` does not belong here")]
     Unexpected {
         /// What stands here.
         found: String,
@@ -29,19 +27,16 @@ pub enum BsdfProblem {
         expected: &'static str,
     },
     /// Something that may be there once is there again.
-    #[error("{what} is given twice")]
     Twice {
         /// What it is.
         what: String,
     },
     /// The file ends too early.
-    #[error("the file ends before {what}")]
     Ends {
         /// What is still to come.
         what: &'static str,
     },
     /// A list with the wrong number of items.
-    #[error("there are {found} {what}, not {count}")]
     Count {
         /// What is counted.
         what: &'static str,
@@ -51,7 +46,6 @@ pub enum BsdfProblem {
         count: usize,
     },
     /// An axis that does not rise.
-    #[error("{what} {value} does not follow {before}")]
     Order {
         /// What the axis is.
         what: &'static str,
@@ -61,25 +55,21 @@ pub enum BsdfProblem {
         before: f64,
     },
     /// More cells than any sensible measurement has.
-    #[error("this table would have more than {limit} cells")]
     TooManyCells {
         /// The most that are read.
         limit: usize,
     },
     /// A line longer than any sensible one.
-    #[error("this line has more than {limit} bytes")]
     LongLine {
         /// The most that are read.
         limit: usize,
     },
     /// Nesting deeper than any sensible one.
-    #[error("this is nested deeper than {limit} times")]
     TooDeep {
         /// The most that is read.
         limit: usize,
     },
     /// Not well-formed.
-    #[error("this {what} is damaged: {message}")]
     Damaged {
         /// What it is: XML, an archive.
         what: &'static str,
@@ -89,31 +79,45 @@ pub enum BsdfProblem {
 }
 
 impl BsdfProblem {
-    /// What should stand there.
-    pub fn expected(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Unexpected { expected, .. } | Self::Unsupported { expected, .. } => expected,
-            Self::Order { .. } => "expected values that rise",
-            _ => return None,
-        })
-    }
-
-    /// What to do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Unknown => {
-                "read are Radiant/Zemax tables, ASTM E1392, Klems and tensor-tree XML, RGL `.bsdf`, MERL, Papilio's \
-                 own, and CSV with the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value"
+    /// What is wrong, what was expected and what to do, in words.
+    pub fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Unknown => Diagnostic::new("this is not a BSDF file in any known format").hint(format!(
+                "the formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value",
+                super::bsdf_formats()
+            )),
+            Self::Unsupported { what, expected } => {
+                Diagnostic::new(format!("{what} is not read")).expected(expected)
             }
-            Self::Ends { .. } => "the file seems to be cut off: copy it again",
-            Self::Damaged { what: "archive", .. } => {
-                "copy the file again, or write it once more: `papilio diffuser convert` and numpy.savez (not \
-                 numpy.savez_compressed) write what is read here"
+            Self::Missing { what } => Diagnostic::new(format!("there is no {what}")),
+            Self::Unexpected { found, expected } => {
+                Diagnostic::new(format!("`{found}` does not belong here")).expected(expected)
             }
-            Self::Damaged { .. } => {
-                "copy the file again, or export it once more from the program that wrote it"
+            Self::Twice { what } => Diagnostic::new(format!("{what} is given twice")),
+            Self::Ends { what } => Diagnostic::new(format!("the file ends before {what}"))
+                .hint("the file seems to be cut off: copy it again"),
+            Self::Count { what, found, count } => {
+                Diagnostic::new(format!("there are {found} {what}, not {count}"))
             }
-            _ => return None,
-        })
+            Self::Order { what, value, before } => {
+                Diagnostic::new(format!("{what} {value} does not follow {before}"))
+                    .expected("values that rise")
+            }
+            Self::TooManyCells { limit } => {
+                Diagnostic::new(format!("this table would have more than {limit} cells"))
+            }
+            Self::LongLine { limit } => Diagnostic::new(format!("this line has more than {limit} bytes")),
+            Self::TooDeep { limit } => Diagnostic::new(format!("this is nested deeper than {limit} times")),
+            Self::Damaged { what, message } => {
+                let hint = match *what {
+                    "archive" => {
+                        "copy the file again, or write it again: `papilio diffuser convert` and numpy.savez (not \
+                         numpy.savez_compressed) write archives that can be read"
+                    }
+                    _ => "copy the file again, or export it again from the program that wrote it",
+                };
+                Diagnostic::new(format!("this {what} is damaged: {message}")).hint(hint)
+            }
+        }
     }
 }

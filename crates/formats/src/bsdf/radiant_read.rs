@@ -48,7 +48,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         data.block(&mut lines, &grid)?;
     }
     if let Some(line) = lines.next()? {
-        return Err(unexpected(lines.text, line, "expected the end of the file"));
+        return Err(unexpected(lines.text, line, "the end of the file"));
     }
     let warnings = header.warnings(way, symmetry, &data, &grid);
     grid.symmetry = symmetry;
@@ -108,7 +108,7 @@ impl Header {
             } else if text.bytes[key.start].is_ascii_alphabetic() && !text.is(&key, "DataBegin") {
                 self.skipped.push(text.quote(line));
             } else {
-                return Err(unexpected(text, line, "expected a keyword, as `ScatterType`, or `Monochrome`"));
+                return Err(unexpected(text, line, "a keyword, as `ScatterType`, or `Monochrome`"));
             }
         }
     }
@@ -142,7 +142,7 @@ impl Header {
         for word in text.words(line.clone()) {
             let value = text.number(word.clone())?;
             if !(least..=most).contains(&value) {
-                let expected = "expected an angle in degrees";
+                let expected = "an angle in degrees";
                 return Err(text.error(word, Problem::OutOfRange { what, value, expected }));
             }
             if let Some(&before) = values.last().filter(|before| **before >= value) {
@@ -165,20 +165,15 @@ impl Header {
             let found = known.iter().position(|known| text.is(&word, known));
             found.ok_or_else(|| unexpected(text, word, expected))
         };
-        let scatter =
-            one_of(&self.scatter, "line `ScatterType`", &["BRDF", "BTDF"], "expected BRDF or BTDF")?;
+        let scatter = one_of(&self.scatter, "line `ScatterType`", &["BRDF", "BTDF"], "BRDF or BTDF")?;
         let symmetry = one_of(
             &self.symmetry,
             "line `Symmetry`",
             &["PlaneSymmetrical", "Asymmetrical", "Asymmetrical4D"],
-            "expected PlaneSymmetrical, Asymmetrical or Asymmetrical4D",
+            "PlaneSymmetrical, Asymmetrical or Asymmetrical4D",
         )?;
-        let content = one_of(
-            &self.content,
-            "line `SpectralContent`",
-            &["Monochrome", "XYZ"],
-            "expected Monochrome or XYZ",
-        )?;
+        let content =
+            one_of(&self.content, "line `SpectralContent`", &["Monochrome", "XYZ"], "Monochrome or XYZ")?;
         Ok((
             [Way::FrontReflection, Way::FrontTransmission][scatter],
             if symmetry == 0 { Symmetry::Plane } else { Symmetry::None },
@@ -199,7 +194,7 @@ impl Header {
         };
         let outside = grid.azimuths_deg.iter().find(|a| !(0.0..=180.0).contains(*a));
         if let (Symmetry::Plane, Some(&value)) = (symmetry, outside) {
-            let expected = "expected 0 to 180 deg, as the table is PlaneSymmetrical";
+            let expected = "0 to 180 deg, as the table is PlaneSymmetrical";
             return Err(lines.text.whole(Problem::OutOfRange { what: "ScatterAzimuth", value, expected }));
         }
         Ok(grid)
@@ -237,7 +232,7 @@ pub(super) fn count_of(text: Text<'_>, word: Range<usize>) -> Result<usize, Form
     if value >= 1.0 && value <= MOST_CELLS as f64 && value.fract() == 0.0 {
         return Ok(value as usize);
     }
-    let expected = "expected a whole number, 1 or more";
+    let expected = "a whole number, 1 or more";
     Err(text.error(word, Problem::OutOfRange { what: "the number of angles", value, expected }))
 }
 
@@ -276,12 +271,12 @@ impl Data {
         let mut words = text.words(line.clone());
         let is_tis = words.next().is_some_and(|word| text.is(&word, "TIS"));
         let (true, Some(word)) = (is_tis, words.next()) else {
-            return Err(unexpected(text, line, "expected `TIS` and its value: each incidence begins so"));
+            return Err(unexpected(text, line, "`TIS` and its value: each incidence begins so"));
         };
         let value = text.number(word.clone())?;
         // Some writers give percent, and some totals are above 1.
         if !(0.0..=LARGEST_VALUE).contains(&value) {
-            let problem = Problem::OutOfRange { what: "TIS", value, expected: "expected a share, 0 to 1" };
+            let problem = Problem::OutOfRange { what: "TIS", value, expected: "a share, 0 to 1" };
             return Err(text.error(word, problem));
         }
         self.tis.push(value);
@@ -305,12 +300,12 @@ fn expect_word(text: Text<'_>, line: Range<usize>, word: &'static str) -> Result
         return Ok(());
     }
     let expected = match word {
-        "DataBegin" => "expected `DataBegin`",
-        "DataEnd" => "expected `DataEnd`: the data have more rows than the axes say",
-        "TristimulusX" => "expected `TristimulusX`, as SpectralContent says",
-        "TristimulusY" => "expected `TristimulusY`",
-        "TristimulusZ" => "expected `TristimulusZ`",
-        _ => "expected `Monochrome`, as SpectralContent says",
+        "DataBegin" => "`DataBegin`",
+        "DataEnd" => "`DataEnd`: the data have more rows than the axes say",
+        "TristimulusX" => "`TristimulusX`, as SpectralContent says",
+        "TristimulusY" => "`TristimulusY`",
+        "TristimulusZ" => "`TristimulusZ`",
+        _ => "`Monochrome`, as SpectralContent says",
     };
     Err(unexpected(text, line, expected))
 }

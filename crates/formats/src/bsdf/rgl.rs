@@ -3,12 +3,12 @@
 //! `tensor_file`, a zero, two bytes of version, and for each field its name, shape, type and place in
 //! the file; all little-endian.
 
+use papilio_diagnostics::Place;
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpFields, WarpedGrid, Way};
 
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 const MAGIC: &[u8] = b"tensor_file\0";
 
@@ -78,7 +78,7 @@ impl<'a> Tensors<'a> {
         let version = bytes.take(2).ok_or_else(cut)?;
         if version[0] != 1 {
             let what = format!("version {}.{} of the tensor files", version[0], version[1]);
-            return Err(tensors.error(BsdfProblem::Unsupported { what, expected: "expected version 1.0" }));
+            return Err(tensors.error(BsdfProblem::Unsupported { what, expected: "version 1.0" }));
         }
         let count = bytes.number(4).ok_or_else(cut)?;
         if count > u64::from(MOST_FIELDS) {
@@ -151,7 +151,7 @@ impl<'a> Tensors<'a> {
             11 => bytes.as_chunks().0.iter().take(field.count).map(|b| f64::from_le_bytes(*b)).collect(),
             kind => {
                 let what = format!("the type {kind} of an array");
-                let expected = "expected numbers of 32 or 64 bits with a floating point";
+                let expected = "numbers of 32 or 64 bits with a floating point";
                 return Err(self.error(BsdfProblem::Unsupported { what, expected }));
             }
         };
@@ -170,7 +170,7 @@ impl<'a> Tensors<'a> {
                 return Err(self.error(BsdfProblem::Order { what: "wavelength", value, before }));
             }
             if let Some(&value) = wavelengths.first().filter(|first| **first < super::SHORTEST_NM) {
-                let expected = "expected a wavelength in nm";
+                let expected = "a wavelength in nm";
                 return Err(self.error(Problem::OutOfRange { what: "a wavelength", value, expected }));
             }
             let channels = wavelengths.into_iter().map(Channel::Wavelength).collect();

@@ -167,8 +167,7 @@ impl Rows {
         let count = layout.columns.len();
         let found = cells(text, line.clone(), layout.separator).take(count + 1).count();
         if found != count {
-            let expected =
-                "expected theta_i,phi_i,theta_o,phi_o[,wavelength],value, or the columns of the header";
+            let expected = "theta_i,phi_i,theta_o,phi_o[,wavelength],value, or the columns of the header";
             return Err(text.error(line, Problem::Columns { count, expected, found }));
         }
         let mut angles = [0.0; 4];
@@ -259,9 +258,9 @@ fn angle(text: Text<'_>, cell: Range<usize>, k: usize, most: f64) -> Result<f64,
         return Ok(value + 0.0);
     }
     let expected = match (k % 2, most) {
-        (0, 90.0) => "expected degrees from the normal of its side, 0 to 90",
-        (0, _) => "expected degrees from the front's normal, 0 to 180",
-        _ => "expected degrees, -360 to 720",
+        (0, 90.0) => "degrees from the normal of its side, 0 to 90",
+        (0, _) => "degrees from the front's normal, 0 to 180",
+        _ => "degrees, -360 to 720",
     };
     Err(text.error(cell, Problem::OutOfRange { what: ANGLES[k], value, expected }))
 }
@@ -281,8 +280,7 @@ fn way_of(text: Text<'_>, cell: Range<usize>) -> Result<usize, FormatError> {
     let word = text.quote(cell.clone());
     let way = way_named(&word).and_then(|named| WAYS.iter().position(|way| *way == named));
     way.ok_or_else(|| {
-        let expected =
-            "expected `front reflection`, `front transmission`, `back transmission` or `back reflection`";
+        let expected = "`front reflection`, `front transmission`, `back transmission` or `back reflection`";
         text.error(cell, BsdfProblem::Unexpected { found: word, expected })
     })
 }
@@ -294,7 +292,7 @@ fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError
     }
     let value = text.number(cell.clone())?;
     super::wavelength(value).ok_or_else(|| {
-        let expected = "expected a wavelength in nm";
+        let expected = "a wavelength in nm";
         let out_of_range = Problem::OutOfRange { what: "a wavelength", value, expected };
         text.error(cell, if value > 0.0 { Problem::Micrometres } else { out_of_range })
     })

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use papilio_diagnostics::{Place, Spot};
+
 use super::{BsdfProblem, LARGEST_VALUE, LONGEST_LINE, VALUE_RANGE};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::{Place, Spot};
 
 /// The bytes of a text. Comments and names may be in any encoding; what is read is ASCII.
 #[derive(Clone, Copy)]

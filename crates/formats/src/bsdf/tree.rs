@@ -36,7 +36,7 @@ pub(super) fn read(text: Text<'_>, node: Node<'_>, rank: usize, limit: usize) ->
     reader.node(0, 0)?;
     match reader.tokens.next() {
         None => Ok(reader.tree),
-        Some(stray) => Err(reader.unexpected(stray, "expected the end of the values")),
+        Some(stray) => Err(reader.unexpected(stray, "the end of the values")),
     }
 }
 
@@ -78,7 +78,7 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
                 self.end = token.clone();
                 Ok(token)
             }
-            None => Err(self.unexpected(self.end.clone(), "expected more behind: braces are not closed")),
+            None => Err(self.unexpected(self.end.clone(), "more behind: braces are not closed")),
         }
     }
 
@@ -89,7 +89,7 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
     fn open(&mut self) -> Result<(), FormatError> {
         match self.next()? {
             token if self.text.is(&token, "{") => Ok(()),
-            token => Err(self.unexpected(token, "expected `{`")),
+            token => Err(self.unexpected(token, "`{`")),
         }
     }
 
@@ -115,7 +115,7 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
         }
         match self.next()? {
             token if self.text.is(&token, "}") => Ok(()),
-            token => Err(self.unexpected(token, "expected `}`: a branch has 2^rank children")),
+            token => Err(self.unexpected(token, "`}`: a branch has 2^rank children")),
         }
     }
 
@@ -135,7 +135,7 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
         let found = self.tree.values.len() - before;
         let log2 = (0..=12).find(|log2| found == 1 << (self.tree.rank * log2));
         log2.map(|log2| log2 as u8).ok_or_else(|| {
-            let expected = "expected 1, 2^rank, 4^rank ... values in a grid";
+            let expected = "1, 2^rank, 4^rank ... values in a grid";
             let found = format!("a grid of {found} values");
             self.text.error(self.end.clone(), BsdfProblem::Unexpected { found, expected })
         })

@@ -111,7 +111,7 @@ fn structure(text: Text<'_>, layer: Node<'_>) -> Result<Structure, FormatError> 
         "TensorTree3" => Structure::Tree(3),
         "TensorTree4" => Structure::Tree(4),
         found => {
-            let expected = "expected Columns, Rows, TensorTree3 or TensorTree4";
+            let expected = "Columns, Rows, TensorTree3 or TensorTree4";
             let problem = BsdfProblem::Unexpected { found: found.to_owned(), expected };
             return Err(text.error(node.word(), problem));
         }
@@ -133,7 +133,7 @@ fn basis(text: Text<'_>, node: Node<'_>) -> Result<(String, Vec<Ring>), FormatEr
         let at = block.expect("nPhis")?.word();
         let patches = text.number(at.clone())?;
         if !(patches >= 1.0 && patches <= MOST_PATCHES as f64 && patches.fract() == 0.0) {
-            let expected = "expected a whole number, 1 or more";
+            let expected = "a whole number, 1 or more";
             return Err(text.error(at, Problem::OutOfRange { what: "nPhis", value: patches, expected }));
         }
         rings.push(Ring { from_deg: end, patches: patches as usize });
@@ -144,8 +144,7 @@ fn basis(text: Text<'_>, node: Node<'_>) -> Result<(String, Vec<Ring>), FormatEr
         }
     }
     if (end - 90.0).abs() > 1e-6 {
-        let problem =
-            Problem::OutOfRange { what: "the last ring's bound", value: end, expected: "expected 90 deg" };
+        let problem = Problem::OutOfRange { what: "the last ring's bound", value: end, expected: "90 deg" };
         return Err(text.error(node.place(), problem));
     }
     Ok((name, rings))
@@ -171,7 +170,7 @@ impl Reading<'_> {
             let direction = block.expect("WavelengthDataDirection")?;
             let said = direction.say();
             let Some((_, way)) = WAYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(&said)) else {
-                let expected = "expected `Transmission Front`, `Reflection Back` and so on";
+                let expected = "`Transmission Front`, `Reflection Back` and so on";
                 let problem = BsdfProblem::Unexpected { found: said, expected };
                 return Err(self.text.error(direction.word(), problem));
             };
@@ -206,8 +205,7 @@ impl Reading<'_> {
         if let Structure::Tree(rank) = self.structure {
             let basis = block.expect("AngleBasis")?;
             if !basis.say().eq_ignore_ascii_case("LBNL/Shirley-Chiu") {
-                let problem =
-                    BsdfProblem::Unexpected { found: basis.say(), expected: "expected LBNL/Shirley-Chiu" };
+                let problem = BsdfProblem::Unexpected { found: basis.say(), expected: "LBNL/Shirley-Chiu" };
                 return Err(self.text.error(basis.word(), problem));
             }
             let read = tree::read(self.text, values, rank, MOST_CELLS - self.cells)?;
@@ -227,7 +225,7 @@ impl Reading<'_> {
         // The file's own definition goes before what the name usually means.
         let found = own.chain(known).find(|(other, _)| other.eq_ignore_ascii_case(&name));
         found.map(|(_, rings)| rings.to_vec()).ok_or_else(|| {
-            let expected = "expected a Klems basis, or the name of an AngleBasis of this file";
+            let expected = "a Klems basis, or the name of an AngleBasis of this file";
             self.text.error(node.word(), BsdfProblem::Unexpected { found: name, expected })
         })
     }
@@ -291,7 +289,7 @@ impl Reading<'_> {
                 Data::Tree(values) => trees.push(values),
                 Data::Matrix { bases, values } => {
                     if *shared.get_or_insert_with(|| bases.clone()) != bases {
-                        let expected = "expected the bases of the other spectra of this direction";
+                        let expected = "the bases of the other spectra of this direction";
                         let problem = BsdfProblem::Unexpected { found: "this basis".to_owned(), expected };
                         return Err(self.text.error(block.place, problem));
                     }

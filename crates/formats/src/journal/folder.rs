@@ -4,12 +4,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use papilio_diagnostics::Place;
 use serde::de::DeserializeOwned;
 
 use super::{Journal, LARGEST_JOURNAL, Lines, read_journal};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// The name of a journal: that of the whole, or of part K of N.
 pub fn journal_name(stem: &str, part: Option<(usize, usize)>) -> String {

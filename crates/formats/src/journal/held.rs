@@ -8,13 +8,13 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use papilio_diagnostics::Place;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::folder::has_head;
 use super::{trusted_lines, write_journal_line};
 use crate::error::{FormatError, Problem};
-use papilio_diagnostics::Place;
 
 /// A journal that no other program can add to until it is closed.
 #[derive(Debug)]

@@ -10,13 +10,13 @@ mod seal;
 
 use std::io::{self, Write};
 
+use papilio_diagnostics::Place;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 pub use folder::{
     Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals, trusted_lines,

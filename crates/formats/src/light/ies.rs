@@ -6,9 +6,10 @@
 
 use std::ops::Range;
 
+use papilio_diagnostics::Place;
+
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// The most angles of either kind.
 const MOST_ANGLES: usize = 2000;
@@ -166,10 +167,7 @@ impl Numbers<'_> {
         if value.fract() == 0.0 && (1.0..=MOST_ANGLES as f64).contains(&value) {
             return Ok(value as usize);
         }
-        Err(self.error(
-            place,
-            Problem::OutOfRange { what, value, expected: "expected a whole number from 1 to 2000" },
-        ))
+        Err(self.error(place, Problem::OutOfRange { what, value, expected: "a whole number from 1 to 2000" }))
     }
 
     fn angles(&mut self, count: usize, what: &'static str, most: f64) -> Result<Vec<f64>, FormatError> {
@@ -178,8 +176,7 @@ impl Numbers<'_> {
             let (value, place) = self.next()?;
             let rises = angles.last().is_none_or(|last| *last < value);
             if !rises || !(0.0..=most).contains(&value) {
-                let expected =
-                    "expected angles that rise, from 0 to 180 deg (vertical) or 360 deg (horizontal)";
+                let expected = "angles that rise, from 0 to 180 deg (vertical) or 360 deg (horizontal)";
                 return Err(self.error(place, Problem::OutOfRange { what, value, expected }));
             }
             angles.push(value);
@@ -192,24 +189,24 @@ impl Numbers<'_> {
         self.within("the number of lamps", any, "")?;
         self.within("lumens per lamp", any, "")?;
         let positive = (1e-9, 1e9);
-        let multiplier = self.within("the multiplier", positive, "expected a number above 0")?;
+        let multiplier = self.within("the multiplier", positive, "a number above 0")?;
         let (rows, columns) =
             (self.count("the number of vertical angles")?, self.count("the number of horizontal angles")?);
-        self.within("the photometric type", (1.0, 1.0), "expected 1, type C")?;
-        let unit = self.within("the unit", (1.0, 2.0), "expected 1 (feet) or 2 (metres)")?;
+        self.within("the photometric type", (1.0, 1.0), "1, type C")?;
+        let unit = self.within("the unit", (1.0, 2.0), "1 (feet) or 2 (metres)")?;
         let metres = if unit == 1.0 { 0.3048 } else { 1.0 };
         let mut sides = [0.0; 3];
         for side in &mut sides {
-            *side = metres * self.within("a side of the opening", (-1e4, 1e4), "expected a length")?;
+            *side = metres * self.within("a side of the opening", (-1e4, 1e4), "a length")?;
         }
-        let ballast = self.within("the ballast factor", positive, "expected a number above 0")?;
+        let ballast = self.within("the ballast factor", positive, "a number above 0")?;
         self.within("what follows the ballast factor", any, "")?;
         self.within("the watts", any, "")?;
         let vertical_deg = self.angles(rows, "the vertical angle", 180.0)?;
         let horizontal_deg = self.angles(columns, "the horizontal angle", 360.0)?;
         let mut candela = Vec::new();
         for _ in 0..rows * columns {
-            let value = self.within("the intensity", (0.0, 1e12), "expected 0 or more candela")?;
+            let value = self.within("the intensity", (0.0, 1e12), "0 or more candela")?;
             candela.push(value * multiplier * ballast);
         }
         Ok(Luminaire {

@@ -1,10 +1,11 @@
 //! Maps of light: radiance by direction as a picture of the whole sphere, in equirectangular projection.
 
+use papilio_diagnostics::Place;
+
 use super::problem::MapProblem;
 use super::{openexr, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
-use papilio_diagnostics::Place;
 
 /// The widest map that is read.
 pub(super) const MOST_WIDTH: usize = 4096;

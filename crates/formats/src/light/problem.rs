@@ -1,13 +1,13 @@
 //! What can be wrong with a map of light.
 
+use papilio_diagnostics::Diagnostic;
+
 /// What can be wrong with a map of light.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum MapProblem {
     /// Neither Radiance's nor OpenEXR's first bytes.
-    #[error("this is neither a Radiance picture (.hdr) nor an OpenEXR file (.exr)")]
     NotAMap,
     /// A header that cannot be read.
-    #[error("line {line} of the header: {what}")]
     Header {
         /// Which line, from 1.
         line: usize,
@@ -15,13 +15,11 @@ pub enum MapProblem {
         what: &'static str,
     },
     /// Scanlines in another order.
-    #[error("this map's scanlines run as `{found}`")]
     Orientation {
         /// The resolution line.
         found: String,
     },
     /// Not twice as wide as high.
-    #[error("this map has {width} x {height} pixels")]
     Size {
         /// Pixels in a row.
         width: usize,
@@ -29,7 +27,6 @@ pub enum MapProblem {
         height: usize,
     },
     /// The file ends before the map does.
-    #[error("the file ends in row {row} of {height}")]
     Truncated {
         /// The row, from 1.
         row: usize,
@@ -37,13 +34,11 @@ pub enum MapProblem {
         height: usize,
     },
     /// A run that is longer than its row, or an empty one.
-    #[error("row {row} does not hold as many pixels as it should")]
     Run {
         /// The row, from 1.
         row: usize,
     },
     /// A pixel that is no radiance.
-    #[error("channel {channel} of pixel {column} in row {row} is {value}")]
     Pixel {
         /// Its name.
         channel: String,
@@ -55,13 +50,11 @@ pub enum MapProblem {
         value: f32,
     },
     /// No colours.
-    #[error("this map has the channels {found}")]
     Channels {
         /// Their names.
         found: String,
     },
     /// Something that the decoder says.
-    #[error("this OpenEXR file cannot be read: {message}")]
     Exr {
         /// Its words.
         message: String,
@@ -69,30 +62,37 @@ pub enum MapProblem {
 }
 
 impl MapProblem {
-    /// What should stand there.
-    pub fn expected(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Orientation { .. } => "expected `-Y height +X width`",
-            Self::Size { .. } => {
-                "expected an equirectangular map, twice as wide as high, of 2 x 2 to 4096 x 2048 pixels, its height even"
+    /// What is wrong, what was expected and what to do, in words.
+    pub fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::NotAMap => {
+                Diagnostic::new("this is neither a Radiance picture (.hdr) nor an OpenEXR file (.exr)")
             }
-            Self::Pixel { .. } => "expected a radiance of 0 or more",
-            Self::Channels { .. } => {
-                "expected R, G and B, or Y, or wavelengths such as `S0.550,0nm`; all in one part"
+            Self::Header { line, what } => Diagnostic::new(format!("line {line} of the header: {what}")),
+            Self::Orientation { found } => Diagnostic::new(format!("this map's scanlines run as `{found}`"))
+                .expected("`-Y height +X width`")
+                .hint("turn the picture upright with the tool that made it"),
+            Self::Size { width, height } => Diagnostic::new(format!("this map has {width} x {height} pixels"))
+                .expected(
+                    "an equirectangular map, twice as wide as high, of 2 x 2 to 4096 x 2048 pixels, its height even",
+                )
+                .hint("resize or reproject the map: other projections and parts of the sphere are not read"),
+            Self::Truncated { row, height } => {
+                Diagnostic::new(format!("the file ends in row {row} of {height}")).hint(DAMAGED)
             }
-            _ => return None,
-        })
-    }
-
-    /// What to do about it.
-    pub fn hint(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Orientation { .. } => "turn the picture upright with the tool that made it",
-            Self::Size { .. } => {
-                "resize or reproject the map: other projections and parts of the sphere are not read"
+            Self::Run { row } => {
+                Diagnostic::new(format!("row {row} does not hold as many pixels as it should")).hint(DAMAGED)
             }
-            Self::Truncated { .. } | Self::Run { .. } => "the file is damaged: get it anew",
-            _ => return None,
-        })
+            Self::Pixel { channel, column, row, value } => {
+                let pixel = format!("channel {channel} of pixel {column} in row {row} is {value}");
+                Diagnostic::new(pixel).expected("a radiance of 0 or more")
+            }
+            Self::Channels { found } => Diagnostic::new(format!("this map has the channels {found}"))
+                .expected("R, G and B, or Y, or wavelengths such as `S0.550,0nm`; all in one part"),
+            Self::Exr { message } => Diagnostic::new(format!("this OpenEXR file cannot be read: {message}")),
+        }
     }
 }
+
+/// What to do about a file that does not hold what its header says.
+const DAMAGED: &str = "the file is damaged: download or copy it again";

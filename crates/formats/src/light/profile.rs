@@ -28,19 +28,19 @@ pub fn read_profile(file: &DataFile) -> Result<Vec<(f64, f64)>, FormatError> {
     let table = Table::new(file)?;
     let mut points: Vec<(f64, f64)> = Vec::new();
     for row in data_rows(table) {
-        row.expect_cells(2, "expected two: angle in degrees, relative radiance")?;
+        row.expect_cells(2, "two: angle in degrees, relative radiance")?;
         let (angle, radiance) = (row.number(0)?, row.number(1)?);
         let out_of_range = |cell, what, value, expected| {
             Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected }))
         };
         if !(0.0..=90.0).contains(&angle) {
-            return out_of_range(0, "the angle", angle, "expected 0 to 90 deg");
+            return out_of_range(0, "the angle", angle, "0 to 90 deg");
         }
         if points.last().is_some_and(|last| last.0 >= angle) {
-            return out_of_range(0, "the angle", angle, "expected angles that rise from row to row");
+            return out_of_range(0, "the angle", angle, "angles that rise from row to row");
         }
         if !(0.0..=LARGEST).contains(&radiance) {
-            return out_of_range(1, "the radiance", radiance, "expected 0 to 1e30");
+            return out_of_range(1, "the radiance", radiance, "0 to 1e30");
         }
         points.push((angle, radiance));
     }

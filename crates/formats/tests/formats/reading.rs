@@ -51,7 +51,7 @@ fn wrong_spectra_say_where() {
 fn an_error_shows_the_line_and_what_to_do() {
     let error = read_spectrum(&file("400,1\n500,1e999\n")).unwrap_err();
     let expected = "error: `1e999` is not a finite number\n --> data.csv:2:5\n  |\n2 | 500,1e999\n  |     ^^^^^ \
-                    expected a number\n  = help: leave the row out, or give its value";
+                    expected a number\n  = help: remove the row, or give its value";
     assert_eq!(error.to_string(), expected);
 }
 
@@ -80,7 +80,7 @@ fn wrong_numbers_of_columns_and_rows_in_words() {
     assert!(
         shown("380\n").contains("this row has 1 column\n") && shown("380\n").contains("separate the columns")
     );
-    assert!(shown("380,1,2\n").contains("leave out what is too much"));
+    assert!(shown("380,1,2\n").contains("remove what is too much"));
     assert!(shown("380,1\n").contains("too few rows of data") && shown("380,1\n").contains("at least two"));
     assert!(shown("380,\"1\n").contains("the quotes of this cell do not match"));
 }

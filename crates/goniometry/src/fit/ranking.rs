@@ -6,6 +6,7 @@ use crate::error::GoniometryError;
 use crate::kernel::{Preparation, kernel};
 use crate::measurement::Part;
 use crate::models::Kind;
+use papilio_optics::Scatterer;
 
 /// A fit, and what it is worth to the caller.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +53,7 @@ pub fn fitted(
     Ok(ranked(fits, |fit| {
         let (truth, going_on) = (truth.as_ref()?, going_on.as_ref()?);
         // Dark because it was not measured is what would not be dark if the lobe went on.
-        let known = |from, to| truth.value(from, to) > 0.0 || going_on.value(from, to) <= 0.0;
-        double_pass_error(|from, to| fit.value(from, to), |from, to| truth.value(from, to), known)
+        let known = |from, to| truth.evaluate(from, to) > 0.0 || going_on.evaluate(from, to) <= 0.0;
+        double_pass_error(|from, to| fit.value(from, to), |from, to| truth.evaluate(from, to), known)
     }))
 }

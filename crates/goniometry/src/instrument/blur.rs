@@ -1,7 +1,7 @@
 //! What an instrument of finite resolution sees of a lobe.
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use super::quadrature::Rule;
 
@@ -69,8 +69,8 @@ impl<'a> Blurred<'a> {
             return self.total();
         }
         let kernel = Lobe::KCorrelation { width: self.blur };
-        let kept = |beta: Beta| (self.f)(self.from, beta) * kernel.share_in_disc(beta.length(), 1.0);
-        self.straight * kernel.share_in_disc(self.from.length(), 1.0)
+        let kept = |beta: Beta| (self.f)(self.from, beta) * kernel.fraction_in_disc(beta.length(), 1.0);
+        self.straight * kernel.fraction_in_disc(self.from.length(), 1.0)
             + self.rule.plane(self.from, self.width, true, kept)
     }
 }
@@ -120,7 +120,7 @@ mod tests {
                 }
                 let (total, seen) = (blurred.total(), blurred.seen());
                 let exact = [width, width + blur]
-                    .map(|width| 0.9 * Lobe::KCorrelation { width }.share_in_disc(from.x, 1.0));
+                    .map(|width| 0.9 * Lobe::KCorrelation { width }.fraction_in_disc(from.x, 1.0));
                 assert!((total / exact[0] - 1.0).abs() < 1e-4, "{width} {theta}: {total} {exact:?}");
                 assert!((seen / exact[1] - 1.0).abs() < 1e-4, "{width} {theta}: {seen} {exact:?}");
             }

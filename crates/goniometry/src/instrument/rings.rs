@@ -47,7 +47,7 @@ impl Rings {
         let areas: Vec<f64> = (0..count).map(area).collect();
         let kernel = Lobe::KCorrelation { width: blur };
         let farthest = radii[count - 1];
-        let kept: Vec<f64> = radii.iter().map(|r| kernel.share_in_disc(*r, farthest)).collect();
+        let kept: Vec<f64> = radii.iter().map(|r| kernel.fraction_in_disc(*r, farthest)).collect();
         let mut matrix = Vec::with_capacity(count * count);
         for (k, to) in radii.iter().enumerate() {
             matrix.extend(radii.iter().zip(&areas).map(|(from, area)| area * around(*to, *from, blur)));
@@ -171,6 +171,8 @@ fn elliptic_e(complementary: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use papilio_optics::Scatterer;
+
     use super::*;
 
     #[test]

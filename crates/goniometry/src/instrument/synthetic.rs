@@ -6,8 +6,8 @@
 //! 5.16 are lower than lobes of that haze can have. An instrument's blur of .0483 in direction cosines
 //! reconciles them; see [`SyntheticSample::instrument`].
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::{Lobe, width_from_haze};
+use papilio_optics::{Beta, Scatterer};
 
 use super::{Instrument, View};
 use crate::{GoniometryError, Measurement, Way};
@@ -49,7 +49,7 @@ impl SyntheticSample {
     /// f, 1/sr, beyond its edge.
     pub fn btdf(&self, from: Beta, to: Beta) -> f64 {
         let lobe = Lobe::KCorrelation { width: self.width };
-        self.total_transmittance / lobe.hemispherical_share() * lobe.density(from, to)
+        self.total_transmittance / lobe.hemispherical_fraction() * lobe.density(from, to)
     }
 
     /// Total transmittance at normal incidence, of one wavelength: what a spectroradiometer finds.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::{Audit, Fill, Shape};
+use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 
 /// A coarser instrument, for speed.
@@ -98,7 +99,7 @@ fn straight_light_has_the_width_of_the_blur() {
         let exact = 0.5 * sum.density(from, to) + 0.3 * kernel.density(from, to);
         assert!((value / exact - 1.0).abs() < 1e-4, "{cell}: {value} {exact}");
     }
-    assert!((part.tis[0] - 0.3 - 0.5 * lobe.hemispherical_share()).abs() < 1e-4, "{:?}", part.tis);
+    assert!((part.tis[0] - 0.3 - 0.5 * lobe.hemispherical_fraction()).abs() < 1e-4, "{:?}", part.tis);
 }
 
 #[test]

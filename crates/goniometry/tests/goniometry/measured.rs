@@ -4,6 +4,7 @@ use papilio_goniometry::{
     Channel, Data, Fit, FitOptions, Instrument, Kind, Model, Normalisation, Part, SyntheticSample, View, Way,
     Weights,
 };
+use papilio_optics::Scatterer;
 use papilio_optics::{
     Beta,
     lobe::Lobe,
@@ -32,7 +33,7 @@ fn a_sample_without_blur_is_found_again() {
     let data = Data::of_part(&measured(&instrument(), &|from, to| sample.btdf(from, to)), 0);
     // 16 incidences; the specular direction counts once for each.
     assert!(data.len() > 11_000 && data.len() < 14_000, "{}", data.len());
-    let total = 0.9 / Lobe::KCorrelation { width: sample.width }.hemispherical_share();
+    let total = 0.9 / Lobe::KCorrelation { width: sample.width }.hemispherical_fraction();
     for weights in [Weights::Even, Weights::SolidAngle] {
         let options = FitOptions { weights, ..FitOptions::default() };
         let fit = Fit::new(&data, Kind::KCorrelation, &options).unwrap();
@@ -80,7 +81,7 @@ fn ward_is_the_scattering_kernel_of_displays() {
         let model = Model::Ward { normalisation, rho: 1.0, alpha: 0.2 };
         for (from, to) in [(0.0, 10.0), (30.0, 45.0), (60.0, 20.0), (80.0, 70.0)] {
             let (from, to) = (direction(from, 0.0), direction(to, 25.0));
-            let [ours, theirs] = [model.value(from, to), kernel.value(from, to)];
+            let [ours, theirs] = [model.value(from, to), kernel.evaluate(from, to)];
             assert!((ours / theirs - 1.0).abs() < 1e-12, "{normalisation:?}: {ours} {theirs}");
         }
     }

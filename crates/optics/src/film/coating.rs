@@ -4,9 +4,9 @@
 //! stand between two media, such as an antireflection film on a cover glass. They are
 //! tabulated over direction once, so that a look-up costs a few dozen multiplications.
 //!
-//! **Parameters.** Layers as in [`film`](super), 0 to .05 mm in all; media of real index,
+//! **Parameters.** Layers as in [`film`](super), 0 to 0.05 mm in all; media of real index,
 //! per wavelength. `beta` is conserved through the whole: `beta < n` is light in a medium of
-//! index n. The transmittance is a share of power, alike from both sides (reciprocity), and as
+//! index n. The transmittance is a fraction of power, the same from both sides (reciprocity), and as
 //! such what happens to basic radiance.
 //!
 //! **Beyond the smaller index** nothing is transmitted, and there is light on the denser side
@@ -20,7 +20,7 @@
 //! `q_h = D (1 - x^2)/(1 + x^2)`, `D^2 = h^2 - l^2`, so x runs from 0 to 1 without any root.
 //! Each of the two intervals holds Chebyshev series on pieces that are halved until, between
 //! their nodes, no quantity is off by more than 1e-9. A guided resonance narrower than the
-//! pieces' nodes could be missed; its share of the light is of the order of its width.
+//! pieces' nodes could be missed; its fraction of the light is of the order of its width.
 //!
 //! **Validity.** That of [`coherent`], from which every node comes. A coating that absorbs may
 //! differ from its two sides; R + T <= 1 holds to rounding on both.
@@ -142,7 +142,7 @@ impl Table {
         };
         let denser = match above == below {
             true => None,
-            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or_else(|| fringes)?),
+            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or(fringes)?),
         };
         let both = both.ok_or(fringes)?;
         Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })

@@ -60,11 +60,11 @@ pub struct Coherent {
     pub r: Complex64,
     /// Amplitude of the electric field transmitted into the substrate, over the incident one.
     pub t: Complex64,
-    /// Share of the power that is reflected, |r|^2.
+    /// Fraction of the power that is reflected, |r|^2.
     pub reflectance: f64,
-    /// Share of the power that enters the substrate; 0 where that is evanescent.
+    /// Fraction of the power that enters the substrate; 0 where that is evanescent.
     pub transmittance: f64,
-    /// Share of the power that each layer absorbs.
+    /// Fraction of the power that each layer absorbs.
     pub absorptance: Vec<f64>,
     /// Fields at the top of each layer and, last, of the substrate.
     pub fields: Vec<Field>,

@@ -36,7 +36,7 @@ use super::media::{Media, Medium, load};
 pub enum Variable {
     /// A layer's thickness; of the gap layer, the gap. Per nm.
     Thickness(usize),
-    /// A layer's n, shifted alike at all wavelengths.
+    /// A layer's n, shifted the same at all wavelengths.
     Index(usize),
     /// A layer's k, likewise.
     Extinction(usize),

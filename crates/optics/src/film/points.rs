@@ -249,7 +249,7 @@ struct Wave<S: Simd> {
     eta0: Lanes<S>,
 }
 
-/// Shares of what comes in.
+/// Fractions of what comes in.
 struct Shares<S: Simd> {
     reflected: Lanes<S>,
     transmitted: Lanes<S>,

@@ -1,4 +1,4 @@
-//! The share of light that one microfacet alone would lose: what it sends against the others; and the share that it
+//! The fraction of light that one microfacet alone would lose: what it sends against the others; and the fraction that it
 //! sends back to the side where it came from.
 //!
 //! The deficit is an integral over the microfacet's normal h. In polar coordinates about the
@@ -70,13 +70,13 @@ impl Rule {
 }
 
 impl Microfacets {
-    /// The share of light from this side, at this cosine to the face's normal, that one
+    /// The fraction of light from this side, at this cosine to the face's normal, that one
     /// microfacet sends against others.
     pub(super) fn deficit(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
         self.over_normals(rule, side, cosine, |arriving, h_z, h_t| arriving.over_azimuth(rule, h_z, h_t))
     }
 
-    /// The share of that light that returns to its side after one microfacet.
+    /// The fraction of that light that returns to its side after one microfacet.
     pub(super) fn returned(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
         self.over_normals(rule, side, cosine, |arriving, h_z, h_t| arriving.returned(rule, h_z, h_t))
     }
@@ -96,7 +96,7 @@ impl Microfacets {
         let hidden = self.hidden(q, beta * beta) / q;
         let across = Across::new(hidden);
         let arriving = Arriving { facets: self, n1, n2: self.index(side.other()), q, beta, hidden, across };
-        // tan(tilt) = alpha tan(w) spreads the normals evenly, whatever the roughness.
+        // tan(tilt) = alpha tan(w) spreads the normals uniformly, whatever the roughness.
         let w_of = |tilt: f64| (tilt.clamp(0.0, FRAC_PI_2).tan() / self.alpha).atan();
         let sum = rule.integrate(0.0, FRAC_PI_2, arriving.tilts().map(w_of), |w| {
             let (sin, cos) = w.sin_cos();

@@ -25,7 +25,7 @@ pub(super) struct Leaving {
     pub(super) side: Side,
     /// Its direction.
     pub(super) beta: Beta,
-    /// The share of it that no other microfacet stands in the way of.
+    /// The fraction of it that no other microfacet stands in the way of.
     pub(super) unshadowed: f64,
 }
 
@@ -128,7 +128,7 @@ impl Microfacets {
         (1.0 + hidden) * if reflected { 1.0 / (1.0 + hidden + after) } else { beta_function(hidden, after) }
     }
 
-    /// A microfacet drawn among those that the light sees, weighted by their projected areas.
+    /// A microfacet sampled among those that the light sees, weighted by their projected areas.
     pub(super) fn meet(&self, from: Side, beta: Beta, u: [f64; 2]) -> Meeting {
         let n1 = self.index(from);
         let q = (n1 * n1 - beta.squared()).max(0.0).sqrt();

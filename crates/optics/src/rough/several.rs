@@ -10,7 +10,7 @@
 //! iterated on a grid until it stands still. Facets are integrated by a product rule, rays in between by closed
 //! forms over cells of height in which the mean is linear. No chance numbers: equal faces have equal tables.
 //!
-//! Exactly, what crosses is alike from both sides (the walk is reciprocal); on this grid to some 1e-3 of it. That is
+//! Exactly, what crosses is the same from both sides (the walk is reciprocal); on this grid to some 1e-3 of it. That is
 //! mended by [`Split::balanced`].
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -34,7 +34,7 @@ const MOST_FACETS: usize = 1000;
 const COMES: usize = 0;
 const LEAVES: usize = 1;
 
-/// The share of what one facet loses that goes back to the side where it came from, at the [`cosine`]s of the grid.
+/// The fraction of what one facet loses that goes back to the side where it came from, at the [`cosine`]s of the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Split {
     back: [[f64; ANGLES]; 2],
@@ -57,7 +57,7 @@ impl Split {
         split
     }
 
-    /// The share at this cosine: a cubic through the four nearest nodes.
+    /// The fraction at this cosine: a cubic through the four nearest nodes.
     fn back(&self, side: Side, cosine: f64) -> f64 {
         let values = &self.back[side as usize];
         let place = place(cosine);
@@ -238,7 +238,7 @@ impl Flight {
         }
     }
 
-    /// Of light that comes from outside and meets more than one facet, the share that leaves above.
+    /// Of light that comes from outside and meets more than one facet, the fraction that leaves above.
     fn share_above(&self, next: &[f64], above: &[[f64; HEIGHTS]], flights: &[Self], side: usize) -> f64 {
         let [mut to_above, mut all] = [[0.0; HEIGHTS]; 2];
         for (ray, chance) in next.iter().enumerate().filter(|(_, chance)| **chance > 0.0) {

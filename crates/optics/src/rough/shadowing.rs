@@ -1,6 +1,6 @@
 //! The slopes of a face, and what they hide: Smith's Lambda for heights that are independent of slopes.
 //!
-//! A ray that goes along a direction of cosine mu over heights that fill (0, 1) evenly meets a facet at the rate
+//! A ray that goes along a direction of cosine mu over heights that fill (0, 1) uniformly meets a facet at the rate
 //! Lambda while it leaves, 1 + Lambda while it comes, per logarithm of the height: light at the height C leaves with
 //! the chance `C^Lambda`. All else here follows from that (E. Heitz et al., "Multiple-Scattering Microfacet BSDFs with
 //! the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016), eq. 4 to 12).
@@ -24,7 +24,7 @@ pub enum Distribution {
 impl Distribution {
     /// Density per steradian of normals along a vector whose tangential part has this square, and whose z this one;
     /// their sum is not 0.
-    pub(super) fn normals(self, alpha: f64, tangential: f64, z_squared: f64) -> f64 {
+    pub fn normals(self, alpha: f64, tangential: f64, z_squared: f64) -> f64 {
         let alpha_squared = alpha * alpha;
         match self {
             Self::Ggx => {
@@ -39,7 +39,7 @@ impl Distribution {
         }
     }
 
-    /// Share of the face's area, seen from above, whose slope is `alpha tan(w)`, per unit of w from 0 to pi/2.
+    /// Fraction of the face's area, seen from above, whose slope is `alpha tan(w)`, per unit of w from 0 to pi/2.
     pub(super) fn slopes(self, w: f64) -> f64 {
         let (sin, cos) = w.sin_cos();
         match self {
@@ -53,7 +53,7 @@ impl Distribution {
     }
 
     /// `q Lambda` for a wave vector of this component q >= 0 along the face's normal, this length along the face.
-    pub(super) fn hidden(self, alpha: f64, q: f64, beta_squared: f64) -> f64 {
+    pub fn hidden(self, alpha: f64, q: f64, beta_squared: f64) -> f64 {
         let across = alpha * alpha * beta_squared;
         match self {
             Self::Ggx => 0.5 * across / (q + (q * q + across).sqrt()),
@@ -69,7 +69,7 @@ impl Distribution {
         }
     }
 
-    /// A normal, of any length, drawn among those of a face of alpha 1 that light from `towards`, a unit vector, sees,
+    /// A normal, of any length, sampled among those of a face of alpha 1 that light from `towards`, a unit vector, sees,
     /// weighted by their projected areas.
     pub(super) fn visible(self, towards: [f64; 3], [u, v]: [f64; 2]) -> [f64; 3] {
         match self {

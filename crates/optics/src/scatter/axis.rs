@@ -18,7 +18,7 @@ struct Cell {
     inverse: f64,
     /// Inverse widths of the cells before and after.
     around: [f64; 2],
-    /// Of the slope at either end, the share that this cell's secant has.
+    /// Of the slope at either end, the fraction that this cell's secant has.
     own: [f64; 2],
 }
 

@@ -1,17 +1,17 @@
-//! Directions drawn from a kernel on a working grid, exactly by the density that it says.
+//! Directions sampled from a kernel on a working grid, exactly by the density that it says.
 //!
 //! Between nodes the density times the distance from the specular direction is bilinear; the
-//! distance is drawn by its marginal, the azimuth given that, both by inverting their cumulative
-//! sums. Between two incidences one of the two is drawn. A small share of directions is drawn
-//! evenly from the disc, so that no weight is without bound.
+//! distance is sampled by its marginal, the azimuth given that, both by inverting their cumulative
+//! sums. Between two incidences one of the two is sampled. A small fraction of directions is sampled
+//! uniformly from the disc, so that no weight is without bound.
 
 use papilio_sampling::warp;
 
+use super::albedos::turned;
 use super::axis::Axis;
-use super::totals::turned;
 use crate::Beta;
 
-/// The share of directions that is drawn evenly.
+/// The fraction of directions that is sampled uniformly.
 const EVEN: f64 = 1.0 / 64.0;
 
 /// A density of directions for each incidence.
@@ -129,7 +129,7 @@ impl Proposal {
 
     /// The density of [`Self::sample`] at a distance and azimuth, on the disc.
     #[inline]
-    pub(super) fn pdf(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
+    pub(super) fn density(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
         let i = self.incidence.place(length);
         let even = warp::uniform_disc_density(self.disc);
         // The density is finite at the peak: it is the limit.
@@ -167,7 +167,7 @@ fn cumulative(nodes: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
     nodes.iter().zip(values).map(one).collect()
 }
 
-/// The cell of ascending sums in which a share `u` of the last is reached, and how far in it.
+/// The cell of ascending sums in which a fraction `u` of the last is reached, and how far in it.
 fn find(sums: impl Fn(usize) -> f64, count: usize, u: f64) -> (usize, f64) {
     let wanted = u * sums(count - 1);
     let (mut low, mut high) = (0, count - 1);
@@ -180,7 +180,7 @@ fn find(sums: impl Fn(usize) -> f64, count: usize, u: f64) -> (usize, f64) {
     (low, share.clamp(0.0, 1.0))
 }
 
-/// Where a density that goes linearly from a to b over 0 to 1 has this share before it.
+/// Where a density that goes linearly from a to b over 0 to 1 has this fraction before it.
 fn linear(a: f64, b: f64, share: f64) -> f64 {
     let below = a + (a * a + share * (b * b - a * a)).max(0.0).sqrt();
     if below > 0.0 { (share * (a + b) / below).min(1.0) } else { share }

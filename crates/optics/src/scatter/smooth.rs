@@ -114,7 +114,7 @@ impl Smooth {
     /// Of values in `[incidence][azimuth][radial]` order on ascending axes: `|beta|` of incidence,
     /// distance from the specular direction, azimuth about it.
     pub(super) fn new(incidence: &[f64], radial: &[f64], azimuth: &[f64], values: &[f64]) -> Self {
-        // An axis of one node is one of two that are alike.
+        // An axis of one node is one of two that are the same.
         let twice = |nodes: &[f64], other: f64| match nodes {
             [only] => (vec![only.min(other), only.max(other)], vec![0, 0]),
             _ => (nodes.to_vec(), (0..nodes.len()).collect::<Vec<_>>()),

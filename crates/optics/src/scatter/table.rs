@@ -8,24 +8,24 @@
 //!
 //! **Between the numbers** the kernel is cubic in its logarithm, along diameters through the
 //! peak and over azimuth and incidence, and does not overshoot ([`smooth`](super::smooth)). A
-//! k-correlation lobe tabulated every .3 of its width b keeps its values within .04 %, every .9 within
-//! .5 %; every b, its integral within .1 %.
+//! k-correlation lobe tabulated every 0.3 of its width b keeps its values within 0.04 %, every 0.9 within
+//! 0.5 %; every b, its integral within 0.1 %.
 //!
 //! **At the edges.** Before the first incidence its values hold, beyond the last one too, or nothing is
 //! sent there ([`Table::dark_beyond`]); beyond the last distance nothing is sent. Along the normal, and at the
 //! peak, the mean over azimuth counts: an isotropic sample has no azimuth there.
 //!
-//! **Sampling.** [`sample`](super::Scatter::sample) draws from a working table that is bilinear
-//! between finer nodes: what is drawn follows `pdf` exactly, and value over pdf is the total,
+//! **Sampling.** [`sample`](crate::scatterer::Scatterer::sample) samples from a working table that is bilinear
+//! between finer nodes: what is sampled follows `density` exactly, and value over density is the albedo,
 //! within some per cent.
 
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
+use super::albedos::{Albedos, integral, turned};
 use super::axis::Axis;
 use super::proposal::Proposal;
 use super::smooth::Smooth;
-use super::totals::{Totals, integral, turned};
 use crate::{Beta, OpticsError};
 
 /// A kernel by its numbers.
@@ -34,7 +34,7 @@ pub struct Table {
     smooth: Smooth,
     /// Forward, and for light that retraces its ways; made when they are first asked for.
     proposals: [OnceLock<Proposal>; 2],
-    totals: [OnceLock<Totals>; 2],
+    albedos: [OnceLock<Albedos>; 2],
     /// For integrals.
     cells: OnceLock<[Axis; 2]>,
     width: f64,
@@ -90,7 +90,7 @@ impl Table {
             width: width(&smooth),
             smooth,
             proposals: Default::default(),
-            totals: Default::default(),
+            albedos: Default::default(),
             cells: OnceLock::new(),
             last: incidence[incidence.len() - 1],
             end: 1.0,
@@ -101,14 +101,14 @@ impl Table {
     /// The same with nothing scattered of light from beyond its last incidence.
     pub fn dark_beyond(self) -> Self {
         let end = self.last.min(1.0);
-        Self { proposals: Default::default(), totals: Default::default(), end, ..self }
+        Self { proposals: Default::default(), albedos: Default::default(), end, ..self }
     }
 
     /// The same of a transmission that scatters light of air into a medium of this index, 1 to 4, beyond the air disc
     /// too; light of the medium comes back the same ways.
     pub fn reaching(self, reach: f64) -> Self {
         let reach = reach.clamp(1.0, FARTHEST);
-        Self { proposals: Default::default(), totals: Default::default(), reach, ..self }
+        Self { proposals: Default::default(), albedos: Default::default(), reach, ..self }
     }
 
     /// Where the kernel ends, `|beta|`: of light that comes, and of light that is sent.
@@ -149,11 +149,11 @@ impl Table {
         })
     }
 
-    fn totals(&self, reversed: bool) -> &Totals {
-        self.totals[usize::from(reversed)].get_or_init(|| {
+    fn albedos(&self, reversed: bool) -> &Albedos {
+        self.albedos[usize::from(reversed)].get_or_init(|| {
             let cells = self.cells();
             let from = if reversed { self.reach } else { self.end };
-            Totals::new(from, |length| self.integral(cells, length, reversed, 2))
+            Albedos::new(from, |length| self.integral(cells, length, reversed, 2))
         })
     }
 
@@ -177,8 +177,8 @@ impl Table {
         })
     }
 
-    /// [`Self::total`] without interpolation, by so many points in each cell.
-    pub(super) fn total_by(&self, length: f64, reversed: bool, points: usize) -> f64 {
+    /// [`Self::albedo`] without interpolation, by so many points in each cell.
+    pub(super) fn albedo_by(&self, length: f64, reversed: bool, points: usize) -> f64 {
         let end = if reversed { self.reach } else { self.end };
         if length > end { 0.0 } else { self.integral(self.cells(), length, reversed, points) }
     }
@@ -194,14 +194,14 @@ impl Table {
     }
 
     #[inline]
-    pub(super) fn pdf(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
+    pub(super) fn density(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
         let (length, distance, azimuth) = place(from, to);
-        self.proposal(reversed).pdf(length, distance, azimuth)
+        self.proposal(reversed).density(length, distance, azimuth)
     }
 
     #[inline]
-    pub(super) fn total(&self, length: f64, reversed: bool) -> f64 {
-        self.totals(reversed).at(length)
+    pub(super) fn albedo(&self, length: f64, reversed: bool) -> f64 {
+        self.albedos(reversed).at(length)
     }
 
     pub(super) fn width(&self) -> f64 {

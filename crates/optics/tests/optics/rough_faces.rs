@@ -5,9 +5,9 @@ mod several;
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
-use papilio_optics::rough::{Distribution, Rough, Side};
+use papilio_optics::rough::{Distribution, OnSide, Rough, Side};
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, Sampler, warp};
 use papilio_testing::ChiSquare;
 
@@ -68,7 +68,10 @@ fn every_pair_of_directions_is_reciprocal() {
                     let b = Beta { x, y };
                     // Back along the same way: propagation turns round, and the face is isotropic.
                     for back in [(b, a), (-b, -a)] {
-                        let pair = [face.density(from, a, to, b), face.density(to, back.0, from, back.1)];
+                        let pair = [
+                            face.evaluate(from.at(a), to.at(b)),
+                            face.evaluate(to.at(back.0), from.at(back.1)),
+                        ];
                         assert!((pair[0] - pair[1]).abs() <= 1e-10 * pair[0], "{from:?} {to:?}: {pair:?}");
                         let pair = [face.single(from, a, to, b), face.single(to, back.0, from, back.1)];
                         assert!((pair[0] - pair[1]).abs() <= 1e-10 * pair[0].max(1e-6), "{pair:?}");
@@ -93,7 +96,7 @@ fn nothing_is_lost() {
                 let q = face.index(from) * f64::to_radians(theta_deg).cos();
                 let whole = SIDES.map(|to| {
                     let cut = (q / face.index(to)).min(1.0).acos();
-                    over_side(&face, to, cut, |b| face.density(from, a, to, b))
+                    over_side(&face, to, cut, |b| face.evaluate(from.at(a), to.at(b)))
                 });
                 let lost = 1.0 - whole[0] - whole[1];
                 assert!(lost.abs() < 3e-5, "{alpha} {from:?} {theta_deg}: {lost:e}");
@@ -109,7 +112,7 @@ fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -
     let numbers = Numbers::new(Sampler::Random, 29, 0);
     let mut counts = vec![0.0; 2 * rings * turns];
     for path in 0..samples {
-        let (side, b) = drawn.sample(from, a, numbers.block(path, 0));
+        let OnSide { side, beta: b } = drawn.sample(from.at(a), numbers.block(path, 0)).unwrap().direction;
         let sine = b.length() / drawn.index(side);
         assert!(sine < 1.0);
         let turn = b.y.atan2(b.x).rem_euclid(TAU) / TAU;
@@ -143,7 +146,7 @@ fn samples_follow_the_density() {
         for from in SIDES {
             for theta_deg in [0.0, 40.0, 80.0] {
                 let a = beta(&face, from, theta_deg);
-                let found = chi_square(&face, from, a, |to, b| face.density(from, a, to, b));
+                let found = chi_square(&face, from, a, |to, b| face.evaluate(from.at(a), to.at(b)));
                 assert!(found.is_likely(), "{alpha} {from:?} {theta_deg}: {found:?}");
             }
         }
@@ -155,7 +158,7 @@ fn wrong_densities_are_caught() {
     let (face, rougher) = (Rough::new(0.3, 1.0, 1.5), Rough::new(0.33, 1.0, 1.5));
     for from in SIDES {
         let a = beta(&face, from, 40.0);
-        let found = chi_square(&face, from, a, |to, b| rougher.density(from, a, to, b));
+        let found = chi_square(&face, from, a, |to, b| rougher.evaluate(from.at(a), to.at(b)));
         assert!(!found.is_likely(), "rougher: {found:?}");
         // One microfacet alone, scaled up to one.
         let scale = 1.0 / (1.0 - face.deficit(from, a.length()));
@@ -173,8 +176,9 @@ fn light_of_several_microfacets_is_drawn_as_often_as_it_should() {
         let a = beta(&face, from, 30.0);
         let samples = 100_000;
         let mean = (0..samples).map(|path| {
-            let (to, b) = face.sample(from, a, numbers.block(path, 1));
-            1.0 - face.single(from, a, to, b) / face.density(from, a, to, b)
+            let OnSide { side: to, beta: b } =
+                face.sample(from.at(a), numbers.block(path, 1)).unwrap().direction;
+            1.0 - face.single(from, a, to, b) / face.evaluate(from.at(a), to.at(b))
         });
         let mean = mean.sum::<f64>() / samples as f64;
         let deficit = face.deficit(from, a.length());
@@ -193,8 +197,9 @@ fn a_fine_roughness_reflects_as_fresnel() {
         for theta_deg in [0.0, 20.0, 60.0] {
             let a = beta(&face, from, theta_deg);
             let samples = 1 << 16;
-            let reflected =
-                (0..samples).filter(|&path| face.sample(from, a, numbers.block(path, 0)).0 == from);
+            let reflected = (0..samples).filter(|&path| {
+                face.sample(from.at(a), numbers.block(path, 0)).unwrap().direction.side == from
+            });
             let share = reflected.count() as f64 / samples as f64;
             let expected = fresnel_reflectance(face.index(from), face.index(from.other()), a.length());
             assert!((share - expected).abs() < 1e-3, "{from:?} {theta_deg}: {share} {expected}");
@@ -269,8 +274,8 @@ fn walter(alpha: f64, above: f64, below: f64, from: Side, beta: Beta, u: [f64; 4
 fn one_microfacet_alone_loses_6_percent_over_a_white_mirror() {
     let face = Rough::new(0.2, 1.0, 1.5);
     let single = |from: Side, a: Beta, u: [f64; 4]| {
-        let (to, b) = face.sample(from, a, u);
-        (to, b, face.single(from, a, to, b) / face.density(from, a, to, b))
+        let OnSide { side: to, beta: b } = face.sample(from.at(a), u).unwrap().direction;
+        (to, b, face.single(from, a, to, b) / face.evaluate(from.at(a), to.at(b)))
     };
     let (lost, error) = loss_over_a_white_mirror(37, &single);
     let (expected, its_error) = loss_over_a_white_mirror(38, &|from, a, u| walter(0.2, 1.0, 1.5, from, a, u));
@@ -280,8 +285,8 @@ fn one_microfacet_alone_loses_6_percent_over_a_white_mirror() {
         "{lost} +- {error}, {expected} +- {its_error}"
     );
     assert!((lost - 0.063).abs() < 0.004, "{lost}");
-    let whole = |from, a, u| {
-        let (to, b) = face.sample(from, a, u);
+    let whole = |from: Side, a, u| {
+        let OnSide { side: to, beta: b } = face.sample(from.at(a), u).unwrap().direction;
         (to, b, 1.0)
     };
     assert_eq!(loss_over_a_white_mirror(37, &whole).0, 0.0);
@@ -291,9 +296,9 @@ fn one_microfacet_alone_loses_6_percent_over_a_white_mirror() {
 fn directions_that_do_not_exist_have_no_density() {
     let face = Rough::new(0.3, 1.0, 1.5);
     let (inside, beyond) = (Beta { x: 0.5, y: 0.0 }, Beta { x: 1.2, y: 0.0 });
-    assert_eq!(face.density(Side::Above, inside, Side::Above, beyond), 0.0);
-    assert_eq!(face.density(Side::Below, inside, Side::Above, beyond), 0.0);
-    assert!(face.density(Side::Above, inside, Side::Below, beyond) > 0.0);
+    assert_eq!(face.evaluate(Side::Above.at(inside), Side::Above.at(beyond)), 0.0);
+    assert_eq!(face.evaluate(Side::Below.at(inside), Side::Above.at(beyond)), 0.0);
+    assert!(face.evaluate(Side::Above.at(inside), Side::Below.at(beyond)) > 0.0);
     assert_eq!(face.deficit(Side::Above, 1.2), 0.0);
 }
 
@@ -307,7 +312,7 @@ fn what_one_microfacet_loses_is_shared_out_reciprocally() {
     for (from, to) in [(Side::Above, Side::Below), (Side::Below, Side::Below), (Side::Above, Side::Above)] {
         let way = usize::from(from != to);
         let (a, b) = (beta(&face, from, 20.0), beta(&face, to, 65.0));
-        let again = face.density(from, a, to, b) - face.single(from, a, to, b);
+        let again = face.evaluate(from.at(a), to.at(b)) - face.single(from, a, to, b);
         let [d_a, d_b] = [(from, a), (to, b)].map(|(side, beta)| face.several(side, beta.length())[way]);
         let expected = d_a * d_b / sums[from as usize][way];
         assert!((again / expected - 1.0).abs() < 1e-6, "{again} {expected}");

@@ -10,14 +10,13 @@ use crate::read::{At, Read};
 table! {
     /// The layers over the pixel, top to bottom: front, surface or diffuser, glass; or `layers` in any order.
     Display later ["front_light"] {
-        /// Any layers in any order, top to bottom, from the air to the pixel: 1 to 64; in the place of
-        /// `front`, `diffuser` and `glass`. Default: none.
+        /// Any layers in any order, 1 to 64, from the air down to the pixel. They replace `front`, `diffuser` and `glass`.
         layers: Option<Vec<At<Layer>>>,
-        /// Front-of-screen components in air, outermost first. Default: none.
+        /// Components in front of the screen, in air, outermost first.
         front: Option<Vec<At<FrontComponent>>>,
         /// The diffuser between air and glass. Default: none, a bare panel.
         diffuser: Option<Diffuser>,
-        /// The glass above the pixel. Default: clear, of index 1.5.
+        /// The glass above the pixel. Default: clear, with an index of 1.5.
         glass: Option<Glass>,
         /// The pixel array.
         pixel: Pixel,
@@ -43,11 +42,11 @@ impl Display {
 }
 
 table! {
-    /// A front-of-screen component, alike from both sides and at all angles.
+    /// A component in front of the screen, the same from both sides and at all angles.
     FrontComponent {
-        /// Share of the light that it mirrors: 0 to 1, or a spectrum file. Default 0.
+        /// Fraction of the light that is reflected specularly.
         reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Share of the light that it absorbs: 0 to 1, or a spectrum file; the two together at most 1. Default 0.
+        /// Fraction of the light that is absorbed; with `reflectance` at most 1.
         absorptance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
     }
 }
@@ -55,14 +54,14 @@ table! {
 table! {
     /// The glass between surface and pixel.
     Glass {
-        /// Refractive index, real, 1 to 10: a number, a material or a file. Default 1.5.
+        /// Real refractive index, from 1 to 10.
         index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// The face between air and glass of a panel without diffuser. Default "ideal-ar".
+        /// The interface between air and glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Internal transmittance along the normal: 0 to 1, or a spectrum file; oblique light passes more
-        /// of the glass. This or `thickness_mm`. Default: clear.
+        /// Internal transmittance along the normal; oblique light takes a longer path. Either this or `thickness_mm`.
+        /// Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, mm, above 0, at most 1000: the index's k (up to 1e-3) absorbs along the path.
+        /// Thickness: the index's k (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -78,9 +77,9 @@ choice! {
 }
 
 forms! {
-    /// A share of the light at every wavelength: a number from 0 to 1, or a two-column spectrum file.
+    /// A fraction of the light at every wavelength: a number from 0 to 1, or a two-column spectrum file.
     ShareSpectrum, format!("{}, or a spectrum file", Share::in_words()); {
-        /// Alike at all wavelengths.
+        /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
         /// A file, relative to the scenario.
         File(String) if Value::Text(_),
@@ -100,11 +99,11 @@ forms! {
 }
 
 table! {
-    /// A complex refractive index, alike at all wavelengths.
+    /// A complex refractive index, the same at all wavelengths.
     NK {
         /// Refractive index.
         n: Index,
-        /// Extinction coefficient, 0 or more. Default 0.
+        /// Extinction coefficient: positive in an absorber (n + ik).
         k: Extinction = Extinction(0.0),
     }
 }

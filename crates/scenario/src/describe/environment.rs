@@ -10,49 +10,49 @@ use crate::read::At;
 kinds! {
     /// Light from many directions at once; its keys depend on `model`.
     Environment by "model" {
-        /// An even ring around the normal.
+        /// A ring around the normal, of uniform radiance.
         Ring(Ring) = "ring",
-        /// An even part of the hemisphere.
+        /// A part of the hemisphere, of uniform radiance.
         Cap(Cap) = "cap",
-        /// Alike at all azimuths, by a table over inclination.
+        /// The same at all azimuths: a table over inclination.
         Profile(Profile) = "profile",
         /// A CIE standard general sky.
         Sky(Sky) = "sky",
         /// A picture of the whole sphere.
         Map(Map) = "map",
-        /// A luminaire by its IES file, far away.
+        /// A distant luminaire, by its IES file.
         Luminaire(Luminaire) = "luminaire",
     }
 }
 
 table! {
-    /// An even ring around the normal, such as a ring light.
+    /// A ring of uniform radiance around the normal, such as a ring light.
     Ring {
-        /// Share of `illuminance_lx`, 0 to 1.
+        /// Fraction of `illuminance_lx`.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Inclination of the middle of the ring, above 0, at most 90 deg.
+        /// Inclination of the middle of the ring.
         theta_deg: Horizon,
-        /// Full width of the ring, degrees: all of it lies between 0 and 90 deg.
+        /// Full width of the ring; the whole ring is between 0 and 90 deg.
         width_deg: Horizon,
     }
 }
 
 table! {
-    /// An even part of the hemisphere around the normal, or around any other direction; the display's horizon ends it.
+    /// A part of the hemisphere of uniform radiance, around the normal or any other direction; the display's horizon ends it.
     Cap {
-        /// Share of `illuminance_lx`, 0 to 1.
+        /// Fraction of `illuminance_lx`.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Inclination of its axis, degrees, between -90 and 90. Default 0, the normal.
+        /// Inclination of the axis; 0 is the normal.
         theta_deg: Inclination = Inclination(0.0),
-        /// Azimuth of its axis, degrees. Default 0.
+        /// Azimuth of the axis.
         phi_deg: Azimuth = Azimuth(0.0),
-        /// Angle from the axis where it begins, degrees. Default 0.
+        /// Angle from the axis where the cap begins.
         from_deg: FieldAngle = FieldAngle(0.0),
-        /// Angle from the axis where it ends, above `from_deg`, at most 180 deg. Default 180: at the horizon.
+        /// Angle from the axis where the cap ends, above `from_deg`; the display's horizon ends it in any case.
         to_deg: CapEnd = CapEnd(180.0),
     }
 }
@@ -70,13 +70,13 @@ choice! {
 table! {
     /// Light that is alike at all azimuths, its radiance linear between the rows of a table, dark beyond them.
     Profile {
-        /// Share of `illuminance_lx`, 0 to 1.
+        /// Fraction of `illuminance_lx`.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Two columns: angle in degrees, 0 to 90, and relative radiance.
+        /// A file of two columns: angle in degrees (0 to 90, rising) and relative radiance.
         file: String,
-        /// What the angles are. Default "inclination", from the normal.
+        /// What the angles of the file are.
         angles: ProfileAngles = ProfileAngles::Inclination,
     }
 }
@@ -84,23 +84,23 @@ table! {
 table! {
     /// A CIE standard general sky (ISO 15469).
     Sky {
-        /// Share of `illuminance_lx` that comes from sky and ground, 0 to 1.
+        /// Fraction of `illuminance_lx` that comes from sky and ground.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// 1 to 15 as in ISO 15469 (1 overcast, 5 uniform, 12 clear); 16: the traditional overcast sky.
+        /// Type of sky as in ISO 15469 (1 overcast, 5 uniform, 12 clear), or 16 for the traditional overcast sky.
         number: Count<1, 16>,
-        /// Elevation of the sun above the horizon, above 0, at most 90 deg; skies 1, 3, 5 and 16 need none.
+        /// Elevation of the sun above the horizon. Default: required, but for skies 1, 3, 5 and 16 without a sun.
         sun_elevation_deg: Option<Elevation>,
-        /// Azimuth of the sun, counterclockwise seen from above, from the display's x axis, degrees. Default 0.
+        /// Azimuth of the sun, counterclockwise seen from above, from the display's x axis.
         sun_azimuth_deg: Azimuth = Azimuth(0.0),
-        /// Share of `illuminance_lx` that comes from the sun's disc, of radius .27 deg. Default 0.
+        /// Fraction of `illuminance_lx` that comes from the sun's disc, whose radius is 0.27 deg.
         sun_share: Share = Share(0.0),
         /// Relative spectrum of the sun's disc. Default: that of the lighting.
         sun_spectrum: Option<LightSpectrum>,
-        /// 0: the display lies flat and faces the zenith; 90: it stands upright and faces azimuth -90 deg. Default 0.
+        /// Tilt of the display: at 0 it lies flat and faces the zenith, at 90 it is upright and faces azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
-        /// Reflectance of the ground, 0 to 1: what a tilted display sees below the horizon. Default 0.
+        /// Reflectance of the ground, which a tilted display sees below the horizon.
         ground_reflectance: Share = Share(0.0),
     }
 }
@@ -108,18 +108,18 @@ table! {
 table! {
     /// A picture of the whole sphere, equirectangular, by radiance.
     Map {
-        /// Share of `illuminance_lx`, 0 to 1.
+        /// Fraction of `illuminance_lx`.
         share: Share,
-        /// Relative spectrum of the map's white; none beside a map of wavelengths. Default: that of the lighting.
+        /// Relative spectrum of the map's white; not for a map of wavelengths. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// A Radiance picture (.hdr) or an OpenEXR file (.exr), twice as wide as high.
+        /// A Radiance picture (.hdr) or an OpenEXR file (.exr), equirectangular, twice as wide as high.
         file: String,
-        /// Turns the world counterclockwise, seen from above, degrees. Default 0: an upright display faces the
-        /// middle of the map.
+        /// Rotates the map counterclockwise seen from above; at 0 an upright display faces the middle of the map.
         rotate_deg: Azimuth = Azimuth(0.0),
-        /// 0: the display lies flat and faces the top of the map; 90: it stands upright. Default 0.
+        /// Tilt of the display: at 0 it lies flat and faces the top of the map, at 90 it is upright.
         tilt_deg: FieldAngle = FieldAngle(0.0),
-        /// Parts of a picture in colours whose spectrum was measured; where several hold a pixel, the first. Default: none.
+        /// Parts of a map in colours that have measured spectra; a pixel in several regions belongs to the first. Default:
+        /// none.
         regions: Vec<At<Region>> = Vec::new(),
     }
 }
@@ -127,34 +127,34 @@ table! {
 table! {
     /// A part of a map that has a spectrum of its own: its pixels keep their luminance, and lose their colour.
     Region {
-        /// Relative spectrum of its light.
+        /// Relative spectrum of the region's light.
         spectrum: LightSpectrum,
-        /// Elevations where it begins and ends, degrees above the horizon of the map. Default [-90, 90].
+        /// Elevations where the region begins and ends, above the horizon of the map.
         elevation_deg: Vec<At<Latitude>> = vec![At::at_large(Latitude(-90.0)), At::at_large(Latitude(90.0))],
-        /// Azimuths where it begins and ends, counterclockwise seen from above, degrees from the display's x axis while
-        /// `rotate_deg` is 0 (the middle of the map is -90); the region turns with the map. Default [-180, 180].
+        /// Azimuths where the region begins and ends, counterclockwise seen from above, from the display's x axis while
+        /// `rotate_deg` is 0 (the middle of the map is at -90). The region rotates with the map.
         azimuth_deg: Vec<At<Azimuth>> = vec![At::at_large(Azimuth(-180.0)), At::at_large(Azimuth(180.0))],
     }
 }
 
 table! {
-    /// A luminaire far away: a disc of its opening's size, listed among the directed sources.
+    /// A distant luminaire: a disc of the size of its opening, listed among the directed sources.
     Luminaire {
-        /// Share of `illuminance_lx`, 0 to 1.
+        /// Fraction of `illuminance_lx`.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// IES LM-63, type C photometry.
+        /// An IES LM-63 file, type C photometry.
         file: String,
-        /// Elevation of the luminaire above the horizon, as the display sees it, above 0, at most 90 deg.
+        /// Elevation of the luminaire above the horizon, seen from the display.
         elevation_deg: Elevation,
-        /// Its azimuth, counterclockwise seen from above, from the display's x axis, degrees. Default 0.
+        /// Azimuth of the luminaire, counterclockwise seen from above, from the display's x axis.
         azimuth_deg: Azimuth = Azimuth(0.0),
-        /// Its distance, m.
+        /// Distance of the luminaire.
         distance_m: Metres,
-        /// Azimuth of its own plane C = 0, degrees. Default 0.
+        /// Azimuth of the luminaire's own plane C = 0.
         rotation_deg: Azimuth = Azimuth(0.0),
-        /// 0: the display lies flat; 90: it stands upright and faces azimuth -90 deg. Default 0.
+        /// Tilt of the display: at 0 it lies flat, at 90 it is upright and faces azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
     }
 }

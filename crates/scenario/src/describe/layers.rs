@@ -6,7 +6,7 @@ use super::numbers::{Index, Nanometres, Roughness, Thickness};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
 use crate::read::{At, Read, Table};
-use crate::schema::Keys;
+use crate::schema::of_table;
 use crate::tree::Node;
 
 kinds! {
@@ -18,7 +18,7 @@ kinds! {
         Slab(Slab) = "slab",
         /// A diffuser given by its BTDF, its faces included.
         Diffuser(Btdf) = "diffuser",
-        /// A flat component in a medium, alike from both sides and at all angles.
+        /// A flat component in a medium, the same from both sides and at all angles.
         Component(FrontComponent) = "component",
         /// Coherent thin films, an antireflection coating for example.
         Coating(Coating) = "coating",
@@ -34,12 +34,12 @@ kinds! {
 table! {
     /// A homogeneous medium.
     Medium {
-        /// Refractive index, real, 1 to 10: a number, a material or a file. Default 1.5.
+        /// Real refractive index, from 1 to 10.
         index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Internal transmittance along the normal: 0 to 1, or a spectrum file; oblique light passes more
-        /// of the medium. This or `thickness_mm`. Default: clear.
+        /// Internal transmittance along the normal; oblique light takes a longer path. Either this or `thickness_mm`.
+        /// Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness, mm, above 0, at most 1000: the index's k (up to 1e-3) absorbs along the path.
+        /// Thickness: the index's k (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -47,7 +47,7 @@ table! {
 table! {
     /// Coherent films between two media.
     Coating {
-        /// The films from top to bottom.
+        /// The films from top to bottom, 1 to 256.
         film: Vec<At<CoatingFilm>>,
     }
 }
@@ -55,9 +55,9 @@ table! {
 table! {
     /// A film of a coating.
     CoatingFilm {
-        /// A refractive index, `{ n, k }`, the name of a material, or a file.
+        /// Refractive index of the film.
         material: MaterialSpec,
-        /// Thickness in nm, 0 to 1e6.
+        /// Thickness of the film.
         thickness_nm: Nanometres,
     }
 }
@@ -75,14 +75,14 @@ choice! {
 table! {
     /// A rough face between two media of different, constant index.
     Rough {
-        /// Roughness, .01 to 1: the slopes of the face are about this.
+        /// Roughness: the slopes of the face are about this.
         alpha: Roughness,
-        /// How the slopes are spread: "ggx" (a long tail) or "beckmann" (Gaussian). Default "ggx".
+        /// How the slopes of the face are distributed.
         distribution: Slopes = Slopes::Ggx,
     }
 }
 
-/// A layer of which its kind says all.
+/// A layer without other keys.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(crate) struct NoKeys {}
 
@@ -106,7 +106,7 @@ impl schemars::JsonSchema for NoKeys {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "NoKeys".into()
     }
-    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        Keys::default().into_table("A layer of which its kind says all.")
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        of_table(&[], "A layer without other keys.", generator)
     }
 }

@@ -11,21 +11,21 @@ use crate::read::At;
 table! {
     /// The room's light; all shares sum to 1.
     Lighting {
-        /// "indoor", "office", "iec-directional", ...: fills lighting and viewer; keys that are given override it. Default: none.
+        /// A ready-made light and viewer (docs/light.md). Keys that are given override it.
         preset: Option<Preset>,
-        /// Illuminance that the shares refer to, in the display plane, 1e-6 to 1e9 lx, or 0 beside a front light. Default 500, or
-        /// 0 where a front light is all the light that is given. "from-map": so many that the scenario's one map makes on the display
-        /// what its own numbers say.
+        /// Illuminance in the display plane, to which all fractions of the light refer; `"from-map"` takes it from the
+        /// scenario's one map. Default: `500`, or `0` where a front light is all the light there is.
         illuminance_lx: Option<Illuminance>,
-        /// Relative spectrum of all light that has none of its own. Default "D65".
+        /// Relative spectrum of all light that has none of its own.
         spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
-        /// Share that comes alike from the whole hemisphere, 0 to 1. Default 1, or 0 where other light is given.
+        /// Fraction of the light that comes from the whole hemisphere with uniform radiance. Default: `1`, or `0` where
+        /// other light is given.
         diffuse: Option<Share>,
         /// Directed sources. Default: none.
         directed: Vec<At<Directed>> = Vec::new(),
-        /// Light from many directions at once: rings, skies. Default: none.
+        /// Light from many directions at once: rings, skies, maps. Default: none.
         environment: Vec<At<Environment>> = Vec::new(),
-        /// A light guide below the front of screen. Default: none.
+        /// A light guide below the front of screen.
         front_light: Option<FrontLight>,
     }
 }
@@ -33,15 +33,15 @@ table! {
 table! {
     /// A clear light guide below the front of screen and above all other layers.
     FrontLight {
-        /// What it sends down, lx on the layer below the front of screen, beside `illuminance_lx`.
+        /// What the guide sends down, on the layer below the front of screen; it adds to the light of the room.
         illuminance_lx: Lux,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Directions of what it sends down: two columns, inclination in degrees (0 to 90, rising) and relative radiance,
-        /// alike at all azimuths; or an IES file (.ies), its nadir the display's normal and its plane C = 0 along x. Over an
-        /// ordinary panel's diffuser alone. Default: diffuse.
+        /// Directions of what the guide sends down: a file of two columns, inclination in degrees (0 to 90, rising) and
+        /// relative radiance, the same at all azimuths; or an IES file (.ies), whose nadir is the display's normal and
+        /// whose plane C = 0 is along x. Only above the diffuser of an ordinary panel. Default: diffuse.
         distribution: Option<String>,
-        /// Share of all its light that it sends up, diffusely: 0 to .99. Default 0.
+        /// Fraction of all its light that the guide sends up, diffusely.
         upward_leak: Leak = Leak(0.0),
     }
 }
@@ -103,17 +103,18 @@ choice! {
 table! {
     /// A directed source.
     Directed {
-        /// Inclination, degrees, between -90 and 90; negative: towards phi + 180.
+        /// Inclination; below 0: towards phi + 180.
         theta_deg: Inclination,
-        /// Azimuth, degrees, -360 to 360. Default 0.
+        /// Azimuth.
         phi_deg: Azimuth = Azimuth(0.0),
-        /// Share of `illuminance_lx`, 0 to 1.
+        /// Fraction of `illuminance_lx`.
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Angular radius of a round source of even radiance, degrees. Default: none, collimated.
+        /// Angular radius of a round source of uniform radiance; the source must not reach below the horizon. Default:
+        /// none, collimated light.
         radius_deg: Option<AngularRadius>,
-        /// True: the share is measured across the beam; cos(theta) of it falls on the display. Default false.
+        /// `true`: the fraction is measured across the beam, and cos(theta) of it falls on the display.
         normal_to_beam: bool = false,
     }
 }
@@ -134,15 +135,15 @@ table! {
     /// A model of light: an LED (Ohno 2005), CIE daylight, or a black body. LEDs are 1 at
     /// their peak, the others 1 at 560 nm, before the weight.
     LightModel {
-        /// Peak wavelength of an LED, nm.
+        /// Peak wavelength of an LED.
         led_nm: Option<Wavelength>,
-        /// Width of the LED, nm: 1/.92 of its full width at half maximum.
+        /// Width of the LED; its full width at half maximum is 0.92 of this.
         width_nm: Option<Wavelength>,
-        /// Correlated colour temperature of CIE daylight, K, 4000 to 25000.
+        /// Correlated colour temperature of CIE daylight.
         daylight_K: Option<DaylightKelvin>,
-        /// Temperature of a black body, K, 500 to 100000.
+        /// Temperature of a black body.
         planck_K: Option<Kelvin>,
-        /// Weight in a list. Default 1.
+        /// Weight in a list.
         weight: Weight = Weight(1.0),
     }
 }

@@ -13,13 +13,13 @@ use crate::tree::{Node, Value};
 table! {
     /// A limit: `at_least`, `at_most` or both.
     Limit {
-        /// "gamut_percent_srgb", or one of a state: "white.Y".
+        /// The metric: `"gamut_percent_srgb"`, or one of a state: `"white.Y"`.
         metric: MetricName,
-        /// In which of the scenario's views, from 0. Default 0.
+        /// The number of the view, from 0.
         view: Count<0, 4999> = Count(0),
-        /// No less.
+        /// The smallest value that is good. At least one of `at_least` and `at_most`.
         at_least: Option<Any>,
-        /// No more.
+        /// The largest value that is good. At least one of `at_least` and `at_most`.
         at_most: Option<Any>,
     }
 }

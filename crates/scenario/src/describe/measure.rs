@@ -10,29 +10,30 @@ use crate::read::At;
 table! {
     /// A virtual imaging sphere (the defaults are the grid of Feng 2012, section 3.3), for `papilio diffuser measure` alone.
     Measure {
-        /// Name of the sample, one line. Default: that of the output file.
+        /// Name of the sample. Default: that of the output file.
         sample: Option<Title>,
-        /// Inclinations of the light, degrees, from 0 to below 90, rising. Default { from = 0, to = 75, step = 5 }.
+        /// Inclinations of the light: rising, from 0 to below 90.
         incidence_deg: GridAngles = evenly(75.0, 5.0),
-        /// Azimuths about the specular direction, degrees, from 0 to 180, rising, both ends included. Default by 10.
+        /// Azimuths about the specular direction: rising, from 0 to 180, both included.
         azimuth_deg: GridAngles = evenly(180.0, 10.0),
-        /// Distances from the specular direction, degrees, from 0 to at most 180, rising. Default 0 to 180 by 2.
+        /// Distances from the specular direction: rising, from 0 to at most 180.
         radial_deg: GridAngles = evenly(180.0, 2.0),
-        /// Default "xyz".
+        /// What the instrument looks through.
         channels: Channels = Channels::Xyz,
-        /// The light, whose spectrum weights the channels. Default "D65".
+        /// The light, whose spectrum weights the channels.
         light: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
-        /// Width b of the image of a straight beam, direction cosines: 0, or .0001 to 1. Default 0.
+        /// Width b of the image of a straight beam.
         blur: Blur = Blur(0.0),
-        /// True: the values integrate to the sample's own total in spite of what the blur moves beyond the horizon. Default true.
+        /// `true`: the values integrate to the total of the sample; `false`: light that the blur moves beyond the horizon
+        /// is lost.
         renormalise: bool = true,
-        /// Standard deviation of the noise relative to the value, 0 to 1. Default 0.
+        /// Standard deviation of the noise relative to the value.
         noise: Noise = Noise(0.0),
-        /// Standard deviation of what comes on top, 1/sr, 0 to 1000. Default 0.
+        /// Standard deviation of the noise that is added to every value.
         noise_floor: NoiseFloor = NoiseFloor(0.0),
-        /// Seed of the noise, 0 or more. Default 0.
+        /// Seed of the noise.
         seed: Seed = Count(0),
-        /// Nothing is seen beyond this inclination, degrees, above 0, at most 90. Default 90.
+        /// The instrument sees nothing beyond this inclination.
         dark_beyond_deg: Horizon = Horizon(90.0),
     }
 }
@@ -52,7 +53,7 @@ choice! {
     Channels {
         /// CIE X, Y and Z.
         Xyz = "xyz",
-        /// The luminous one.
+        /// One channel, weighted with V(lambda).
         Monochrome = "monochrome",
     }
 }

@@ -1,21 +1,21 @@
-//! `[metrics]`: what is said of the colours.
+//! `[metrics]`: how colours are evaluated.
 
 use super::numbers::{AdaptingLuminance, Background};
 use crate::grammar::{choice, table};
 use crate::read::At;
 
 table! {
-    /// What is said of the colours.
+    /// How colours are evaluated.
     Metrics {
-        /// Whose X, Y and Z. Default "1931".
+        /// CIE standard observer of X, Y and Z.
         observer: Observer = Observer::Cie1931,
-        /// Name of the state that the others are compared with. Default "white".
+        /// Name of the state that the others are compared with. Default: `"white"`, if there is one.
         reference_state: Option<String>,
-        /// Whether to keep the reflectance factors under each light alone. Default false.
+        /// Whether to keep the reflectance factors under each light alone.
         spectra_by_light: bool = false,
-        /// Whether to find the volume of the gamut in CIELAB, and its rings. Default false.
+        /// Whether to compute the volume of the gamut in CIELAB, and its rings.
         gamut_volume: bool = false,
-        /// Viewing conditions: also say what the states look like (CIECAM16). Default: none.
+        /// Viewing conditions: the appearance of the states (CIECAM16) is computed, too.
         appearance: Option<Appearance>,
     }
 }
@@ -23,9 +23,9 @@ table! {
 choice! {
     /// A CIE standard observer.
     Observer {
-        /// Of 1931, 2 degrees.
+        /// CIE 1931, 2 degrees.
         Cie1931 = "1931",
-        /// Of 1964, 10 degrees.
+        /// CIE 1964, 10 degrees.
         Cie1964 = "1964",
     }
 }
@@ -33,11 +33,11 @@ choice! {
 table! {
     /// Viewing conditions of CIECAM16.
     Appearance {
-        /// Luminance that the eye is adapted to, cd/m2, 0.01 to 1e6. Default: that of the background.
+        /// Luminance to which the eye is adapted. Default: that of the background.
         adapting_luminance_cd_m2: Option<AdaptingLuminance>,
-        /// Luminance of the background over that of a perfect white in the same light, 0.01 to 1. Default 0.2.
+        /// Luminance of the background over that of a perfect white in the same light.
         background: Background = Background(0.2),
-        /// What is around the display. Default "average".
+        /// What surrounds the display.
         surround: Surround = Surround::Average,
     }
 }

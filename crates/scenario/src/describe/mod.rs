@@ -33,30 +33,30 @@ use numbers::Wavelength;
 table! {
     /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
     File later ["study"] {
-        /// Number of the grammar that the file is written in, 1 or 2. Old names are read in both; `papilio migrate`
-        /// brings a file to the present one. Default 2.
+        /// Number of the grammar that the file is written in, 1 or 2. Old names are accepted in both; `papilio migrate`
+        /// replaces them.
         format: Format = Format(FORMAT),
-        /// A title for tables and figures, one line. Default: none.
+        /// Title for tables and figures, one line.
         title: Option<Title>,
-        /// The wavelengths of the computation.
+        /// The wavelengths of the computation. Default: the defaults of its keys.
         spectrum: Spectrum,
-        /// The panel, from the front of screen to the pixel.
+        /// The display, from the front of screen to the pixel.
         display: display::Display,
-        /// The room's light. Default: 500 lx of diffuse D65.
+        /// The light of the room. Default: 500 lx of diffuse D65.
         lighting: lighting::Lighting,
-        /// Where the reader looks from. Default: along the normal.
+        /// The directions of view. Default: along the normal.
         viewer: viewer::Viewer,
-        /// What is said of the colours.
+        /// How colours are evaluated. Default: the defaults of its keys.
         metrics: metrics::Metrics,
-        /// How to compute, and how well.
+        /// How to compute, and how accurately. Default: the defaults of its keys.
         solver: solver::Solver,
-        /// A virtual imaging sphere that looks at the diffuser; for `papilio diffuser measure` alone. Default: none.
+        /// A virtual imaging sphere that measures the diffuser, for `papilio diffuser measure` only.
         measure: Option<measure::Measure>,
-        /// Keys that are varied; for `papilio sweep` alone. Default: none.
+        /// Keys that are varied, for `papilio sweep` only.
         sweep: Option<sweep::Sweep>,
-        /// A search for better designs; for `papilio optimize` alone. Default: none.
+        /// A search for better designs, for `papilio optimize` only.
         optimize: Option<optimize::Optimize>,
-        /// How production scatters keys, and what its displays have to meet; for `papilio tolerance` alone. Default: none.
+        /// How production varies keys, and which limits its displays have to meet, for `papilio tolerance` only.
         tolerance: Option<tolerance::Tolerance>,
     }
 }
@@ -64,9 +64,9 @@ table! {
 table! {
     /// The wavelength grid: evenly spaced, both ends included.
     Spectrum {
-        /// First and last wavelength, nm. Default [380, 780].
+        /// First and last wavelength, both included; the range has a part of 380 to 780 nm.
         range_nm: Vec<At<Wavelength>> = vec![At::at_large(Wavelength(380.0)), At::at_large(Wavelength(780.0))],
-        /// Distance of neighbours, nm; a whole number of steps must fit. Default 5.
+        /// Distance of neighbouring wavelengths; the range is a whole number of steps.
         step_nm: Wavelength = Wavelength(5.0),
     }
 }

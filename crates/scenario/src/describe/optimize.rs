@@ -19,23 +19,24 @@ use crate::tree::{Node, Value};
 table! {
     /// A search for better designs; for `papilio optimize` alone.
     Optimize {
-        /// How it is searched. Default "gradient".
+        /// How designs are searched.
         method: Method = Method::Gradient,
-        /// Gradient searches of each combination of choices, each from a place of its own. Default 20.
+        /// Number of gradient searches for each combination of choices, each from a starting point of its own.
         starts: Count<1, 10_000> = Count(20),
-        /// Seed of the starts and of the global method. Default 0.
+        /// Seed of the starting points and of the global method.
         seed: Seed = Count(0),
-        /// Designs that one search may evaluate, all its starts together. Default 20000.
+        /// Number of designs that one search may evaluate, all its starts together.
         evaluations: Count<10, 100_000_000> = Count(20_000),
-        /// Searches along the front of several objectives. Default 15.
+        /// Number of searches along the front of several objectives.
         points: Count<2, 1000> = Count(15),
         /// What may vary.
         variables: Vec<At<Variable>>,
-        /// Lights, views and whatever else a design has to do with. Default: the scenario as it stands.
+        /// Lights, views and other circumstances that every design has to do with. Default: none, the scenario as it
+        /// stands.
         conditions: Vec<At<Condition>> = Vec::new(),
-        /// What makes a design a good one; several make a front.
+        /// What makes a design good; several objectives make a front.
         objectives: Vec<At<Objective>>,
-        /// What every design has to meet. Default: nothing.
+        /// What every design has to meet. Default: none.
         constraints: Vec<At<Constraint>> = Vec::new(),
     }
 }
@@ -47,7 +48,7 @@ choice! {
         Gradient = "gradient",
         /// By a population of designs (differential evolution).
         Global = "global",
-        /// The second, and from what it found the first.
+        /// First `"global"`, then `"gradient"` from its best design.
         Both = "both",
     }
 }
@@ -55,15 +56,15 @@ choice! {
 table! {
     /// A number or a choice that may vary.
     Variable {
-        /// A path as of `--set`; or give `keys`.
+        /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
-        /// Several that take the same value.
+        /// Several paths that take the same value. Either `key` or `keys`.
         keys: Option<Vec<At<String>>>,
-        /// A key that gives what the others take, so that the sum stays: for areas and shares.
+        /// A key that compensates the others, so that their sum stays the same: for areas and fractions of the light.
         compensated_by: Option<String>,
-        /// The smallest and the largest value; or give `choices`.
+        /// The smallest and the largest value. Either `bounds` or `choices`.
         bounds: Option<Vec<At<Any>>>,
-        /// The values that there are: numbers, names of materials, files, tables.
+        /// The possible values: numbers, names of materials, files, tables. Either `bounds` or `choices`.
         choices: Option<Choices>,
     }
 }
@@ -71,11 +72,11 @@ table! {
 table! {
     /// A light, a view or anything else that every design has to do with.
     Condition {
-        /// Its name.
+        /// Name of the condition.
         name: String,
-        /// Keys and their values, as of `--set`: { "lighting.preset" = "sunny" }. Default: the scenario as it stands.
+        /// Keys and their values as in `--set`: `{ "lighting.preset" = "sunny" }`. Default: the scenario as it stands.
         set: Changes = Changes(Vec::new()),
-        /// Weight in objectives that name no condition. Default 1.
+        /// Weight in objectives that name no condition.
         weight: Weight = Weight(1.0),
     }
 }
@@ -84,21 +85,22 @@ table! {
     /// What is to be large, small or near something: a `metric`, or how far a `state` is from a `spectrum`, `lab` or `uv`.
     /// Without `condition` and `view` it is the mean over all of them.
     Objective {
-        /// "gamut_percent_srgb", or one of a state: "white.Y".
+        /// A metric of all states together, `"gamut_percent_srgb"`, or of one state, `"white.Y"`. Exactly one of `metric`,
+        /// `spectrum`, `lab` and `uv`.
         metric: Option<MetricName>,
-        /// What is to become of the metric: "maximise", "minimise" or { target = 12 }. Distances are minimised.
+        /// What is wanted of the metric; required with `metric`. Distances are minimised.
         aim: Option<Aim>,
-        /// Whose spectrum or colour is wanted.
+        /// The state whose spectrum or colour is compared with `spectrum`, `lab` or `uv`.
         state: Option<String>,
-        /// The wanted reflectance factor: a number, a file, or a list of [nm, value]. Its root mean square difference counts.
+        /// The wanted reflectance factor; the objective is the root mean square difference over the wavelengths.
         spectrum: Option<WantedSpectrum>,
-        /// The wanted CIELAB colour, [L, a, b]. The CIEDE2000 difference counts.
+        /// The wanted CIELAB colour, `[L, a, b]`; the objective is the CIEDE2000 difference.
         lab: Option<Vec<At<Any>>>,
-        /// The wanted chromaticity, [u', v']. The distance counts.
+        /// The wanted chromaticity, `[u', v']`; the objective is the distance.
         uv: Option<Vec<At<Any>>>,
-        /// In which condition. Default: in all of them.
+        /// Name of the condition. Default: all of them; the objective is the mean.
         condition: Option<String>,
-        /// In which of the scenario's views, from 0. Default: in all of them.
+        /// Number of the view, from 0. Default: all of them; the objective is the mean.
         view: Option<Count<0, 4999>>,
     }
 }
@@ -107,31 +109,32 @@ table! {
     /// A limit that every design has to meet, of what an objective may be, too. Without `condition` and `view` it holds in
     /// all of them.
     Constraint {
-        /// "gamut_percent_srgb", or one of a state: "white.Y".
+        /// A metric of all states together, `"gamut_percent_srgb"`, or of one state, `"white.Y"`. Exactly one of `metric`,
+        /// `spectrum`, `lab` and `uv`.
         metric: Option<MetricName>,
-        /// Whose spectrum or colour is given.
+        /// The state whose spectrum or colour is compared with `spectrum`, `lab` or `uv`.
         state: Option<String>,
-        /// A reflectance factor: a number, a file, or a list of [nm, value]. The root mean square difference counts.
+        /// A reflectance factor; the limits are on the root mean square difference over the wavelengths.
         spectrum: Option<WantedSpectrum>,
-        /// A CIELAB colour, [L, a, b]. The CIEDE2000 difference counts.
+        /// A CIELAB colour, `[L, a, b]`; the limits are on the CIEDE2000 difference.
         lab: Option<Vec<At<Any>>>,
-        /// A chromaticity, [u', v']. The distance counts.
+        /// A chromaticity, `[u', v']`; the limits are on the distance.
         uv: Option<Vec<At<Any>>>,
-        /// In which condition. Default: in all of them.
+        /// Name of the condition. Default: all of them; the constraint holds in each.
         condition: Option<String>,
-        /// In which of the scenario's views, from 0. Default: in all of them.
+        /// Number of the view, from 0. Default: all of them; the constraint holds in each.
         view: Option<Count<0, 4999>>,
-        /// No less.
+        /// Lower limit. At least one of `at_least` and `at_most`.
         at_least: Option<Any>,
-        /// No more.
+        /// Upper limit. At least one of `at_least` and `at_most`.
         at_most: Option<Any>,
     }
 }
 
 forms! {
-    /// A reflectance factor: alike at all wavelengths, from a file, or as [nm, value] pairs.
+    /// A reflectance factor: the same at all wavelengths, from a file, or as [nm, value] pairs.
     WantedSpectrum, format!("{}, a spectrum file, or a list of [nm, value]", Share::in_words()); {
-        /// Alike at all wavelengths.
+        /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
         /// A two-column file, relative to the scenario.
         File(String) if Value::Text(_),
@@ -163,7 +166,7 @@ choice! {
 table! {
     /// A value to come near to.
     Target {
-        /// The value.
+        /// The wanted value.
         target: Any,
     }
 }

@@ -21,9 +21,9 @@ kinds! {
         Film(Box<FilmPixel>) = "film",
         /// States from an angle x wavelength table.
         Table(TablePixel) = "table",
-        /// States that reflect alike at all angles.
+        /// States that reflect the same at all angles.
         Uniform(UniformPixel) = "uniform",
-        /// States that scatter as a goniometer or an imaging sphere saw them.
+        /// States with a BRDF that was measured with a goniometer or an imaging sphere.
         Measured(MeasuredPixel) = "measured",
     }
 }
@@ -45,20 +45,20 @@ table! {
     FilmPixel {
         /// Layers from the glass down; exactly one has `thickness_nm = "gap"`.
         film: Vec<At<FilmLayer>>,
-        /// The opaque, semi-infinite substrate: a material.
+        /// Material of the opaque, semi-infinite substrate.
         substrate: MaterialSpec,
-        /// Share of the active area for each sub-pixel, 0 to 1; sum 1 within .001. Names are free, except `dark`: 1 to 64 characters, no
-        /// control characters, no blanks at the ends.
+        /// Fraction of the active area for each sub-pixel; they sum to 1 within 0.001. Names are free, except `dark`.
         area: Named<Share>,
-        /// Gap of each sub-pixel at its own colour, nm, and of `dark`.
+        /// Gap of each sub-pixel at its own colour, and of `dark`.
         gap_nm: Named<Nanometres>,
-        /// Active share of the panel, above 0, at most 1. Default 1.
+        /// Active fraction of the panel.
         fill_factor: PositiveShare = PositiveShare(1.0),
-        /// Reflectance of the inactive rest: 0 to 1, or a spectrum file. Default 0.
+        /// Reflectance of the inactive part.
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Drive states of your own; one with the name of a default state replaces it.
+        /// Drive states of your own; one with the name of a default state replaces it. Default: none.
         states: Named<StateSpec> = Named(Vec::new()),
-        /// White, black, red, green, blue, cyan, magenta and yellow, where those three sub-pixels exist. Default true.
+        /// Whether there are the states white, black, red, green, blue, cyan, magenta and yellow; they need sub-pixels red,
+        /// green and blue.
         default_states: bool = true,
     }
 }
@@ -66,9 +66,9 @@ table! {
 table! {
     /// A layer of the film stack.
     FilmLayer {
-        /// A refractive index, `{ n, k }`, the name of a material, or a file.
+        /// Refractive index of the layer.
         material: MaterialSpec,
-        /// Thickness in nm, 0 to 1e6, or "gap".
+        /// Thickness of the layer, or `"gap"` for the one that changes with the state.
         thickness_nm: LayerThickness,
     }
 }
@@ -165,7 +165,7 @@ forms! {
 table! {
     /// An analogue gap.
     DriveGap {
-        /// The gap, nm.
+        /// The gap.
         gap_nm: Nanometres,
     }
 }
@@ -173,9 +173,9 @@ table! {
 table! {
     /// Complete states (areas and fill factor included) from a table.
     TablePixel {
-        /// CSV with the columns state, theta_deg, wavelength_nm, reflectance.
+        /// CSV file with the columns state, theta_deg, wavelength_nm, reflectance.
         file: String,
-        /// The medium of its angles.
+        /// The medium of the table's angles.
         angles: TableMedium,
     }
 }
@@ -191,11 +191,11 @@ choice! {
 }
 
 table! {
-    /// States that reflect alike at all angles.
+    /// States that reflect the same at all angles.
     UniformPixel {
-        /// How it reflects.
+        /// How the pixel reflects.
         kind: ReflectionKind,
-        /// Reflectance of each state: 0 to 1, or a spectrum file.
+        /// Reflectance of each state, below the glass.
         reflectance: Named<ShareSpectrum>,
     }
 }
@@ -213,17 +213,19 @@ choice! {
 table! {
     /// A measured BRDF for each state; its directions are taken as those in the medium above the pixel.
     MeasuredPixel {
-        /// A file for each state: Radiant/Zemax, ASTM E1392, CSV or Papilio's own; told by its content. Its front reflection counts.
+        /// A file of measured scattering for each state, of which the front reflection is used; its format is recognised by
+        /// its content (docs/bsdf-files.md).
         file: Named<String>,
-        /// Reflectance spectra, of any of the states: 0 to 1, or a spectrum file. Their shape colours the BRDF, whose level is that of
-        /// the file (see `normalise`). Default: the same at all wavelengths.
+        /// Reflectance spectra of any of the states. Their shape colours the BRDF; the level is that of the file (see
+        /// `normalise`). Default: the same at all wavelengths.
         spectrum: Named<ShareSpectrum> = Named(Vec::new()),
-        /// Default "none".
+        /// What the totals of the measurement are set to.
         normalise: Normalise = Normalise::None,
-        /// Whether cells without light are taken as not seen: beyond the last cell with light a line's tail is extrapolated.
-        /// Default false: they are dark.
+        /// Whether cells without light are taken as not measured: the tail of a line is then extrapolated beyond the last
+        /// cell with light. Otherwise they are dark.
         extrapolate_tails: bool = false,
-        /// Default "none"; of a file with one incidence "hold".
+        /// What becomes of light beyond the directions that were measured. Default: `"none"`; of a file with one incidence
+        /// `"hold"`, with a note.
         extrapolate: Option<Extrapolate>,
     }
 }

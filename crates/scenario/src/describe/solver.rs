@@ -11,26 +11,28 @@ use crate::tree::{Node, Value};
 table! {
     /// How to compute, and how well.
     Solver {
-        /// "adding": deterministic. "monte-carlo": unbiased path tracing, with standard errors. Default "adding".
+        /// The solver.
         method: Method = Method::Adding,
-        /// Stop at this relative error of Y, largest over states and views, 1e-6 to 1: of the walk the standard
-        /// error, of adding that of its discretisation. Default 0.001.
+        /// Stop at this relative error of Y, the largest over states and views: the standard error of the walk, the
+        /// discretisation error of adding. Default: `0.001`.
         relative_error: Option<RelativeError>,
-        /// The walk alone: stop after this many paths for each view instead, 1 to 2^40, rounded up to a multiple of 32.
+        /// For the walk only: stop after this many paths for each view instead; rounded up to a multiple of 32. Default:
+        /// none, `relative_error` is used.
         paths: Option<Paths>,
-        /// The walk alone: stop when a metric is known to within a tolerance instead. Default: none.
+        /// For the walk only: stop when a metric is known to within a tolerance.
         target: Option<Target>,
-        /// Apply `relative_error` to every wavelength too, against the spectrum's maximum; nothing beside `paths`. Default false.
+        /// Apply `relative_error` at every wavelength too, relative to the maximum of the spectrum; without effect beside
+        /// `paths`.
         per_wavelength: bool = false,
-        /// Where the walk's numbers come from (docs/sampling.md); adding needs none. Default "sobol".
+        /// Where the numbers of the walk come from (docs/sampling.md); adding needs none.
         sampler: Sampler = Sampler::Sobol,
-        /// How the walk draws directions where a diffuser scatters (docs/sampling.md). Default "kernel".
+        /// How the walk samples directions at a diffuser (docs/sampling.md).
         scattering: Scattering = Scattering::Kernel,
-        /// "none": all orders of reflection. "single-pass": Feng 2012, eq. 3-2, 3-3 and 3-5. Default "none".
+        /// Which orders of reflection are computed.
         approximation: Approximation = Approximation::None,
-        /// The medium of the angles of viewer, lights and pixel.csv. Default "air".
+        /// The medium of the angles of viewer, lights and pixel.csv.
         angle_medium: AngleMedium = AngleMedium::Air,
-        /// Seed of the walk's random numbers, 0 or more. Default 0.
+        /// Seed of the walk's random numbers.
         seed: Seed = Count(0),
     }
 }
@@ -38,13 +40,13 @@ table! {
 table! {
     /// A metric, and how well it is to be known: one standard error at every view.
     Target {
-        /// Its name in result.json. Required.
+        /// Name of the metric in result.json.
         metric: Metric,
-        /// Of this state; metrics of the states together have none. Default: all that have it.
+        /// The state; metrics of all states together have none. Default: all states that have the metric.
         state: Option<String>,
-        /// In the metric's own unit; this or `relative_error`.
+        /// Standard error in the metric's own unit. Either `error` or `relative_error`.
         error: Option<Tolerance>,
-        /// As a part of its value, 1e-6 to 1.
+        /// Standard error as a fraction of the value. Either `error` or `relative_error`.
         relative_error: Option<RelativeError>,
     }
 }
@@ -117,7 +119,7 @@ choice! {
         Random = "random",
         /// Jittered points on pairs of coordinates.
         Stratified = "stratified",
-        /// Points that keep away from each other on pairs of coordinates, in sets of at most 4096.
+        /// Points that are far from each other on pairs of coordinates, in sets of at most 4096.
         BestCandidate = "best-candidate",
     }
 }
@@ -125,9 +127,9 @@ choice! {
 choice! {
     /// How directions are drawn.
     Scattering {
-        /// From the lobe itself, towards lamps from both ends.
+        /// From the lobe itself, towards lamps from both ends of the path.
         Kernel = "kernel",
-        /// Evenly over the hemisphere.
+        /// Uniformly over the hemisphere.
         Uniform = "uniform",
         /// Proportionally to the cosine.
         Cosine = "cosine",
@@ -143,7 +145,7 @@ choice! {
     Approximation {
         /// All orders.
         None = "none",
-        /// One pass through the panel, the front of screen to first order.
+        /// One pass through the panel, with the front of screen to first order (Feng 2012, eq. 3-2, 3-3 and 3-5).
         SinglePass = "single-pass",
     }
 }
@@ -151,7 +153,7 @@ choice! {
 choice! {
     /// The medium of a scenario's angles.
     AngleMedium {
-        /// In air; Snell's law does the rest.
+        /// In air; light is refracted by Snell's law.
         Air = "air",
         /// In glass, for a bare panel.
         Glass = "glass",

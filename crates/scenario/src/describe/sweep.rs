@@ -20,12 +20,15 @@ use crate::tree::{Entry, Node, Value};
 table! {
     /// Keys that `papilio sweep` varies: every point of the product of the axes is computed, the last axis fastest.
     Sweep {
-        /// The axes; keys of one axis move together.
+        /// The axes: tables of paths as in `--set`, each with a list of values, `{ from, to, step }` or `{ from, to, count
+        /// }`. Keys of one axis move together; every combination of the axes is computed, the last axis fastest.
         axes: Vec<At<Axis>>,
-        /// Metrics that are drawn: columns of sweep.csv, those of a state as "white.L_star". Default: contrast_ratio, gamut_percent_srgb; of a light sweep all that it keeps.
+        /// Metrics that are drawn: columns of sweep.csv, those of a state as `"white.L_star"`. Default: of a light sweep
+        /// all its metrics.
         figures: Vec<At<String>> =
             ["contrast_ratio", "gamut_percent_srgb"].map(|name| At::at_large(name.to_owned())).to_vec(),
-        /// The metrics that are kept, of every view: a light sweep, for many points. Default: all that is known of every point.
+        /// Makes a light sweep, for many points: only these metrics are kept, for every view. Default: all results of every
+        /// point.
         metrics: Option<Vec<At<MetricName>>>,
     }
 }
@@ -37,9 +40,9 @@ table! {
         from: Any,
         /// Last value.
         to: Any,
-        /// Step, towards `to`; or give `count`.
+        /// Step, towards `to`. Either `step` or `count`.
         step: Option<Any>,
-        /// How many values, both ends included.
+        /// Number of values, both ends included. Either `step` or `count`.
         count: Option<Count<2, { MOST_POINTS as u64 }>>,
     }
 }

@@ -10,23 +10,23 @@ use crate::read::{At, Read};
 use crate::tree::Node;
 
 table! {
-    /// How keys scatter in production, for `papilio tolerance` alone.
+    /// How keys vary in production, for `papilio tolerance` only.
     Tolerance {
-        /// How many displays are made, 64 to 10 000 000. Default 4096.
+        /// Number of displays.
         samples: Count<64, MOST_SAMPLES> = Count(4096),
-        /// For how many of them the sensitivities are sought, which takes two more displays each and one for each key: 0
-        /// (none) or more. Default: a quarter of `samples`.
+        /// Number of displays for which sensitivities are computed, which takes two more evaluations and one for each key;
+        /// 0: none. Default: a quarter of `samples`.
         sensitivity_samples: Option<Count<0, MOST_SAMPLES>>,
-        /// Which displays are made, 0 or more. Default 0.
+        /// Seed of the displays.
         seed: Seed = Count(0),
-        /// The keys that scatter.
+        /// The keys that vary, each with a distribution.
         keys: Vec<At<Scattered>>,
-        /// Keys that scatter together. Default: none.
+        /// Keys whose deviations are correlated. Default: none.
         correlations: Vec<At<Correlated>> = Vec::new(),
         /// What a good display has to meet. Default: none, and every display is good.
         limits: Vec<At<Limit>> = Vec::new(),
-        /// Metrics that are reported besides those that have limits. Default: contrast_ratio, gamut_percent_srgb, white.Y,
-        /// black.Y and the white's L_star, a_star and b_star, as far as the display has them.
+        /// Metrics that are reported beside those that have limits. Default: contrast_ratio, gamut_percent_srgb, white.Y,
+        /// black.Y and L_star, a_star, b_star of white, as far as the display has them.
         metrics: Option<Vec<At<MetricName>>>,
     }
 }
@@ -38,23 +38,23 @@ table! {
     /// A key that scatters, or several that do so alike; with exactly one distribution. Its numbers are those of the key; of
     /// several keys, deviations from what each of them is.
     Scattered {
-        /// A path as of --set.
+        /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
-        /// Several that deviate alike; or give `key`.
+        /// Several paths with the same deviation; numbers are deviations from the value of each. Either `key` or `keys`.
         keys: Option<Vec<At<String>>>,
-        /// What tables and figures call it, one line. Default: its path.
+        /// Name for tables and figures, one line. Default: the path.
         name: Option<Label>,
-        /// True: the distribution's numbers are multiples of what the key is. Default false.
+        /// `true`: the numbers of the distribution are multiples of the key's value.
         relative: bool = false,
-        /// Bell-shaped.
+        /// Normal distribution.
         normal: Option<Normal>,
-        /// Bell-shaped on a logarithmic scale: never below 0.
+        /// Log-normal distribution: never below 0.
         lognormal: Option<LogNormal>,
-        /// Alike between two ends.
+        /// Uniform distribution between two ends.
         uniform: Option<Uniform>,
-        /// Rising to the likeliest, and falling.
+        /// Triangular distribution: rising to the mode, then falling.
         triangular: Option<Triangular>,
-        /// One of a list: bins, lots, suppliers.
+        /// One of a list of values: bins, lots, suppliers.
         choices: Option<Bins>,
     }
 }
@@ -62,13 +62,13 @@ table! {
 table! {
     /// A normal distribution, which may be cut off at both ends: what lies beyond is sorted out.
     Normal {
-        /// Default: what the key is.
+        /// Mean, before truncation. Default: the key's value.
         mean: Option<Any>,
-        /// Standard deviation, before it is cut off, above 0.
+        /// Standard deviation, before truncation.
         sigma: Deviation,
-        /// Nothing is less. Default: not cut off.
+        /// Lower end of the truncated distribution. Default: not truncated.
         from: Option<Any>,
-        /// Nothing is more. Default: not cut off.
+        /// Upper end of the truncated distribution. Default: not truncated.
         to: Option<Any>,
     }
 }
@@ -76,13 +76,13 @@ table! {
 table! {
     /// A log-normal distribution, which may be cut off at both ends.
     LogNormal {
-        /// Half is less. Default: what the key is.
+        /// Median, before truncation. Default: the key's value.
         median: Option<Any>,
-        /// Standard deviation of the natural logarithm, about that of the number over the number, above 0.
+        /// Standard deviation of the natural logarithm: about the relative standard deviation of the number.
         sigma: Deviation,
-        /// Nothing is less. Default: not cut off.
+        /// Lower end of the truncated distribution. Default: not truncated.
         from: Option<Any>,
-        /// Nothing is more. Default: not cut off.
+        /// Upper end of the truncated distribution. Default: not truncated.
         to: Option<Any>,
     }
 }
@@ -90,11 +90,11 @@ table! {
 table! {
     /// A uniform distribution: `from` and `to`, or `plus_minus`.
     Uniform {
-        /// The least.
+        /// Lower end. Either `from` and `to`, or `plus_minus`.
         from: Option<Any>,
-        /// The largest.
+        /// Upper end. Either `from` and `to`, or `plus_minus`.
         to: Option<Any>,
-        /// As far to both sides of what the key is, above 0.
+        /// Half width about the key's value. Either `from` and `to`, or `plus_minus`.
         plus_minus: Option<Deviation>,
     }
 }
@@ -102,13 +102,13 @@ table! {
 table! {
     /// A triangular distribution: `from` and `to`, or `plus_minus`.
     Triangular {
-        /// The least.
+        /// Lower end. Either `from` and `to`, or `plus_minus`.
         from: Option<Any>,
-        /// The likeliest. Default: what the key is.
+        /// The most likely value. Default: the key's value.
         mode: Option<Any>,
-        /// The largest.
+        /// Upper end. Either `from` and `to`, or `plus_minus`.
         to: Option<Any>,
-        /// As far to both sides of the likeliest, above 0.
+        /// Half width about the mode. Either `from` and `to`, or `plus_minus`.
         plus_minus: Option<Deviation>,
     }
 }
@@ -116,19 +116,19 @@ table! {
 table! {
     /// Anything that the key may be, one of a list.
     Bins {
-        /// The list.
+        /// The values.
         values: Vec<At<Anything>>,
-        /// How often each is met, 0 or more. Default: all alike.
+        /// How often each value occurs, relative to the others. Default: all equally often.
         weights: Option<Vec<At<Frequency>>>,
     }
 }
 
 table! {
-    /// Keys that rise and fall together.
+    /// Keys whose deviations are correlated.
     Correlated {
-        /// Two or more of them, by their names (a path where no name is given); every pair has the coefficient.
+        /// Two or more of the keys, by name (by path where no name is given); every pair has the coefficient.
         keys: Vec<At<String>>,
-        /// Correlation of the normal numbers that stand for them, between -1 and 1.
+        /// Correlation of the normal numbers from which the values are drawn.
         coefficient: Correlation,
     }
 }

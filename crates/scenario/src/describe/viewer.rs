@@ -8,15 +8,15 @@ use crate::read::At;
 table! {
     /// The views are the product of all theta and phi, theta fastest.
     Viewer {
-        /// Inclination, degrees, between -90 and 90: a number, a list, or { from, to, step }. Default 0.
+        /// Inclination of the view.
         theta_deg: Inclinations = Inclinations::One(Inclination(0.0)),
-        /// Azimuth, degrees, -360 to 360: a number, a list, or { from, to, step }. Default 0.
+        /// Azimuth of the view.
         phi_deg: Azimuths = Azimuths::One(Azimuth(0.0)),
-        /// Full angle of the round field, degrees; the field must not dip below the horizon. Default 0.1.
+        /// Full angle of the round field of view; it must not reach below the horizon.
         field_deg: FieldAngle = FieldAngle(0.1),
-        /// Distance, mm; matters only where the display is not uniform. Default 500.
+        /// Viewing distance; matters only where the display is not uniform.
         distance_mm: Millimetres = Millimetres(500.0),
-        /// Years of the reader, 20 to 75: how well text is read at that age. Default: none.
+        /// Age of the reader: how well text is read (docs/metrics.md).
         age_years: Option<Years>,
     }
 }
@@ -48,11 +48,11 @@ forms! {
 table! {
     /// Evenly spaced angles, both ends included where the steps reach them.
     AngleRange {
-        /// First angle, degrees.
+        /// First angle.
         from: Azimuth,
-        /// Last angle, degrees.
+        /// Last angle.
         to: Azimuth,
-        /// Step, degrees, above 0.
+        /// Step.
         step: AngleStep,
     }
 }

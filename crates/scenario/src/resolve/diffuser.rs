@@ -1,7 +1,7 @@
 //! Diffusers by their BTDF: lobes, kernels, and transmittances.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Diffuser, Interface, Lobe, ScatterFace, ScatterKernel};
+use papilio_display::scene::{Diffuser, Interface, Lobe, Ready, ScatterFace, ScatterKernel};
 use papilio_optics::lobe::{largest_haze, width_from_haze};
 use papilio_optics::scatter::{self, Normalisation, Scatter};
 use papilio_spectra::Spectrum;
@@ -25,13 +25,23 @@ struct Whole<'a> {
     regular_fraction: &'a At<Share>,
 }
 
+/// A diffuser given by its BTDF, as a layer.
+pub(super) fn transmitting(diffuser: Diffuser) -> Interface {
+    Ready::Diffuser(diffuser).into()
+}
+
+/// An interface given by its BSDF, as a layer.
+pub(super) fn scattering(face: ScatterFace) -> Interface {
+    Ready::Scatter(Box::new(face)).into()
+}
+
 impl Resolver<'_> {
     pub(super) fn btdf(&mut self, path: &str, diffuser: &Btdf) -> Option<Interface> {
         match diffuser {
-            Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(Interface::Diffuser),
-            Btdf::Lambertian(lobe) => self.lambertian(lobe).map(Interface::Diffuser),
-            Btdf::Ward(ward) => self.ward(path, ward).map(Interface::Scatter),
-            Btdf::Measured(measured) => self.measured_alone(path, measured).map(Interface::Scatter),
+            Btdf::KCorrelation(lobe) => self.k_correlation(lobe).map(transmitting),
+            Btdf::Lambertian(lobe) => self.lambertian(lobe).map(transmitting),
+            Btdf::Ward(ward) => self.ward(path, ward).map(scattering),
+            Btdf::Measured(measured) => self.measured_alone(path, measured).map(scattering),
         }
     }
 
@@ -64,7 +74,7 @@ impl Resolver<'_> {
         };
         let whole = Whole { transmittance, total_transmittance, regular_fraction };
         let causes = [alpha.origin, ward.origin, ward.origin];
-        let transmittance = self.transmittance(Some(scatter.total(0.0)), &whole, causes)?;
+        let transmittance = self.transmittance(Some(scatter.albedo_at(0.0)), &whole, causes)?;
         Some((scatter, transmittance))
     }
 
@@ -120,7 +130,8 @@ impl Resolver<'_> {
         whole: &Whole<'_>,
         causes: [Origin; 3],
     ) -> Option<Diffuser> {
-        let transmittance = self.transmittance(lobe.map(|lobe| lobe.hemispherical_share()), whole, causes)?;
+        let transmittance =
+            self.transmittance(lobe.map(|lobe| lobe.hemispherical_fraction()), whole, causes)?;
         Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.regular_fraction.0 })
     }
 

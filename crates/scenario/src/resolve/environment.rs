@@ -134,8 +134,8 @@ impl Resolver<'_> {
             self.dark(sky.tilt_deg.origin.or_set([sky.origin]));
         } else if pose.tilt_deg > 0.0 {
             self.notes.push(format!(
-                "the display is tilted by {} deg: of the sky counts what is above its own plane, of the ground \
-                 what it reflects ({}); the share is what falls on the display",
+                "the display is tilted by {} deg: only sky above its plane contributes, and ground below the horizon by \
+                 its reflectance ({}); the share is what falls on the display",
                 pose.tilt_deg, sky.ground_reflectance.0
             ));
         }
@@ -170,7 +170,7 @@ impl Resolver<'_> {
         let lux = intensity * theta_deg.to_radians().cos() / lamp.distance_m.0.powi(2);
         self.check_far(key, lamp.distance_m.0, light.opening_m);
         self.notes.push(format!(
-            "{key}: the luminaire sends {intensity:.1} cd to the display, {lux:.2} lx there; the share counts, not they"
+            "{key}: the luminaire has {intensity:.1} cd towards the display, {lux:.2} lx there; these are not used, `share` sets the level"
         ));
         Some(DirectedLight {
             theta_deg,
@@ -189,7 +189,7 @@ impl Resolver<'_> {
         if distance_m < FAR * widest {
             self.warnings.push(format!(
                 "{key}: the luminaire is {distance_m} m away, less than five times its opening of {widest:.2} m: its file is its far \
-                 field (IES and CIE measure it from five times the opening on), and so near the light is less even than a disc"
+                 field (IES and CIE measure it from five times the opening on), and from this distance it is less uniform than a disc"
             ));
         }
     }

@@ -113,7 +113,7 @@ impl Resolver<'_> {
             self.errors.push(at, mistake::sum("the areas", sum, "1 within 0.001"));
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
-                .push(format!("the areas of the sub-pixels sum to {}, and are taken as they are", tidy(sum)));
+                .push(format!("the areas of the sub-pixels sum to {}, and are used as given", tidy(sum)));
         }
         (sub_pixels.len() == area.0.len()).then_some(sub_pixels)
     }

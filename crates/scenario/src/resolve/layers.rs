@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
-    Coating, Distribution, FilmLayer, Interface, Layer, Medium, Scattering, Thickness,
+    Coating, Distribution, FilmLayer, FrontComponent, Interface, Layer, Medium, Ready, Scattering, Thickness,
 };
 use papilio_spectra::Spectrum;
 
@@ -49,6 +49,12 @@ pub(super) enum Part {
     /// And where its index is given.
     Medium(Medium, Origin),
     Interface(Interface),
+}
+
+/// A front-of-screen component as a layer.
+pub(super) fn sheet(component: FrontComponent) -> Interface {
+    let FrontComponent { reflectance, absorptance } = component;
+    Ready::sheet(reflectance, absorptance).into()
 }
 
 /// How a medium absorbs: by its internal transmittance, or by its thickness.
@@ -125,13 +131,13 @@ impl Resolver<'_> {
             }
             describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
             describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
-            describe::Layer::Component(sheet) => Part::Interface(Interface::Sheet(self.sheet(sheet, at)?)),
+            describe::Layer::Component(sheet) => Part::Interface(self::sheet(self.component(sheet, at)?)),
             describe::Layer::Coating(coating) => {
                 let films = self.coating(path, coating)?;
                 Part::Interface(Interface::Coating(Coating { films, key: path.to_owned() }))
             }
-            describe::Layer::IdealAr(_) => Part::Interface(Interface::Coated),
-            describe::Layer::Fresnel(_) => Part::Interface(Interface::Fresnel),
+            describe::Layer::IdealAr(_) => Part::Interface(Ready::Coated.into()),
+            describe::Layer::Fresnel(_) => Part::Interface(Ready::Fresnel.into()),
             describe::Layer::Rough(rough) => Part::Interface(Interface::Rough {
                 alpha: rough.alpha.0,
                 distribution: match *rough.distribution {
@@ -168,7 +174,7 @@ impl Resolver<'_> {
     fn beer_lambert(&mut self, path: &str, index: &[Complex64], thickness_mm: f64) -> Spectrum {
         if index.iter().all(|index| index.im == 0.0) {
             self.notes
-                .push(format!("{path}.thickness_mm does nothing: its index has k = 0 at every wavelength"));
+                .push(format!("{path}.thickness_mm has no effect: the index has k = 0 at every wavelength"));
         }
         let depth = 4.0 * PI * NM_PER_MM * thickness_mm;
         let transmittance = |(index, nm): (&Complex64, f64)| (-depth * index.im / nm).exp();
@@ -195,8 +201,8 @@ impl Resolver<'_> {
         if anisotropy != 0.0 {
             let reduced = tidy((1.0 - anisotropy) * optical_thickness);
             self.notes.push(format!(
-                "{path}: an optical thickness of {optical_thickness} with anisotropy {anisotropy} turns light around \
-                 about as one of {reduced} with anisotropy 0 does (similarity)"
+                "{path}: an optical thickness of {optical_thickness} with anisotropy {anisotropy} scatters light \
+                 back about as much as one of {reduced} with anisotropy 0 (similarity)"
             ));
         }
         Some(Medium {

@@ -61,10 +61,11 @@ impl Resolver<'_> {
                     let is_usual = (1e-6..=1e9).contains(&illuminance_lx);
                     if is_usual {
                         self.notes.push(format!(
-                            "lighting.illuminance_lx is {illuminance_lx:.2} lx by the map's own numbers"
+                            "lighting.illuminance_lx is {illuminance_lx:.2} lx, from the absolute values of the map"
                         ));
                     } else {
-                        let expected = "a map that makes 1e-6 to 1e9 lx on the display by its own numbers";
+                        let expected =
+                            "a map whose absolute values correspond to 1e-6 to 1e9 lx on the display";
                         self.errors.push(at, mistake::out_of_range(illuminance_lx, expected));
                     }
                     is_usual.then_some(illuminance_lx)
@@ -107,7 +108,7 @@ impl Resolver<'_> {
             let light = self.data(name, origin, read_ies)?;
             if light.intensity(180.0, 0.0) > 0.0 || light.intensity(135.0, 0.0) > 0.0 {
                 self.notes.push(format!(
-                    "lighting.front_light: what {name} sends up is left out; upward_leak says how much there is of it"
+                    "lighting.front_light: the upward light of {name} is ignored; upward_leak sets it"
                 ));
             }
             luminous_sheet(Guide(light))
@@ -128,8 +129,8 @@ impl Resolver<'_> {
             return;
         }
         self.notes.push(
-            "the front light is all the light there is: there are no reflectance factors, X, Y and Z are relative to a perfect \
-             white that it lights, L* a* b* to the screen's own white"
+            "the front light is the only light: there are no reflectance factors; X, Y and Z are relative to a perfect white \
+             under it, L* a* b* to the screen's own white"
                 .to_owned(),
         );
     }

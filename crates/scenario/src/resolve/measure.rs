@@ -7,8 +7,8 @@ use papilio_goniometry::{
     Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
     tristimulus_factors,
 };
-use papilio_optics::Beta;
 use papilio_optics::scatter::Scatter;
+use papilio_optics::{Beta, Scatterer};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -62,8 +62,8 @@ enum Truth {
 impl Truth {
     fn value(&self, from: Beta, to: Beta) -> f64 {
         match self {
-            Self::Lobe(lobe) => lobe.density(from, to),
-            Self::Scatter(scatter) => scatter.value(from, to),
+            Self::Lobe(lobe) => lobe.evaluate(from, to),
+            Self::Scatter(scatter) => scatter.evaluate(from, to),
         }
     }
 }

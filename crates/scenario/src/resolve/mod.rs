@@ -11,7 +11,7 @@ mod lighting;
 mod maps;
 mod measure;
 mod measured;
-mod memo;
+mod once;
 mod panel;
 mod pixel;
 mod sampling;
@@ -21,7 +21,6 @@ mod viewer;
 
 pub use measure::VirtualMeasurement;
 pub(crate) use measure::measurement;
-pub use memo::Memo;
 
 use std::collections::BTreeMap;
 
@@ -131,8 +130,9 @@ impl Resolver<'_> {
     fn scene(&mut self, file: &File) -> Option<Scene> {
         if self.grid.start_nm() > LUMINOUS_NM.0 || self.grid.stop_nm() < LUMINOUS_NM.1 {
             let (start, stop) = (self.grid.start_nm(), self.grid.stop_nm());
-            self.warnings
-                .push(format!("colours are taken over {start} to {stop} nm only, not the visible range"));
+            self.warnings.push(format!(
+                "colours are computed from {start} to {stop} nm only, not over the visible range"
+            ));
         }
         // Each part reports its own errors; all are looked at before giving up.
         let solver = self.solver(&file.solver);
@@ -170,8 +170,8 @@ impl Resolver<'_> {
         };
         if metrics.observer == scene::Standard::Cie1964 {
             self.notes.push(
-                "metrics.observer = \"1964\": gamut areas against sRGB, EBU, NTSC and P3, and hue_rgb, are null, for the primaries of \
-                 those standards are chromaticities of the 2 deg observer; the volume in CIELAB (metrics.gamut_volume) is there"
+                "metrics.observer = \"1964\": gamut areas against sRGB, EBU, NTSC and P3, and hue_rgb, are null, because the primaries of \
+                 those standards are chromaticities of the 2 deg observer; the volume in CIELAB (metrics.gamut_volume) is available"
                     .to_owned(),
             );
         }
@@ -202,8 +202,8 @@ impl Resolver<'_> {
         let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if chosen && !lobe {
             self.notes.push(
-                "solver.scattering is about the diffuser of a panel, given by its lobe; what scatters in this display, \
-                 if anything, draws directions from its own kernel"
+                "solver.scattering has no effect: it is for a panel's diffuser given by its lobe; whatever scatters in this \
+                 display samples directions from its own kernel"
                     .to_owned(),
             );
         }
@@ -299,7 +299,7 @@ impl Resolver<'_> {
         ] {
             if given {
                 self.notes.push(format!(
-                    "solver.target says when the walk stops: solver.{key} does nothing beside it"
+                    "solver.{key} has no effect beside solver.target, which says when the walk stops"
                 ));
             }
         }
@@ -326,7 +326,9 @@ impl Resolver<'_> {
             if solver.method.value == solver::Method::MonteCarlo {
                 return self.target(solver, target);
             }
-            self.notes.push("solver.target is of the walk: adding has no standard errors".to_owned());
+            self.notes.push(
+                "solver.target has no effect: it is for the walk, adding has no standard errors".to_owned(),
+            );
         }
         match (solver.relative_error.value, solver.paths.value) {
             (Some(_), Some(_)) => {
@@ -343,13 +345,13 @@ impl Resolver<'_> {
             (None, Some(paths)) => {
                 if solver.per_wavelength.value {
                     self.warnings.push(
-                        "solver.per_wavelength says how far relative_error reaches; beside solver.paths it does nothing"
+                        "solver.per_wavelength has no effect beside solver.paths: it belongs to solver.relative_error"
                             .to_owned(),
                     );
                 }
                 if paths.0 < FEWEST_PATHS {
                     self.notes.push(format!(
-                        "solver.paths is {}, and is rounded up to {FEWEST_PATHS}: standard errors need as many",
+                        "solver.paths = {} is rounded up to {FEWEST_PATHS}: standard errors need as many",
                         paths.0
                     ));
                 }

@@ -2,12 +2,13 @@
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
-    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Interface, Layers, Medium, Panel, Scene,
+    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Layers, Medium, Panel, Ready, Scene,
 };
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
-use super::layers::Part;
+use super::diffuser::{scattering, transmitting};
+use super::layers::{Part, sheet};
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
@@ -55,7 +56,8 @@ impl Resolver<'_> {
     fn panel(&mut self, display: &describe::Display) -> Option<Layers> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
-        let front: Vec<_> = front.iter().map(|component| self.sheet(component, component.origin)).collect();
+        let front: Vec<_> =
+            front.iter().map(|component| self.component(component, component.origin)).collect();
         let glass = self.glass(display);
         let top = self.top(display, glass.as_ref().map(|(medium, _)| &medium.index));
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
@@ -73,13 +75,13 @@ impl Resolver<'_> {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
             }
-            Top::Lobe(diffuser) => vec![Part::Interface(Interface::Diffuser(diffuser))],
+            Top::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
             Top::Nothing => vec![Part::Interface(match surface {
-                scene::Surface::Coated => Interface::Coated,
-                scene::Surface::Fresnel => Interface::Fresnel,
+                scene::Surface::Coated => Ready::Coated.into(),
+                scene::Surface::Fresnel => Ready::Fresnel.into(),
             })],
         };
-        let front = front.into_iter().map(|sheet| Part::Interface(Interface::Sheet(sheet)));
+        let front = front.into_iter().map(|component| Part::Interface(sheet(component)));
         let mut stack = Stack::new(&self.grid);
         for part in front.chain(parts).chain([Part::Medium(medium, Origin::FILE)]) {
             match part {
@@ -97,20 +99,23 @@ impl Resolver<'_> {
             Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
             Some(Diffuser::Ward(ward)) => {
                 let face = self.ward("display.diffuser", ward)?;
-                Some(Top::Parts(vec![Part::Interface(Interface::Scatter(face))]))
+                Some(Top::Parts(vec![Part::Interface(scattering(face))]))
             }
             Some(Diffuser::Measured(diffuser)) => {
                 self.measured_over("display.diffuser", diffuser, glass?).map(Top::Parts)
             }
             Some(Diffuser::Slab(slab)) => {
                 let slab = self.slab("display.diffuser", slab)?;
-                Some(Top::Parts(vec![Part::Interface(Interface::Fresnel), Part::Medium(slab, Origin::FILE)]))
+                Some(Top::Parts(vec![
+                    Part::Interface(Ready::Fresnel.into()),
+                    Part::Medium(slab, Origin::FILE),
+                ]))
             }
             None => Some(Top::Nothing),
         }
     }
 
-    pub(super) fn sheet(
+    pub(super) fn component(
         &mut self,
         component: &describe::FrontComponent,
         origin: Origin,

@@ -2,7 +2,8 @@
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
-    self, AngleMedium, Lobe, Pixel, Scene, TableAngles, TablePixel, TableState, UniformKind, UniformPixel,
+    self, AngleMedium, Lobe, Pixel, Ready, Scene, TableAngles, TablePixel, TableState, UniformKind,
+    UniformPixel,
 };
 use papilio_formats::read_pixel_table;
 use papilio_spectra::Spectrum;
@@ -136,7 +137,7 @@ fn fills_glass(layers: &scene::Layers) -> bool {
     let layer = |layer: &scene::Layer| {
         layer.medium.scattering.is_some()
             || match &layer.interface {
-                scene::Interface::Diffuser(diffuser) => wide(diffuser),
+                scene::Interface::Ready(Ready::Diffuser(diffuser)) => wide(diffuser),
                 scene::Interface::Rough { .. } => true,
                 _ => false,
             }

@@ -65,7 +65,7 @@ pub(super) fn loss(light: impl Fn(&Grid) -> Result<Spectrum, SpectraError>, grid
         "its lines are narrower than 1 nm: give its means over 1 nm, and set spectrum.step_nm = 1"
     };
     Some(format!(
-        "changes faster than a step of {} nm follows: {here} on the grid, {itself} in itself; {advice}",
+        "changes faster than a step of {} nm can follow: {here} on the grid, {itself} without it; {advice}",
         grid.step_nm()
     ))
 }

@@ -1,7 +1,7 @@
 //! From a list of media and interfaces to layers: each an interface and the medium below it.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Interface, Layer, Medium};
+use papilio_display::scene::{Interface, Layer, Medium, Ready};
 use papilio_spectra::{Grid, Spectrum};
 
 use super::pixel::dispersive;
@@ -33,11 +33,11 @@ impl Stack {
     /// A medium, whose index is given at `index_at`; without an interface above it, a bare face stands
     /// where the index changes.
     pub(super) fn fill(&mut self, medium: Medium, index_at: Origin) {
-        let (interface, origin) = self.waiting.take().unwrap_or((Interface::Fresnel, Origin::FILE));
+        let (interface, origin) = self.waiting.take().unwrap_or((Ready::Fresnel.into(), Origin::FILE));
         let (above, below) = (&self.above.0, &medium.index);
         let same = **above == **below;
         let wrong = match &interface {
-            Interface::Sheet(_) if !same => Some(sheet_at_face()),
+            Interface::Ready(ready) if ready.lies_in_one_medium() && !same => Some(sheet_at_face()),
             Interface::Rough { .. } => match [above, below].into_iter().find(|index| !index.is_constant()) {
                 Some(index) => Some(dispersive("a medium beside this face", index)),
                 None => same.then(no_face),
@@ -47,7 +47,7 @@ impl Stack {
         let at = origin.or_set([self.above.1, index_at]);
         self.mistakes.extend(wrong.map(|wrong| (at, wrong)));
         let interface =
-            if same && matches!(interface, Interface::Fresnel) { Interface::Open } else { interface };
+            if same && interface == Ready::Fresnel.into() { Ready::Open.into() } else { interface };
         self.above = (medium.index.clone(), index_at);
         self.layers.push(Layer { interface, medium });
     }

@@ -21,7 +21,7 @@ pub(super) struct Unbounded {
 impl Unbounded {
     /// What leaves over what comes, of light at this inclination (degrees, air).
     fn total(&self, theta_deg: f64) -> f64 {
-        let lobe = self.scatter.total(theta_deg.to_radians().sin());
+        let lobe = self.scatter.albedo_at(theta_deg.to_radians().sin());
         self.transmittance * ((1.0 - self.straight_through) * lobe + self.straight_through)
     }
 }

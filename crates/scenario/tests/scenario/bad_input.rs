@@ -116,7 +116,12 @@ const NAMES_AND_CHOICES: &[Case] = &[
             "give `relative_error`, or method = \"monte-carlo\"",
         ],
     ),
-    ("[viewer]", "[solver]\nmethod = \"adds\"\n[viewer]", (38, 10), &["`adds`", "\"adding\" or \"monte-carlo\""]),
+    (
+        "[viewer]",
+        "[solver]\nmethod = \"adds\"\n[viewer]",
+        (38, 10),
+        &["`adds`", "\"adding\" or \"monte-carlo\""],
+    ),
     ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["`width_nm` is missing"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["dark between 400 and 700 nm"]),
 ];

@@ -138,10 +138,12 @@ fn a_white_map_is_white_light_from_everywhere() {
         }
         // 128.5/128 W/(m2 sr) from all over: pi 179 lm/W.
         let lux = std::f64::consts::PI * 179.0 * 128.5 / 128.0;
-        let note = resolved.notes.iter().find(|note| note.contains("by its own numbers")).unwrap();
-        let found: f64 = note.split("makes ").nth(1).unwrap().split(" lx").next().unwrap().parse().unwrap();
+        let note =
+            resolved.notes.iter().find(|note| note.contains("the absolute values of the map")).unwrap();
+        let found: f64 =
+            note.split("correspond to ").nth(1).unwrap().split(" lx").next().unwrap().parse().unwrap();
         assert!((found / lux - 1.0).abs() < 2e-4, "{note}");
-        assert!(note.contains("50.0 % of its light comes from below"), "{note}");
+        assert!(note.contains("50.0 % of the map's light comes from below"), "{note}");
     }
 }
 
@@ -187,7 +189,7 @@ fn a_luminaire_is_a_disc_and_says_its_lux() {
     assert!((lamp.radius_deg.unwrap() - radius).abs() < 1e-9);
     assert!(resolved.scene.lighting.environment.is_empty());
     let lux = 804.6 * 40.0_f64.to_radians().cos() / 4.0;
-    let said = format!("804.6 cd to the display, {lux:.2} lx there");
+    let said = format!("804.6 cd towards the display, {lux:.2} lx there");
     assert!(resolved.notes.iter().any(|note| note.contains(&said)), "{:?}", resolved.notes);
     // A panel of .6 m, 2 m away: nearer than five times its side.
     let near = |resolved: &papilio_scenario::Resolved| {
@@ -219,7 +221,12 @@ fn regions_keep_the_luminance_and_are_where_they_say() {
     let office = "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nshare = 0.5\n";
     let lux = |text: &str| {
         let resolved = resolve(&with(text), &shipped(), &[]).unwrap();
-        let note = resolved.notes.iter().find(|note| note.contains("by its own numbers")).unwrap().clone();
+        let note = resolved
+            .notes
+            .iter()
+            .find(|note| note.contains("the absolute values of the map"))
+            .unwrap()
+            .clone();
         (note, resolved.scene.lighting.environment[0].parts.clone())
     };
     let plain = lux(office);

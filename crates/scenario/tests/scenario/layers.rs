@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, changed, changed_in, resolve};
-use papilio_display::scene::{Distribution, Interface, Layer, Layers, Lobe, Thickness};
+use papilio_display::scene::{Distribution, Interface, Layer, Layers, Lobe, Ready, Thickness};
 use papilio_scenario::Resolved;
 
 fn resolved(text: &str, sets: &[&str]) -> Resolved {
@@ -18,14 +18,14 @@ pub(crate) fn general(resolved: &Resolved) -> &[Layer] {
 /// Each layer in a word and its medium's index.
 pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
     let word = |interface: &Interface| match interface {
-        Interface::Open => "open",
-        Interface::Coated => "coated",
-        Interface::Fresnel => "fresnel",
-        Interface::Sheet(_) => "sheet",
-        Interface::Coating(_) => "coating",
-        Interface::Diffuser(_) => "diffuser",
-        Interface::Rough { .. } => "rough",
-        Interface::Scatter(_) => "scatter",
+        Interface::Ready(Ready::Open) => "open",
+        Interface::Ready(Ready::Coated) => "coated",
+        Interface::Ready(Ready::Fresnel) => "fresnel",
+        Interface::Ready(Ready::Sheet(_)) => "sheet",
+        Interface::Coating(_) | Interface::Ready(Ready::Coating(_)) => "coating",
+        Interface::Ready(Ready::Diffuser(_)) => "diffuser",
+        Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)) => "rough",
+        Interface::Ready(Ready::Scatter(_)) => "scatter",
     };
     layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
 }
@@ -50,13 +50,13 @@ fn every_kind_of_layer() {
         ("open", 1.5), // a bare face with the same glass on both sides is none
     ];
     assert_eq!(outline(layers), expected);
-    let Interface::Sheet(sheet) = &layers[0].interface else { panic!("not a sheet") };
+    let Interface::Ready(Ready::Sheet(sheet)) = &layers[0].interface else { panic!("not a sheet") };
     assert_eq!((sheet.reflectance[0], sheet.absorptance[0]), (0.005, 0.01));
     let Interface::Coating(coating) = &layers[1].interface else { panic!("not a coating") };
     assert_eq!((coating.films.len(), coating.films[0].thickness), (1, Thickness::Fixed(90.0)));
     let Interface::Rough { alpha, distribution } = layers[2].interface else { panic!("not rough") };
     assert_eq!((alpha, distribution), (0.3, Distribution::Ggx));
-    let Interface::Diffuser(diffuser) = &layers[3].interface else { panic!("not a diffuser") };
+    let Interface::Ready(Ready::Diffuser(diffuser)) = &layers[3].interface else { panic!("not a diffuser") };
     assert_eq!((diffuser.lobe, diffuser.transmittance[0]), (Lobe::KCorrelation { width: 0.06 }, 0.95));
     // exp(-4 pi k d / lambda) of .7 mm at 380 nm.
     let expected = (-4.0 * std::f64::consts::PI * 1e-7 * 0.7e6 / 380.0_f64).exp();
@@ -65,8 +65,8 @@ fn every_kind_of_layer() {
     let slab = layers[4].medium.scattering.as_ref().unwrap();
     assert_eq!((slab.optical_thickness, slab.anisotropy, slab.albedo[0]), (2.0, 0.8, 0.99));
     assert!(layers.iter().filter(|layer| layer.medium.scattering.is_some()).count() == 1);
-    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 turns light around about as one of \
-                0.4 with anisotropy 0 does (similarity)";
+    let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 scatters light back about as much \
+                as one of 0.4 with anisotropy 0 (similarity)";
     assert_eq!(resolved.notes, [note]);
 }
 
@@ -78,7 +78,7 @@ fn ward_diffusers() {
     let panel = resolved(&GOOD.replace(lobe, ward), &[]);
     let layers = general(&panel);
     assert_eq!(outline(layers), [("sheet", 1.0), ("scatter", 1.5)]);
-    let Interface::Scatter(face) = &layers[1].interface else { panic!("no face") };
+    let Interface::Ready(Ready::Scatter(face)) = &layers[1].interface else { panic!("no face") };
     // Of rho = 1 the lobe sends .895 along the normal, and a tenth passes straight.
     let expected = 0.1 * 0.9 / (0.9 * 0.895 + 0.1);
     assert!((face.straight()[3] - expected).abs() < 1e-4, "{} {expected}", face.straight()[3]);
@@ -155,7 +155,7 @@ fn glass_that_absorbs() {
     // A glass without k stays clear, whatever its thickness; that is said.
     let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
     assert!(thick.scene.display.panel().is_some());
-    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm does nothing")));
+    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect")));
     // Of the two, a set one replaces the file's.
     let text = changed(&[("index = 1.5", "index = 1.5\nthickness_mm = 2")]);
     assert!(resolve(&text, Path::new(""), &["display.glass.internal_transmittance=0.9"]).is_ok());

@@ -165,15 +165,12 @@ fn a_single_incidence_holds_unless_none_is_written() {
     let [single, two] = [&[0][..], &[0, 30]].map(|incidences| film(incidences, 90));
     let [notes, warnings] = told(&single, "");
     assert!(
-        notes.contains("one incidence, 0 deg: its lobe holds") && warnings.is_empty(),
+        notes.contains("one incidence, 0 deg: its lobe is used") && warnings.is_empty(),
         "{notes}\n{warnings}"
     );
     assert_eq!(told(&single, "extrapolate = \"hold\""), [String::new(), String::new()]);
     let [notes, warnings] = told(&single, "extrapolate = \"none\"");
-    assert!(
-        notes.is_empty() && warnings.contains("beyond 0 deg: lamps and views from there are dark"),
-        "{warnings}"
-    );
+    assert!(notes.is_empty() && warnings.contains("beyond 0 deg: light from there is lost"), "{warnings}");
     let [notes, warnings] = told(&two, "");
     assert!(notes.is_empty() && warnings.contains("beyond 30 deg"), "{notes}\n{warnings}");
 }
@@ -184,10 +181,10 @@ fn a_single_incidence_holds_unless_none_is_written() {
 fn light_beyond_the_last_measured_angle_is_told() {
     let film = film(&[0, 30], 60);
     let [_, warnings] = told(&film, "extrapolate = \"none\"");
-    assert!(warnings.contains("nothing is sent there"), "{warnings}");
+    assert!(warnings.contains("no light is sent there"), "{warnings}");
     let [_, warnings] = told(&film, "extrapolate = \"hold\"");
-    assert!(warnings.contains("extrapolated, not measured"), "{warnings}");
-    let share = warnings.split(" hold ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    assert!(warnings.contains("this part is not measured"), "{warnings}");
+    let share = warnings.split(" tails there have ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
     let share: f64 = share.parse().unwrap();
     assert!((share - 25.0).abs() < 4.0, "{warnings}");
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 use papilio_display::scene::{Layers, Pixel, Scene};
 use papilio_formats::{BsdfFormat, write_measurement};
 use papilio_goniometry::{Channel, Instrument, Measurement, SpecularGrid, Symmetry, View, Way};
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_scenario::Scenario;
 
 use crate::common::{resolve, shipped};
@@ -81,7 +81,7 @@ fn the_kernel_of_a_pixel_is_its_paper() {
         let mean = kernel.factor.iter().sum::<f64>() / kernel.factor.len() as f64;
         for (from, to) in [(0.0, 0.3), (0.34, 0.1), (0.5, -0.5), (0.7, 0.7), (0.2, 0.9), (0.9, -0.6)] {
             let [from, to] = [Beta { x: from, y: 0.0 }, Beta { x: to, y: 0.1 }];
-            let error = mean * kernel.scatter.value(from, to) / truth(from, to) - 1.0;
+            let error = mean * kernel.scatter.evaluate(from, to) / truth(from, to) - 1.0;
             assert!(error.abs() < 0.01, "{from:?} {to:?}: {error}");
         }
     }
@@ -115,7 +115,7 @@ fn spectra_colour_and_keep_the_level() {
     let blue = kernels(&format!("{PAPER}spectrum = {{ white = \"blue.csv\" }}\n"));
     let [from, to] = [Beta { x: 0.2, y: 0.0 }, Beta { x: 0.1, y: 0.3 }];
     let at = |kernel: &papilio_display::scene::ScatterKernel, bin: usize| {
-        kernel.factor[bin] * kernel.scatter.value(from, to)
+        kernel.factor[bin] * kernel.scatter.evaluate(from, to)
     };
     let bins = plain[0].1.factor.len();
     let mean = (0..bins).map(|bin| at(&blue[0].1, bin)).sum::<f64>() / bins as f64;

@@ -90,11 +90,11 @@ fn what_is_taken_otherwise_than_it_was_given() {
     assert!(!says(&even.notes, "steps"), "{:?}", even.notes);
     assert!(says(
         &resolved(&["solver.method=monte-carlo", "solver.paths=31"]).notes,
-        "solver.paths is 31, and is rounded up to 32"
+        "solver.paths = 31 is rounded up to 32"
     ));
     assert!(!says(&resolved(&["solver.method=monte-carlo", "solver.paths=32"]).notes, "solver.paths"));
     let ignored = resolved(&["solver.method=monte-carlo", "solver.paths=64", "solver.per_wavelength=true"]);
-    assert!(says(&ignored.warnings, "beside solver.paths it does nothing"));
+    assert!(says(&ignored.warnings, "has no effect beside solver.paths"));
     // -0 is 0, in the result and in the hash.
     let [minus, plus] = ["viewer.theta_deg=-0.0", "viewer.theta_deg=0"].map(|set| resolved(&[set]));
     assert!(minus.scene.viewer.theta_deg[0].is_sign_positive() && minus.hash == plus.hash);

@@ -25,7 +25,7 @@ pub(super) struct Peaks<'a> {
     pub(super) width: f64,
 }
 
-/// Directions of a field at one inclination, evenly spaced in azimuth from 0; weights of all rings are 1 in sum.
+/// Directions of a field at one inclination, uniformly spaced in azimuth from 0; weights of all rings are 1 in sum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ring {
     /// `|beta|`.
@@ -48,7 +48,7 @@ impl Ring {
         self.weights.iter().sum()
     }
 
-    /// The ring's parts that are alike (1) or opposite (-1) at azimuths of opposite sign.
+    /// The ring's parts that are the same (1) or opposite (-1) at azimuths of opposite sign.
     pub(super) fn part(&self, sign: f64) -> Self {
         let (count, weights) = (self.weights.len(), &self.weights);
         let weights = (0..count).map(|k| 0.5 * (weights[k] + sign * weights[(count - k) % count]));

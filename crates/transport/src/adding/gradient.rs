@@ -5,7 +5,7 @@
 pub struct TableGradient {
     /// With each basis reflectance, `[node][basis][wavelength]`.
     pub basis: Vec<f64>,
-    /// With the share of each basis in each state, `[state][basis]`.
+    /// With the fraction of each basis in each state, `[state][basis]`.
     pub mixture: Vec<f64>,
     /// With what every state reflects besides, `[wavelength]`.
     pub common: Vec<f64>,

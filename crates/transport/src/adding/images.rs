@@ -232,7 +232,7 @@ fn arc(cone: &Cone, angle: f64, turn: f64, half: f64, count: usize, weight: f64,
 mod tests {
     use super::*;
 
-    /// The share of two overlapping small circles, by the planar lens formula.
+    /// The fraction of two overlapping small circles, by the planar lens formula.
     #[test]
     fn the_area_of_a_lens() {
         let lens = |a: f64, b: f64, d: f64| {
@@ -244,7 +244,7 @@ mod tests {
         {
             let view = Cone::new(20.0, 10.0, a, 1.0);
             let mirrored = Cone::new(20.0 + d, 10.0, b, 1.0);
-            let share: f64 = overlap(&view, &mirrored, 1.0, 18.0).iter().map(|p| p.weight).sum();
+            let share: f64 = overlap(&view, &mirrored, 1.0, (18.0, 0.0)).iter().map(|p| p.weight).sum();
             let truth = lens(a, b, d) / (PI * a * a);
             assert!((share - truth).abs() < 1e-6 * truth.max(1e-2), "{a} {b} {d}: {share} against {truth}");
         }

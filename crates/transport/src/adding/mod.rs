@@ -16,8 +16,9 @@ pub(crate) mod quadrature;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::{Cone, Estimate, Interface, Layer, Rho, Source, Stack};
+use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
 pub use gradient::TableGradient;
+pub(crate) use layered::{Action, Preparation, rough_width};
 
 /// The finest level.
 pub const FINEST: u32 = 6;
@@ -42,12 +43,12 @@ pub struct Narrowest {
     /// Which one, counted from the top among what scatters, from 1.
     pub number: usize,
     /// What it is.
-    pub scatterer: Scatterer,
+    pub scatterer: Narrowness,
 }
 
 /// What scatters, by what makes it narrow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Scatterer {
+pub enum Narrowness {
     /// A diffuser's lobe.
     Lobe {
         /// Its width b, direction cosines.
@@ -72,6 +73,17 @@ pub enum Scatterer {
     },
 }
 
+impl Narrowness {
+    /// The distance in direction cosines over which what is seen of it changes.
+    fn smoothness(self) -> f64 {
+        match self {
+            Self::Lobe { width } | Self::Face { width } | Self::Rough { width, .. } => width,
+            // The phase function's pole lies at this imaginary angle.
+            Self::Slab { anisotropy } => -anisotropy.abs().max(1e-9).ln(),
+        }
+    }
+}
+
 /// What makes a stack need so many nodes ([`nodes_needed`]); none in a panel or where nothing scatters.
 pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
     match stack {
@@ -86,9 +98,10 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
 /// a front sends back through a lobe too narrow for a grid gains 1.2 on the mean, now more and now less (the rest
 /// was up to 6.3 times the last in `tests/transport/narrow_lobes.rs`); all others gain 2 or far more.
 pub fn error_over_difference(stack: &Stack) -> f64 {
-    let rough = |layer: &Layer| matches!(layer.interface, Interface::Rough(_));
     match stack {
-        Stack::Layered(layered) if layered.layers.iter().any(rough) => 4.0,
+        Stack::Layered(layered) => {
+            layered.elements().map(|(kind, _)| kind.error_over_difference()).fold(1.0, f64::max)
+        }
         Stack::Panel(panel) if panel::narrows(panel) => 10.0,
         _ => 1.0,
     }
@@ -190,7 +203,7 @@ impl Kernel {
     }
 
     /// The `rho` of an estimate alone, which costs less: nothing is said of where light ends.
-    pub fn seen(&self, stack: &Stack, view: usize) -> Vec<Rho> {
+    pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
             _ => self.estimate(stack, view).rho,

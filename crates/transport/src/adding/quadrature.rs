@@ -95,7 +95,7 @@ impl Pole {
 
 /// Panels are cut until their ellipses are at least this large ...
 const SMALLEST_ELLIPSE: f64 = 2.3;
-/// ... or they have this share of the whole interval (singularities on the interval itself).
+/// ... or they have this fraction of the whole interval (singularities on the interval itself).
 const SMALLEST_PANEL: f64 = 1e-8;
 
 /// A rule on an interval for an integrand with these poles, that is smooth between `breaks`.
@@ -269,7 +269,7 @@ mod tests {
                 let antiderivative = |x: f64| (x - 0.4) / (width * width + (x - 0.4).powi(2)).sqrt();
                 let sum: f64 = nodes.iter().map(|n| n.weight * f(n.x)).sum();
                 let truth = antiderivative(1.5) - antiderivative(0.0);
-                // Positions near .4 are rounded to 1e-16, which is much of a narrow lobe.
+                // Positions near 0.4 are rounded to 1e-16, which is much of a narrow lobe.
                 let allowed = 20.0 * (-digits).exp() + 1e-13 + 1e-15 / width;
                 assert!((sum / truth - 1.0).abs() < allowed, "{width} {digits}");
             }

@@ -3,8 +3,8 @@
 //! Front and face are one flat part whose inter-reflections are summed in closed form
 //! at each angle. Over a mirror light keeps its angle, and all its round trips are a geometric
 //! series: nothing is random but the point in the viewer's field. Off a Lambertian base light comes
-//! up to the face as often as roulette grants. Only directions that can leave are drawn: what total
-//! internal reflection traps is known in closed form, and however small the share of either is, no
+//! up to the face as often as roulette grants. Only directions that can leave are sampled: what total
+//! internal reflection traps is known in closed form, and however small the fraction of either is, no
 //! path has to find it. The path carries spectra all the way: `[state][wavelength]`.
 
 use papilio_optics::Beta;
@@ -13,7 +13,7 @@ use papilio_sampling::warp;
 use super::{PathNumbers, Target, add_rows_times, add_scaled, scale_rows};
 use crate::Reflector;
 use crate::specular::FlatTop;
-use crate::{Cone, Estimate, Ledger, Panel, Rho, Source};
+use crate::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Source};
 
 #[derive(Debug)]
 pub(super) struct Bare<'a> {
@@ -29,17 +29,17 @@ pub(super) struct Bare<'a> {
 /// paths alone might be missed by all replicates alike.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// The sums of a replicate, and room to work in.
+/// The sums of a replicate, and workspace to work in.
 #[derive(Debug, Clone)]
-pub(super) struct Tally {
+pub(super) struct Accumulator {
     sums: Sums,
-    room: Room,
+    workspace: Workspace,
 }
 
 /// Shapes: `[state][wavelength]`, but for what is the same in all states: `[wavelength]`.
 #[derive(Debug, Clone)]
 struct Sums {
-    rho: Vec<Rho>,
+    rho: Vec<ReflectanceFactor>,
     /// Mirrored and absorbed on entering, the same in all states.
     mirrored: Vec<f64>,
     absorbed_entering: Vec<f64>,
@@ -52,7 +52,7 @@ struct Sums {
 }
 
 #[derive(Debug, Clone)]
-struct Room {
+struct Workspace {
     /// The spectra of the path at hand.
     carried: Vec<f64>,
     /// The base's reflectance.
@@ -76,12 +76,16 @@ impl<'a> Bare<'a> {
         if self.specular { 1.0 } else { LEAST_SURVIVAL }
     }
 
-    pub(super) fn tally(&self) -> Tally {
+    pub(super) fn tally(&self) -> Accumulator {
         let bins = self.stack.base.bins();
         let (all, one) = (|| vec![0.0; self.stack.base.states() * bins], || vec![0.0; bins]);
-        Tally {
+        Accumulator {
             sums: Sums {
-                rho: self.sources.iter().map(|_| Rho { base: all(), front: one() }).collect(),
+                rho: self
+                    .sources
+                    .iter()
+                    .map(|_| ReflectanceFactor { via_pixel: all(), front: one() })
+                    .collect(),
                 mirrored: one(),
                 absorbed_entering: one(),
                 arriving: all(),
@@ -90,7 +94,7 @@ impl<'a> Bare<'a> {
                 absorbed: all(),
                 going_on: all(),
             },
-            room: Room {
+            workspace: Workspace {
                 carried: all(),
                 reflectance: all(),
                 flat: FlatTop::new(bins),
@@ -100,23 +104,23 @@ impl<'a> Bare<'a> {
         }
     }
 
-    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
-        let Tally { sums, room } = tally;
+    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+        let Accumulator { sums, workspace } = tally;
         let beta = self.view.sample_towards(numbers.field());
-        self.enter(beta, sums, room);
+        self.enter(beta, sums, workspace);
         if self.specular {
-            self.go_to_and_fro(beta, sums, room);
+            self.go_to_and_fro(beta, sums, workspace);
             return;
         }
         let mut u = numbers.beside_field();
         for pass in 0.. {
-            self.meet_base(beta, sums, room);
+            self.meet_base(beta, sums, workspace);
             // Points of sources and ways of the base are two techniques: the same numbers serve.
-            self.connect(u, sums, room);
+            self.connect(u, sums, workspace);
             let (x, y) = warp::uniform_disc(self.leaving, u);
-            self.leave(Beta { x, y }, sums, room);
+            self.leave(Beta { x, y }, sums, workspace);
             let [survival, way @ .., _] = numbers.block(1 + pass);
-            if self.stack.single_pass || !Self::goes_on(survival, sums, room) {
+            if self.stack.single_pass || !Self::goes_on(survival, sums, workspace) {
                 return;
             }
             u = way;
@@ -124,8 +128,8 @@ impl<'a> Bare<'a> {
     }
 
     /// All round trips between a mirror and the face, at the angle at which light entered.
-    fn go_to_and_fro(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
-        let Room { carried, reflectance, flat, .. } = room;
+    fn go_to_and_fro(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { carried, reflectance, flat, .. } = workspace;
         self.stack.base.reflectance(beta.squared(), &self.stack.medium, reflectance);
         for row in 0..carried.len() / flat.t.len() {
             for (bin, (t, below)) in flat.t.iter().zip(&flat.below).enumerate() {
@@ -144,14 +148,14 @@ impl<'a> Bare<'a> {
         }
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             if *source == Source::Diffuse {
-                add_rows_times(&mut rho.base, carried, &flat.t, 1.0);
+                add_rows_times(&mut rho.via_pixel, carried, &flat.t, 1.0);
             }
         }
     }
 
     /// What the viewer sees mirrored, and what goes on to the base.
-    fn enter(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
-        let Room { flat, factor, carried, .. } = room;
+    fn enter(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { flat, factor, carried, .. } = workspace;
         flat.set(self.stack, beta.squared());
         add_scaled(&mut sums.mirrored, &flat.above, 1.0);
         fill(factor, flat.t.iter().zip(&flat.above).map(|(t, r)| 1.0 - t - r));
@@ -165,21 +169,21 @@ impl<'a> Bare<'a> {
         scale_rows(carried, &flat.t);
     }
 
-    fn meet_base(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
-        add_scaled(&mut sums.arriving, &room.carried, 1.0);
-        self.stack.base.reflectance(beta.squared(), &self.stack.medium, &mut room.reflectance);
-        room.carried.iter_mut().zip(&room.reflectance).for_each(|(c, r)| *c *= r);
-        add_scaled(&mut sums.reflected, &room.carried, 1.0);
+    fn meet_base(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+        add_scaled(&mut sums.arriving, &workspace.carried, 1.0);
+        self.stack.base.reflectance(beta.squared(), &self.stack.medium, &mut workspace.reflectance);
+        workspace.carried.iter_mut().zip(&workspace.reflectance).for_each(|(c, r)| *c *= r);
+        add_scaled(&mut sums.reflected, &workspace.carried, 1.0);
     }
 
     /// Connections from a Lambertian base to directed sources.
-    fn connect(&self, u: [f64; 2], sums: &mut Sums, room: &mut Room) {
-        let Room { carried, towards, factor, .. } = room;
+    fn connect(&self, u: [f64; 2], sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { carried, towards, factor, .. } = workspace;
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
             let Some(target) = Target::sample(source, u) else { continue };
             towards.set(self.stack, target.beta.squared());
             fill(factor, towards.t.iter().zip(self.spread_factors(target.beta)).map(|(t, f)| t * f));
-            add_rows_times(&mut rho.base, carried, factor, self.balanced(&target));
+            add_rows_times(&mut rho.via_pixel, carried, factor, self.balanced(&target));
         }
     }
 
@@ -190,15 +194,15 @@ impl<'a> Bare<'a> {
         target.balanced(drawn, || drawn, 0.0)
     }
 
-    /// Per wavelength: the Lambertian density at `beta` over that with which directions are drawn.
+    /// Per wavelength: the Lambertian density at `beta` over that with which directions are sampled.
     fn spread_factors(&self, beta: Beta) -> impl Iterator<Item = f64> {
         let (medium, leaving) = (&self.stack.medium, self.leaving);
         medium.index().iter().map(move |&n| if beta.squared() < n * n { (leaving / n).powi(2) } else { 0.0 })
     }
 
     /// Out through the face: what the sources there send in, the books, and what goes on.
-    fn leave(&self, beta: Beta, sums: &mut Sums, room: &mut Room) {
-        let Room { flat, factor, carried, .. } = room;
+    fn leave(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { flat, factor, carried, .. } = workspace;
         flat.set(self.stack, beta.squared());
         fill(factor, flat.t.iter().zip(self.spread_factors(beta)).map(|(t, f)| t * f));
         add_rows_times(&mut sums.leaving, carried, factor, 1.0);
@@ -208,7 +212,7 @@ impl<'a> Bare<'a> {
                 (_, Some(target)) => self.balanced(&target),
                 _ => continue,
             };
-            add_rows_times(&mut rho.base, carried, factor, weight);
+            add_rows_times(&mut rho.via_pixel, carried, factor, weight);
         }
         let lost = flat.t.iter().zip(&flat.below).map(|(t, r)| 1.0 - t - r);
         fill(factor, lost.zip(self.spread_factors(beta)).map(|(lost, f)| lost * f));
@@ -220,21 +224,25 @@ impl<'a> Bare<'a> {
     }
 
     /// Russian roulette on what the face sends back.
-    fn goes_on(u: f64, sums: &mut Sums, room: &mut Room) -> bool {
-        let left = room.carried.iter().copied().fold(0.0, f64::max);
+    fn goes_on(u: f64, sums: &mut Sums, workspace: &mut Workspace) -> bool {
+        let left = workspace.carried.iter().copied().fold(0.0, f64::max);
         let survival = left.clamp(LEAST_SURVIVAL, 1.0);
         if left == 0.0 || u >= survival {
             return false;
         }
-        room.carried.iter_mut().for_each(|c| *c /= survival);
-        add_scaled(&mut sums.going_on, &room.carried, 1.0);
+        workspace.carried.iter_mut().for_each(|c| *c /= survival);
+        add_scaled(&mut sums.going_on, &workspace.carried, 1.0);
         true
     }
 
-    pub(super) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
+    pub(super) fn estimate(&self, tally: &Accumulator, scale: f64) -> Estimate {
         let sums = &tally.sums;
         let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
-        let rho = sums.rho.iter().map(|rho| Rho { base: mean(&rho.base), front: mean(&rho.front) }).collect();
+        let rho = sums
+            .rho
+            .iter()
+            .map(|rho| ReflectanceFactor { via_pixel: mean(&rho.via_pixel), front: mean(&rho.front) })
+            .collect();
         Estimate { rho, ledger: self.ledger(sums, scale) }
     }
 

@@ -1,7 +1,7 @@
 //! A density over direction cosines that follows a given function: a guide to draw from.
 //!
 //! The function times `|beta|` at the nodes of a polar grid, bilinear between them. Rings and spokes
-//! stand close where the function is narrow. The length of `beta` is drawn first, from the mean
+//! stand close where the function is narrow. The length of `beta` is sampled first, from the mean
 //! over a ring, then its azimuth: uniform numbers go over into directions without a jump, so that
 //! well-spread numbers stay well spread, above all in length, which is what a pixel's
 //! reflectance depends on.
@@ -152,6 +152,8 @@ fn linear(a: f64, b: f64, u: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use papilio_optics::Scatterer;
+
     use super::*;
     use papilio_optics::lobe::Lobe;
     use papilio_sampling::{Numbers, Sampler};
@@ -164,7 +166,7 @@ mod tests {
         Guide::new(1.5, &peaks, |to| lobe.density(a, to) * lobe.density(b, to) + 0.1).unwrap()
     }
 
-    /// On 20 x 20 cells the mean of 1/density over draws is the cell's area: chi-square of the cells that lie in the disc, as a
+    /// On 20 x 20 cells the mean of 1/density over samples is the cell's area: chi-square of the cells that lie in the disc, as a
     /// standard normal variable.
     fn statistic(distort: f64) -> f64 {
         const SIDE: usize = 20;

@@ -2,7 +2,7 @@
 //!
 //! The image is seen where the viewer's field and the mirrored source overlap. Either
 //! may be far smaller than the other, so that points of the one hardly ever fall on the
-//! other: points are drawn in the smallest cone that holds the overlap (of a field, in the whole view). Everything that
+//! other: points are sampled in the smallest cone that holds the overlap (of a field, in the whole view). Everything that
 //! happens to the light is known in closed form ([`specular_image`]).
 
 use papilio_sampling::{Numbers, Sampler};
@@ -29,7 +29,7 @@ pub(super) struct Images<'a> {
 struct Seen<'a> {
     source: usize,
     light: &'a Source,
-    /// Where points are drawn, and its share of the view.
+    /// Where points are sampled, and its fraction of the view.
     cone: Cone,
     share: f64,
 }
@@ -54,9 +54,9 @@ impl<'a> Images<'a> {
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest): where a small part of the view sees the image of another radiance than
-    /// the rest, about the share of that part.
+    /// the rest, about the fraction of that part.
     ///
-    /// Of a quantity that is different in a share p of all points, the fourth moment about the mean is 1/p times the
+    /// Of a quantity that is different in a fraction p of all points, the fourth moment about the mean is 1/p times the
     /// square of the second.
     pub(super) fn rarest(&self) -> f64 {
         let fields = self.seen.iter().filter(|seen| matches!(seen.light, Source::Field(_)));
@@ -112,7 +112,7 @@ impl<'a> Images<'a> {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
             let rho = &mut estimate.rho[seen.source];
             super::add_scaled(&mut rho.front, &sum.front, scale);
-            super::add_scaled(&mut rho.base, &sum.base, scale);
+            super::add_scaled(&mut rho.via_pixel, &sum.base, scale);
         }
     }
 }

@@ -3,7 +3,7 @@
 //! # Estimator
 //! A path starts with the direction cosines of light that reaches the viewer and
 //! follows it back: through the front, into the medium, to the base, out again, and
-//! on for as many passes as Russian roulette grants. Every sampled event is drawn
+//! on for as many passes as Russian roulette grants. Every event is sampled
 //! from its own kernel, so the path's weight holds spectra alone. One path carries all
 //! wavelengths and all states, so that contrast and gamut come from correlated
 //! numbers.
@@ -35,13 +35,13 @@
 //! (all kernels are reciprocal). Where light goes is booked by layer; `unaccounted`
 //! is what roulette dropped less what it added, zero on average.
 
+mod accumulator;
 mod bare;
 mod diffused;
 mod guide;
 mod images;
 mod layered;
 mod strategy;
-mod tally;
 
 use papilio_optics::{Beta, wide};
 use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
@@ -123,7 +123,7 @@ impl<'a> Walk<'a> {
         Self::with_strategy(stack, view, sources, Strategy::default(), &[])
     }
 
-    /// As [`Self::new`], directions drawn by this strategy where a panel's diffuser scatters (all
+    /// As [`Self::new`], directions sampled by this strategy where a panel's diffuser scatters (all
     /// other stacks know the kernel alone).
     ///
     /// `shares` are the sources' shares of the illuminance, for which the guided strategy cares; missing
@@ -163,9 +163,11 @@ impl<'a> Walk<'a> {
     /// An empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> Replicate {
         let tally = match &self.kind {
-            Kind::Bare(bare, images) => Tally::Bare(Box::new(bare.tally()), images.sums()),
-            Kind::Diffused(diffused, images) => Tally::Diffused(Box::new(diffused.tally()), images.sums()),
-            Kind::Layered(layered, images) => Tally::Layered(Box::new(layered.tally()), images.sums()),
+            Kind::Bare(bare, images) => Accumulator::Bare(Box::new(bare.tally()), images.sums()),
+            Kind::Diffused(diffused, images) => {
+                Accumulator::Diffused(Box::new(diffused.tally()), images.sums())
+            }
+            Kind::Layered(layered, images) => Accumulator::Layered(Box::new(layered.tally()), images.sums()),
         };
         Replicate { paths: 0, tally }
     }
@@ -176,15 +178,15 @@ impl<'a> Walk<'a> {
         let paths = replicate.paths..replicate.paths + count;
         let of = |path| PathNumbers::new(numbers, path);
         match (&self.kind, &mut replicate.tally) {
-            (Kind::Bare(bare, images), Tally::Bare(tally, sums)) => {
+            (Kind::Bare(bare, images), Accumulator::Bare(tally, sums)) => {
                 images.paths(paths.clone().map(of), sums);
                 paths.map(of).for_each(|path| bare.path(&path, tally));
             }
-            (Kind::Diffused(diffused, images), Tally::Diffused(tally, sums)) => {
+            (Kind::Diffused(diffused, images), Accumulator::Diffused(tally, sums)) => {
                 images.paths(paths.clone().map(of), sums);
                 diffused.paths(numbers, paths, tally);
             }
-            (Kind::Layered(layered, images), Tally::Layered(tally, sums)) => {
+            (Kind::Layered(layered, images), Accumulator::Layered(tally, sums)) => {
                 images.paths(paths.clone().map(of), sums);
                 paths.map(of).for_each(|path| layered.path(&path, tally));
             }
@@ -207,17 +209,17 @@ impl<'a> Walk<'a> {
         };
         let (Kind::Bare(_, images) | Kind::Diffused(_, images) | Kind::Layered(_, images)) = &self.kind;
         for (mean, replicate) in means.iter_mut().zip(replicates) {
-            let (Tally::Bare(_, sums) | Tally::Diffused(_, sums) | Tally::Layered(_, sums)) =
+            let (Accumulator::Bare(_, sums) | Accumulator::Diffused(_, sums) | Accumulator::Layered(_, sums)) =
                 &replicate.tally;
             images.add_to(mean, sums, replicate.scale());
         }
         means
     }
 
-    fn diffused_sums(replicates: &[Replicate]) -> Vec<(&diffused::Tally, f64)> {
+    fn diffused_sums(replicates: &[Replicate]) -> Vec<(&diffused::Accumulator, f64)> {
         let mut sums = Vec::with_capacity(replicates.len());
         for replicate in replicates {
-            if let Tally::Diffused(tally, _) = &replicate.tally {
+            if let Accumulator::Diffused(tally, _) = &replicate.tally {
                 sums.push((&**tally, replicate.scale()));
             }
         }
@@ -227,8 +229,8 @@ impl<'a> Walk<'a> {
     /// Without images; nothing for the replicate of another walk.
     fn mean(&self, replicate: &Replicate) -> Estimate {
         match (&self.kind, &replicate.tally) {
-            (Kind::Bare(bare, _), Tally::Bare(tally, _)) => bare.estimate(tally, replicate.scale()),
-            (Kind::Layered(layered, _), Tally::Layered(tally, _)) => {
+            (Kind::Bare(bare, _), Accumulator::Bare(tally, _)) => bare.estimate(tally, replicate.scale()),
+            (Kind::Layered(layered, _), Accumulator::Layered(tally, _)) => {
                 layered.estimate(tally, replicate.scale())
             }
             _ => Estimate::default(),
@@ -240,7 +242,7 @@ impl<'a> Walk<'a> {
 #[derive(Debug, Clone)]
 pub struct Replicate {
     paths: u64,
-    tally: Tally,
+    tally: Accumulator,
 }
 
 impl Replicate {
@@ -256,10 +258,10 @@ impl Replicate {
 }
 
 #[derive(Debug, Clone)]
-enum Tally {
-    Bare(Box<bare::Tally>, images::Sums),
-    Diffused(Box<diffused::Tally>, images::Sums),
-    Layered(Box<layered::Tally>, images::Sums),
+enum Accumulator {
+    Bare(Box<bare::Accumulator>, images::Sums),
+    Diffused(Box<diffused::Accumulator>, images::Sums),
+    Layered(Box<layered::Accumulator>, images::Sums),
 }
 
 /// A point of a source to connect to, and its density over direction cosines
@@ -328,8 +330,8 @@ impl Target {
     }
 
     /// What one sample adds to `rho` where a direction reaches this point by any of three
-    /// techniques: the last scattering event, whose kernel has this `value` and is drawn with density
-    /// `pdf`; this connection; and the direction before it drawn backwards from here, with a density
+    /// techniques: the last scattering event, whose kernel has this `value` and is sampled with density
+    /// `pdf`; this connection; and the direction before it sampled backwards from here, with a density
     /// of this `ratio` to that with which the path drew it (0: it is not).
     ///
     /// Balance heuristic: the integrand over the sum of the three products of densities. The same

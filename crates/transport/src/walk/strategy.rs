@@ -1,13 +1,13 @@
-//! How directions are drawn where a diffuser scatters.
+//! How directions are sampled where a diffuser scatters.
 //!
-//! Whatever they are drawn from, a path's weight holds the lobe's value over the density, so that
+//! Whatever they are sampled from, a path's weight holds the lobe's value over the density, so that
 //! every strategy has the same mean; they differ in noise.
 //!
-//! - [`Strategy::Uniform`]: evenly over the hemisphere (of the medium on the way down, of air up).
-//! - [`Strategy::Cosine`]: evenly over direction cosines.
+//! - [`Strategy::Uniform`]: uniformly over the hemisphere (of the medium on the way down, of air up).
+//! - [`Strategy::Cosine`]: uniformly over direction cosines.
 //! - [`Strategy::Ward`]: Ward's lobe with the width that fits the diffuser best (least squares, as
 //!   Feng 2012, eq. 4-17, 4-18), about the unscattered direction (eq. 4-19 to 4-21). Its Gaussian
-//!   tail ends where the diffuser's goes on: one direction in ten is drawn by the cosine, without
+//!   tail ends where the diffuser's goes on: one direction in ten is sampled by the cosine, without
 //!   which the weights have no bound.
 //! - [`Strategy::Kernel`]: from the lobe itself; towards lamps from both ends.
 //! - [`Strategy::Guided`]: on the first pass from the product of lobe, light and pixel
@@ -16,13 +16,14 @@
 //! From the first way up on, the last two draw some directions from lobes about the lamps: a path
 //! that gets there by chance alone is rare and bright where lobes are narrow.
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::scatter::GaussianFacets;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use crate::Source;
 
-/// How the walk draws directions where a diffuser scatters.
+/// How the walk samples directions where a diffuser scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Strategy {
     /// Evenly over the hemisphere of directions.
@@ -54,10 +55,10 @@ impl Strategy {
     }
 }
 
-/// The part of directions that are drawn by the cosine beside Ward's.
+/// The part of directions that are sampled by the cosine beside Ward's.
 const BESIDE_WARD: f64 = 0.1;
 
-/// The part that are drawn from lobes about lamps.
+/// The part that are sampled from lobes about lamps.
 const TO_LAMPS: f64 = 0.5;
 
 /// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: of
@@ -66,7 +67,7 @@ const GAUSSIAN_OF_LOBE: f64 = 1.2175;
 
 /// A way to draw directions for one lobe.
 #[derive(Debug)]
-pub(super) struct Drawing {
+pub(super) struct DirectionSampler {
     lobe: Lobe,
     kind: Kind,
 }
@@ -80,14 +81,14 @@ enum Kind {
     Lamps(Vec<(Beta, Lobe)>),
 }
 
-/// A direction, and the lobe's value over the density that it was drawn with.
+/// A direction, and the lobe's value over the density that it was sampled with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drawn {
+pub(super) struct DirectionSample {
     pub(super) beta: Beta,
     pub(super) weight: f64,
 }
 
-impl Drawing {
+impl DirectionSampler {
     /// That of a strategy; `index`: of the medium below the diffuser.
     pub(super) fn new(strategy: Strategy, lobe: Lobe, index: f64, sources: &[Source]) -> Self {
         let kind = match (strategy, lobe) {
@@ -110,32 +111,32 @@ impl Drawing {
 
     /// A direction in a medium whose directions fill a disc of this radius; `None` if there is none.
     #[inline]
-    pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<Drawn> {
+    pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<DirectionSample> {
         let beta = match &self.kind {
-            Kind::Kernel => return Some(Drawn { beta: self.lobe.sample(from, u)?, weight: 1.0 }),
+            Kind::Kernel => {
+                return Some(DirectionSample { beta: self.lobe.sample_direction(from, u)?, weight: 1.0 });
+            }
             Kind::Uniform => {
                 let (x, y) = warp::polar(radius * (u[0] * (2.0 - u[0])).sqrt(), u[1]);
                 Beta { x, y }
             }
             Kind::Cosine => cosine(radius, u),
             Kind::Ward(_) if u[0] < BESIDE_WARD => cosine(radius, [u[0] / BESIDE_WARD, u[1]]),
-            Kind::Ward(ward) => ward.draw(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
+            Kind::Ward(ward) => ward.sample(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
             Kind::Lamps(lamps) => {
                 let rest = u[0] / TO_LAMPS;
                 if rest < 1.0 {
                     let lamp = (rest * lamps.len() as f64) as usize;
                     let (at, lobe) = lamps.get(lamp)?;
-                    lobe.sample(
-                        *at,
-                        [(rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE), u[1]],
-                    )?
+                    let rest = (rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE);
+                    lobe.sample_direction(*at, [rest, u[1]])?
                 } else {
-                    self.lobe.sample(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
+                    self.lobe.sample_direction(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
                 }
             }
         };
         let density = self.density(from, beta, radius);
-        (density > 0.0).then(|| Drawn { beta, weight: self.lobe.density(from, beta) / density })
+        (density > 0.0).then(|| DirectionSample { beta, weight: self.lobe.density(from, beta) / density })
     }
 
     /// The density with which [`Self::draw`] gives `to`, over direction cosines.
@@ -179,50 +180,32 @@ fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
     }
 }
 
-/// Ward's lobe of half vectors in a medium of this index, in transmission: the mirror of the
-/// unscattered direction takes the place of the incident one.
+/// Facets of Gaussian slopes in a medium of this index.
 #[derive(Debug, Clone, Copy)]
 struct Ward {
-    alpha: f64,
+    facets: GaussianFacets,
     index: f64,
 }
 
 impl Ward {
     /// Near the normal `tan h` is half the deviation over the index.
     fn fitted(width: f64, index: f64) -> Self {
-        Self { alpha: GAUSSIAN_OF_LOBE * width / (2.0 * index), index }
+        Self { facets: GaussianFacets { alpha: GAUSSIAN_OF_LOBE * width / (2.0 * index) }, index }
     }
 
-    /// Where the mirrored light would come from, a unit vector; `None` beyond the horizon.
-    fn incident(&self, from: Beta) -> Option<[f64; 3]> {
-        let (x, y) = (-from.x / self.index, -from.y / self.index);
-        let cos_squared = 1.0 - x * x - y * y;
-        (cos_squared > 0.0).then(|| [x, y, cos_squared.sqrt()])
+    /// The same direction as cosines of a medium of index 1.
+    fn of_air(&self, beta: Beta) -> Beta {
+        Beta { x: beta.x / self.index, y: beta.y / self.index }
     }
 
-    fn draw(&self, from: Beta, u: [f64; 2]) -> Option<Beta> {
-        let i = self.incident(from)?;
-        let tan = self.alpha * (-u[0].ln()).sqrt();
-        let cos = 1.0 / tan.hypot(1.0);
-        let (x, y) = warp::polar(tan * cos, u[1]);
-        let i_h = i[0] * x + i[1] * y + i[2] * cos;
-        let z = 2.0 * i_h * cos - i[2];
-        (i_h > 0.0 && z > 0.0)
-            .then(|| Beta { x: self.index * (2.0 * i_h * x - i[0]), y: self.index * (2.0 * i_h * y - i[1]) })
+    fn sample(&self, from: Beta, u: [f64; 2]) -> Option<Beta> {
+        let to = self.facets.sample(self.of_air(from), u)?;
+        Some(Beta { x: self.index * to.x, y: self.index * to.y })
     }
 
-    /// Over direction cosines.
+    /// Per unit area of direction cosines.
     fn density(&self, from: Beta, to: Beta) -> f64 {
-        let (Some(i), Some([x, y, z])) = (self.incident(from), self.incident(-to)) else { return 0.0 };
-        let h = [i[0] + x, i[1] + y, i[2] + z];
-        let length = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]).sqrt();
-        let cos = h[2] / length;
-        let i_h = (i[0] * h[0] + i[1] * h[1] + i[2] * h[2]) / length;
-        let tan_squared = 1.0 / (cos * cos) - 1.0;
-        let alpha_squared = self.alpha * self.alpha;
-        let per_steradian = (-tan_squared / alpha_squared).exp()
-            / (4.0 * std::f64::consts::PI * alpha_squared * i_h * cos.powi(3));
-        per_steradian / (self.index * self.index * z)
+        self.facets.density(self.of_air(from), self.of_air(to)) / (self.index * self.index)
     }
 }
 
@@ -231,8 +214,8 @@ mod tests {
     use super::*;
     use papilio_sampling::{Numbers, Sampler};
 
-    /// Chi-square of draws on the cells of a square grid against the density times `distorted`, as a standard normal variable.
-    fn statistic(drawing: &Drawing, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
+    /// Chi-square of samples on the cells of a square grid against the density times `distorted`, as a standard normal variable.
+    fn statistic(drawing: &DirectionSampler, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
         const SIDE: usize = 12;
         const DRAWS: u64 = 60_000;
         let numbers = Numbers::new(Sampler::Random, 5, 0);
@@ -269,7 +252,7 @@ mod tests {
         let lamps =
             [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
         for strategy in Strategy::ALL {
-            let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
+            let drawing = DirectionSampler::new(strategy, lobe, 1.5, &lamps);
             for radius in [1.5, 1.0] {
                 let right = statistic(&drawing, radius, |_| 1.0);
                 assert!(right.abs() < 4.5, "{strategy:?} {radius}: {right}");
@@ -287,7 +270,7 @@ mod tests {
         let numbers = Numbers::new(Sampler::Random, 6, 0);
         let from = Beta { x: 0.2, y: 0.1 };
         for strategy in Strategy::ALL {
-            let drawing = Drawing::new(strategy, lobe, 1.5, &lamps);
+            let drawing = DirectionSampler::new(strategy, lobe, 1.5, &lamps);
             for path in 0..100 {
                 let u = numbers.block(path, 0);
                 let Some(drawn) = drawing.draw(from, 1.5, [u[0], u[1]]) else { continue };

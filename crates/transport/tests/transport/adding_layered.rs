@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use crate::common::*;
 use crate::layers::*;
-use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_transport::{Cone, Diffuser, Estimate, Front, Interface, Panel, Source, Stack, Top};
 
 /// Angles in degrees and weights of a mean over the hemisphere, weighted with the cosine:

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 
 use crate::common::*;
 use crate::double_pass::*;
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
@@ -375,7 +375,7 @@ fn dispersive_glass_is_a_glass_for_each_wavelength() {
             stack.medium = Medium::new(one(indices[bin]));
             let single = solve(&stack, view(8.0), &lights(), 1);
             for source in 0..3 {
-                let (a, b) = (found.rho[source].base[bin], single.rho[source].base[0]);
+                let (a, b) = (found.rho[source].via_pixel[bin], single.rho[source].via_pixel[0]);
                 assert!((a / b - 1.0).abs() < 1e-5, "bin {bin}, source {source}: {a} {b}");
             }
         }

@@ -2,8 +2,8 @@
 
 use crate::common::*;
 use crate::double_pass::*;
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_transport::specular_image;
 use papilio_transport::walk::Walk;
@@ -305,7 +305,7 @@ fn a_dispersive_medium_agrees_with_a_constant_one() {
         for (a, b) in a.iter().zip(&b) {
             for source in 0..2 {
                 for bin in 0..2 {
-                    let (x, y) = (a.rho[source].base[0], b.rho[source].base[bin]);
+                    let (x, y) = (a.rho[source].via_pixel[0], b.rho[source].via_pixel[bin]);
                     assert!((x - y).abs() < 1e-6 * x, "source {source}, bin {bin}: {x} {y}");
                 }
             }

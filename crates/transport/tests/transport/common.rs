@@ -77,5 +77,5 @@ pub(crate) fn replicates_of(
 
 /// Total reflectance factor of the first wavelength and state under source `i`.
 pub(crate) fn rho(estimate: &Estimate, i: usize) -> f64 {
-    estimate.rho[i].base[0] + estimate.rho[i].front[0]
+    estimate.rho[i].via_pixel[0] + estimate.rho[i].front[0]
 }

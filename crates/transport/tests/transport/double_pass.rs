@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 use papilio_transport::{Cone, Diffuser, Top};
 

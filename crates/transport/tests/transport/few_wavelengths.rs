@@ -40,9 +40,9 @@ fn wavelengths_do_not_know_of_each_other() {
         for bins in [2, 3, 7, 9] {
             let together = solve(bins);
             for (alone, together) in alone.rho.iter().zip(&together.rho) {
-                assert_eq!(together.base.len(), 2 * bins);
-                for (k, value) in together.base.iter().enumerate() {
-                    let truth = alone.base[k / bins];
+                assert_eq!(together.via_pixel.len(), 2 * bins);
+                for (k, value) in together.via_pixel.iter().enumerate() {
+                    let truth = alone.via_pixel[k / bins];
                     assert!(truth > 0.0 && (value / truth - 1.0).abs() < 1e-12, "{bins}: {value} {truth}");
                 }
             }

@@ -218,13 +218,13 @@ fn fringes(speed: f64) -> papilio_transport::Base {
 }
 
 /// Of light that a bare mirror shows the view sees the mean over its field, of any radiance and any reflectance: summed at 25 600
-/// directions here. (Levels used to agree on 3e-6 of it beside a claimed 1e-7 for a smooth mirror; on 4 % for one with fringes.)
+/// directions here. (They used to be off by 2e-6 for a smooth mirror, beside a claimed 1e-7, and by up to 7e-4 for one with fringes.)
 #[test]
 fn images_of_uneven_light_are_means_over_the_field_of_view() {
     let slope = source(Field::of(Arc::new(Slope), &[0.0, 90.0], 4, vec![1.0; 4]).unwrap().0);
     let Source::Field(field) = &slope else { unreachable!() };
     let disc = Cone::new(-40.0, 25.0, 7.0, 1.0);
-    for (speed, tolerance) in [(5.0, 2e-7), (120.0, 2e-6)] {
+    for (speed, tolerance) in [(5.0, 1e-9), (120.0, 2e-7)] {
         let stack = Stack::Panel(panel(Top::Coated, fringes(speed)));
         for half in [0.5, 2.0, 5.0] {
             let (theta, phi) = (40.0, 25.0);
@@ -234,9 +234,19 @@ fn images_of_uneven_light_are_means_over_the_field_of_view() {
             };
             let found = estimate(1, &stack, view, &[slope.clone(), Source::Disc(disc)]);
             let truth = std::f64::consts::PI * mean(&|beta| field.radiance(beta));
-            assert_close(&format!("field, {speed} {half}"), found.rho[0].base[0] / truth, 1.0, tolerance);
+            assert_close(
+                &format!("field, {speed} {half}"),
+                found.rho[0].via_pixel[0] / truth,
+                1.0,
+                tolerance,
+            );
             let inside = std::f64::consts::PI / disc.projected_solid_angle() * mean(&|_| 1.0);
-            assert_close(&format!("disc, {speed} {half}"), found.rho[1].base[0] / inside, 1.0, tolerance);
+            assert_close(
+                &format!("disc, {speed} {half}"),
+                found.rho[1].via_pixel[0] / inside,
+                1.0,
+                tolerance,
+            );
         }
     }
 }

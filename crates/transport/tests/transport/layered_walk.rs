@@ -13,7 +13,7 @@ use papilio_transport::adding::Kernel;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
-    Scattering, Source, Stack, Top, specular_image,
+    Scattering, Sheet, Source, Stack, Top, specular_image,
 };
 
 fn layered(layers: Vec<Layer>, base: Base) -> Stack {
@@ -81,7 +81,7 @@ fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Diffuser {
 }
 
 fn sheet(reflectance: f64, absorptance: f64) -> Interface {
-    Interface::Sheet { reflectance: one(reflectance), absorptance: one(absorptance) }
+    Interface::Sheet(Sheet { reflectance: one(reflectance), absorptance: one(absorptance) })
 }
 
 fn beam(theta_deg: f64) -> Source {
@@ -114,7 +114,7 @@ fn flat_layers_are_exact() {
         let from = Cone::new(50.0, 20.0, 0.0, 1.0);
         for e in replicates_of(&layers, from, &[Source::Diffuse], 0, 3, Sampler::Sobol) {
             assert!((e.rho[0].front[0] - a.front[0]).abs() < 1e-14);
-            assert!((e.rho[0].base[0] - a.base[0]).abs() < 1e-14);
+            assert!((e.rho[0].via_pixel[0] - a.base[0]).abs() < 1e-14);
             assert!((e.ledger.returned[0] - a.front[0] - a.base[0]).abs() < 1e-14);
             assert!(e.ledger.unaccounted[0] == 0.0);
         }
@@ -308,7 +308,8 @@ fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let milk = Medium::new(of([1.4; 3])).with_scattering(scattering).with_transmittance(of([0.7, 1.0, 0.9]));
     let lobe = Lobe::KCorrelation { width: 0.2 };
     let diffuser = Diffuser { lobe, transmittance: of([0.9, 0.7, 0.5]), straight_through: 0.2 };
-    let sheet = Interface::Sheet { reflectance: of([0.1, 0.3, 0.0]), absorptance: of([0.0, 0.1, 0.2]) };
+    let sheet =
+        Interface::Sheet(Sheet { reflectance: of([0.1, 0.3, 0.0]), absorptance: of([0.0, 0.1, 0.2]) });
     let whole = of([0.8, 0.5, 0.3]);
     let reflector = if lambertian {
         Reflector::Lambertian(whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect())
@@ -339,7 +340,7 @@ fn every_wavelength_and_state_is_its_own() {
                 let what = format!("bin {bin}, state {state}, source {source}, Lambertian {lambertian}");
                 assert_unbiased(&what, 1.0, 0.15, |seed| {
                     let seen = |e: &Estimate, bins: usize, bin: usize| {
-                        e.rho[source].base[state * bins + bin] + e.rho[source].front[bin]
+                        e.rho[source].via_pixel[state * bins + bin] + e.rho[source].front[bin]
                     };
                     let (x, error_x) = all.mean(2 * seed, |e| seen(e, 3, bin));
                     let (y, error_y) = alone.mean(2 * seed + 1, |e| seen(e, 1, 0));
@@ -365,7 +366,7 @@ fn from_a_breath_to_a_wall() {
     let stack = layered(vec![layer(Interface::Diffuser(diffuser(1e-4, 1.0, 0.0)), clear(1.5))], mirror(1.0));
     let runs = Runs::new(&stack, 89.9, &[Source::Diffuse], 16);
     let sin = 89.9_f64.to_radians().sin();
-    runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.share_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
+    runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.fraction_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
 }
 
 /// Once scattered, light in a thin slab is rarely scattered again; the errors know of it.

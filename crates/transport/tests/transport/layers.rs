@@ -8,7 +8,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Scattering, Source, Stack,
+    Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Scattering, Sheet, Source, Stack,
 };
 
 use crate::common::{assert_unbiased, mean_and_error, one, replicates_of};
@@ -33,7 +33,7 @@ pub(crate) fn diffuser(width: f64, transmittance: f64, straight_through: f64) ->
 }
 
 pub(crate) fn sheet(reflectance: f64, absorptance: f64) -> Interface {
-    Interface::Sheet { reflectance: one(reflectance), absorptance: one(absorptance) }
+    Interface::Sheet(Sheet { reflectance: one(reflectance), absorptance: one(absorptance) })
 }
 
 pub(crate) fn beam(theta_deg: f64, phi_deg: f64) -> Source {
@@ -63,7 +63,7 @@ pub(crate) fn assert_the_walk_agrees(name: &str, stack: &Stack, states: usize, p
     let runs = RefCell::new(HashMap::new());
     for (source, state) in (0..sources.len()).flat_map(|source| (0..states).map(move |state| (source, state)))
     {
-        let seen = |e: &Estimate| e.rho[source].base[state] + e.rho[source].front[0];
+        let seen = |e: &Estimate| e.rho[source].via_pixel[state] + e.rho[source].front[0];
         let what = format!("{name}, source {source}, state {state}");
         assert_unbiased(&what, seen(&truth), 0.1, |seed| {
             let mut runs = runs.borrow_mut();

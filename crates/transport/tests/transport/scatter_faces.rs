@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::common::*;
 use crate::layers::*;
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::{Normalisation, Scatter, Table, Ward};
+use papilio_optics::{Beta, Scatterer};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Base, Cone, Estimate, Interface, Reflector, ScatterFace, ScatterKernel, Source, Stack,
@@ -149,8 +149,8 @@ fn the_ledger_closes() {
     for theta in [0.0_f64, 40.0, 70.0] {
         let found = estimate(1, &over_black, view(theta), &[Source::Diffuse]);
         let length = theta.to_radians().sin();
-        assert_close("back", rho(&found, 0), 0.05 * ward(0.2).total(length), 1e-4);
-        assert_close("through", found.ledger.pixel[0], 0.1 + 0.8 * lopsided().total(length), 2e-3);
+        assert_close("back", rho(&found, 0), 0.05 * ward(0.2).albedo_at(length), 1e-4);
+        assert_close("through", found.ledger.pixel[0], 0.1 + 0.8 * lopsided().albedo_at(length), 2e-3);
     }
 }
 
@@ -191,7 +191,7 @@ fn a_constant_pixel_is_lambertian() {
             let closed = estimate(1, &over(lambertian(reflectance)), view(30.0), &sources);
             for source in 0..2 {
                 let (a, b) = (&found.rho[source], &closed.rho[source]);
-                assert_close("base", a.base[state] / b.base[0], 1.0, 1e-3);
+                assert_close("base", a.via_pixel[state] / b.via_pixel[0], 1.0, 1e-3);
                 assert_close("front", a.front[0], b.front[0], 1e-12);
             }
             assert_close("pixel", found.ledger.pixel[state], closed.ledger.pixel[0], 1e-3);
@@ -251,7 +251,7 @@ fn what_goes_through_equals_a_plain_quadrature() {
         // A ray is followed against the light that it stands for: down.
         let passed = thetas.map(|theta| {
             let from = Beta::towards(theta, 0.0, 1.0);
-            by_directions(400, |to| kernel.value(from, to))
+            by_directions(400, |to| kernel.evaluate(from, to))
         });
         for straight in [0.0, 0.2] {
             let through = ScatterFace::new(one(straight)).with_transmission(times(kernel.clone(), 0.7));
@@ -283,7 +283,7 @@ fn light_sent_once_is_the_formula() {
         for ((theta, phi), seen) in places.into_iter().zip(&seen) {
             for (source, light) in lights.into_iter().enumerate() {
                 let (from, to) = (Beta::from_source(light, 0.0, 1.0), Beta::towards(theta, phi, 1.0));
-                let truth = PI * 0.5 * kernel.value(from, to);
+                let truth = PI * 0.5 * kernel.evaluate(from, to);
                 let what = format!("from {light}, to {theta} {phi}");
                 assert_close(&what, rho(seen, source), truth, 1e-9 * truth + 1e-12);
             }
@@ -301,7 +301,7 @@ fn light_sent_twice_near_the_horizon_equals_a_plain_quadrature() {
         let eye = Cone::new(theta, 0.0, 0.0, 1.0);
         let seen = estimate(level, &stack, eye, &[beam(-theta, 0.0)]);
         let from = Beta::towards(theta, 0.0, 1.0);
-        let truth = 0.25 * PI * by_directions(300, |to| kernel.value(from, to).powi(2));
+        let truth = 0.25 * PI * by_directions(300, |to| kernel.evaluate(from, to).powi(2));
         assert_close(&format!("{theta} deg, level {level}"), rho(&seen, 0) / truth, 1.0, allowed);
     }
 }
@@ -318,7 +318,7 @@ fn a_rough_face_over_black_returns_the_integral_of_its_kernel() {
             let seen = views(level, &stack, &thetas.map(view), &[Source::Diffuse]);
             for (theta, seen) in thetas.into_iter().zip(&seen) {
                 let from = Beta::towards(theta, 0.0, 1.0);
-                let truth = by_directions(200, |to| rough.density(Side::Above, from, Side::Above, to));
+                let truth = by_directions(200, |to| rough.evaluate(Side::Above.at(from), Side::Above.at(to)));
                 let what = format!("alpha {alpha}, {theta} deg, level {level}: {truth}");
                 assert_close(&what, rho(seen, 0) / truth, 1.0, 2e-4);
                 assert_close(&what, seen.ledger.pixel[0], 1.0 - truth, 2e-5);
@@ -340,7 +340,7 @@ fn a_rough_face_over_black_is_its_kernel() {
         for ((theta, phi), seen) in places.into_iter().zip(&seen) {
             for (source, light) in lights.into_iter().enumerate() {
                 let (from, to) = (Beta::from_source(light, 0.0, 1.0), Beta::towards(theta, phi, 1.0));
-                let truth = PI * rough.density(Side::Above, from, Side::Above, to);
+                let truth = PI * rough.evaluate(Side::Above.at(from), Side::Above.at(to));
                 let what = format!("alpha {alpha}, n {index}, from {light}, to {theta} {phi}: {truth}");
                 assert_close(&what, rho(seen, source) / truth, 1.0, 2e-3);
             }

@@ -1,8 +1,8 @@
 //! Every way to draw directions, with numbers of every kind: the same mean as adding, honest errors,
 //! and what the guide is worth.
 use crate::common::{self, REPLICATES, front, lambertian, mirror, one, panel, rho};
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, Sampler};
 use papilio_testing::assert_student;
 use papilio_transport::adding::Kernel;

@@ -12,8 +12,11 @@ use papilio_scenario::Scenario;
 
 use super::draw::Drawn;
 
-/// No scenario may take a solver longer, seconds.
+/// No scenario may take a solver longer, seconds of a processor.
 pub(crate) const SLOW: f64 = 60.0;
+
+/// Seconds after which a run is stopped, on a processor that has other work.
+const LONGEST: f64 = 5.0 * SLOW;
 
 /// The walk's runs of a scenario, one for each seed.
 #[derive(Debug)]
@@ -68,7 +71,13 @@ pub(crate) fn scene(text: &str) -> Result<Scene, String> {
     scenario.and_then(|scenario| scenario.resolve()).map(|all| all.scene).map_err(|errors| errors.to_string())
 }
 
-/// Runs a scene, no longer than what is slow; how long it took.
+/// Seconds that this thread has had a processor, where the system tells (Linux).
+fn busy() -> Option<f64> {
+    let nanoseconds = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    nanoseconds.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
+}
+
+/// Runs a scene, no longer than `LONGEST`; how long it took: adding, which runs on this thread, by the processor's time.
 pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
     let stop = AtomicBool::new(false);
     let (done, wait) = channel::<()>();
@@ -76,15 +85,17 @@ pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
         let stop = &stop;
         scope.spawn(move || {
             use std::sync::mpsc::RecvTimeoutError::Timeout;
-            if wait.recv_timeout(Duration::from_secs_f64(SLOW)) == Err(Timeout) {
+            if wait.recv_timeout(Duration::from_secs_f64(LONGEST)) == Err(Timeout) {
                 stop.store(true, Ordering::Relaxed);
             }
         });
-        let begun = Instant::now();
+        let (begun, before) = (Instant::now(), busy());
         let control = Control { threads: Some(1), progress: &|_| {}, stop };
         let result = papilio_display::run(scene, &control);
         drop(done);
-        (result, begun.elapsed().as_secs_f64())
+        let by_processor = before.zip(busy()).map(|(before, now)| now - before);
+        let seconds = by_processor.filter(|_| scene.solver.method == Method::Adding);
+        (result, seconds.unwrap_or_else(|| begun.elapsed().as_secs_f64()))
     })
 }
 

@@ -4,7 +4,8 @@
 import type { Edit } from "../api/types.ts";
 import { at, listAt, numberAt, split, type Table } from "../model/json.ts";
 import { without } from "../model/shares.ts";
-import { freed, layers, MODELS, STARTERS } from "../model/stack.ts";
+import { KINDS } from "../model/kinds.ts";
+import { freed, layers, MODELS } from "../model/stack.ts";
 import { fields, selected } from "../state/design.ts";
 import { edit } from "../state/live.ts";
 
@@ -16,7 +17,7 @@ function entry(path: string): { list: string; index: number } | null {
 
 /** Adds a layer below the one that is chosen. */
 export function addLayer(kind: string): void {
-  const starter = STARTERS[kind];
+  const starter = KINDS[kind]?.starter;
   if (!starter) return;
   const all = fields.value;
   const free = listAt(all, "display.layers");
@@ -25,7 +26,7 @@ export function addLayer(kind: string): void {
     const index = placeFor(kind, free as Table[], here?.list === "display.layers" ? here.index + 1 : free.length);
     edit([{ op: "insert", path: "display.layers", index, value: starter }]);
     selected.value = `display.layers.${index}`;
-  } else if (kind === "component") {
+  } else if (KINDS[kind]?.isComponent) {
     const { kind: _, ...value } = starter;
     const index = here?.list === "display.front" ? here.index + 1 : listAt(all, "display.front").length;
     edit([{ op: "insert", path: "display.front", index, value }]);

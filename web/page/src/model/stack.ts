@@ -2,10 +2,7 @@
 
 import { at, isTable, join, listAt, tableAt, textAt, type Json, type Table } from "./json.ts";
 import { plain } from "./format.ts";
-import { label } from "./schema.ts";
-
-/** How a layer is drawn. */
-export type Look = "component" | "diffuser" | "slab" | "medium" | "face" | "coating" | "rough" | "guide";
+import { COMPONENT, FRONT, KINDS, material, note, type Look } from "./kinds.ts";
 
 export interface Layer {
   readonly path: string;
@@ -25,60 +22,9 @@ export interface Film {
   readonly thickness: number | null;
 }
 
-/** A material in a few letters. */
-export function material(value: Json | undefined): string {
-  if (typeof value === "number") return `n ${plain(value)}`;
-  if (isTable(value))
-    return `n ${plain(Number(value["n"] ?? 1))}${value["k"] ? ` k ${plain(Number(value["k"]))}` : ""}`;
-  return typeof value === "string" ? (value.split("/").at(-1) ?? value) : "–";
-}
-
-const share = (value: Json | undefined): string => (typeof value === "number" ? plain(value, 4) : material(value));
-
-/** What is said of a layer beside its name. */
-function note(table: Table): string {
-  const say = (key: string, name = label(key).toLowerCase()) =>
-    table[key] === undefined ? [] : [`${name} ${share(table[key])}`];
-  const kind = table["kind"];
-  const model = textAt(table, "model");
-  if (
-    kind === "component" ||
-    (kind === undefined && (table["reflectance"] !== undefined || table["absorptance"] !== undefined))
-  )
-    return [...say("reflectance", "R"), ...say("absorptance", "A")].join(", ");
-  if (kind === "coating") {
-    const films = listAt(table, "film");
-    const [first] = films;
-    return films.length === 1
-      ? `${material(at(first, "material"))}, ${plain(Number(at(first, "thickness_nm")), 5)} nm`
-      : `${films.length} films`;
-  }
-  if (kind === "rough") return say("alpha", "α").join("");
-  if (kind === "slab" || model === "slab")
-    return [...say("optical_thickness", "τ"), ...say("anisotropy", "g")].join(", ");
-  if (model === "measured") return material(table["file"]);
-  if (model) return [...say("haze"), ...say("width", "b"), ...say("alpha", "α")].join(", ") || model;
-  return [
-    material(table["index"]),
-    ...say("internal_transmittance", "T"),
-    ...(table["thickness_mm"] === undefined ? [] : [`${share(table["thickness_mm"])} mm`]),
-  ].join(", ");
-}
-
-const NAMES: Record<string, readonly [string, Look]> = {
-  medium: ["Medium", "medium"],
-  slab: ["Particles", "slab"],
-  fresnel: ["Bare interface", "face"],
-  "ideal-ar": ["Ideal antireflection", "face"],
-  coating: ["Coating", "coating"],
-  rough: ["Rough interface", "rough"],
-  diffuser: ["Diffuser", "diffuser"],
-  component: ["Component", "component"],
-};
-
 function entry(list: string, index: number, value: Json): Layer {
   const table = isTable(value) ? value : {};
-  const [name, look] = NAMES[textAt(table, "kind") ?? ""] ?? ["Front", "component" as Look];
+  const { name, look } = KINDS[textAt(table, "kind") ?? ""] ?? FRONT;
   const air = textAt(table, "kind") === "medium" && table["index"] === "air";
   return {
     path: join(list, index),
@@ -137,7 +83,7 @@ export function films(fields: Json): Film[] {
 
 /** What an ordinary panel looks like as a list of free layers. */
 export function freed(fields: Json): Table[] {
-  const fronts = listAt(fields, "display.front").map((value) => ({ kind: "component", ...(value as Table) }));
+  const fronts = listAt(fields, "display.front").map((value) => ({ kind: COMPONENT, ...(value as Table) }));
   const { surface, ...glass } = tableAt(fields, "display.glass");
   const diffuser = at(fields, "display.diffuser");
   const { model, ...rest } = isTable(diffuser) ? diffuser : {};
@@ -148,19 +94,6 @@ export function freed(fields: Json): Table[] {
       : { kind: "diffuser", model: model!, ...rest };
   return [...fronts, top, { kind: "medium", index: 1.5, ...glass }];
 }
-
-/** New layers, each with values that compute. */
-export const STARTERS: Record<string, Table> = {
-  component: { kind: "component", reflectance: 0.005, absorptance: 0.01 },
-  diffuser: { kind: "diffuser", model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },
-  medium: { kind: "medium", index: 1.5 },
-  "air gap": { kind: "medium", index: "air" },
-  coating: { kind: "coating", film: [{ material: "MgF2", thickness_nm: 99.6 }] },
-  rough: { kind: "rough", alpha: 0.1 },
-  slab: { kind: "slab", optical_thickness: 2, anisotropy: 0.8, index: 1.5 },
-  "ideal-ar": { kind: "ideal-ar" },
-  fresnel: { kind: "fresnel" },
-};
 
 /** Models of a diffuser, a pixel or a light, each with values that compute. */
 export const MODELS: Record<string, Record<string, Table>> = {

@@ -2,7 +2,8 @@
 
 import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
-import { films, layers, STARTERS } from "../model/stack.ts";
+import { KINDS } from "../model/kinds.ts";
+import { films, layers } from "../model/stack.ts";
 import { draft, draftName, fields, pending, problems, selected, text } from "../state/design.ts";
 import { edit, putBack } from "../state/live.ts";
 import { at, listAt, textAt } from "../model/json.ts";
@@ -31,16 +32,8 @@ function nameOf(path: string): string {
 
 const CHIPS = ["display.pixel", "display.pixel.states", "lighting", "viewer", "computing"];
 
-/** What layers are called in words. */
-const LAYER_NAMES: Record<string, string> = {
-  component: "front component",
-  medium: "clear medium",
-  coating: "coating of films",
-  rough: "rough interface",
-  slab: "particles",
-  "ideal-ar": "ideal antireflection",
-  fresnel: "bare interface",
-};
+/** What layers are called in menus. */
+const LAYER_NAMES = Object.fromEntries(Object.entries(KINDS).map(([kind, { menu }]) => [kind, menu ?? kind]));
 
 /** A menu of things to add. */
 function Add({
@@ -97,7 +90,7 @@ export function Toolbar() {
     <div class="toolbar" role="toolbar" aria-label="Parts of the display">
       <Add
         name="Add layer"
-        options={[...Object.keys(STARTERS), ...(film ? ["film of the pixel"] : [])]}
+        options={[...Object.keys(KINDS), ...(film ? ["film of the pixel"] : [])]}
         names={LAYER_NAMES}
         add={(what) => (what === "film of the pixel" ? addFilm() : addLayer(what))}
       />

@@ -120,9 +120,9 @@ fn displays_extrapolate_only_where_they_are_asked_to() {
         let beta = theta.to_radians().sin();
         let known = 0.3 * cap(theta);
         // Where the lobe ends is on no node: its totals are smooth in the incidence to some thousandths only.
-        let total = none.0.total(beta);
+        let total = none.0.albedo_at(beta);
         assert!((total - known).abs() < 5e-3 * known, "{theta}: {total} {known}");
-        assert!((hold.0.total(beta) - 0.3).abs() < 1e-3, "{theta}: {}", hold.0.total(beta));
+        assert!((hold.0.albedo_at(beta) - 0.3).abs() < 1e-3, "{theta}: {}", hold.0.albedo_at(beta));
         for changes in [&none.1, &hold.1] {
             let [at, share] = changes.beyond[k];
             assert!(at == theta && (share - (1.0 - known / 0.3)).abs() < 2e-3, "{changes:?}");
@@ -183,7 +183,7 @@ fn rotations_have_their_own_tis() {
     let to_tis = Preparation { to_tis: true, ..Preparation::default() };
     let (scatter, _) = kernel(&measurement.parts[0], 0, &to_tis, &[]).unwrap();
     for theta in [0.0_f64, 30.0, 60.0] {
-        let total = scatter.total(theta.to_radians().sin());
+        let total = scatter.albedo_at(theta.to_radians().sin());
         assert!((total - 0.6).abs() < 1e-3, "{theta}: {total}");
     }
 }

@@ -86,3 +86,18 @@ fn pairs_and_channels_that_hardly_meet_are_refused() {
     let rows: String = (0..3000).map(|k| format!("0,0,{},0,{},1\n", k as f64 / 100.0, 400 + k)).collect();
     assert!(matches!(refused_bsdf(rows).1, BsdfProblem::Missing { .. }));
 }
+
+/// docs/bsdf-files.md lists the formats as the program does. `cargo xtask docs` writes the list.
+#[test]
+fn table_of_formats_in_the_docs_is_that_of_the_readers() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bsdf-files.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let (before, rest) = page.split_once("<!-- formats -->\n").unwrap();
+    let (_, after) = rest.split_once("<!-- end of formats -->").unwrap();
+    let table = papilio_formats::bsdf_format_table();
+    let made = format!("{before}<!-- formats -->\n\n{table}\n<!-- end of formats -->{after}");
+    if std::env::var_os("PAPILIO_WRITE_DOCS").is_some() {
+        return std::fs::write(&path, &made).unwrap();
+    }
+    assert!(made == page, "docs/bsdf-files.md is out of date, run `cargo xtask docs`");
+}

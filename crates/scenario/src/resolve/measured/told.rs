@@ -3,7 +3,7 @@
 use papilio_diagnostics::Diagnostic;
 use papilio_goniometry::{Changes, Way};
 
-use super::Source;
+use super::file::Source;
 use crate::resolve::Resolver;
 
 /// A total further above 1 than this is worth a warning.
@@ -39,19 +39,18 @@ impl Resolver<'_> {
             return None;
         }
         if largest > 1.0 + ABOVE_ONE {
-            self.warnings
-                .push(format!("{path}: {way}: more light leaves than came, {largest:.3} times as much"));
+            self.warnings.push(format!("{path}: {way}: {largest:.3} times as much light leaves as arrives"));
         }
         let factors = || changes.totals.iter().map(|[before, after]| after / before);
         let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
         let why = match (changes.to_tis, changes.laminated) {
-            (true, true) => "to the instrument's TIS, less the back face's loss",
-            (true, false) => "to the instrument's TIS",
-            (false, true) => "the loss of the back face in air is gone",
+            (true, true) => "to match the instrument's TIS, without the loss at the back face",
+            (true, false) => "to match the instrument's TIS",
+            (false, true) => "the loss at the back face in air is removed",
             (false, false) if !changes.tails && changes.measured_to_deg.is_some() => {
-                "what the smooth lobe makes of where the measured cells end"
+                "the smooth lobe changes the edge of the measured cells"
             }
-            (false, false) => "what the smooth lobe makes of dark cells at the horizon",
+            (false, false) => "the smooth lobe changes dark cells at the horizon",
         };
         if most - 1.0 > TOLD || 1.0 - least > TOLD {
             self.notes
@@ -60,7 +59,7 @@ impl Resolver<'_> {
         if changes.filled > 0.0 {
             let percent = 100.0 * changes.filled;
             self.notes.push(format!(
-                "{path}: {way}: {percent:.1} % of the cells were dark; tails go on through them"
+                "{path}: {way}: {percent:.1} % of the cells were dark; tails are extrapolated through them"
             ));
         }
         self.tell_range(path, way, changes);
@@ -72,16 +71,16 @@ impl Resolver<'_> {
     fn tell_range(&mut self, path: &str, way: &str, changes: &Changes) {
         if changes.lost > 0.0 {
             self.warnings.push(format!(
-                "{path}: {way}: nothing was measured beyond {} deg: lamps and views from there are dark, {:.1} % of diffuse \
-                 light is lost; `extrapolate = \"hold\"` keeps the last lobe there",
+                "{path}: {way}: nothing was measured beyond {} deg: light from there is lost ({:.1} % of diffuse light), and \
+                 views from there are dark; `extrapolate = \"hold\"` uses the last lobe there",
                 changes.last_deg,
                 100.0 * changes.lost
             ));
         }
         if changes.held_single {
             self.notes.push(format!(
-                "{path}: {way}: the file has one incidence, {} deg: its lobe holds at all others, about their own directions; \
-                 `extrapolate = \"none\"` loses their light",
+                "{path}: {way}: the file has one incidence, {} deg: its lobe is used at all others, about their own specular \
+                 directions; with `extrapolate = \"none\"` their light is lost",
                 changes.last_deg
             ));
         }
@@ -89,7 +88,7 @@ impl Resolver<'_> {
         if let Some([first, last]) = changes.held_azimuths_deg {
             self.warnings.push(format!(
                 "{path}: {way}: azimuths about the specular direction are {first:.0} to {last:.0} deg from the plane of incidence; \
-                 beyond them the nearest one's values hold, up to 0 and 180 deg"
+                 beyond them the values of the nearest azimuth are used, up to 0 and 180 deg"
             ));
         }
     }
@@ -99,7 +98,7 @@ impl Resolver<'_> {
         if changes.grid_error > COARSE {
             let percent = 100.0 * changes.grid_error;
             let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
-                true => ", most of it by azimuths that are too far apart",
+                true => ", mostly because its azimuths are too far apart",
                 false => "",
             };
             self.warnings.push(format!(
@@ -109,7 +108,7 @@ impl Resolver<'_> {
         if changes.asymmetry > 0.01 {
             let percent = 100.0 * changes.asymmetry;
             self.warnings.push(format!(
-                "{path}: {way}: mirrored and turned directions differ by {percent:.1} %; their mean is taken"
+                "{path}: {way}: mirrored and rotated directions differ by {percent:.1} %; their mean is used"
             ));
         }
     }
@@ -134,14 +133,14 @@ impl Resolver<'_> {
         );
         if !changes.tails {
             self.warnings.push(format!(
-                "{said}, and nothing is sent there; tails that go on would hold {shares} of the light; `extrapolate = \"hold\"` \
-                 or `extrapolate_tails = true` lets them"
+                "{said}, and no light is sent there; extrapolated tails would have {shares} of the light: `extrapolate = \"hold\"` \
+                 or `extrapolate_tails = true` adds them"
             ));
         } else if *most < MUCH_BEYOND {
-            self.notes.push(format!("{said}; tails go on there, and hold {shares} of the light"));
+            self.notes.push(format!("{said}; extrapolated tails there have {shares} of the light"));
         } else {
             self.warnings.push(format!(
-                "{said}; tails go on there, and hold {shares} of the light: this share is extrapolated, not measured"
+                "{said}; extrapolated tails there have {shares} of the light: this part is not measured"
             ));
         }
     }

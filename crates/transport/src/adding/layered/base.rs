@@ -1,4 +1,4 @@
-//! The stack closed by its base: what a view sees by way of the pixel.
+//! The stack closed by its base: what a view sees via the pixel.
 //!
 //! The light that falls from the last scatterer on what lies below it, flat layers and base, obeys
 //! `x = t + G B x`: t what came through, B what is reflected below, G what the layers above send
@@ -36,7 +36,7 @@ pub(super) struct Above {
     /// Between extra nodes and lights, `[extra, light]`.
     below_light: Matrix,
     /// The most that light between an extra node and a light can be if everything below is
-    /// white, `[extra, light]`: at all, and by way of other directions.
+    /// white, `[extra, light]`: at all, and via other directions.
     most: [Matrix; 2],
 }
 

@@ -1,13 +1,13 @@
 //! The directions of views and sources.
 
 use papilio_optics::Beta;
-use papilio_optics::lobe::Lobe;
 
 use super::precision::Precision;
-use super::rough;
+use crate::adding::Narrowness;
 use crate::adding::field::{Peaks, Ring, rings};
 use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points, smooth_at};
-use crate::{Cone, Interface, Layer, Layered, Source};
+use crate::layers::LayerKind;
+use crate::{Cone, Layered, Source};
 
 /// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub(super) struct Ray {
     pub(super) extra: usize,
     pub(super) turn: f64,
     pub(super) weight: f64,
-    /// A whole ring, alike at all azimuths.
+    /// A whole ring, the same at all azimuths.
     pub(super) is_ring: bool,
 }
 
@@ -42,7 +42,8 @@ impl Directions {
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
         // What else a rough face does is so close from the first levels on that a single direction would be the largest error.
-        let is_rough = stack.layers.iter().any(|layer| matches!(layer.interface, Interface::Rough(_)));
+        let rough = |kind: &dyn LayerKind| matches!(kind.narrowness(), Some(Narrowness::Rough { .. }));
+        let is_rough = stack.elements().any(|(kind, _)| rough(kind));
         let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH && !is_rough)];
         // Layers that scatter, and flat ones.
         let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
@@ -106,18 +107,12 @@ impl Directions {
 fn nodes_of(stack: &Layered, view: &Cone, digits: f64) -> Nodes {
     const MOST: f64 = 256.0;
     const MOST_WHERE_LIGHT_SCATTERS: f64 = 32.0;
-    let passes = |layer: &Layer| match &layer.interface {
-        Interface::Diffuser(diffuser) => diffuser.straight_through > 0.0,
-        Interface::Scatter(face) => face.straight().max() > 0.0,
-        Interface::Rough(_) => false,
-        _ => true,
-    };
     let Some(last) = stack.layers.last() else { return Nodes::default() };
-    if !stack.base.is_specular() || !stack.layers.iter().all(passes) {
+    if !stack.base.is_specular() || !stack.elements().all(|(kind, _)| kind.passes_regularly()) {
         return Nodes::default();
     }
     let across = stack.base.nodes_across(view, &last.medium);
-    if scatters(stack) {
+    if stack.elements().any(|(kind, _)| kind.scatters()) {
         return Nodes { rings: 0, across: across.min(MOST_WHERE_LIGHT_SCATTERS) };
     }
     Nodes { rings: (digits / DIGITS_OF_A_RING) as usize, across: across.min(MOST) }
@@ -125,20 +120,6 @@ fn nodes_of(stack: &Layered, view: &Cone, digits: f64) -> Nodes {
 
 /// Rings of a field have so many digits each, so that two levels differ.
 const DIGITS_OF_A_RING: f64 = 2.5;
-
-fn scatters(stack: &Layered) -> bool {
-    stack.layers.iter().any(|layer| {
-        let flat = matches!(
-            layer.interface,
-            Interface::Open
-                | Interface::Coated
-                | Interface::Fresnel
-                | Interface::Sheet { .. }
-                | Interface::Coating(_)
-        );
-        !flat || layer.medium.scattering().is_some()
-    })
-}
 
 /// Films and faces change over angles of this size, whatever scatters.
 const SMOOTH: f64 = 0.3;
@@ -149,24 +130,8 @@ const MORE_DIGITS_OF_CONES: [f64; 2] = [6.0, 2.0];
 
 /// The distance in direction cosines over which what is seen changes.
 fn smoothness(stack: &Layered) -> f64 {
-    let mut scale = SMOOTH;
-    for layer in &stack.layers {
-        match &layer.interface {
-            Interface::Diffuser(diffuser) => {
-                if let Lobe::KCorrelation { width } = diffuser.lobe {
-                    scale = scale.min(width);
-                }
-            }
-            Interface::Rough(face) => scale = scale.min(rough::width(face)),
-            Interface::Scatter(face) => scale = scale.min(face.width()),
-            _ => {}
-        }
-        if let Some(scattering) = layer.medium.scattering() {
-            // The phase function's pole lies at this imaginary angle.
-            scale = scale.min(-scattering.anisotropy.abs().max(1e-9).ln());
-        }
-    }
-    scale
+    let widths = stack.elements().filter_map(|(kind, _)| kind.narrowness()).map(|one| one.smoothness());
+    widths.fold(SMOOTH, f64::min)
 }
 
 /// The extra nodes of rays, ascending.

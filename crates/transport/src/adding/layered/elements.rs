@@ -2,57 +2,90 @@
 
 use std::sync::atomic::AtomicBool;
 
-use papilio_optics::interface::fresnel_reflectance;
+use papilio_optics::lobe::Lobe;
+use papilio_optics::rough::Rough;
+use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
 use super::grid::Grid;
-use super::part::{Part, Place, nothing};
+use super::part::{Part, nothing};
 use super::precision::Precision;
 use super::rough::RoughOrders;
 use super::scatter::ScatterOrders;
 use super::scatterers::{Scattered, Scatterers};
 use super::slab::Model;
+use crate::Layered;
+use crate::estimate::Account;
 use crate::front::Flat;
-use crate::skeleton::Going;
-use crate::{Interface, Layered, Medium, ScatterKernel};
+use crate::layers::{Incidence, LayerKind};
+
+/// Effect of a layer on light at the nodes, at one wavelength; scatterers by number.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Action {
+    /// Light keeps its direction: there is a regular part only.
+    Regular,
+    /// A clear medium of this internal transmittance along the normal.
+    Clear { transmittance: f64 },
+    /// A scatterer reflects and transmits it.
+    Whole { number: usize },
+    /// As `Whole`; this fraction of the absorption is absorption besides the scattering.
+    Slab { number: usize, absorbing_share: f64 },
+    /// Kernels, each with a factor, besides the regular part: transmission from above, reflection from above, reflection
+    /// from below.
+    Kernels([Option<(usize, f64)>; 3]),
+}
+
+/// Context in which a layer determines its [`Action`] at one wavelength: it registers its scatterers.
+pub(crate) struct Preparation<'p, 'a> {
+    /// Number of the wavelength.
+    pub(crate) bin: usize,
+    /// Indices of the media above and below.
+    indices: [f64; 2],
+    grid: &'p Grid,
+    precision: &'p Precision,
+    /// Azimuthal orders beyond the first are needed only where there are lights with an azimuth: the largest `|beta|`
+    /// of views and of those.
+    beyond_first: Option<[f64; 2]>,
+    scatterers: &'p mut Scatterers<'a>,
+    stop: &'p AtomicBool,
+}
+
+impl<'a> Preparation<'_, 'a> {
+    /// The number of a lobe that transmits everything.
+    pub(crate) fn lobe(&mut self, lobe: Lobe) -> usize {
+        self.scatterers.lobe(lobe, self.indices, self.grid)
+    }
+
+    /// The number of a rough face.
+    pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
+        let Self { grid, precision, beyond_first, stop, .. } = self;
+        let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first.is_some(), stop);
+        self.scatterers.rough(face, orders)
+    }
+
+    /// The number of a kernel in a disc of this radius.
+    pub(crate) fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
+        let Self { grid, precision, beyond_first, stop, .. } = self;
+        let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, stop);
+        self.scatterers.scatter(scatter, disc, orders)
+    }
+
+    /// The number of a medium that scatters in its bulk, of this extinction along the normal.
+    pub(crate) fn slab(&mut self, thickness: f64, albedo: f64, anisotropy: f64) -> usize {
+        let model = Model { thickness, albedo, anisotropy, index: self.indices[1] };
+        self.scatterers.slab(model, self.precision.kept_terms(anisotropy), self.grid)
+    }
+}
 
 /// One layer at one wavelength.
 #[derive(Debug)]
 pub(super) struct Element<'a> {
-    kind: Kind<'a>,
+    kind: &'a dyn LayerKind,
+    action: Action,
+    bin: usize,
     /// Indices of the media above and below.
     above: f64,
     below: f64,
-}
-
-/// Scatterers by their number.
-#[derive(Debug)]
-enum Kind<'a> {
-    Face {
-        interface: &'a Interface,
-        bin: usize,
-    },
-    Clear {
-        transmittance: f64,
-    },
-    Slab {
-        number: usize,
-        absorbing_share: f64,
-    },
-    Diffuser {
-        number: usize,
-        transmittance: f64,
-        straight_through: f64,
-    },
-    Rough {
-        number: usize,
-    },
-    /// Numbers and factors of what goes through and of what is sent back, above and below.
-    Scatter {
-        straight: f64,
-        ways: [Option<(usize, f64)>; 3],
-        place: Place,
-    },
 }
 
 /// The layers above the base at wavelength number `bin`. What scatters is added to `scatterers`,
@@ -67,65 +100,16 @@ pub(super) fn elements<'a>(
     scatterers: &mut Scatterers<'a>,
     stop: &AtomicBool,
 ) -> Vec<Element<'a>> {
-    let mut elements = Vec::new();
-    let mut above = 1.0;
-    for layer in &stack.layers {
-        let below = layer.medium.index()[bin];
-        let face = match &layer.interface {
-            Interface::Open => None,
-            Interface::Diffuser(diffuser) => Some(Kind::Diffuser {
-                number: scatterers.lobe(diffuser.lobe, [above, below], grid),
-                transmittance: diffuser.transmittance[bin],
-                straight_through: diffuser.straight_through,
-            }),
-            Interface::Rough(face) => {
-                let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first.is_some(), stop);
-                Some(Kind::Rough { number: scatterers.rough(face, orders) })
-            }
-            Interface::Scatter(face) => {
-                let disc = face.disc(bin).unwrap_or(1.0);
-                let place = if face.disc(bin).is_some() { Place::Pixel } else { Place::Diffuser };
-                let mut way = |kernel: Option<&'a ScatterKernel>| {
-                    kernel.map(|ScatterKernel { scatter, factor }| {
-                        let orders =
-                            || ScatterOrders::new(scatter, disc, grid, precision.digits, beyond_first, stop);
-                        (scatterers.scatter(scatter, disc, orders), factor[bin])
-                    })
-                };
-                let [back, back_below] = [Going::Down, Going::Up].map(|going| face.back(going));
-                let ways = [way(face.through(Going::Down)), way(back), way(back_below)];
-                Some(Kind::Scatter { straight: face.straight()[bin], ways, place })
-            }
-            interface => Some(Kind::Face { interface, bin }),
-        };
-        elements.extend(face.map(|kind| Element { kind, above, below }));
-        let medium = medium(&layer.medium, bin, grid, precision, scatterers);
-        elements.extend(medium.map(|kind| Element { kind, above: below, below }));
-        above = below;
-    }
-    elements
-}
-
-fn medium<'a>(
-    medium: &Medium,
-    bin: usize,
-    grid: &Grid,
-    precision: &Precision,
-    scatterers: &mut Scatterers<'a>,
-) -> Option<Kind<'a>> {
-    let transmittance = medium.transmittance().map_or(1.0, |t| t[bin]);
-    let Some(scattering) = medium.scattering() else {
-        return (transmittance < 1.0).then_some(Kind::Clear { transmittance });
+    let indices = |media: [Option<&crate::Medium>; 2]| {
+        media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]))
     };
-    // Absorption beside the scattering is more extinction that does not scatter.
-    let absorbing = -transmittance.max(f64::MIN_POSITIVE).ln();
-    let thickness = scattering.optical_thickness + absorbing;
-    let scattered = scattering.optical_thickness * scattering.albedo[bin];
-    let albedo = scattered / thickness;
-    let model = Model { thickness, albedo, anisotropy: scattering.anisotropy, index: medium.index()[bin] };
-    let number = scatterers.slab(model, precision.kept_terms(scattering.anisotropy), grid);
-    let lost = thickness - scattered;
-    Some(Kind::Slab { number, absorbing_share: if lost > 0.0 { absorbing / lost } else { 0.0 } })
+    let mut element = |(kind, media): (&'a dyn LayerKind, _)| {
+        let indices @ [above, below] = indices(media);
+        let mut prepare =
+            Preparation { bin, indices, grid, precision, beyond_first, scatterers: &mut *scatterers, stop };
+        kind.action(&mut prepare).map(|action| Element { kind, action, bin, above, below })
+    };
+    stack.elements().filter_map(&mut element).collect()
 }
 
 /// The layers at one wavelength: those above the last scatterer, that, and those below it,
@@ -196,7 +180,7 @@ fn compose(
 
 impl Element<'_> {
     fn is_flat(&self) -> bool {
-        matches!(self.kind, Kind::Face { .. } | Kind::Clear { .. })
+        matches!(self.action, Action::Regular | Action::Clear { .. })
     }
 
     fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
@@ -206,109 +190,64 @@ impl Element<'_> {
 
     fn part(&self, scattered: &[Scattered], grid: &Grid) -> Part {
         let index = self.above;
-        match &self.kind {
-            Kind::Face { interface, bin } => {
-                Part::flat(grid, |beta| face(interface, *bin, [self.above, self.below], beta))
-            }
-            Kind::Clear { transmittance } => Part::flat(grid, |beta| {
+        match &self.action {
+            Action::Regular => Part::flat(grid, |beta| self.regular(beta)),
+            Action::Clear { transmittance } => Part::flat(grid, |beta| {
                 let cosine = (1.0 - (beta / index).powi(2)).max(0.0).sqrt();
                 let t = if beta < index { transmittance.powf(1.0 / cosine) } else { 0.0 };
                 Flat { t, above: 0.0, below: 0.0 }
             }),
-            Kind::Diffuser { number, .. } | Kind::Slab { number, .. } | Kind::Rough { number } => {
-                match &scattered[*number] {
-                    Scattered::Slab([reflected, transmitted]) => Part {
-                        above: reflected.clone(),
-                        below: reflected.clone(),
-                        down: transmitted.clone(),
-                        absorbed: None,
-                    },
-                    Scattered::Diffuser(lobe) => Part { down: self.dimmed(lobe, grid), ..Part::dark(grid) },
-                    Scattered::Rough(part) => part.clone(),
-                    Scattered::Scatter(_) => Part::dark(grid),
-                }
-            }
-            Kind::Scatter { straight, ways, .. } => {
-                let [mut down, above, below] = ways.map(|way| scatters(way, scattered, grid));
+            Action::Whole { number } | Action::Slab { number, .. } => match &scattered[*number] {
+                Scattered::Whole(part) => part.clone(),
+                Scattered::Kernel(_) => Part::dark(grid),
+            },
+            Action::Kernels(kernels) => {
+                let [mut down, above, below] = kernels.map(|kernel| scatters(kernel, scattered, grid));
                 for (sum, beta) in down.straight.iter_mut().zip(&grid.beta) {
-                    *sum += if *beta < 1.0 { *straight } else { 0.0 };
+                    *sum += self.regular(*beta).t;
                 }
                 Part { above, below, down, absorbed: None }
             }
         }
     }
 
-    /// A lobe with the diffuser's transmittance and its straight-through light.
-    fn dimmed(&self, lobe: &Operator, grid: &Grid) -> Operator {
-        let Kind::Diffuser { transmittance, straight_through, .. } = &self.kind else {
-            return lobe.clone();
-        };
-        let mut down = lobe.clone().scaled(transmittance * (1.0 - straight_through));
-        for (straight, beta) in down.straight.iter_mut().zip(&grid.beta) {
-            if *beta < self.above.min(self.below) {
-                *straight += transmittance * straight_through;
-            }
+    /// The regular part for light with this `|beta|`. On a side that does not carry such light there is nothing to
+    /// reflect.
+    fn regular(&self, beta: f64) -> Flat {
+        let at =
+            Incidence { bin: self.bin, indices: [self.above, self.below], beta, beta_squared: beta * beta };
+        let Flat { t, above, below } = self.kind.regular(&at);
+        let carried = |index: f64, share: f64| if beta < index { share } else { 0.0 };
+        Flat {
+            t: carried(self.above.min(self.below), t),
+            above: carried(self.above, above),
+            below: carried(self.below, below),
         }
-        down
     }
 
-    /// Books what the part absorbs.
+    /// Adds the absorption of the part to its account.
     fn booked(&self, part: Part, grid: &Grid) -> Part {
-        let place = match &self.kind {
-            Kind::Face { interface: Interface::Sheet { .. }, .. } => Place::Front,
-            Kind::Face { .. } | Kind::Clear { .. } => Place::Glass,
-            Kind::Scatter { place, .. } => *place,
-            Kind::Slab { .. } | Kind::Diffuser { .. } | Kind::Rough { .. } => Place::Diffuser,
+        let slab = match self.action {
+            Action::Slab { absorbing_share, .. } => Some(absorbing_share),
+            _ => None,
         };
-        let mut part = part.booked(grid, place, [self.above, self.below]);
-        if let (Kind::Slab { absorbing_share, .. }, Some(books)) = (&self.kind, &mut part.absorbed) {
+        let account = if slab.is_some() { Account::Diffuser } else { self.kind.account() };
+        let mut part = part.booked(grid, account, [self.above, self.below]);
+        if let (Some(absorbing_share), Some(books)) = (slab, &mut part.absorbed) {
             for book in books {
-                let all = std::mem::take(&mut book[Place::Diffuser as usize]);
-                book[Place::Glass as usize] = all.iter().map(|a| a * absorbing_share).collect();
-                book[Place::Diffuser as usize] = all.iter().map(|a| a * (1.0 - absorbing_share)).collect();
+                let all = std::mem::take(&mut book[Account::Diffuser as usize]);
+                book[Account::Glass as usize] = all.iter().map(|a| a * absorbing_share).collect();
+                book[Account::Diffuser as usize] = all.iter().map(|a| a * (1.0 - absorbing_share)).collect();
             }
         }
         part
     }
 }
 
-/// A kernel with its factor; nothing, if there is none.
-fn scatters(way: Option<(usize, f64)>, scattered: &[Scattered], grid: &Grid) -> Operator {
-    match way.map(|(number, factor)| (&scattered[number], factor)) {
-        Some((Scattered::Scatter(operator), factor)) => operator.clone().scaled(factor),
+/// A kernel times its factor; 0 if there is none.
+fn scatters(kernel: Option<(usize, f64)>, scattered: &[Scattered], grid: &Grid) -> Operator {
+    match kernel.map(|(number, factor)| (&scattered[number], factor)) {
+        Some((Scattered::Kernel(operator), factor)) => operator.clone().scaled(factor),
         _ => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
-    }
-}
-
-/// A flat interface for light with this `|beta|`, between media of these indices. On a side that
-/// does not carry such light there is nothing to reflect.
-fn face(interface: &Interface, bin: usize, [above, below]: [f64; 2], beta: f64) -> Flat {
-    let carried = |index: f64, r: f64| if beta < index { r } else { 0.0 };
-    let passes = beta < above.min(below);
-    let both = |r: f64, t: f64| Flat {
-        t: if passes { t } else { 0.0 },
-        above: carried(above, r),
-        below: carried(below, r),
-    };
-    match interface {
-        Interface::Coated => both(if passes { 0.0 } else { 1.0 }, 1.0),
-        Interface::Fresnel => {
-            let r = if passes { fresnel_reflectance(above, below, beta) } else { 1.0 };
-            both(r, 1.0 - r)
-        }
-        Interface::Sheet { reflectance, absorptance } => {
-            both(reflectance[bin], 1.0 - reflectance[bin] - absorptance[bin])
-        }
-        Interface::Coating(coating) => {
-            let part = coating.part(beta * beta, bin);
-            Flat {
-                t: if passes { part.transmittance } else { 0.0 },
-                above: carried(above, part.above),
-                below: carried(below, part.below),
-            }
-        }
-        Interface::Open | Interface::Diffuser(_) | Interface::Rough(_) | Interface::Scatter(_) => {
-            both(0.0, 1.0)
-        }
     }
 }

@@ -42,7 +42,7 @@ impl Density {
 
     /// The number of nodes from a to b.
     fn count(&self, a: f64, b: f64) -> usize {
-        // The rule's nodes are least dense in the middle: pi/2 farther apart than evenly.
+        // The rule's nodes are least dense in the middle: pi/2 farther apart than uniformly.
         let steepest = FRAC_PI_2 * if a > 0.0 { b - a } else { b };
         let by_spacing = FRAC_PI_2 * steepest / self.spacing;
         let by_angle = self.angle.map_or(0.0, |(index, spacing)| {

@@ -133,7 +133,7 @@ fn elliptic_e(k_prime: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use papilio_optics::Beta;
+    use papilio_optics::{Beta, Scatterer};
 
     /// Against the trapezoid rule, which converges exponentially for periodic functions.
     #[test]

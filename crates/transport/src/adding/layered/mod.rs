@@ -15,8 +15,8 @@
 //! - [`azimuth`]: Fourier orders of what has no closed series; [`once`]: light that such a kernel sends but once, which needs
 //!   none;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//!   that by flat layers and pixel, in [`columns`] by state and wavelength; [`over`]: what the views
-//!   see of beams then; [`seen`]: of diffuse light, and the ledger.
+//!   that by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: what the views
+//!   see of beams then; [`diffuse_response`]: of diffuse light, and the ledger.
 //!
 //! # What the level decides
 //! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
@@ -24,23 +24,24 @@
 //! than a Lambertian base, two or three: light that facets refract along the face jumps to zero there.
 //!
 //! # Cost
-//! Wavelengths at which the layers above the base are alike share their operators; where indices
-//! are alike, the nodes and what scatters. Work grows with the square to the cube of the nodes, and with
+//! Wavelengths at which the layers above the base are the same share their operators; where indices
+//! are the same, the nodes and what scatters. Work grows with the square to the cube of the nodes, and with
 //! azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes order 0 alone.
 
 mod algebra;
 mod azimuth;
 mod base;
+mod beam_response;
 mod beams;
 mod columns;
 mod convergence;
+mod diffuse_response;
 mod directions;
 mod elements;
 mod grid;
 mod lobes;
 mod matrix;
 mod once;
-mod over;
 mod part;
 mod pixels;
 mod precision;
@@ -48,7 +49,6 @@ mod prepare;
 mod rough;
 mod scatter;
 mod scatterers;
-mod seen;
 mod slab;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,11 +58,13 @@ use super::Narrowest;
 use super::images::ImagePoints;
 use crate::specular::layered_image;
 use crate::{Cone, Estimate, Layered, Reflector, Source};
+use beam_response::BeamResponse;
 use directions::Directions;
-use over::Over;
+pub(crate) use elements::{Action, Preparation};
 use pixels::Pixels;
 use precision::Precision;
 use prepare::Prepared;
+pub(crate) use rough::width as rough_width;
 
 /// Radial nodes, besides the directions of views and sources, that a level takes.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
@@ -92,7 +94,7 @@ pub(super) struct Kernel {
     images: Vec<Vec<ImagePoints>>,
     prepared: Prepared,
     /// What was seen over the last base.
-    last: Mutex<Option<Arc<Over>>>,
+    last: Mutex<Option<Arc<BeamResponse>>>,
     /// Of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: u32,
@@ -186,7 +188,7 @@ impl Kernel {
     }
 
     /// What is seen over this base.
-    fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<Over> {
+    fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<BeamResponse> {
         let mut last = self.last();
         if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
             return Arc::clone(known);
@@ -196,7 +198,7 @@ impl Kernel {
         over
     }
 
-    fn last(&self) -> MutexGuard<'_, Option<Arc<Over>>> {
+    fn last(&self) -> MutexGuard<'_, Option<Arc<BeamResponse>>> {
         self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -205,7 +207,7 @@ impl Kernel {
             let rho = &mut estimate.rho[image.source];
             for point in &image.points {
                 let seen = layered_image(stack, point.beta);
-                rho.base.iter_mut().zip(&seen.base).for_each(|(sum, x)| *sum += point.weight * x);
+                rho.via_pixel.iter_mut().zip(&seen.base).for_each(|(sum, x)| *sum += point.weight * x);
                 rho.front.iter_mut().zip(&seen.front).for_each(|(sum, x)| *sum += point.weight * x);
             }
         }

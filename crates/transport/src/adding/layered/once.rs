@@ -6,9 +6,9 @@
 //! Radiat. Transfer 40, 51 (1988)). So azimuthal orders hold what is sent more than once, which is smoother; this holds
 //! the rest, exactly.
 
-use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::Scatter;
+use papilio_optics::{Beta, Scatterer};
 
 use super::azimuth;
 use super::base::Above;
@@ -85,7 +85,7 @@ impl Kernel {
             Self::Rough { face, from, to } => face.single(*from, arrives, *to, leaves),
             Self::Scatter { scatter, disc } => {
                 let [arrives, leaves] = [arrives, leaves].map(|b| Beta { x: b.x / disc, y: b.y / disc });
-                scatter.value(arrives, leaves) / (disc * disc)
+                scatter.evaluate(arrives, leaves) / (disc * disc)
             }
         }
     }

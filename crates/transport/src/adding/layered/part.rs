@@ -2,22 +2,10 @@
 
 use super::algebra::Operator;
 use super::grid::Grid;
+use crate::estimate::Account;
 use crate::front::Flat;
 
-/// Where light is absorbed, in the ledger's words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
-    /// In the front of screen.
-    Front = 0,
-    /// In diffusers, scattering media and rough faces.
-    Diffuser = 1,
-    /// In clear media and coatings.
-    Glass = 2,
-    /// In a pixel that scatters.
-    Pixel = 3,
-}
-
-/// For light that arrives at each node, the share that each [`Place`] absorbs.
+/// For light that arrives at each node, the fraction that is absorbed in each [`Account`].
 pub(super) type Absorbed = [Vec<f64>; 4];
 
 /// What a part does to light.
@@ -29,7 +17,7 @@ pub(super) struct Part {
     pub(super) below: Operator,
     /// Light from above, let through; light from below takes the transposed way.
     pub(super) down: Operator,
-    /// Shares of light from above and from below that are absorbed: of order 0 alone.
+    /// Fractions of light from above and from below that are absorbed: of order 0 alone.
     pub(super) absorbed: Option<[Absorbed; 2]>,
 }
 
@@ -67,7 +55,7 @@ impl Part {
 
     /// Books what is neither sent back nor let through, of light that media of these indices,
     /// above and below, carry.
-    pub(super) fn booked(mut self, grid: &Grid, place: Place, [above, below]: [f64; 2]) -> Self {
+    pub(super) fn booked(mut self, grid: &Grid, account: Account, [above, below]: [f64; 2]) -> Self {
         let ones = vec![1.0; grid.len()];
         let lost = |back: &Operator, through: &Operator, index: f64| -> Vec<f64> {
             let back = back.pull_back(&ones, &grid.scale);
@@ -77,8 +65,8 @@ impl Part {
                 .collect()
         };
         let mut books = [nothing(grid.len()), nothing(grid.len())];
-        books[0][place as usize] = lost(&self.above, &self.down, above);
-        books[1][place as usize] = lost(&self.below, &self.down.transposed(), below);
+        books[0][account as usize] = lost(&self.above, &self.down, above);
+        books[1][account as usize] = lost(&self.below, &self.down.transposed(), below);
         self.absorbed = Some(books);
         self
     }

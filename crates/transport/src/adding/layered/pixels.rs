@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::Kernel;
 use crate::{
-    AngularTable, Base, Cone, Estimate, Interface, Layer, Layered, Ledger, Medium, Nodes, Reflector, Rho,
-    ScatterFace, ScatterKernel, Source,
+    AngularTable, Base, Cone, Estimate, Interface, Layer, Layered, Ledger, Medium, Nodes, ReflectanceFactor,
+    Reflector, ScatterFace, ScatterKernel, Source,
 };
 
 /// Prepared kernels of all states.
@@ -53,11 +53,12 @@ impl Pixels {
     pub(super) fn estimate(&self, view: usize, stop: &AtomicBool) -> Estimate {
         let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view, stop));
         let alone = all.next().unwrap_or_default();
-        let fronts = alone.rho.into_iter().map(|rho| Rho { base: Vec::new(), front: rho.front });
+        let fronts =
+            alone.rho.into_iter().map(|rho| ReflectanceFactor { via_pixel: Vec::new(), front: rho.front });
         let mut estimate = Estimate { rho: fronts.collect(), ledger: Ledger::default() };
         for state in all {
             for (rho, of_state) in estimate.rho.iter_mut().zip(&state.rho) {
-                let Rho { base, front } = rho;
+                let ReflectanceFactor { via_pixel: base, front } = rho;
                 base.extend(of_state.front.iter().zip(&*front).map(|(whole, front)| whole - front));
             }
             let (sum, one) = (&mut estimate.ledger, state.ledger);

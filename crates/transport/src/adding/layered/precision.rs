@@ -2,12 +2,10 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::lobe::Lobe;
-
 use super::grid::Density;
-use super::rough;
-use crate::adding::{Narrowest, Scatterer};
-use crate::{Diffuser, Interface, Layer, Layered};
+use crate::adding::{Narrowest, Narrowness};
+use crate::layers::LayerKind;
+use crate::{Layered, Medium};
 
 /// What a level stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,39 +62,31 @@ impl Precision {
 /// How densely the nodes of a stack must lie at a wavelength.
 pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
-    for layer in &stack.layers {
-        for scatterer in scatterers(layer) {
-            precision.resolve(scatterer, layer.medium.index()[bin], &mut density);
-        }
+    for (scatterer, medium) in scatterers(stack) {
+        precision.resolve(scatterer, medium.index()[bin], &mut density);
     }
     density
 }
 
+/// What scatters, and the medium there or below.
+fn scatterers(stack: &Layered) -> impl Iterator<Item = (Narrowness, &Medium)> {
+    let narrow = |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| kind.narrowness().zip(below);
+    stack.elements().filter_map(narrow)
+}
+
 /// What asks for the most nodes at the first wavelength, whose indices lie at `splits`.
 pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) -> Option<Narrowest> {
-    let all =
-        stack.layers.iter().flat_map(|layer| scatterers(layer).map(move |scatterer| (layer, scatterer)));
-    let nodes = |(number, (layer, scatterer)): (usize, (&Layer, Scatterer))| {
+    let nodes = |(number, (scatterer, medium)): (usize, (Narrowness, &Medium))| {
         let mut density = precision.least();
-        precision.resolve(scatterer, layer.medium.index()[0], &mut density);
+        precision.resolve(scatterer, medium.index()[0], &mut density);
         (density.total(splits), Narrowest { number: number + 1, scatterer })
     };
     // Of several alike the first one.
-    all.enumerate().map(nodes).reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, narrowest)| narrowest)
-}
-
-/// What scatters in a layer, by the width of what it does.
-fn scatterers(layer: &Layer) -> impl Iterator<Item = Scatterer> {
-    let face = match &layer.interface {
-        Interface::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) => {
-            Some(Scatterer::Lobe { width: *width })
-        }
-        Interface::Rough(face) => Some(Scatterer::Rough { alpha: face.alpha(), width: rough::width(face) }),
-        Interface::Scatter(face) => Some(Scatterer::Face { width: face.width() }),
-        _ => None,
-    };
-    let medium = layer.medium.scattering().map(|s| Scatterer::Slab { anisotropy: s.anisotropy });
-    face.into_iter().chain(medium)
+    scatterers(stack)
+        .enumerate()
+        .map(nodes)
+        .reduce(|a, b| if b.0 > a.0 { b } else { a })
+        .map(|(_, narrowest)| narrowest)
 }
 
 impl Precision {
@@ -106,17 +96,17 @@ impl Precision {
     }
 
     /// Nodes that resolve this, too, in a medium of this index.
-    fn resolve(&self, scatterer: Scatterer, index: f64, density: &mut Density) {
+    fn resolve(&self, scatterer: Narrowness, index: f64, density: &mut Density) {
         // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
         let by_width = |width: f64| 2.0 * PI * width / self.digits;
         match scatterer {
-            Scatterer::Lobe { width } | Scatterer::Face { width } => {
+            Narrowness::Lobe { width } | Narrowness::Face { width } => {
                 density.spacing = density.spacing.min(by_width(width));
             }
-            Scatterer::Rough { width, .. } => {
+            Narrowness::Rough { width, .. } => {
                 density.spacing = density.spacing.min(by_width(width)).min(self.jump);
             }
-            Scatterer::Slab { anisotropy } => {
+            Narrowness::Slab { anisotropy } => {
                 let spacing = PI / self.legendre_terms(anisotropy) as f64;
                 if density.angle.is_none_or(|(_, known)| spacing < known) {
                     density.angle = Some((index, spacing));

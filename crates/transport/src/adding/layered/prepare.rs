@@ -3,19 +3,19 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::base::Above;
+use super::beam_response::BeamResponse;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
 use super::once::{Once, Way};
-use super::over::Over;
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
 use crate::front::Flat;
-use crate::{Interface, Layered, Reflector};
+use crate::{Layered, Reflector};
 
-/// Wavelengths at which the layers above the base are alike, and what these do.
+/// Wavelengths at which the layers above the base are the same, and what these do.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     pub(super) bins: Vec<usize>,
@@ -45,19 +45,19 @@ pub(super) struct Lower {
     pub(super) absorbed: [Absorbed; 2],
 }
 
-/// Shares of light by where it ends, by node: those with weight that the medium below carries,
+/// Fractions of light by where it ends, by node: those with weight that the medium below carries,
 /// then the extra ones.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shares {
     /// Root of each node's weight.
     pub(super) scale: Vec<f64>,
-    /// Of light from above, the share that comes through.
+    /// Of light from above, the fraction that comes through.
     pub(super) arriving: Vec<f64>,
-    /// Of light that rises, the share that returns.
+    /// Of light that rises, the fraction that returns.
     pub(super) returning: Vec<f64>,
-    /// Of light that rises, the share that leaves.
+    /// Of light that rises, the fraction that leaves.
     pub(super) leaving: Vec<f64>,
-    /// Of light from above, the share that leaves without having come through.
+    /// Of light from above, the fraction that leaves without having come through.
     pub(super) leaving_front: Vec<f64>,
     /// Absorbed shares of light from above and of light that rises.
     pub(super) absorbed: [Absorbed; 2],
@@ -128,8 +128,8 @@ impl Prepared {
         directions: &Directions,
         precision: &Precision,
         stop: &AtomicBool,
-    ) -> (Self, Over) {
-        let mut over = Over::new(stack, directions);
+    ) -> (Self, BeamResponse) {
+        let mut over = BeamResponse::new(stack, directions);
         let mut prepared = Self { families: Vec::new(), once: Vec::new(), kept: true };
         let mut bytes = 0;
         for bins in families(stack) {
@@ -172,11 +172,11 @@ impl Prepared {
         directions: &Directions,
         precision: &Precision,
         stop: &AtomicBool,
-    ) -> Over {
+    ) -> BeamResponse {
         if !self.kept {
             return Self::new(stack, directions, precision, stop).1;
         }
-        let mut over = Over::new(stack, directions);
+        let mut over = BeamResponse::new(stack, directions);
         for (family, once) in self.families.iter().zip(&self.once) {
             let groups: Vec<&Group> = family.iter().collect();
             for order in 0..family.iter().map(|group| group.orders.len()).max().unwrap_or(0) {
@@ -220,34 +220,14 @@ fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
 /// Everything that the layers above the base depend on at a wavelength.
 fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
-    for layer in &stack.layers {
-        match &layer.interface {
-            Interface::Sheet { reflectance, absorptance } => {
-                key.extend([reflectance[bin].to_bits(), absorptance[bin].to_bits()]);
-            }
-            Interface::Coating(_) => key.push(bin as u64),
-            Interface::Diffuser(diffuser) => key.push(diffuser.transmittance[bin].to_bits()),
-            Interface::Scatter(face) => {
-                key.push(face.straight()[bin].to_bits());
-                key.extend(face.kernels().map(|kernel| kernel.factor[bin].to_bits()));
-            }
-            Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Rough(_) => {}
-        }
-        key.push(layer.medium.index()[bin].to_bits());
-        key.extend(layer.medium.transmittance().map(|t| t[bin].to_bits()));
-        key.extend(layer.medium.scattering().map(|s| s.albedo[bin].to_bits()));
-    }
+    stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key
 }
 
 /// Where the nodes of a wavelength are split, ascending.
 pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
     let mut splits = indices(stack, bin);
-    for layer in &stack.layers {
-        if let Interface::Scatter(face) = &layer.interface {
-            splits.extend(face.edges(bin));
-        }
-    }
+    splits.extend(stack.elements().flat_map(|(kind, _)| kind.edges(bin)));
     splits.sort_by(f64::total_cmp);
     splits.dedup();
     splits
@@ -262,7 +242,7 @@ pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
 /// Takes the operators of an order, for each group that has it.
 type AddOrder<'f> = dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>) + 'f;
 
-/// Groups of wavelengths at which all indices are alike; `add` takes the operators of each order in turn.
+/// Groups of wavelengths at which all indices are the same; `add` takes the operators of each order in turn.
 fn prepare(
     stack: &Layered,
     family: Vec<Vec<usize>>,
@@ -275,7 +255,7 @@ fn prepare(
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
     let lights = extras(&directions.sources);
-    // Of lights that are alike at all azimuths order 0 is all.
+    // Of lights that are the same at all azimuths order 0 is all.
     let turned = turned_extras(&directions.sources);
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
@@ -352,7 +332,7 @@ struct Growing<'a> {
     convergence: Convergence,
     stage: Stage,
     lambertian: bool,
-    /// The layers above the last scatterer, where they are flat: alike in all orders.
+    /// The layers above the last scatterer, where they are flat: the same in all orders.
     flat: Option<Part>,
 }
 

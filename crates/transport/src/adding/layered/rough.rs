@@ -150,7 +150,7 @@ impl RoughOrders {
     }
 }
 
-/// By what to multiply a kernel at each node above and below, so that it sends these shares of each node's light from above and from
+/// By what to multiply a kernel at each node above and below, so that it sends these fractions of each node's light from above and from
 /// below (R. Sinkhorn, P. Knopp, Pacific J. Math. 21, 343 (1967)). What is left is no more than what the nodes' own sums of both differ by.
 fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid) -> [Vec<f64>; 2] {
     /// Sweeps: each leaves a tenth or less, but of what is alike for many nodes, and wrong by little.
@@ -175,7 +175,7 @@ fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid
     [above, below]
 }
 
-/// Numbers of a kernel between so many nodes: reflections are alike both ways.
+/// Numbers of a kernel between so many nodes: reflections are the same both ways.
 fn places(way: usize, len: usize) -> usize {
     let (from, to) = WAYS[way];
     if from == to { len * (len + 1) / 2 } else { len * len }
@@ -202,7 +202,7 @@ fn missing(face: &Rough, part: &Part, grid: &Grid) -> [Vec<f64>; 2] {
     ]
 }
 
-/// Adds the light that meets several microfacets, alike in all azimuths: back by what each direction sends back,
+/// Adds the light that meets several microfacets, the same in all azimuths: back by what each direction sends back,
 /// across by what it sends across.
 fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     let several = |side: Side, way: usize| -> Vec<f64> {
@@ -226,7 +226,7 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     }
 }
 
-/// Where refracted light ends: where facets stand upright, q is alike on both sides, and beyond that there is none. As the edge crosses a
+/// Where refracted light ends: where facets stand upright, q is the same on both sides, and beyond that there is none. As the edge crosses a
 /// node's share of the directions, it is counted by the part that is lit.
 struct Edge {
     /// Light crosses where `sign (|beta_below|^2 - |beta_above|^2)` is below the limit: 1 if the medium below is the denser one, -1 if not.
@@ -288,7 +288,7 @@ impl Edge {
 
 /// The distance in direction cosines over which the kernel changes most: refracted light
 /// about the normal, where a facet's slope bends it by the difference of the indices.
-pub(super) fn width(face: &Rough) -> f64 {
+pub(crate) fn width(face: &Rough) -> f64 {
     face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
 }
 

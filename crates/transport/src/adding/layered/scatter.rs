@@ -6,8 +6,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use papilio_optics::Beta;
 use papilio_optics::scatter::Scatter;
+use papilio_optics::{Beta, Scatterer};
 
 use super::algebra::Operator;
 use super::azimuth::{MOST_INTERVALS, graded, trapezoid};
@@ -113,9 +113,9 @@ impl ScatterOrders {
             let beta = grid.beta[i] / disc;
             let total = |scatter: &Scatter| {
                 if i < grid.regular + INTEGRATED {
-                    scatter.total_by(beta, fineness)
+                    scatter.albedo_by(beta, fineness)
                 } else {
-                    scatter.total(beta)
+                    scatter.albedo_at(beta)
                 }
             };
             let of = |(scatter, found): &(Scatter, Vec<f64>)| total(scatter) - found[i];
@@ -152,7 +152,7 @@ impl ScatterOrders {
     }
 }
 
-/// Orders that light between views and lights of these largest `|beta|` has, if each is sent by way of other directions.
+/// Orders that light between views and lights of these largest `|beta|` has, if each is sent via other directions.
 fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
     if !scatter.is_gaussian() {
         return (digits / scatter.width()).ceil() as usize;
@@ -171,7 +171,7 @@ fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
     let half = (if scatter.is_gaussian() { 2.0 * digits.sqrt() } else { digits } / width).ceil() as usize;
     let value = |phi: f64| {
         let (sin, cos) = phi.sin_cos();
-        scatter.value(Beta { x: a, y: 0.0 }, Beta { x: b * cos, y: b * sin })
+        scatter.evaluate(Beta { x: a, y: 0.0 }, Beta { x: b * cos, y: b * sin })
     };
     if half > MOST_INTERVALS {
         return graded(width, out, value);

@@ -37,14 +37,17 @@ struct LobeBetween {
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there are as many as layers, and large parts are on the heap")]
 pub(super) enum Scattered {
-    /// Reflected and transmitted by a layer that scatters in its bulk.
-    Slab([Operator; 2]),
-    /// Let through by a lobe that transmits everything, from above.
-    Diffuser(Operator),
-    /// Done by a rough face.
-    Rough(Part),
-    /// Sent by a kernel, of light from above.
-    Scatter(Operator),
+    /// It reflects and transmits.
+    Whole(Part),
+    /// It sends light one way, of light from above.
+    Kernel(Operator),
+}
+
+impl Scattered {
+    /// A slab that reflects and transmits the same from both sides.
+    fn slab([reflected, transmitted]: [Operator; 2]) -> Self {
+        Self::Whole(Part { above: reflected.clone(), below: reflected, down: transmitted, absorbed: None })
+    }
 }
 
 /// All that scatters on a grid.
@@ -166,9 +169,9 @@ impl<'a> Scatterers<'a> {
         let one = |(k, scatterer): (usize, &mut Scatterer<'_>)| match scatterer {
             Scatterer::Slab(slab) => {
                 let operators = slab.operators(0).map(|operator| slab.spread(&operator, grid));
-                Scattered::Slab(operators.map(|operator| flat(operator.straight)))
+                Scattered::slab(operators.map(|operator| flat(operator.straight)))
             }
-            Scatterer::Diffuser(lobe) => Scattered::Diffuser(flat(lobe.straight(grid))),
+            Scatterer::Diffuser(lobe) => Scattered::Kernel(flat(lobe.straight(grid))),
             Scatterer::Rough { missing, .. } => {
                 let [mut above, mut below] = missing.clone().map(flat);
                 let mut down = flat(vec![0.0; len]);
@@ -180,11 +183,11 @@ impl<'a> Scatterers<'a> {
                     };
                     *sends = unit(std::mem::take(&mut sends.straight));
                 }
-                Scattered::Rough(Part { above, below, down, absorbed: None })
+                Scattered::Whole(Part { above, below, down, absorbed: None })
             }
             Scatterer::Scatter { missing, .. } => {
                 let straight = missing.clone();
-                Scattered::Scatter(if k == number { unit(straight) } else { flat(straight) })
+                Scattered::Kernel(if k == number { unit(straight) } else { flat(straight) })
             }
         };
         self.0.iter_mut().enumerate().map(one).collect()
@@ -194,14 +197,14 @@ impl<'a> Scatterers<'a> {
     pub(super) fn scattered(&mut self, order: usize, grid: &Grid) -> Vec<Scattered> {
         let one = |scatterer: &mut Scatterer<'_>| match scatterer {
             Scatterer::Slab(slab) => {
-                Scattered::Slab(slab.operators(order).map(|operator| slab.spread(&operator, grid)))
+                Scattered::slab(slab.operators(order).map(|operator| slab.spread(&operator, grid)))
             }
-            Scatterer::Diffuser(lobe) => Scattered::Diffuser(lobe.operator(order, grid)),
-            Scatterer::Rough { face, orders, .. } => Scattered::Rough(match orders {
+            Scatterer::Diffuser(lobe) => Scattered::Kernel(lobe.operator(order, grid)),
+            Scatterer::Rough { face, orders, .. } => Scattered::Whole(match orders {
                 Some(orders) => orders.part(face, order, grid),
                 None => Part::dark(grid),
             }),
-            Scatterer::Scatter { orders, .. } => Scattered::Scatter(match orders {
+            Scatterer::Scatter { orders, .. } => Scattered::Kernel(match orders {
                 Some(orders) => orders.operator(order, grid),
                 None => Operator::diagonal(grid.regular, vec![0.0; grid.len()]),
             }),
@@ -218,7 +221,7 @@ impl LobeBetween {
                 let column = (0..grid.regular).filter(|&i| grid.beta[i] < index);
                 column.map(|i| grid.scale[i] * kernel[(i, j)]).sum::<f64>() / grid.scale[j]
             };
-            let misses = |j: usize, index| lobe.share_in_disc(grid.beta[j], index) - found(j, index);
+            let misses = |j: usize, index| lobe.fraction_in_disc(grid.beta[j], index) - found(j, index);
             (0..grid.len()).map(|j| 0.5 * (misses(j, indices[0]) + misses(j, indices[1]))).collect()
         });
         Self { lobe, indices, orders, missing: missing.unwrap_or_default() }

@@ -1,7 +1,7 @@
 //! A bare panel: front and face are flat, only the base may scatter.
 //!
 //! A mirror under flat parts is a geometric series at every angle. A Lambertian base sends the
-//! same basic radiance `R/(pi n^2)` everywhere, so one number closes all orders: the share
+//! same basic radiance `R/(pi n^2)` everywhere, so one number closes all orders: the fraction
 //! `r_d` of it that front and face send back (Saunderson's internal diffuse reflectance), beyond
 //! the critical angle exactly.
 
@@ -14,7 +14,7 @@ use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
-use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, Reflector, Rho, Source, Top};
+use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Reflectances of faces and pixels change over angles of this size, radians.
 const SMOOTH: f64 = 0.3;
@@ -76,7 +76,7 @@ impl Kernel {
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
             Source::Field(field) => {
-                // Over inclination all is smooth, and alike at all azimuths.
+                // Over inclination all is smooth, and the same at all azimuths.
                 let rings = rings(field, Peaks { views: &[], width: SMOOTH }, digits);
                 let point =
                     |ring: &Ring| Point { beta: Beta { x: ring.radius, y: 0.0 }, weight: ring.weight() };
@@ -108,7 +108,7 @@ impl Kernel {
             for point in &seen.points {
                 let image = panel_image(stack, point.beta);
                 add_scaled(&mut rho.front, &image.front, point.weight);
-                add_scaled(&mut rho.base, &image.base, point.weight);
+                add_scaled(&mut rho.via_pixel, &image.base, point.weight);
             }
         }
         estimate
@@ -130,7 +130,9 @@ impl Kernel {
             }
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => Rho { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => {
+                ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
+            }
             Light::Directed(_) => dark(stack),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -153,7 +155,9 @@ impl Kernel {
             fate.meet_base(k, arriving, *r, (out[bin], back[bin]));
         }
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => Rho { base: fate.leaving.clone(), front: fate.mirrored.clone() },
+            Light::Diffuse => {
+                ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
+            }
             Light::Directed(points) => {
                 let mut towards = vec![0.0; bins];
                 for point in points {
@@ -163,7 +167,7 @@ impl Kernel {
                 let index = stack.medium.index();
                 let seen = |(k, light): (usize, &f64)| light * towards[k % bins] / index[k % bins].powi(2);
                 let base = fate.reflected.iter().enumerate().map(seen).collect();
-                Rho { base, ..dark(stack) }
+                ReflectanceFactor { via_pixel: base, ..dark(stack) }
             }
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
@@ -196,14 +200,14 @@ impl Kernel {
     }
 }
 
-/// All orders of a round trip that keeps this share of light that has entered with `t`.
+/// All orders of a round trip that keeps this fraction of light that has entered with `t`.
 fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
     if stack.single_pass || t == 0.0 { 1.0 } else { 1.0 / (1.0 - share) }
 }
 
-fn dark(stack: &Panel) -> Rho {
+fn dark(stack: &Panel) -> ReflectanceFactor {
     let base = &stack.base;
-    Rho { base: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
+    ReflectanceFactor { via_pixel: vec![0.0; base.states() * base.bins()], front: vec![0.0; base.bins()] }
 }
 
 impl Fate {
@@ -228,7 +232,7 @@ impl Fate {
         }
     }
 
-    /// Light that arrives at the base in all orders, and its way up: `above` is the shares of
+    /// Light that arrives at the base in all orders, and its way up: `above` is the fractions of
     /// it that leave and that come back.
     fn meet_base(&mut self, k: usize, arriving: f64, r: f64, above: (f64, f64)) {
         let (out, back) = above;

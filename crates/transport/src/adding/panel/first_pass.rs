@@ -8,6 +8,7 @@
 //! lobes' centres and the rim of the air's disc, none of them wider than the table's (a film's
 //! resonance may be sharper than any lobe).
 
+use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::wide;
 
@@ -61,9 +62,9 @@ impl Pass<'_> {
         self.diffuser.straight_through
     }
 
-    /// The share of light at the diffuser's underside that leaves into the air.
+    /// The fraction of light at the diffuser's underside that leaves into the air.
     fn share_leaving<const N: usize>(&self, radii: [f64; N]) -> [f64; N] {
-        let scattered = self.diffuser.lobe.shares_in_disc(radii, 1.0);
+        let scattered = self.diffuser.lobe.fractions_in_disc(radii, 1.0);
         let straight = radii.map(|radius| if radius <= 1.0 { self.straight() } else { 0.0 });
         std::array::from_fn(|k| straight[k] + (1.0 - self.straight()) * scattered[k])
     }

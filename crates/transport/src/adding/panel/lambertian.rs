@@ -1,6 +1,6 @@
 //! A Lambertian base under a diffuser: rank one.
 //!
-//! Of light above the diffuser at `beta`, the share `a(beta)` reaches the base (straight through,
+//! Of light above the diffuser at `beta`, the fraction `a(beta)` reaches the base (straight through,
 //! or by the lobe into the glass's disc: closed forms); the base sends `R/(pi n^2)` into every
 //! direction of that disc; by reciprocity `a` is also what leaves towards `beta`. One pass is
 //! `a(v) R a(l)/(pi n^2)`, and all orders are a geometric series in
@@ -52,5 +52,5 @@ impl Shares {
 
 fn arriving(diffuser: &Diffuser, radius: f64, index: f64) -> f64 {
     let straight = if radius < index { diffuser.straight_through } else { 0.0 };
-    straight + (1.0 - diffuser.straight_through) * diffuser.lobe.share_in_disc(radius, index)
+    straight + (1.0 - diffuser.straight_through) * diffuser.lobe.fraction_in_disc(radius, index)
 }

@@ -146,7 +146,7 @@ pub(super) fn poles(lobe: Lobe, centre: f64, poles: &mut Vec<Pole>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use papilio_optics::Beta;
+    use papilio_optics::{Beta, Scatterer};
 
     /// Orders against the trapezoid rule, which converges exponentially.
     #[test]

@@ -10,11 +10,11 @@
 //! `exp(-digits)`, and a level has 3.5 more than the one before (a factor of 33).
 
 mod bare;
-mod books;
 mod diffused;
 mod first_pass;
 mod indices;
 mod lambertian;
+mod ledger;
 mod lobes;
 mod recycling;
 mod rings;
@@ -24,7 +24,7 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::lobe::Lobe;
 
 use super::TableGradient;
-use crate::{Cone, Diffuser, Estimate, Panel, Rho, Source, Top};
+use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
 
 /// True if recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
 pub(super) fn narrows(panel: &Panel) -> bool {
@@ -93,7 +93,7 @@ impl Kernel {
     }
 
     /// The `rho` of an estimate.
-    pub(super) fn seen(&self, stack: &Panel, view: usize) -> Vec<Rho> {
+    pub(super) fn seen(&self, stack: &Panel, view: usize) -> Vec<ReflectanceFactor> {
         match (&self.kind, &stack.top) {
             (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.seen(stack, diffuser, view),
             _ => self.estimate(stack, view).rho,

@@ -223,7 +223,7 @@ fn lobes(width: f64, x: f64, y: f64, points: &[Point]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use papilio_optics::Beta;
+    use papilio_optics::{Beta, Scatterer};
 
     /// Both ways of summing over azimuth agree, for lobes down to a width of 1e-4.
     #[test]

@@ -6,29 +6,29 @@
 //! `t^2 T^2` and, for each pass before, `T^2 r R`: r the front's reflectance from
 //! below, R the base's. The factor `t^2 T^2` is applied at the end.
 
-mod books;
-mod first;
-mod leaving;
+mod escape;
+mod first_pass;
+mod first_pass_simd;
+mod ledger;
 mod numbers;
 mod sources;
-mod together;
 mod turns;
 
 use std::ops::Range;
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{Numbers, warp};
 
-use super::strategy::Drawing;
-use super::tally::Reflected;
+use super::accumulator::Reflected;
+use super::strategy::DirectionSampler;
 use super::{PathNumbers, Strategy, base_density, base_direction, scale_rows};
 use crate::angular::Stencil;
 use crate::{Cone, Panel, Source};
 use crate::{Diffuser, Reflector};
-pub(super) use books::Tally;
-use books::{Room, Sums};
-use first::{First, Guided, SPLITS};
-use leaving::Leaving;
+use escape::Escape;
+use first_pass::{First, Guided, SPLITS};
+pub(super) use ledger::Accumulator;
+use ledger::{Sums, Workspace};
 use numbers::PassNumbers;
 use turns::Turns;
 
@@ -65,12 +65,12 @@ pub(super) struct Diffused<'a> {
     /// There are beams or discs.
     directed: bool,
     discs: bool,
-    /// How the first direction of light that meets the lobe from the pixel's side is drawn.
+    /// How the first direction of light that meets the lobe from the pixel's side is sampled.
     first: First,
     /// How all others are.
-    drawing: Drawing,
-    leaving: Leaving,
-    /// The pixel's directions are also drawn from the sources' side.
+    drawing: DirectionSampler,
+    leaving: Escape,
+    /// The pixel's directions are also sampled from the sources' side.
     backwards: bool,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Diffused<'a> {
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
         let discs = sources.iter().any(Source::has_radiance);
-        let drawing = Drawing::new(strategy, diffuser.lobe, stack.medium.largest_index(), sources);
+        let drawing = DirectionSampler::new(strategy, diffuser.lobe, stack.medium.largest_index(), sources);
         let first = First::new(strategy, (stack, diffuser), view, (sources, shares));
         let backwards = strategy == Strategy::Kernel;
         Self {
@@ -132,7 +132,7 @@ impl<'a> Diffused<'a> {
             discs,
             first,
             drawing,
-            leaving: Leaving::new(diffuser.lobe, stack.medium.largest_index()),
+            leaving: Escape::new(diffuser.lobe, stack.medium.largest_index()),
             backwards,
         }
     }
@@ -143,7 +143,7 @@ impl<'a> Diffused<'a> {
     }
 
     /// Traces these paths.
-    pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
+    pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
         if self.goes_together() {
             self.first_passes_together(numbers, paths.clone(), &mut tally.sums);
         } else {
@@ -156,34 +156,34 @@ impl<'a> Diffused<'a> {
 
     /// A first pass. Light that goes straight through the diffuser on its way down and light that is scattered are both
     /// followed: no path has to find the rarer of the two.
-    fn first_pass(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
+    fn first_pass(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let beta = self.view.sample_towards(numbers.field());
         // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
         let carries = self.stack.medium.constant_index().is_none();
         let light = Downward { beta, weight: 1.0, carries };
         let numbers = &PassNumbers::new(numbers, 0, self);
-        let Tally { sums, room, .. } = tally;
+        let Accumulator { sums, workspace, .. } = tally;
         if carries {
-            room.carried.fill(1.0);
+            workspace.carried.fill(1.0);
         }
-        sums.entering.add(carries.then_some(&room.carried), 1.0);
+        sums.entering.add(carries.then_some(&workspace.carried), 1.0);
         if self.specular {
-            self.connect_before_base(light, numbers, sums, room);
+            self.connect_before_base(light, numbers, sums, workspace);
             if self.backwards {
                 let chosen = |to: Beta| self.diffuser.lobe.density(beta, to);
                 let by_lobe = Downward { weight: 1.0 - self.straight(), ..light };
-                self.sample_backwards(chosen, by_lobe, numbers, sums, room);
+                self.sample_backwards(chosen, by_lobe, numbers, sums, workspace);
             }
         }
         match &self.first {
-            First::Guided(guided) if self.specular => self.guided(guided, light, numbers, sums, room),
+            First::Guided(guided) if self.specular => self.guided(guided, light, numbers, sums, workspace),
             _ => {
                 for by_lobe in [0.0, 1.0] {
                     if carries {
-                        room.carried.fill(1.0);
+                        workspace.carried.fill(1.0);
                     }
                     if let Some(down) = self.down(light, by_lobe, numbers) {
-                        self.meet(light, down, numbers, sums, room);
+                        self.meet(light, down, numbers, sums, workspace);
                     }
                 }
             }
@@ -197,22 +197,22 @@ impl<'a> Diffused<'a> {
         down: Below,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
-        let met = self.below(down, 1.0, (light.carries, numbers), sums, room);
+        let met = self.below(down, 1.0, (light.carries, numbers), sums, workspace);
         if let (Some(met), true) = (met, self.discs) {
-            self.run_into_discs(met, numbers.up, sums, room);
+            self.run_into_discs(met, numbers.up, sums, workspace);
         }
     }
 
     /// What comes after the first pass, for one of so many paths, with numbers of its own.
-    fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Tally) {
+    fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
         let numbers = &numbers.apart();
         for (number, stands_for) in self.turns.among(numbers, paths) {
             let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
             let light = Downward { beta, weight: stands_for, carries: false };
-            if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.room) {
+            if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.workspace) {
                 self.passes(light, &numbers, tally);
             }
         }
@@ -223,21 +223,21 @@ impl<'a> Diffused<'a> {
         &self,
         light: Downward,
         numbers: &PathNumbers<'_>,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Option<Downward> {
         let n = self.stack.medium.largest_index();
         let numbers = PassNumbers::new(numbers, 0, self);
         let (beta, drawn, _) = self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
         let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
-        self.go_on(light, down, &numbers, room)
+        self.go_on(light, down, &numbers, workspace)
     }
 
     /// All passes from the second on.
-    fn passes(&self, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Tally) {
-        let Tally { sums, room, .. } = tally;
+    fn passes(&self, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+        let Accumulator { sums, workspace, .. } = tally;
         for pass in 1.. {
             let numbers = PassNumbers::new(numbers, pass, self);
-            let Some(further) = self.pass(light, &numbers, sums, room) else { return };
+            let Some(further) = self.pass(light, &numbers, sums, workspace) else { return };
             light = further;
         }
     }
@@ -248,31 +248,31 @@ impl<'a> Diffused<'a> {
         light: Downward,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Option<Downward> {
-        sums.entering.add(light.carries.then_some(&room.carried), light.weight);
+        sums.entering.add(light.carries.then_some(&workspace.carried), light.weight);
         if self.specular {
-            self.connect_before_base(light, numbers, sums, room);
+            self.connect_before_base(light, numbers, sums, workspace);
         }
         let down = self.down(light, self.by_lobe, numbers);
         if let Some(down) = down {
-            self.meet(light, down, numbers, sums, room);
+            self.meet(light, down, numbers, sums, workspace);
         }
         if numbers.survival >= self.survival {
             return None;
         }
         let mut down = down?;
         down.weight /= self.survival;
-        self.go_on(light, down, numbers, room)
+        self.go_on(light, down, numbers, workspace)
     }
 
     /// Discs that the last scattering leads to by chance. (Light that goes straight from here is met otherwise, or is
     /// a mirror image.)
-    fn run_into_discs(&self, met: Met, u: [f64; 2], sums: &mut Sums, room: &Room) {
+    fn run_into_discs(&self, met: Met, u: [f64; 2], sums: &mut Sums, workspace: &Workspace) {
         let Met { up, look_up } = met;
         let through = self.through(&self.drawing, up.beta, 1.0, self.by_lobe_upwards(), u);
         if let Some((out, _, false)) = through {
-            self.meet_discs(up, out, reflected(look_up, &room.reflected), sums);
+            self.meet_discs(up, out, reflected(look_up, &workspace.reflected), sums);
         }
     }
 
@@ -283,7 +283,7 @@ impl<'a> Diffused<'a> {
         light: Downward,
         down: Below,
         numbers: &PassNumbers<'_>,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Option<Downward> {
         let n = self.stack.medium.largest_index();
         let [u, v, base @ ..] = numbers.going_on();
@@ -293,7 +293,7 @@ impl<'a> Diffused<'a> {
         if beta.squared() > 1.0 || down.beta.length() >= n {
             return None;
         }
-        let Room { carried, reflected, .. } = room;
+        let Workspace { carried, reflected, .. } = workspace;
         self.reflectance(down.beta, reflected);
         if light.carries {
             scale_rows(reflected, carried)
@@ -315,32 +315,32 @@ impl<'a> Diffused<'a> {
         counts: f64,
         (carries, numbers): (bool, &PassNumbers<'_>),
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) -> Option<Met> {
         if down.beta.length() >= self.stack.medium.largest_index() {
             return None;
         }
         if carries {
-            self.keep_within_disc(down.beta, Spread::No, &mut room.carried);
+            self.keep_within_disc(down.beta, Spread::No, &mut workspace.carried);
         }
         let mut up = Below { weight: counts * down.weight, ..down };
         let weight = up.weight;
-        sums.arriving.add(carries.then_some(&room.carried), weight);
-        let look_up = self.meet_base(down.beta, carries, room);
-        sums.reflected.add(reflected(look_up, &room.reflected), weight);
+        sums.arriving.add(carries.then_some(&workspace.carried), weight);
+        let look_up = self.meet_base(down.beta, carries, workspace);
+        sums.reflected.add(reflected(look_up, &workspace.reflected), weight);
         if !self.specular {
-            self.connect_straight_from_base((look_up, weight), numbers, sums, room);
+            self.connect_straight_from_base((look_up, weight), numbers, sums, workspace);
             if self.backwards {
-                self.sample_backwards_from_base((look_up, weight), numbers, sums, room);
+                self.sample_backwards_from_base((look_up, weight), numbers, sums, workspace);
             }
             up = self.leave_base(weight, numbers);
             if carries {
-                self.keep_within_disc(up.beta, Spread::Lambertian, &mut room.reflected);
+                self.keep_within_disc(up.beta, Spread::Lambertian, &mut workspace.reflected);
             }
         }
-        let light = reflected(look_up, &room.reflected);
-        self.connect(up, light, carries.then_some(&room.carried), numbers, sums);
-        // All that leaves meets diffuse light: no direction need be drawn for that.
+        let light = reflected(look_up, &workspace.reflected);
+        self.connect(up, light, carries.then_some(&workspace.carried), numbers, sums);
+        // All that leaves meets diffuse light: no direction need be sampled for that.
         sums.leaving.add(light, self.leaves(weight, up));
         Some(Met { up, look_up })
     }
@@ -352,19 +352,21 @@ impl<'a> Diffused<'a> {
         light: Downward,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
         for k in 0..SPLITS {
             let (beta, drawn) = guided.draw(self.diffuser, light.beta, k, numbers.down);
             let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
             if light.carries {
-                room.carried.fill(1.0);
+                workspace.carried.fill(1.0);
             }
             let share = 1.0 / SPLITS as f64;
-            let Some(met) = self.below(down, share, (light.carries, numbers), sums, room) else { continue };
+            let Some(met) = self.below(down, share, (light.carries, numbers), sums, workspace) else {
+                continue;
+            };
             if self.discs {
                 let up = [(numbers.up[0] + k as f64 * share).fract(), numbers.up[1]];
-                self.run_into_discs(met, up, sums, room);
+                self.run_into_discs(met, up, sums, workspace);
             }
         }
     }
@@ -391,11 +393,12 @@ impl<'a> Diffused<'a> {
     /// The light that leaves into the air, of such a weight that the base has sent up, on the path's way as `up`.
     ///
     /// What goes straight from a Lambertian base leaves if it has a direction in the air, as 1/n^2 of it has: that is
-    /// not left to the path's own direction, for with evenly spread numbers all replicates may count alike.
+    /// not left to the path's own direction, for with uniform numbers all replicates may count alike.
     #[inline]
     fn leaves(&self, weight: f64, up: Below) -> f64 {
         let offset = up.beta.length();
-        let scattered = up.weight * (1.0 - self.straight()) * self.diffuser.lobe.share_in_disc(offset, 1.0);
+        let scattered =
+            up.weight * (1.0 - self.straight()) * self.diffuser.lobe.fraction_in_disc(offset, 1.0);
         // In a dispersive medium the light has the wavelengths that are lost to this direction no more: a direction that
         // all have stands for the rest.
         let smallest = self.stack.medium.index().iter().copied().fold(f64::INFINITY, f64::min);
@@ -420,7 +423,7 @@ impl<'a> Diffused<'a> {
     #[inline]
     fn through(
         &self,
-        drawing: &Drawing,
+        drawing: &DirectionSampler,
         beta: Beta,
         radius: f64,
         by_lobe: f64,
@@ -446,9 +449,9 @@ impl<'a> Diffused<'a> {
 
     /// Reflection at the base: a look-up on a first pass, else `carried` becomes `reflected`.
     #[inline]
-    fn meet_base(&self, base: Beta, carries: bool, room: &mut Room) -> Option<Stencil> {
+    fn meet_base(&self, base: Beta, carries: bool, workspace: &mut Workspace) -> Option<Stencil> {
         if carries {
-            multiply(&mut room.reflected, &room.carried, |out| self.reflectance(base, out));
+            multiply(&mut workspace.reflected, &workspace.carried, |out| self.reflectance(base, out));
             return None;
         }
         Some(self.look_up(base))
@@ -505,7 +508,7 @@ impl<'a> Diffused<'a> {
     }
 }
 
-/// The probability with which light beyond a first pass is scattered by the lobe: the share that is, but neither way is
+/// The probability with which light beyond a first pass is scattered by the lobe: the fraction that is, but neither way is
 /// so rare that few paths take it. Weights grow by that from pass to pass, but by less than the light falls.
 fn chance_of_lobe(straight: f64, left: f64) -> f64 {
     let least = LEAST_WAY.min(0.25 * (1.0 - left).max(0.0));
@@ -533,7 +536,7 @@ enum Spread {
 }
 
 impl Spread {
-    /// The weight of `beta` at index `n`, where it was drawn for index `largest`.
+    /// The weight of `beta` at index `n`, where it was sampled for index `largest`.
     fn kept(self, beta: Beta, n: f64, largest: f64) -> f64 {
         match self {
             _ if beta.squared() >= n * n => 0.0,

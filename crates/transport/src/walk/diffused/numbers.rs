@@ -37,7 +37,7 @@ impl<'a> PassNumbers<'a> {
         Self { path: numbers, pass, down, up: [a, b], base, survival, on_source, backwards: [d, e] }
     }
 
-    /// Planned ones. A direction drawn from either end is two techniques, whose errors do not
+    /// Planned ones. A direction sampled from either end is two techniques, whose errors do not
     /// depend on each other's numbers: the same, best ones serve.
     #[inline]
     fn first(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
@@ -50,7 +50,7 @@ impl<'a> PassNumbers<'a> {
         Self { path: numbers, pass: 0, down, up, base: of_base, survival: 1.0, on_source, backwards }
     }
 
-    /// Planned ones as well: paths begin anew to come here.
+    /// Planned ones as well: paths begin again to come here.
     #[inline]
     fn second(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
         let [down @ .., a, b] = numbers.block(PLANNED_BLOCKS - 2);

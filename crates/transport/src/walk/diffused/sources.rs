@@ -1,15 +1,15 @@
-//! Directed sources: met by connection, by chance, and by directions drawn from their side.
+//! Directed sources: met by connection, by chance, and by directions sampled from their side.
 //!
 //! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
 //! direction that the path had no choice about (infinite density) competes with nothing.
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
-use super::books::{Room, Sums};
+use super::ledger::{Sums, Workspace};
 use super::{Below, Diffused, Downward, PassNumbers, Spread, multiply, reflected};
 use crate::angular::Stencil;
-use crate::walk::tally::{Channel, Reflected};
+use crate::walk::accumulator::{Channel, Reflected};
 use crate::walk::{Target, base_density};
 use crate::{Source, specular};
 
@@ -20,7 +20,7 @@ impl Diffused<'_> {
         light: Downward,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
         if self.straight() == 0.0 {
             return;
@@ -32,11 +32,11 @@ impl Diffused<'_> {
             let weight = light.weight * target.only_connection(scatter);
             if let Source::Beam(_) = source {
                 // The way from there to the beam is the same for all paths: added at the end.
-                sums.from_straight_beam[i].add(carries.then_some(&room.carried), weight);
+                sums.from_straight_beam[i].add(carries.then_some(&workspace.carried), weight);
             } else {
                 let sum = &mut sums.from_source[i];
-                self.add_by_way_of(target.beta, carries, weight * self.straight(), sum, room);
-                let carried = carries.then_some(&room.carried[..]);
+                self.add_by_way_of(target.beta, carries, weight * self.straight(), sum, workspace);
+                let carried = carries.then_some(&workspace.carried[..]);
                 self.add_round_trips(target.beta, target.beta, carried, weight * self.straight(), sum);
             }
         }
@@ -48,7 +48,7 @@ impl Diffused<'_> {
         (look_up, weight): (Option<Stencil>, f64),
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
         if self.straight() == 0.0 {
             return;
@@ -57,7 +57,7 @@ impl Diffused<'_> {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::sample(source, numbers.on_source) {
                 let weight = weight * target.only_connection(scatter);
-                self.add_from_base(target.beta, look_up, weight, sum, room);
+                self.add_from_base(target.beta, look_up, weight, sum, workspace);
             }
         }
     }
@@ -135,7 +135,7 @@ impl Diffused<'_> {
         target.balanced((1.0 - self.straight()) * lobe, || 0.0, lobe / forward)
     }
 
-    /// Directed sources, by a direction below the diffuser that is drawn from the source's
+    /// Directed sources, by a direction below the diffuser that is sampled from the source's
     /// side; `chosen` is the density with which the path itself would choose it.
     pub(super) fn sample_backwards(
         &self,
@@ -143,25 +143,32 @@ impl Diffused<'_> {
         light: Downward,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
-            self.add_by_way_of(beta, light.carries, light.weight * weight, sum, room);
+            self.add_by_way_of(beta, light.carries, light.weight * weight, sum, workspace);
             if let (true, Some(target)) = (source.has_radiance(), Target::sample(source, numbers.on_source)) {
                 let weight = light.weight * self.towards_trips(target, beta, chosen(beta));
-                let carried = light.carries.then_some(&room.carried[..]);
+                let carried = light.carries.then_some(&workspace.carried[..]);
                 self.add_round_trips(beta, target.beta, carried, weight, sum);
             }
         }
     }
 
     /// Adds light that meets a specular base in direction `beta`.
-    fn add_by_way_of(&self, beta: Beta, carries: bool, weight: f64, sum: &mut Channel, room: &mut Room) {
+    fn add_by_way_of(
+        &self,
+        beta: Beta,
+        carries: bool,
+        weight: f64,
+        sum: &mut Channel,
+        workspace: &mut Workspace,
+    ) {
         if !carries {
             return sum.add(Reflected::LookUp(self.look_up(beta)), weight);
         }
-        let Room { carried, backwards, .. } = room;
+        let Workspace { carried, backwards, .. } = workspace;
         multiply(backwards, carried, |out| self.reflectance(beta, out));
         self.keep_within_disc(beta, Spread::No, backwards);
         sum.add(Reflected::Spectra(backwards), weight);
@@ -174,9 +181,9 @@ impl Diffused<'_> {
         look_up: Option<Stencil>,
         weight: f64,
         sum: &mut Channel,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
-        let Room { reflected: met, backwards, .. } = room;
+        let Workspace { reflected: met, backwards, .. } = workspace;
         if look_up.is_none() {
             backwards.copy_from_slice(met);
             self.keep_within_disc(beta, Spread::Lambertian, backwards);
@@ -190,18 +197,18 @@ impl Diffused<'_> {
         (look_up, weight): (Option<Stencil>, f64),
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
         let n = self.stack.medium.largest_index();
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let chosen = |beta| base_density(n, beta);
             let Some((beta, balanced)) = self.backwards(source, chosen, numbers) else { continue };
             let balanced = balanced * warp::uniform_disc_density(n) / chosen(beta);
-            self.add_from_base(beta, look_up, weight * balanced, sum, room);
+            self.add_from_base(beta, look_up, weight * balanced, sum, workspace);
         }
     }
 
-    /// A direction in the medium drawn from the lobe around a source, and its balanced weight.
+    /// A direction in the medium sampled from the lobe around a source, and its balanced weight.
     fn backwards(
         &self,
         source: &Source,
@@ -209,7 +216,7 @@ impl Diffused<'_> {
         numbers: &PassNumbers<'_>,
     ) -> Option<(Beta, f64)> {
         let target = Target::sample(source, numbers.on_source)?;
-        let beta = self.diffuser.lobe.sample(target.beta, numbers.backwards)?;
+        let beta = self.diffuser.lobe.sample_direction(target.beta, numbers.backwards)?;
         let forward = chosen(beta);
         if beta.length() >= self.stack.medium.largest_index() || forward == 0.0 {
             return None;

@@ -1,7 +1,7 @@
 //! Whose turn it is to go on after a first pass.
 //!
 //! What comes after a first pass is followed for one of so many paths: the sharp end of Russian roulette, but
-//! evenly spread. Each of these stands for a *block* of paths, as many as one in `every`. Where that is
+//! uniform. Each of these stands for a *block* of paths, as many as one in `every`. Where that is
 //! more than a first round has, light of later passes would be met by few of the replicates, or by none; their
 //! spread would not tell of it. So blocks begin short, one for the first [`FIRST`] paths, and grow to `every`: each
 //! replicate has met that light from its first round on.

@@ -1,38 +1,39 @@
-//! A path's stay in a scattering medium: flights and deflections until it leaves.
+//! A path inside a scattering medium: flights and deflections until it leaves.
 //!
-//! Depth is optical depth from the top, scattering and its losses alone; the medium's internal
-//! transmittance is a weight along the way. A flight's length is exponential, that of the first
-//! one conditioned on ending in the medium: what passes straight is known without it. In a thin
-//! medium later flights end there with a probability of [`LEAST_AGAIN`] at least, and weigh the less:
-//! what is scattered twice would else be so rare that all replicates could miss it alike. For the same reason
-//! the first deflections in a thin medium go in part to where a lamp's light is bright: about the lamp's own
-//! directions, by the phase function that turns light into them. (Light seen along the normal that comes from a lamp
-//! at 80 deg by two deflections of a narrow phase function took a path of 20 000 else, and was a tenth of it.)
-//! And what survives absorption is never so improbable that few paths see it.
+//! Depth is optical depth from the top and counts scattering and its losses alone. The internal transmittance of the
+//! medium is a weight along the path. The length of a flight is exponential; that of the first flight is conditioned on
+//! ending in the medium, since the regular part is known without it. In a thin medium later flights end there with a
+//! probability of at least [`LEAST_AGAIN`] and weigh less accordingly: otherwise light that is scattered twice would be
+//! so rare that all replicates could miss it. For the same reason a fraction of the first deflections in a thin medium
+//! is directed to where the light of a source is bright: around the direction of the source, by the phase function.
+//! (Without this, light from a source at 80 deg that is seen along the normal after two deflections of a narrow phase
+//! function needed a path in 20 000, and was a tenth of the light.) Survival of absorption is never so improbable that
+//! few paths see it.
 //!
-//! Where albedo is the same at every wavelength and nothing absorbs besides, nothing in a stay
-//! depends on wavelength: a few numbers change, and the spectra once, at its end.
+//! Where the albedo is the same at every wavelength and nothing else absorbs, nothing inside the medium depends on
+//! wavelength: a few numbers change along the path, and the spectra once, when it leaves.
 
 use papilio_optics::Beta;
 use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
-use super::books::{Room, Sums};
-use super::sources::{Lamps, Turned};
-use super::{Draws, Sent};
+use super::ledger::{Sums, Workspace};
+use super::sources::Lamps;
+use super::{Draws, OutgoingRay};
 use crate::Medium;
-use crate::skeleton::{Going, Ray};
+use crate::layers::Scattered;
+use crate::skeleton::{Propagation, Ray};
 
 /// The least probability with which a flight in a thin medium ends there.
 const LEAST_AGAIN: f64 = 0.05;
 /// The least probability of surviving absorption in an early event.
 const LEAST_SURVIVAL: f64 = 0.1;
-/// The part of first deflections that goes about lamps, and how many events are first ones.
+/// Fraction of the first deflections that is directed to sources, and the number of events that count as first.
 const TO_LAMPS: f64 = 0.25;
 const FIRST_EVENTS: u32 = 4;
-/// Media below this optical thickness turn some light towards lamps, if their phase function is narrow:
-/// in thicker ones lamps' light is spread by many events.
+/// Media below this optical thickness direct some light to sources, if their phase function is narrow:
+/// thicker ones spread the light of sources by many events.
 const CLEAR: f64 = 2.0;
 const NARROW: f64 = 0.5;
 
@@ -53,14 +54,13 @@ pub(super) struct Bulk<'a> {
     grey: bool,
 }
 
-/// Where a path is in the medium, and what it has gathered since its spectra were last touched,
-/// in parts of them.
+/// Position of a path in the medium, and its weights since its spectra were last updated.
 #[derive(Debug, Clone, Copy)]
 struct Stay {
     depth: f64,
     /// A unit vector; the third component is positive downwards.
     direction: [f64; 3],
-    /// What is left of the light.
+    /// Weight of the light.
     scale: f64,
     absorbed: f64,
     dropped: f64,
@@ -73,7 +73,7 @@ impl Stay {
         self.scale > 0.0
     }
 
-    /// Takes a weight for a random decision; what it takes away or adds is nothing on average.
+    /// Multiplies by the weight of a random decision, whose mean is 1.
     fn weigh(&mut self, weight: f64) {
         self.dropped += self.scale * (1.0 - weight);
         self.scale *= weight;
@@ -96,70 +96,70 @@ impl<'a> Bulk<'a> {
         })
     }
 
-    /// From the first scattering of light that came in with these cosines to where it leaves.
+    /// Follows light that entered with these cosines from its first scattering event until it leaves.
     /// The numbers are for the first flight and the first deflection.
     pub(super) fn stay(
         &self,
-        (beta, going): (Beta, Going),
+        (beta, going): (Beta, Propagation),
         [first, mut angle, mut turn]: [f64; 3],
         draws: &mut Draws<'_>,
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Sent> {
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
         let direction = self.direction(beta, going);
         let depth = self.first_depth(direction[2], first);
         let mut stay = Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 };
-        let flown = if going == Going::Down { depth } else { self.optical_thickness - depth };
-        self.absorb(flown / direction[2].abs(), sums, room);
+        let flown = if going == Propagation::Down { depth } else { self.optical_thickness - depth };
+        self.absorb(flown / direction[2].abs(), sums, workspace);
         loop {
             if self.grey {
                 stay.absorbed += stay.scale * (1.0 - self.largest_albedo);
                 stay.scale *= self.largest_albedo;
             } else {
-                room.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
+                workspace.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
             }
             let early = draws.count < FIRST_EVENTS;
-            let part = if early { self.part_to_lamps(&room.lamps.about) } else { 0.0 };
-            self.gather(&stay, part, &mut room.lamps);
+            let part = if early { self.part_to_lamps(&workspace.lamps.about) } else { 0.0 };
+            self.gather(&stay, part, &mut workspace.lamps);
             let [survive, flight, next_angle, next_turn] = draws.next();
             let least = if early && self.largest_albedo > 0.0 { LEAST_SURVIVAL } else { 0.0 };
             let survives = stay.survives(survive, (self.largest_albedo * draws.most_survival()).max(least));
             if !self.grey || !survives {
-                self.settle(&mut stay, sums, room);
+                self.settle(&mut stay, sums, workspace);
             }
             if !survives {
                 return None;
             }
             let before = stay.direction;
-            stay.direction = self.deflected(before, part, [angle, turn], &room.lamps.about);
+            stay.direction = self.deflected(before, part, [angle, turn], &workspace.lamps.about);
             let cos = cosine_between(before, stay.direction);
-            let drawn = self.drawn(cos, stay.direction, part, &room.lamps.about);
+            let drawn = self.drawn(cos, stay.direction, part, &workspace.lamps.about);
             (angle, turn) = (next_angle, next_turn);
             let edge = self.way_out(&stay);
             let (length, weight) = self.fly(edge, flight);
-            let weight = if part > 0.0 { weight * self.phase.density(cos) / drawn } else { weight };
+            let weight = if part > 0.0 { weight * self.phase.at_cosine(cos) / drawn } else { weight };
             if weight != 1.0 {
                 stay.weigh(weight);
-                self.settle(&mut stay, sums, room);
+                self.settle(&mut stay, sums, workspace);
             }
             if length >= edge {
-                self.settle(&mut stay, sums, room);
-                self.absorb(edge, sums, room);
+                self.settle(&mut stay, sums, workspace);
+                self.absorb(edge, sums, workspace);
                 return Some(self.leave(&stay, drawn));
             }
-            self.absorb(length, sums, room);
+            self.absorb(length, sums, workspace);
             stay.depth = (stay.depth + length * stay.direction[2]).clamp(0.0, self.optical_thickness);
         }
     }
 
-    /// The part of directions that are drawn about lamps in a path's first events.
+    /// Fraction of directions that are sampled around sources in the first events of a path.
     fn part_to_lamps(&self, lamps: &[Beta]) -> f64 {
         let wanted = self.optical_thickness < CLEAR && self.phase.anisotropy.abs() > NARROW;
         if wanted && self.about_lamps(lamps).next().is_some() { TO_LAMPS } else { 0.0 }
     }
 
-    /// The directions towards lamps. They do not depend on the points of round sources that are
-    /// connected to: densities hold them, and are to be the same for every point.
+    /// Directions of sources. They do not depend on the sampled points of round sources, since the densities
+    /// that contain them must be the same for every point.
     fn about_lamps(&self, lamps: &[Beta]) -> impl Iterator<Item = [f64; 3]> {
         let within = lamps.iter().filter(|beta| beta.squared() < self.index * self.index);
         within.flat_map(|beta| WAYS.map(|going| self.direction(*beta, going)))
@@ -169,37 +169,37 @@ impl<'a> Bulk<'a> {
     fn deflected(&self, from: [f64; 3], part: f64, [angle, turn]: [f64; 2], lamps: &[Beta]) -> [f64; 3] {
         if angle >= part {
             let angle = if part > 0.0 { (angle - part) / (1.0 - part) } else { angle };
-            return warp::deflected(from, 1.0 - self.phase.sample(angle), turn);
+            return warp::deflected(from, 1.0 - self.phase.sample_cosine(angle), turn);
         }
         let count = self.about_lamps(lamps).count();
         let place = angle / part * count as f64;
         let axis = self.about_lamps(lamps).nth((place as usize).min(count - 1)).unwrap_or(from);
-        warp::deflected(axis, 1.0 - self.phase.sample(place.fract()), turn)
+        warp::deflected(axis, 1.0 - self.phase.sample_cosine(place.fract()), turn)
     }
 
-    /// The density per steradian with which [`Self::deflected`] draws a direction, at an angle of this
-    /// cosine to that before.
+    /// Density per steradian with which [`Self::deflected`] samples a direction, at an angle of this
+    /// cosine to the direction before.
     fn drawn(&self, cos: f64, to: [f64; 3], part: f64, lamps: &[Beta]) -> f64 {
-        let kernel = self.phase.density(cos);
+        let kernel = self.phase.at_cosine(cos);
         if part == 0.0 {
             return kernel;
         }
         let (mut sum, mut count) = (0.0, 0.0);
         for axis in self.about_lamps(lamps) {
-            sum += self.phase.density(cosine_between(axis, to));
+            sum += self.phase.at_cosine(cosine_between(axis, to));
             count += 1.0;
         }
         (1.0 - part) * kernel + part * sum / count
     }
 
-    /// The unit vector of light with these cosines, never quite along the layer.
-    fn direction(&self, beta: Beta, going: Going) -> [f64; 3] {
+    /// Unit vector of light with these cosines, never exactly parallel to the layer.
+    fn direction(&self, beta: Beta, going: Propagation) -> [f64; 3] {
         let (x, y) = (beta.x / self.index, beta.y / self.index);
         let z = (1.0 - x * x - y * y).max(1e-18).sqrt();
-        [x, y, if going == Going::Down { z } else { -z }]
+        [x, y, if going == Propagation::Down { z } else { -z }]
     }
 
-    /// Where the first flight ends, for it does so in the medium.
+    /// Depth at which the first flight ends; it ends in the medium.
     fn first_depth(&self, cosine: f64, u: f64) -> f64 {
         let most = self.optical_thickness / cosine.abs();
         let reach = -(u * (-most).exp_m1()).ln_1p() * cosine.abs();
@@ -207,14 +207,14 @@ impl<'a> Bulk<'a> {
         if cosine > 0.0 { reach } else { self.optical_thickness - reach }
     }
 
-    /// Optical length to where the path's direction leaves the medium.
+    /// Optical length to the boundary of the medium.
     fn way_out(&self, stay: &Stay) -> f64 {
         let z = stay.direction[2];
         let rest = if z > 0.0 { self.optical_thickness - stay.depth } else { stay.depth };
         rest / z.abs().max(f64::MIN_POSITIVE)
     }
 
-    /// The length of a flight, that of `edge` or more if it leaves, and its weight.
+    /// Length of a flight and its weight; `edge` or more if it leaves the medium.
     fn fly(&self, edge: f64, u: f64) -> (f64, f64) {
         if self.optical_thickness > THIN {
             return (-u.ln(), 1.0);
@@ -233,7 +233,7 @@ impl<'a> Bulk<'a> {
         density / (self.index * self.index * cosine.abs().max(f64::MIN_POSITIVE))
     }
 
-    /// What this event turns of each lamp's light into the path, as it will be settled.
+    /// Adds the light of each source that this event scatters into the path; [`Self::settle`] adds it to the sums.
     fn gather(&self, stay: &Stay, part: f64, lamps: &mut Lamps) {
         let (about, lamps) = lamps.split();
         for lamp in lamps {
@@ -244,20 +244,20 @@ impl<'a> Bulk<'a> {
                 let towards = self.direction(lamp.beta, going);
                 let cos = cosine_between(towards, stay.direction);
                 let rest = match going {
-                    Going::Down => self.optical_thickness - stay.depth,
-                    Going::Up => stay.depth,
+                    Propagation::Down => self.optical_thickness - stay.depth,
+                    Propagation::Up => stay.depth,
                 };
-                let value = self.over_cosines(self.phase.density(cos), towards[2]);
-                let pdf = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
-                let weight = lamp.weight(Turned { value, pdf, back: value }, f64::INFINITY);
+                let value = self.over_cosines(self.phase.at_cosine(cos), towards[2]);
+                let density = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
+                let weight = lamp.weight(Scattered { value, density, reverse: value }, f64::INFINITY);
                 lamp.gathered[way] += stay.scale * weight * (-rest / towards[2].abs()).exp();
             }
         }
     }
 
     /// Brings the path's spectra and the sums up to date.
-    fn settle(&self, stay: &mut Stay, sums: &mut Sums, room: &mut Room) {
-        let Room { light, lamps, share, .. } = room;
+    fn settle(&self, stay: &mut Stay, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { light, lamps, share, .. } = workspace;
         for lamp in lamps.iter_mut() {
             share.clear();
             for (way, going) in WAYS.into_iter().enumerate() {
@@ -275,24 +275,24 @@ impl<'a> Bulk<'a> {
         *stay = Stay { scale: 1.0, absorbed: 0.0, dropped: 0.0, ..*stay };
     }
 
-    /// Absorption beside the scattering, over a way of this optical length.
-    fn absorb(&self, length: f64, sums: &mut Sums, room: &mut Room) {
+    /// Applies absorption besides the scattering, over this optical length.
+    fn absorb(&self, length: f64, sums: &mut Sums, workspace: &mut Workspace) {
         if self.transmittance.is_some() {
-            room.light.keep(|bin| self.clear(length, bin), &mut sums.absorbed.glass);
+            workspace.light.keep(|bin| self.clear(length, bin), &mut sums.absorbed.glass);
         }
     }
 
-    /// The internal transmittance over a way of this optical length.
+    /// Internal transmittance over this optical length.
     fn clear(&self, length: f64, bin: usize) -> f64 {
         self.transmittance.map_or(1.0, |t| t[bin].powf(length / self.optical_thickness))
     }
 
-    /// Out of the medium, in a direction that was drawn with this density per steradian.
-    fn leave(&self, stay: &Stay, drawn: f64) -> Sent {
+    /// Light that leaves the medium in a direction that was sampled with this density per steradian.
+    fn leave(&self, stay: &Stay, drawn: f64) -> OutgoingRay {
         let [x, y, z] = stay.direction;
-        let going = if z > 0.0 { Going::Down } else { Going::Up };
+        let going = if z > 0.0 { Propagation::Down } else { Propagation::Up };
         let beta = Beta { x: self.index * x, y: self.index * y };
-        Sent::exactly(beta, Ray::from_element(self.element, going), self.over_cosines(drawn, z))
+        OutgoingRay::exactly(beta, Ray::from_element(self.element, going), self.over_cosines(drawn, z))
     }
 }
 
@@ -300,4 +300,4 @@ fn cosine_between(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-const WAYS: [Going; 2] = [Going::Up, Going::Down];
+const WAYS: [Propagation; 2] = [Propagation::Up, Propagation::Down];

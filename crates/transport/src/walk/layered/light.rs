@@ -1,22 +1,22 @@
-//! Light with its spectra, and what the flat skeleton makes of it.
+//! Light with its spectra, and its transport by the flat skeleton.
 
 use crate::skeleton::{Field, Ray};
 
-/// Light of a path, or a sum of it. What has not met the base is alike in all states.
+/// Light of a path, or a sum of it. Light that has not met the base is the same in all states.
 #[derive(Debug, Clone)]
 pub(super) struct Light {
-    /// Has not met the base; shape `[wavelength]`.
+    /// Light that has not met the base; shape `[wavelength]`.
     pub(super) fresh: Vec<f64>,
-    /// Has; shape `[state][wavelength]`.
+    /// Light that has met the base; shape `[state][wavelength]`.
     pub(super) met: Vec<f64>,
 }
 
-/// The share of sent light that gets somewhere; shape `[wavelength]`.
+/// Fraction of emitted light that arrives at one place; shape `[wavelength]`.
 #[derive(Debug, Clone)]
 pub(super) struct Share {
-    /// Not by way of the base, which is over it all.
+    /// Light that has not met the base.
     direct: Vec<f64>,
-    /// By way of it, per unit that rises from it.
+    /// Light via the base, per unit that rises from it.
     risen: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ impl Light {
         Self { fresh: vec![0.0; bins], met: vec![0.0; states * bins] }
     }
 
-    /// One unit that has yet to meet everything.
+    /// Resets to one unit of light that has met nothing.
     pub(super) fn start(&mut self) {
         self.fresh.fill(1.0);
         self.met.fill(0.0);
@@ -45,7 +45,7 @@ impl Light {
         super::add_scaled(&mut self.met, &other.met, scale);
     }
 
-    /// Keeps a share, per wavelength; the rest goes to `loss`.
+    /// Multiplies by a fraction per wavelength; adds the rest to `loss`.
     pub(super) fn keep(&mut self, kept: impl Fn(usize) -> f64, loss: &mut Self) {
         let bins = self.fresh.len();
         for bin in 0..bins {
@@ -61,7 +61,7 @@ impl Light {
         }
     }
 
-    /// Loses the wavelengths that are not kept.
+    /// Sets the other wavelengths to 0.
     pub(super) fn keep_where(&mut self, kept: impl Fn(usize) -> bool) {
         let bins = self.fresh.len();
         for bin in (0..bins).filter(|bin| !kept(*bin)) {
@@ -70,7 +70,7 @@ impl Light {
         }
     }
 
-    /// `rows[state][wavelength]` times all of this light.
+    /// Multiplies `rows[state][wavelength]` by all of this light.
     pub(super) fn multiply_rows(&self, rows: &mut [f64]) {
         let bins = self.fresh.len();
         for (row, met) in rows.chunks_exact_mut(bins).zip(self.met.chunks_exact(bins)) {
@@ -80,7 +80,7 @@ impl Light {
         }
     }
 
-    /// Adds two pieces of light joined by what gets from one to the other; `rising` holds all of `before`.
+    /// Adds the product of two pieces of light and the fraction that connects them; `rising` includes all of `before`.
     pub(super) fn add_joined(&mut self, of: &Self, before: &Self, share: &Share, rising: &[f64]) {
         let bins = self.fresh.len();
         for bin in 0..bins {
@@ -93,7 +93,7 @@ impl Light {
         }
     }
 
-    /// Adds what gets somewhere of other light; `rising` is that of the [`Field`].
+    /// Adds the fraction of other light that arrives; `rising` is that of the [`Field`].
     pub(super) fn add_share(&mut self, of: &Self, share: &Share, rising: &[f64], scale: f64) {
         let bins = self.fresh.len();
         for ((sum, value), direct) in self.fresh.iter_mut().zip(&of.fresh).zip(&share.direct) {
@@ -108,7 +108,7 @@ impl Light {
         }
     }
 
-    /// Becomes what gets somewhere of it.
+    /// Reduces itself to the fraction that arrives.
     pub(super) fn carry(&mut self, share: &Share, rising: &[f64], scale: f64) {
         let bins = self.fresh.len();
         let rows = self.met.chunks_exact_mut(bins).zip(rising.chunks_exact(bins));
@@ -121,7 +121,7 @@ impl Light {
         self.fresh.iter_mut().zip(&share.direct).for_each(|(value, direct)| *value *= scale * direct);
     }
 
-    /// The largest share of any state and wavelength that gets somewhere.
+    /// Largest fraction of any state and wavelength that arrives.
     pub(super) fn largest(&self, share: &Share, rising: &[f64]) -> f64 {
         let bins = self.fresh.len();
         let mut largest = 0.0_f64;
@@ -145,13 +145,13 @@ impl Share {
         self.risen.fill(0.0);
     }
 
-    /// All that rises from the base.
+    /// Sets itself to all light that rises from the base.
     pub(super) fn set_rising(&mut self) {
         self.direct.fill(0.0);
         self.risen.fill(1.0);
     }
 
-    /// Adds what goes as `ray`, times a factor for each wavelength.
+    /// Adds the light that travels as `ray`, times a factor per wavelength.
     pub(super) fn add(&mut self, field: &Field, ray: Ray, factor: impl Fn(usize) -> f64) {
         let (direct, risen) = field.at(ray);
         for bin in 0..direct.len() {
@@ -161,7 +161,7 @@ impl Share {
         }
     }
 
-    /// Becomes what goes as `ray`, times a factor for each wavelength.
+    /// Sets itself to the light that travels as `ray`, times a factor per wavelength.
     pub(super) fn set(&mut self, field: &Field, ray: Ray, factor: impl Fn(usize) -> f64) {
         self.clear();
         self.add(field, ray, factor);

@@ -1,16 +1,15 @@
-//! The general tracer: any layers in any order, over a mirror or a Lambertian base.
+//! The general tracer: any layers in any order, over a mirror or a base that scatters.
 //!
-//! Between two scattering events light keeps its direction cosines, and where it gets to is
-//! known in closed form, all inter-reflections of flat parts and of a specular base included
-//! ([`Skeleton`](crate::skeleton)): what leaves, what each layer absorbs, and how much meets each
-//! scatterer from either side. The first two are added to the sums as they are. Random are
-//! only the choice of the next scatterer (or the end of the path) and what happens there: a
-//! diffuser's lobe, a rough face, a flight through a scattering medium, a Lambertian base.
+//! Between two scattering events light keeps its direction cosines. Its transport is then known in closed form, with all
+//! inter-reflections of flat parts and of a specular base ([`Skeleton`](crate::skeleton)): the light that leaves, the
+//! light that each layer absorbs, and the light that arrives at each scatterer from either side. The first two are
+//! added to the sums directly. Random are only the choice of the next scatterer (or the end of the path) and the event
+//! itself: scattering at an interface, flights through a scattering medium, reflection by a scattering base.
 //!
-//! Light that met the base and light that did not share one path, with spectra of their own.
+//! Light that has met the base and light that has not share one path, with separate spectra.
 
-mod books;
 mod bulk;
+mod ledger;
 mod light;
 mod pixel;
 mod scatterers;
@@ -20,23 +19,24 @@ use papilio_optics::Beta;
 use papilio_sampling::PLANNED_BLOCKS;
 
 use super::{PathNumbers, add_scaled};
+use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Cone, Source};
-pub(super) use books::Tally;
-use books::{Account, Room, Sums};
+pub(super) use ledger::Accumulator;
+use ledger::{Sums, Workspace};
 use pixel::Pixel;
-use scatterers::{Kind, Meeting, at_lambertian_base, meetings};
+use scatterers::{Kind, ScatterEvent, at_lambertian_base, events};
 
-/// After its first scattering, a path never meets a further scatterer with a lower probability,
-/// if it can at all: light that lamps send to faint scatterers would make rare bright paths.
+/// After its first event a path continues with at least this probability, if it can continue at all: otherwise
+/// light from sources at faint scatterers would make rare bright paths.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// In the first events of a path scatterers are chosen with this probability in all that has no regard to how much
-/// light meets them: a faint one may be all that some light is seen by, and no replicate is to miss it.
+/// In the first events of a path this much of the probability is divided equally among the scatterers, whatever light
+/// they receive: some light may be seen through a faint one only, and no replicate may miss it.
 const WITHOUT_REGARD: f64 = 0.1;
 const FIRST_EVENTS: u32 = 4;
 
-/// From this event on even light that nothing absorbs is subject to roulette.
+/// From this event on, roulette applies even if nothing absorbs.
 const FREE_EVENTS: u32 = 256;
 
 #[derive(Debug)]
@@ -44,32 +44,31 @@ pub(super) struct Layered<'a> {
     stack: &'a crate::Layered,
     view: Cone,
     sources: &'a [Source],
-    /// Every way to meet a scatterer.
-    meetings: Vec<Meeting<'a>>,
-    /// Where each element's absorption is booked.
+    /// All kinds of scattering events.
+    events: Vec<ScatterEvent<'a>>,
+    /// Account of the absorption of each element.
     accounts: Vec<Account>,
     discs: bool,
 }
 
-/// Light sent on its way in the flat skeleton.
+/// Light that starts its way through the flat skeleton.
 #[derive(Debug, Clone, Copy)]
-struct Sent {
+struct OutgoingRay {
     beta: Beta,
     ray: Ray,
-    /// The density over direction cosines with which it was scattered into `beta`; infinite if it
-    /// never was.
+    /// Density over direction cosines with which `beta` was sampled; infinite if it was never scattered.
     density: f64,
-    /// The density with which the same scatterer would send light from `beta` back where it came from.
+    /// Density with which the same scatterer would sample the way back.
     back: f64,
-    /// The kernel's value over that density.
+    /// Value of the kernel over that density.
     weight: f64,
-    /// That with which the path had chosen the direction before, where the scatterer sends
-    /// light of the sources on as well; else infinite.
+    /// Density with which the path chose its direction before, where the scatterer also relays light of
+    /// the sources; otherwise infinite.
     rival: f64,
 }
 
-impl Sent {
-    /// Light that no scatterer has sent.
+impl OutgoingRay {
+    /// Light that has not been scattered.
     const UNSCATTERED: Self = Self {
         beta: Beta { x: 0.0, y: 0.0 },
         ray: Ray::ENTERING,
@@ -79,13 +78,13 @@ impl Sent {
         rival: f64::INFINITY,
     };
 
-    /// Light drawn from the very kernel that scatters it, which is the same for the way back.
+    /// Light sampled in proportion to a reciprocal kernel.
     fn exactly(beta: Beta, ray: Ray, density: f64) -> Self {
         Self { beta, ray, density, back: density, weight: 1.0, rival: f64::INFINITY }
     }
 }
 
-/// The random numbers of a path, block by block; blocks are counted.
+/// Random numbers of a path in counted blocks.
 struct Draws<'a> {
     numbers: &'a PathNumbers<'a>,
     count: u32,
@@ -99,10 +98,10 @@ impl Draws<'_> {
         self.numbers.block(block)
     }
 
-    /// The highest probability with which the path may go on.
+    /// Largest probability with which the path may continue.
     ///
     /// The number of events in thick layers that absorb nothing has a long tail, n^(-1/2). Roulette
-    /// that takes paths out like n^(-.45) from there on bounds their mean cost, and leaves the
+    /// that ends paths like n^(-0.45) from there on bounds their mean cost and leaves the
     /// variance finite; any fixed probability would not.
     fn most_survival(&self) -> f64 {
         if self.count < FREE_EVENTS { 1.0 } else { 1.0 - 0.45 / f64::from(self.count) }
@@ -112,15 +111,16 @@ impl Draws<'_> {
 impl<'a> Layered<'a> {
     pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
         let discs = sources.iter().any(Source::has_radiance);
-        Self { stack, view, sources, meetings: meetings(stack), accounts: Account::of_elements(stack), discs }
+        let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
+        Self { stack, view, sources, events: events(stack), accounts, discs }
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest).
     pub(super) fn rarest(&self) -> f64 {
-        if self.meetings.is_empty() {
+        if self.events.is_empty() {
             1.0
         } else {
-            (WITHOUT_REGARD / self.meetings.len() as f64).min(LEAST_SURVIVAL)
+            (WITHOUT_REGARD / self.events.len() as f64).min(LEAST_SURVIVAL)
         }
     }
 
@@ -129,33 +129,34 @@ impl<'a> Layered<'a> {
         !self.stack.base.is_specular()
     }
 
-    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Tally) {
-        let Tally { sums, room } = tally;
-        room.lamps.draw(numbers, self, &mut room.skeleton);
-        room.light.start();
+    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+        let Accumulator { sums, workspace } = tally;
+        workspace.lamps.draw(numbers, self, &mut workspace.skeleton);
+        workspace.light.start();
         let mut draws = Draws { numbers, count: 0 };
         let beta = self.view.sample_towards(numbers.field());
-        let mut sent = Sent { beta, ray: Ray::ENTERING, ..Sent::UNSCATTERED };
-        while !room.light.is_dark() {
-            self.travel(sent, sums, room);
+        let mut sent = OutgoingRay { beta, ray: Ray::ENTERING, ..OutgoingRay::UNSCATTERED };
+        while !workspace.light.is_dark() {
+            self.travel(sent, sums, workspace);
             let u = draws.next();
             let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
             let survival = (least, draws.most_survival());
             let first = draws.count <= FIRST_EVENTS;
-            let Some(meeting) = self.choose(u[0], survival, first, sums, room) else { return };
-            let Some(next) = self.scatter(sent, meeting, [u[1], u[2], u[3]], &mut draws, sums, room) else {
+            let Some(event) = self.choose(u[0], survival, first, sums, workspace) else { return };
+            let Some(next) = self.scatter(sent, event, [u[1], u[2], u[3]], &mut draws, sums, workspace)
+            else {
                 return;
             };
             sent = next;
         }
     }
 
-    /// All that happens to the path's light without scattering.
-    fn travel(&self, sent: Sent, sums: &mut Sums, room: &mut Room) {
-        room.skeleton.set(self.stack, sent.beta.squared());
-        room.skeleton.emit(sent.ray, &mut room.field);
-        self.book(sums, room);
-        let Room { light, field, share, .. } = room;
+    /// Adds all that happens to the path's light without scattering.
+    fn travel(&self, sent: OutgoingRay, sums: &mut Sums, workspace: &mut Workspace) {
+        workspace.skeleton.set(self.stack, sent.beta.squared());
+        workspace.skeleton.emit(sent.ray, &mut workspace.field);
+        self.book(sums, workspace);
+        let Workspace { light, field, share, .. } = workspace;
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.leaving.add_share(light, share, &field.rising, 1.0);
         if sent.density.is_finite() {
@@ -163,71 +164,72 @@ impl<'a> Layered<'a> {
         }
     }
 
-    /// The next scatterer, with the light that meets it as the path's; `None` if the path ends.
+    /// Chooses the next event and reduces the path's light to what takes part in it; `None` if the path ends.
     ///
-    /// Each way is chosen with the largest share of any state's and wavelength's light that goes
-    /// it, so that no weight grows; in the first events with a least probability, so that weights grow by a tenth at most.
+    /// The probability of an event is the largest fraction of any state's and wavelength's light that takes part in it,
+    /// so that no weight grows. In the first events it has a lower limit, so that weights grow by a tenth at most.
     fn choose(
         &self,
         u: f64,
         (least, most): (f64, f64),
         first: bool,
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<&Meeting<'a>> {
+        workspace: &mut Workspace,
+    ) -> Option<&ScatterEvent<'a>> {
         let mut total = 0.0;
-        for (i, meeting) in self.meetings.iter().enumerate() {
-            let Room { light, skeleton, field, share, .. } = room;
-            meeting.share(skeleton, field, share);
+        for (i, event) in self.events.iter().enumerate() {
+            let Workspace { light, skeleton, field, share, .. } = workspace;
+            event.share(skeleton, field, share);
             sums.unaccounted.add_share(light, share, &field.rising, 1.0);
-            room.meeting[i] = light.largest(share, &field.rising);
-            total += room.meeting[i];
+            workspace.chances[i] = light.largest(share, &field.rising);
+            total += workspace.chances[i];
         }
         let survival = total.max(least).min(most);
         if total == 0.0 || u >= survival {
             return None;
         }
-        let each = if first { WITHOUT_REGARD * total / self.meetings.len() as f64 } else { 0.0 };
+        let each = if first { WITHOUT_REGARD * total / self.events.len() as f64 } else { 0.0 };
         let mut chances = 0.0;
-        for chance in room.meeting.iter_mut().filter(|share| **share > 0.0) {
+        for chance in workspace.chances.iter_mut().filter(|share| **share > 0.0) {
             *chance += each;
             chances += *chance;
         }
         let mut below = u / survival * chances;
-        let chosen = room.meeting.iter().position(|chance| {
+        let chosen = workspace.chances.iter().position(|chance| {
             below -= chance;
             below < 0.0
         })?;
-        let meeting = &self.meetings[chosen];
-        meeting.share(&room.skeleton, &room.field, &mut room.share);
-        let scale = chances / (survival * room.meeting[chosen]);
-        room.light.carry(&room.share, &room.field.rising, scale);
-        sums.unaccounted.add(&room.light, -1.0);
-        Some(meeting)
+        let event = &self.events[chosen];
+        event.share(&workspace.skeleton, &workspace.field, &mut workspace.share);
+        let scale = chances / (survival * workspace.chances[chosen]);
+        workspace.light.carry(&workspace.share, &workspace.field.rising, scale);
+        sums.unaccounted.add(&workspace.light, -1.0);
+        Some(event)
     }
 
-    /// What the scatterer does: connections to lamps, and a new direction.
+    /// Performs the event: connections to sources, and a new direction.
     fn scatter(
         &self,
-        sent: Sent,
-        meeting: &Meeting<'_>,
+        sent: OutgoingRay,
+        event: &ScatterEvent<'_>,
         u: [f64; 3],
         draws: &mut Draws<'_>,
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Sent> {
-        match meeting.kind {
-            Kind::Bulk(bulk) => bulk.stay((sent.beta, meeting.going), u, draws, sums, room),
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
+        match event.kind {
+            Kind::Bulk(bulk) => bulk.stay((sent.beta, event.going), u, draws, sums, workspace),
             Kind::Base(reflectance, medium) => {
-                Some(at_lambertian_base(reflectance, medium, meeting.element, [u[1], u[2]], sums, room))
+                Some(at_lambertian_base(reflectance, medium, event.element, [u[1], u[2]], sums, workspace))
             }
             Kind::Pixel(kernels, medium) => {
-                let pixel = Pixel { kernels, medium, element: meeting.element };
-                pixel.reflect(sent.beta, u, sums, room)
+                let pixel = Pixel { kernels, medium, element: event.element };
+                pixel.reflect(sent.beta, u, sums, workspace)
             }
-            Kind::Diffuser(..) => meeting.pass_face(sent, [u[1], u[2], 0.5, 0.5], sums, room),
-            Kind::Scatter { .. } => meeting.pass_face(sent, [u[0], u[1], u[2], 0.5], sums, room),
-            Kind::Rough(_) => meeting.pass_face(sent, draws.next(), sums, room),
+            Kind::Interface(interface, ..) => {
+                let u = interface.numbers(u, &mut || draws.next());
+                event.pass_interface(sent, u, sums, workspace)
+            }
         }
     }
 }

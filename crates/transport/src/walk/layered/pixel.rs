@@ -1,15 +1,15 @@
-//! A base that scatters by a kernel for each state.
+//! A base that scatters by one kernel per state.
 //!
-//! One direction serves all states: it is drawn from the kernel of one of them, and each state's
-//! light has the weight of its own kernel over the mean of all densities.
+//! One direction serves all states: it is sampled from the kernel of one of them, and the light of each state is
+//! multiplied by its own kernel over the mean of all densities.
 
-use papilio_optics::Beta;
+use papilio_optics::{Beta, Scatterer};
 
-use super::Sent;
-use super::books::{Room, Sums};
+use super::OutgoingRay;
+use super::ledger::{Sums, Workspace};
 use super::light::Light;
-use super::sources::Turned;
-use crate::skeleton::{Going, Ray};
+use crate::layers::Scattered;
+use crate::skeleton::{Propagation, Ray};
 use crate::{Medium, ScatterKernel};
 
 /// The base, under a medium (air, if there is none).
@@ -21,32 +21,38 @@ pub(super) struct Pixel<'a> {
 }
 
 impl Pixel<'_> {
-    /// Off the base: connections to lamps, and a new direction.
-    pub(super) fn reflect(&self, from: Beta, u: [f64; 3], sums: &mut Sums, room: &mut Room) -> Option<Sent> {
-        let ray = Ray { plane: self.element, going: Going::Up };
-        sums.arriving.add(&room.light, 1.0);
-        self.tint(&mut room.light);
-        let mut turned = room.light.clone();
-        let Room { light, share, lamps, .. } = &mut *room;
+    /// Reflection by the base: connections to sources, and a new direction.
+    pub(super) fn reflect(
+        &self,
+        from: Beta,
+        u: [f64; 3],
+        sums: &mut Sums,
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
+        let ray = Ray { plane: self.element, going: Propagation::Up };
+        sums.arriving.add(&workspace.light, 1.0);
+        self.tint(&mut workspace.light);
+        let mut turned = workspace.light.clone();
+        let Workspace { light, share, lamps, .. } = &mut *workspace;
         for lamp in lamps.iter() {
             turned.clone_from(light);
-            let pdf = self.pdf(from, lamp.beta);
+            let density = self.density(from, lamp.beta);
             self.weigh(&mut turned, |kernel| {
                 let value = self.value(kernel, from, lamp.beta);
-                lamp.weight(Turned { value, pdf, back: pdf }, f64::INFINITY)
+                lamp.weight(Scattered { value, density, reverse: density }, f64::INFINITY)
             });
             share.clear();
             lamp.reach(ray, |_| 1.0, share);
             lamp.add(&turned, share, sums);
         }
         let sent = self.send(from, u)?;
-        let pdf = self.pdf(from, sent);
-        self.weigh(&mut room.light, |kernel| self.value(kernel, from, sent) / pdf);
-        sums.reflected.add(&room.light, 1.0);
-        Some(Sent::exactly(sent, ray, pdf))
+        let density = self.density(from, sent);
+        self.weigh(&mut workspace.light, |kernel| self.value(kernel, from, sent) / density);
+        sums.reflected.add(&workspace.light, 1.0);
+        Some(OutgoingRay::exactly(sent, ray, density))
     }
 
-    /// All light has met the base, and has each state's colour.
+    /// Turns all light into light that has met the base, in the colour of each state.
     fn tint(&self, light: &mut Light) {
         let rows = light.met.chunks_exact_mut(light.fresh.len());
         for (row, kernel) in rows.zip(self.kernels) {
@@ -77,20 +83,20 @@ impl Pixel<'_> {
     }
 
     fn value(&self, kernel: &ScatterKernel, from: Beta, to: Beta) -> f64 {
-        kernel.scatter.value(self.of_air(from), self.of_air(to)) / self.index().powi(2)
+        kernel.scatter.evaluate(self.of_air(from), self.of_air(to)) / self.index().powi(2)
     }
 
     /// The mean density of all kernels.
-    fn pdf(&self, from: Beta, to: Beta) -> f64 {
+    fn density(&self, from: Beta, to: Beta) -> f64 {
         let (from, to) = (self.of_air(from), self.of_air(to));
-        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.pdf(from, to)).sum();
+        let sum: f64 = self.kernels.iter().map(|kernel| kernel.scatter.density(from, to)).sum();
         sum / (self.kernels.len() as f64 * self.index().powi(2))
     }
 
     fn send(&self, from: Beta, u: [f64; 3]) -> Option<Beta> {
         let place = u[2] * self.kernels.len() as f64;
         let kernel = self.kernels.get(place as usize)?;
-        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], place.fract()])?;
-        Some(Beta { x: sent.beta.x * self.index(), y: sent.beta.y * self.index() })
+        let sent = kernel.scatter.sample(self.of_air(from), [u[0], u[1], place.fract(), 0.0])?;
+        Some(Beta { x: sent.direction.x * self.index(), y: sent.direction.y * self.index() })
     }
 }

@@ -1,37 +1,30 @@
-//! What scatters: diffusers, rough faces, a Lambertian base (scattering media: [`bulk`](super::bulk)).
+//! Scattering events at interfaces and at a Lambertian base (media: [`bulk`](super::bulk), other bases:
+//! [`pixel`](super::pixel)).
 
 use papilio_optics::Beta;
-use papilio_optics::rough::{Rough, Side};
 use papilio_sampling::warp;
 
-use super::books::{Room, Sums};
 use super::bulk::Bulk;
+use super::ledger::{Sums, Workspace};
 use super::light::Share;
-use super::sources::Turned;
-use super::{Sent, sources};
-use crate::skeleton::{Field, Going, Ray, Skeleton};
+use super::{OutgoingRay, sources};
+use crate::layers::{Arrival, Channel, Departure, Scattered, ScatteringInterface};
+use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
-use crate::{Diffuser, Interface, Layered, Medium, Reflector, ScatterFace, ScatterKernel};
+use crate::{Layered, Medium, Reflector, ScatterKernel};
 
-/// A scatterer, and light on its way to it.
+/// A scatterer, and the way in which light arrives at it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Meeting<'a> {
+pub(super) struct ScatterEvent<'a> {
     pub(super) element: usize,
-    pub(super) going: Going,
+    pub(super) going: Propagation,
     pub(super) kind: Kind<'a>,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kind<'a> {
-    /// Between these media.
-    Diffuser(&'a Diffuser, Option<&'a Medium>, &'a Medium),
-    Rough(&'a Rough),
-    /// A face's kernel, its reverse, and which way it sends light on.
-    Scatter {
-        kernel: &'a ScatterKernel,
-        reversed: &'a ScatterKernel,
-        sends: Going,
-    },
+    /// A channel of an interface between these media; air, if there is none above.
+    Interface(&'a dyn ScatteringInterface, Channel, [Option<&'a Medium>; 2]),
     Bulk(Bulk<'a>),
     /// A Lambertian base of this reflectance, under this medium.
     Base(&'a [f64], Option<&'a Medium>),
@@ -39,161 +32,103 @@ pub(super) enum Kind<'a> {
     Pixel(&'a [ScatterKernel], Option<&'a Medium>),
 }
 
-impl Kind<'_> {
-    /// A diffuser, a rough face or a face's kernel.
-    pub(super) fn is_face(&self) -> bool {
-        matches!(self, Self::Diffuser(..) | Self::Rough(_) | Self::Scatter { .. })
-    }
-}
-
-impl Meeting<'_> {
-    /// Sets `share` to that of the light that meets the scatterer and is scattered.
+impl ScatterEvent<'_> {
+    /// Sets `share` to the fraction of light that arrives and is scattered.
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
-        let ray = Ray::meeting(self.element, self.going);
-        if let Kind::Base(..) | Kind::Pixel(..) = self.kind {
-            return share.set(field, ray, |_| 1.0);
-        }
-        if let Kind::Scatter { kernel, .. } = self.kind {
-            let total = kernel.total(skeleton.length());
-            return share.set(field, ray, |bin| total * kernel.factor[bin]);
+        let ray = Ray::arriving_at(self.element, self.going);
+        match self.kind {
+            Kind::Base(..) | Kind::Pixel(..) => return share.set(field, ray, |_| 1.0),
+            Kind::Interface(interface, channel, _) => {
+                if let Some((total, factor)) = interface.fraction(channel, self.going, skeleton.length()) {
+                    return share.set(field, ray, |bin| total * factor[bin]);
+                }
+            }
+            Kind::Bulk(_) => {}
         }
         let parts = skeleton.element(self.element);
         share.set(field, ray, |bin| parts[bin].scattered[self.going as usize]);
     }
 
-    /// The ways on which a face can send light on.
-    fn ways(&self) -> &'static [Going] {
-        match (self.kind, self.going) {
-            (Kind::Scatter { sends: Going::Up, .. }, _) => &[Going::Up],
-            (Kind::Scatter { sends: Going::Down, .. }, _) => &[Going::Down],
-            (Kind::Rough(_), _) => &[Going::Up, Going::Down],
-            (_, Going::Up) => &[Going::Up],
-            (_, Going::Down) => &[Going::Down],
-        }
+    /// Samples the light that an interface scatters, without connections to sources; `None` if it is absorbed.
+    pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
+        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+        let (to, scattered) = interface.sample(Arrival { beta, going: self.going, channel }, u)?;
+        let Scattered { value, density, reverse } = scattered;
+        let ray = Ray::from_element(self.element, to.going);
+        Some(OutgoingRay {
+            back: reverse,
+            weight: value / density,
+            ..OutgoingRay::exactly(to.beta, ray, density)
+        })
     }
 
-    /// How a face sends light on, in parts of its [`share`](Self::share).
-    fn turned(&self, from: Beta, going: Going, to: Beta) -> Turned {
+    /// True if the medium that the light is scattered into has such a direction.
+    pub(super) fn carries(&self, sent: OutgoingRay, bin: usize) -> bool {
         match self.kind {
-            Kind::Diffuser(diffuser, ..) => Turned::exactly(diffuser.lobe.density(from, to)),
-            Kind::Rough(rough) => {
-                Turned::exactly(rough.density(side(self.going, true), from, side(going, false), to))
-            }
-            Kind::Scatter { kernel, reversed, .. } => {
-                let total = kernel.total(from.length()).max(f64::MIN_POSITIVE);
-                Turned {
-                    value: kernel.scatter.value(from, to) / total,
-                    pdf: kernel.scatter.pdf(from, to),
-                    back: reversed.scatter.pdf(to, from),
-                }
-            }
-            Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => Turned::exactly(0.0),
-        }
-    }
-
-    /// Light that a face sends on; `None` if it absorbs it.
-    pub(super) fn send(&self, from: Beta, u: [f64; 4]) -> Option<Sent> {
-        let (beta, going) = match self.kind {
-            Kind::Diffuser(diffuser, ..) => (diffuser.lobe.sample(from, [u[0], u[1]])?, self.going),
-            Kind::Rough(rough) => {
-                let (side, beta) = rough.sample(side(self.going, true), from, u);
-                (beta, if side == Side::Above { Going::Up } else { Going::Down })
-            }
-            Kind::Scatter { kernel, sends, .. } => {
-                (kernel.scatter.sample(from, [u[0], u[1], u[2]])?.beta, sends)
-            }
-            Kind::Bulk(_) | Kind::Base(..) | Kind::Pixel(..) => return None,
-        };
-        let ray = Ray::from_element(self.element, going);
-        let Turned { value, pdf, back } = self.turned(from, going, beta);
-        if let Kind::Scatter { .. } = self.kind {
-            return (pdf > 0.0).then(|| Sent { back, weight: value / pdf, ..Sent::exactly(beta, ray, pdf) });
-        }
-        Some(Sent::exactly(beta, ray, pdf))
-    }
-
-    /// True if the medium into which a face sends the light has such a direction.
-    pub(super) fn carries(&self, sent: Sent, bin: usize) -> bool {
-        match self.kind {
-            Kind::Diffuser(_, above, below) => {
-                let to = if sent.ray.going == Going::Up { above } else { Some(below) };
+            Kind::Interface(interface, _, media) if interface.scatters_beyond_media() => {
+                let to = if sent.ray.going == Propagation::Up { media[0] } else { media[1] };
                 sent.beta.squared() < index(to, bin).powi(2)
             }
             _ => true,
         }
     }
 
-    /// Through a diffuser, or through or off a rough face.
-    pub(super) fn pass_face(
+    /// Scattering at an interface: connections to sources, and a new direction.
+    pub(super) fn pass_interface(
         &self,
-        sent: Sent,
+        sent: OutgoingRay,
         u: [f64; 4],
         sums: &mut Sums,
-        room: &mut Room,
-    ) -> Option<Sent> {
-        let (from, ways) = (sent.beta, self.ways());
+        workspace: &mut Workspace,
+    ) -> Option<OutgoingRay> {
+        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+        let ways = channel.leaves(self.going);
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
-        let turned = |way: usize, lamp| self.turned(from, ways[way], lamp);
-        sources::connect(rays, sent.density, turned, |_, _| 1.0, sums, room);
-        let Some(next) = self.send(from, u) else {
-            room.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
+        let from = Arrival { beta: sent.beta, going: self.going, channel };
+        let scattered = |way: usize, beta| interface.scatter(from, Departure { beta, going: ways[way] });
+        sources::connect(rays, sent.density, scattered, |_, _| 1.0, sums, workspace);
+        let Some(next) = self.send(sent.beta, u) else {
+            workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
             return None;
         };
         let kept = |bin| if self.carries(next, bin) { next.weight } else { 0.0 };
-        room.light.keep(kept, &mut sums.absorbed.diffuser);
-        Some(Sent { rival: sent.density, ..next })
+        workspace.light.keep(kept, &mut sums.absorbed.diffuser);
+        Some(OutgoingRay { rival: sent.density, ..next })
     }
 }
 
-/// The side on which light is that goes this way, before or after it meets a face.
-fn side(going: Going, before: bool) -> Side {
-    if (going == Going::Down) == before { Side::Above } else { Side::Below }
-}
-
-/// Every way to meet a scatterer of the stack.
-pub(super) fn meetings(stack: &Layered) -> Vec<Meeting<'_>> {
-    let mut meetings = Vec::new();
-    let mut upper = None;
+/// All scattering events that a stack has.
+pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
+    const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
+    let mut events = Vec::new();
+    for (element, (layer, media)) in stack.elements().enumerate() {
+        let Some(interface) = layer.scattering_interface() else { continue };
+        for going in BOTH_WAYS {
+            let channels = interface.channels(going).into_iter();
+            events.extend(channels.map(|channel| ScatterEvent {
+                element,
+                going,
+                kind: Kind::Interface(interface, channel, media),
+            }));
+        }
+    }
     for (i, layer) in stack.layers.iter().enumerate() {
-        let both_ways =
-            |element, kind| [Going::Down, Going::Up].map(|going| Meeting { element, going, kind });
-        match &layer.interface {
-            Interface::Diffuser(diffuser) => {
-                meetings.extend(both_ways(2 * i, Kind::Diffuser(diffuser, upper, &layer.medium)));
-            }
-            Interface::Rough(rough) => meetings.extend(both_ways(2 * i, Kind::Rough(rough))),
-            _ => {}
-        }
-        if let Interface::Scatter(face) = &layer.interface {
-            meetings.extend(ways_of(face, 2 * i));
-        }
         if let Some(bulk) = Bulk::new(2 * i + 1, &layer.medium) {
-            meetings.extend(both_ways(2 * i + 1, Kind::Bulk(bulk)));
+            let kind = Kind::Bulk(bulk);
+            events.extend(BOTH_WAYS.map(|going| ScatterEvent { element: 2 * i + 1, going, kind }));
         }
-        upper = Some(&layer.medium);
     }
+    // From the top: numbers of random decisions depend on the order.
+    events.sort_by_key(|event| event.element);
+    let upper = stack.layers.last().map(|layer| &layer.medium);
     let base = match &stack.base.reflector {
         Reflector::Specular(_) => None,
         Reflector::Lambertian(reflectance) => Some(Kind::Base(reflectance, upper)),
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
     };
     let element = 2 * stack.layers.len();
-    meetings.extend(base.map(|kind| Meeting { element, going: Going::Down, kind }));
-    meetings
-}
-
-/// Every way to meet a face given by its BSDF.
-fn ways_of(face: &ScatterFace, element: usize) -> impl Iterator<Item = Meeting<'_>> {
-    [(Going::Down, Going::Up), (Going::Up, Going::Down)].into_iter().flat_map(move |(going, other)| {
-        let through = face.through(going).zip(face.through(other)).map(|ways| (ways, going));
-        // Reflections are reciprocal.
-        let back = face.back(going).map(|kernel| ((kernel, kernel), other));
-        through.into_iter().chain(back).map(move |((kernel, reversed), sends)| Meeting {
-            element,
-            going,
-            kind: Kind::Scatter { kernel, reversed, sends },
-        })
-    })
+    events.extend(base.map(|kind| ScatterEvent { element, going: Propagation::Down, kind }));
+    events
 }
 
 /// The index of a medium, or of air.
@@ -201,16 +136,16 @@ fn index(medium: Option<&Medium>, bin: usize) -> f64 {
     medium.map_or(1.0, |medium| medium.index()[bin])
 }
 
-/// Off a Lambertian base: the same basic radiance in every direction of the medium.
+/// Reflection by a Lambertian base: the same basic radiance in every direction of the medium.
 pub(super) fn at_lambertian_base(
     reflectance: &[f64],
     medium: Option<&Medium>,
     element: usize,
     u: [f64; 2],
     sums: &mut Sums,
-    room: &mut Room,
-) -> Sent {
-    let light = &mut room.light;
+    workspace: &mut Workspace,
+) -> OutgoingRay {
+    let light = &mut workspace.light;
     sums.arriving.add(light, 1.0);
     let rows = light.met.chunks_exact_mut(light.fresh.len());
     for (row, reflectance) in rows.zip(reflectance.chunks_exact(light.fresh.len())) {
@@ -221,7 +156,7 @@ pub(super) fn at_lambertian_base(
     light.fresh.fill(0.0);
     sums.reflected.add(light, 1.0);
 
-    let ray = Ray { plane: element, going: Going::Up };
+    let ray = Ray { plane: element, going: Propagation::Up };
     let largest = medium.map_or(1.0, Medium::largest_index);
     // Over the disc of each wavelength, where the value is that of the largest.
     let density = warp::uniform_disc_density(largest);
@@ -229,10 +164,11 @@ pub(super) fn at_lambertian_base(
         let n = index(medium, bin);
         if beta.squared() < n * n { (largest / n).powi(2) } else { 0.0 }
     };
-    let turned = |_, to: Beta| Turned { value: density, pdf: base_density(largest, to), back: density };
-    sources::connect([ray].into_iter(), f64::INFINITY, turned, spread, sums, room);
+    let scattered =
+        |_, to: Beta| Scattered { value: density, density: base_density(largest, to), reverse: density };
+    sources::connect([ray].into_iter(), f64::INFINITY, scattered, spread, sums, workspace);
     let out = base_direction(largest, u);
     let drawn = base_density(largest, out);
-    room.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
-    Sent::exactly(out, ray, drawn)
+    workspace.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
+    OutgoingRay::exactly(out, ray, drawn)
 }

@@ -1,34 +1,35 @@
-//! Directed sources: met by connection, and discs by chance as well.
+//! Directed sources: connections to all of them, and chance hits of discs.
 //!
-//! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]), so each
-//! scattering event adds what it turns of that light into the path: every way from the source whose
-//! first scattering (from the source's end) is this event, once.
+//! The unscattered light of a source is known everywhere in closed form ([`Skeleton`]). Each scattering event adds the
+//! light of a source that it scatters into the path: every way from the source whose first event, counted from the
+//! source, is this one, exactly once.
 //!
-//! A narrow lobe at that first scattering is a needle for the path. So each diffuser and rough face
-//! also sends light of the source on, once for each path, in a direction drawn from its own
-//! kernel; that light is a lamp of its own, which events connect to in the same way. A direction
-//! that both the path and the scatterer may draw is weighted by the balance heuristic
+//! If that first event has a narrow lobe, the path rarely finds it. So each scattering interface also relays the light
+//! of the source, once per path, in a direction sampled from its own kernel; events connect to the relayed light in the
+//! same way. A direction that both the path and the interface may sample is weighted by the balance heuristic
 //! ([`Target::weight`]).
 
 use papilio_optics::Beta;
 
-use super::books::{Room, Sums};
+use super::ledger::{Sums, Workspace};
 use super::light::{Light, Share};
-use super::{Layered, Sent};
+use super::scatterers::Kind;
+use super::{Layered, OutgoingRay};
 use crate::Source;
+use crate::layers::Scattered;
 use crate::skeleton::{Field, Ray, Skeleton};
 use crate::walk::{PathNumbers, Target};
 
-/// The light of all sources that have a direction.
+/// Light of all directed sources.
 #[derive(Debug, Clone)]
 pub(super) struct Lamps {
     sources: Vec<Lamp>,
-    scattered: Vec<Scattered>,
-    /// The directions of beams and of the middles of discs.
+    scattered: Vec<Relay>,
+    /// Directions of beams and of the centres of discs.
     pub(super) about: Vec<Beta>,
 }
 
-/// Light of one direction, everywhere.
+/// Light of one direction, at every plane of the stack.
 #[derive(Debug, Clone)]
 pub(super) struct Lamp {
     source: usize,
@@ -36,43 +37,25 @@ pub(super) struct Lamp {
     target: Target,
     /// The direction of this light.
     pub(super) beta: Beta,
-    /// The densities with which a scatterer sent it that way, and would have sent it back; the source
-    /// itself had no choice.
+    /// Densities with which an interface sampled this direction and would sample the way back; `None` for the light
+    /// of the source itself.
     drawn: Option<[f64; 2]>,
     field: Field,
-    /// What has become of the light before it was sent out as `field`; what met the base before is also
-    /// in the field's `rising`.
+    /// Fraction of the light that was relayed as `field`; what met the base before is also in the
+    /// field's `rising`.
     before: Light,
     dark: bool,
-    /// In a scattering medium: what its events have turned upwards and downwards, yet to be settled.
+    /// In a scattering medium: light scattered into the path upwards and downwards that is not in the sums yet.
     pub(super) gathered: [f64; 2],
 }
 
-/// What a scattering event does to light of its path in a direction.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Turned {
-    /// The kernel: density over direction cosines.
-    pub(super) value: f64,
-    /// The density with which it chooses the direction.
-    pub(super) pdf: f64,
-    /// That with which it would choose the path's direction for light from there.
-    pub(super) back: f64,
-}
-
-impl Turned {
-    /// By a scatterer that draws from its very kernel, which is the same for the way back.
-    pub(super) fn exactly(density: f64) -> Self {
-        Self { value: density, pdf: density, back: density }
-    }
-}
-
-/// Light that a scatterer sends on.
+/// Light that an interface relays.
 #[derive(Debug, Clone)]
-struct Scattered {
-    /// Numbers of the lamp and of the meeting.
+struct Relay {
+    /// Numbers of the lamp and of the event.
     of: usize,
-    meeting: usize,
-    /// What of the lamp meets the scatterer and is scattered.
+    event: usize,
+    /// Light that arrives at the interface and is scattered.
     arrived: Light,
     lamp: Lamp,
 }
@@ -89,10 +72,11 @@ impl Lamps {
             let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
             let lamp = Lamp::new(source, target, walk, skeleton);
             let of = lamps.sources.len();
-            let meetings = walk.meetings.iter().enumerate().filter(|(_, meeting)| meeting.kind.is_face());
-            lamps.scattered.extend(meetings.map(|(meeting, _)| Scattered {
+            let events =
+                walk.events.iter().enumerate().filter(|(_, event)| matches!(event.kind, Kind::Interface(..)));
+            lamps.scattered.extend(events.map(|(event, _)| Relay {
                 of,
-                meeting,
+                event,
                 arrived: lamp.before.clone(),
                 lamp: lamp.clone(),
             }));
@@ -104,7 +88,7 @@ impl Lamps {
         lamps
     }
 
-    /// Draws all that is drawn for a path.
+    /// Samples everything for a new path.
     pub(super) fn draw(&mut self, numbers: &PathNumbers<'_>, walk: &Layered<'_>, skeleton: &mut Skeleton) {
         if walk.discs {
             for of in 0..self.sources.len() {
@@ -122,7 +106,7 @@ impl Lamps {
         }
     }
 
-    /// Turns to this point of a source.
+    /// Moves to this point of a source.
     fn aim(&mut self, of: usize, target: Target, walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.sources[of];
         (lamp.target, lamp.beta) = (target, target.beta);
@@ -130,7 +114,7 @@ impl Lamps {
         skeleton.emit(Ray::ENTERING, &mut lamp.field);
         let mut share = Share::zeros(lamp.before.fresh.len());
         for scattered in self.scattered.iter_mut().filter(|scattered| scattered.of == of) {
-            walk.meetings[scattered.meeting].share(skeleton, &lamp.field, &mut share);
+            walk.events[scattered.event].share(skeleton, &lamp.field, &mut share);
             scattered.arrived.start();
             scattered.arrived.carry(&share, &lamp.field.rising, 1.0);
         }
@@ -144,7 +128,7 @@ impl Lamps {
         self.split().1
     }
 
-    /// Where beams and discs are, and the lamps.
+    /// Directions of beams and discs, and the lamps.
     pub(super) fn split(&mut self) -> (&[Beta], impl Iterator<Item = &mut Lamp>) {
         let scattered = self.scattered.iter_mut().map(|scattered| &mut scattered.lamp);
         let lamps = self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark);
@@ -170,27 +154,27 @@ impl Lamp {
         }
     }
 
-    /// The balanced weight of a connection by an event that turns light this way. `rival` is the density with which the path had chosen the direction that the
-    /// event turns, where the event may also send light of the source on; else infinite.
+    /// Weight of a connection, by the balance heuristic. `rival` is the density with which the path chose its
+    /// direction before the event, where the event may also relay light of the source; otherwise infinite.
     #[inline]
-    pub(super) fn weight(&self, turned: Turned, rival: f64) -> f64 {
-        let Turned { value, pdf, back } = turned;
+    pub(super) fn weight(&self, scattered: Scattered, rival: f64) -> f64 {
+        let Scattered { value, density, reverse } = scattered;
         match self.drawn {
-            None => self.target.balanced(value, || pdf, back / rival),
-            Some([drawn, back]) if pdf > 0.0 => {
-                value / pdf * self.target.balanced(drawn, || back, drawn / pdf)
+            None => self.target.balanced(value, || density, reverse / rival),
+            Some([drawn, back]) if density > 0.0 => {
+                value / density * self.target.balanced(drawn, || back, drawn / density)
             }
             Some(_) => 0.0,
         }
     }
 
-    /// The share of light sent out as `ray` this way that reaches the source.
+    /// Fraction of light emitted as `ray` that reaches the source.
     #[inline]
     pub(super) fn reach(&self, ray: Ray, factor: impl Fn(usize) -> f64, share: &mut Share) {
         share.add(&self.field, ray.reversed(), factor);
     }
 
-    /// Adds what of the path's light reaches the source.
+    /// Adds the path's light that reaches the source.
     pub(super) fn add(&self, light: &Light, share: &Share, sums: &mut Sums) {
         let sum = &mut sums.from_source[self.source];
         if self.drawn.is_none() {
@@ -201,17 +185,17 @@ impl Lamp {
     }
 }
 
-impl Scattered {
+impl Relay {
     fn send(&mut self, source: &Lamp, u: [f64; 4], walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.lamp;
         lamp.dark = true;
         if self.arrived.is_dark() {
             return;
         }
-        let meeting = &walk.meetings[self.meeting];
-        let Some(sent) = meeting.send(source.beta, u) else { return };
+        let event = &walk.events[self.event];
+        let Some(sent) = event.send(source.beta, u) else { return };
         lamp.before.clone_from(&self.arrived);
-        lamp.before.keep_where(|bin| meeting.carries(sent, bin));
+        lamp.before.keep_where(|bin| event.carries(sent, bin));
         lamp.before.scale(sent.weight);
         if lamp.before.is_dark() {
             return;
@@ -224,32 +208,33 @@ impl Scattered {
     }
 }
 
-/// Connects the path's light to all lamps at a scattering event.
+/// Connects the path's light to all sources at a scattering event.
 ///
-/// `ways` are those on which the event can send it on; `turned(way, beta)` says how it does, and `factor(beta, bin)` what differs between wavelengths.
+/// `ways` are the rays on which light can leave the event; `scattered(way, beta)` are its densities, and
+/// `factor(beta, bin)` is what depends on wavelength.
 pub(super) fn connect(
     ways: impl Iterator<Item = Ray> + Clone,
     rival: f64,
-    turned: impl Fn(usize, Beta) -> Turned,
+    scattered: impl Fn(usize, Beta) -> Scattered,
     factor: impl Fn(Beta, usize) -> f64,
     sums: &mut Sums,
-    room: &mut Room,
+    workspace: &mut Workspace,
 ) {
-    let Room { light, share, lamps, .. } = room;
+    let Workspace { light, share, lamps, .. } = workspace;
     for lamp in lamps.iter() {
         share.clear();
         for (way, ray) in ways.clone().enumerate() {
-            let weight = lamp.weight(turned(way, lamp.beta), rival);
+            let weight = lamp.weight(scattered(way, lamp.beta), rival);
             lamp.reach(ray, |bin| weight * factor(lamp.beta, bin), share);
         }
         lamp.add(light, share, sums);
     }
 }
 
-/// Discs that scattered light runs into where it leaves.
+/// Adds discs that scattered light hits where it leaves the display.
 pub(super) fn meet_discs(
     sources: &[Source],
-    sent: Sent,
+    sent: OutgoingRay,
     (light, share, rising): (&Light, &Share, &[f64]),
     sums: &mut Sums,
 ) {

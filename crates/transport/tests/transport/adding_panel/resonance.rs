@@ -1,6 +1,7 @@
 //! Pixels whose reflectance changes over directions faster than any lobe does.
 
 use super::*;
+use papilio_optics::Scatterer;
 
 /// A resonance as films have them, at a cosine in the glass within the disc of air.
 fn resonance(cosine: f64) -> f64 {
@@ -35,7 +36,7 @@ fn over_the_resonance(lobe: Lobe, from: Beta, to: Beta) -> [f64; 2] {
         let (sin, cos) = ((f64::from(ring) + 0.5) * step).sin_cos();
         let radius = 1.5 * sin;
         let weight = 2.25 * sin * cos * step * 2.0 * PI / f64::from(spokes) * resonance(cos);
-        let share_leaving = lobe.share_in_disc(radius, 1.0);
+        let share_leaving = lobe.fraction_in_disc(radius, 1.0);
         for spoke in 0..spokes {
             let (x, y) = papilio_sampling::warp::polar(radius, f64::from(spoke) / f64::from(spokes));
             let seen = weight * lobe.density(from, Beta { x, y });

@@ -6,12 +6,12 @@ use std::sync::atomic::AtomicBool;
 use super::super::super::images::ImagePoints;
 use super::super::super::quadrature::Point;
 use super::super::add_scaled;
-use super::super::books::{Books, Sums};
 use super::super::first_pass::{Alone, Weights};
+use super::super::ledger::{Books, Sums};
 use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
 use super::{Bundle, Kernel, Recycled, View, sent_back};
 use crate::specular::panel_image;
-use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, Reflector, Rho, Source};
+use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, ReflectanceFactor, Reflector, Source};
 
 impl Kernel {
     pub(in super::super) fn estimate(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Estimate {
@@ -31,7 +31,12 @@ impl Kernel {
     }
 
     /// The `rho` of an estimate.
-    pub(in super::super) fn seen(&self, stack: &Panel, diffuser: &Diffuser, view: usize) -> Vec<Rho> {
+    pub(in super::super) fn seen(
+        &self,
+        stack: &Panel,
+        diffuser: &Diffuser,
+        view: usize,
+    ) -> Vec<ReflectanceFactor> {
         match self.views.get(view) {
             Some(seen) if self.recycling_serves(stack) => {
                 let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
@@ -283,13 +288,13 @@ fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64]) {
     }
 }
 
-fn add_images(stack: &Panel, images: &[ImagePoints], rho: &mut [Rho]) {
+fn add_images(stack: &Panel, images: &[ImagePoints], rho: &mut [ReflectanceFactor]) {
     for seen in images {
         let rho = &mut rho[seen.source];
         for point in &seen.points {
             let image = panel_image(stack, point.beta);
             add_scaled(&mut rho.front, &image.front, point.weight);
-            add_scaled(&mut rho.base, &image.base, point.weight);
+            add_scaled(&mut rho.via_pixel, &image.base, point.weight);
         }
     }
 }

@@ -195,7 +195,7 @@ impl Kernel {
         }
     }
 
-    /// Starts anew with a base that is not the one that was seen last.
+    /// Starts again with a base that is not the one that was seen last.
     fn look_at(&mut self, stack: &Panel) {
         let Reflector::Specular(table) = &stack.base.reflector else {
             self.seen = None;

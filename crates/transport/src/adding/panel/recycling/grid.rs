@@ -30,14 +30,14 @@ pub(super) struct Grid {
     /// The lobe, `[order][air][glass]`, and between directions in air where light goes straight through.
     between: Vec<f64>,
     within: Vec<f64>,
-    /// The share of light at the diffuser's underside that leaves, at the glass's nodes, and of
+    /// The fraction of light at the diffuser's underside that leaves, at the glass's nodes, and of
     /// light above it that reaches the base, at the air's; `leaving_straight` is `leaving` at the air's.
     pub(super) leaving: Vec<f64>,
     pub(super) leaving_straight: Vec<f64>,
     pub(super) arriving: Vec<f64>,
 }
 
-/// A group of directions with the same share of straight light: their lobes, symmetric about an azimuth.
+/// A group of directions with the same fraction of straight light: their lobes, symmetric about an azimuth.
 #[derive(Debug, Clone)]
 pub(super) struct Meridian {
     /// `[order][glass]`, and `[order][air]` where light goes straight through.
@@ -105,12 +105,12 @@ impl Grid {
         let between = table(&air, &glass);
         let within = if straight > 0.0 { table(&air, &air) } else { Vec::new() };
         let (leaving, leaving_straight) = (pass.shares_leaving(&glass), pass.shares_leaving(&air));
-        let reaching = |node: &Node| straight + (1.0 - straight) * lobe.share_in_disc(node.x, pass.index);
+        let reaching = |node: &Node| straight + (1.0 - straight) * lobe.fraction_in_disc(node.x, pass.index);
         let arriving = air.iter().map(reaching).collect();
         Self { lobe, straight, orders, air, glass, between, within, leaving, leaving_straight, arriving }
     }
 
-    /// The lobes of a group of points that is symmetric about `azimuth`: alike on both sides, or opposite.
+    /// The lobes of a group of points that is symmetric about `azimuth`: the same on both sides, or opposite.
     pub(super) fn meridian(&self, points: &[Point], azimuth: f64, odd: bool) -> Meridian {
         // Points of one radius have their lobes in common.
         let mut rings: Vec<(f64, Vec<f64>)> =
@@ -259,7 +259,7 @@ impl Grid {
         form
     }
 
-    /// Diffuse light (`[air][column]`) after one meeting with the base: of what arrives, the share that
+    /// Diffuse light (`[air][column]`) after one meeting with the base: of what arrives, the fraction that
     /// `of_scattered` (at the glass's nodes) and `of_straight` (at the air's) tell.
     pub(super) fn diffuse(&self, r: Columns<'_>, of_scattered: &[f64], of_straight: &[f64]) -> Vec<f64> {
         let (n, s) = (r.count, self.straight);

@@ -14,7 +14,7 @@
 //! terms. Where g is too large for that, the series is summed on the grid for each state and
 //! wavelength.
 //!
-//! Lobes narrower than .01 to .03, by what else is asked of it, would need too large a grid: theirs is made for a wider one,
+//! Lobes narrower than 0.01 to 0.03, by what else is asked of it, would need too large a grid: theirs is made for a wider one,
 //! the narrower the finer the level. What is recycled between two directions is then multiplied by what the true
 //! lobe has there over what the wider one has, of all orders together in closed form ([`Recycling::closed`]). What
 //! the rims and the pixel's angles do to recycled light then errs in proportion to the wider lobe's
@@ -30,8 +30,8 @@ mod values;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use super::super::quadrature::Point;
 use super::first_pass::{Pass, Weights};
@@ -118,7 +118,7 @@ impl Recycling {
         self.grid.air.len() + self.grid.glass.len()
     }
 
-    /// A view's or a source's group of points, symmetric about the axis's azimuth: alike on both sides, or
+    /// A view's or a source's group of points, symmetric about the axis's azimuth: the same on both sides, or
     /// opposite (odd; no view is).
     pub(super) fn group(
         &self,

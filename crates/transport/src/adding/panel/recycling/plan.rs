@@ -36,7 +36,7 @@ const DIGITS_A_KINK: f64 = 0.5;
 const MOST_COEFFICIENTS: usize = 5000;
 
 impl Plan {
-    /// For light that loses all but the share `strength` between passes; `reach` is the largest
+    /// For light that loses all but the fraction `strength` between passes; `reach` is the largest
     /// `sqrt(|beta_v| |beta_l|)` of a view and a directed source. `None` where nothing is sent back.
     pub(in super::super) fn new(pass: &Pass<'_>, strength: f64, reach: Option<f64>) -> Option<Self> {
         let digits = pass.digits;

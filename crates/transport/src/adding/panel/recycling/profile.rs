@@ -22,7 +22,7 @@ pub(super) struct Profile {
     pub(super) glass: Vec<f64>,
     pub(super) air: Vec<f64>,
     /// What a view's light is multiplied by: diffuse light after one pass, and reflected by the base,
-    /// for each term; and the share that arrives there.
+    /// for each term; and the fraction that arrives there.
     pub(super) leaving: End,
     pub(super) reflected: End,
     pub(super) arriving: End,

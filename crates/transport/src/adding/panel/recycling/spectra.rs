@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::super::books::Sums;
+use super::super::ledger::Sums;
 use super::forms::Products;
 use super::grid::Columns;
 use super::{Direction, Forms, Group, Profile, Recycling, azimuth_factor};

@@ -1,6 +1,6 @@
 //! First passes of several paths at once, as registers hold them.
 //!
-//! Over a mirror, with directions drawn from the lobe, diffuse light and beams, all first passes
+//! Over a mirror, with directions sampled from the lobe, diffuse light and beams, all first passes
 //! go the same way and end in weights on the nodes of the pixel's table: what leads there is arithmetic
 //! without a branch, which compilers spread over the widest registers that there are. Only where to look
 //! things up is found path by path; the look-ups themselves wait until there are enough of them in a panel of the table.
@@ -10,14 +10,14 @@
 
 use std::ops::Range;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::Numbers;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Diffused;
-use super::books::Sums;
-use super::first::First;
+use super::first_pass::First;
+use super::ledger::Sums;
 use crate::walk::Target;
 use crate::{AngularTable, CosinePanels, Nodes, Reflector, Source};
 
@@ -32,7 +32,7 @@ type Lanes = [f64; LANES];
 struct Group {
     /// What the paths see below the diffuser.
     below: Directions,
-    /// The share of light there that leaves.
+    /// The fraction of light there that leaves.
     leaving: Lanes,
     beams: Vec<FromBeam>,
 }
@@ -53,9 +53,9 @@ struct FromBeam {
     /// The number of the source, and its direction.
     source: usize,
     beam: Beta,
-    /// To the direction that the path has drawn.
+    /// To the direction that the path has sampled.
     connected: Lanes,
-    /// To one drawn about the beam, and that direction.
+    /// To one sampled about the beam, and that direction.
     weight: Lanes,
     backwards: Directions,
 }
@@ -150,7 +150,7 @@ fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
 /// How far the lobe turns light.
 #[inline(always)]
 fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
-    lobe.sample(Beta::default(), numbers).unwrap_or_default()
+    lobe.sample_direction(Beta::default(), numbers).unwrap_or_default()
 }
 
 /// What a beam sends to a direction below the diffuser that is seen from one above, by the technique that drew it from there.

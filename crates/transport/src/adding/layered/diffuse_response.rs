@@ -8,18 +8,18 @@ use super::prepare::Group;
 
 /// What a unit beam from one extra node becomes, by column.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
-    /// The share that leaves, by way of the base.
+pub(super) struct DiffuseResponse {
+    /// The fraction that leaves, via the base.
     pub(super) diffuse: Vec<f64>,
-    /// The share that leaves without having met it.
+    /// The fraction that leaves without having met it.
     pub(super) diffuse_front: f64,
     /// Returned, then absorbed in front, diffuser, glass, pixel, inactive.
     pub(super) ledger: Vec<Vec<f64>>,
-    /// Over a Lambertian base, the kernel by way of it towards a direction whose light all arrives.
+    /// Over a Lambertian base, the kernel via it towards a direction whose light all arrives.
     towards: Vec<f64>,
 }
 
-impl Seen {
+impl DiffuseResponse {
     /// Of light that rises for a beam that entered from a view, in order 0.
     pub(super) fn new(group: &Group, columns: &Columns, above: &Above, rising: &Rising) -> Self {
         let node = group.share(rising.extra());
@@ -34,7 +34,7 @@ impl Seen {
         seen
     }
 
-    /// Over a Lambertian base, the kernel by way of it towards an extra node.
+    /// Over a Lambertian base, the kernel via it towards an extra node.
     pub(super) fn by_way_of_base(&self, group: &Group, to: usize) -> impl Iterator<Item = f64> {
         let arriving = group.shares.arriving[group.share(to)];
         self.towards.iter().map(move |kernel| kernel * arriving)

@@ -10,19 +10,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::base::Above;
 use super::columns::{BaseColumns, Columns};
+use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, Ray, extras};
 use super::matrix::Matrix;
 use super::once::{Once, Way};
 use super::prepare::Group;
-use super::seen::Seen;
-use crate::{Base, Estimate, Layered, Ledger, Rho};
+use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
 
 /// What the views see over one base.
 #[derive(Debug)]
-pub(super) struct Over {
+pub(super) struct BeamResponse {
     pub(super) base: Base,
     /// Of beams, by view and source.
-    beams: Vec<Vec<Rho>>,
+    beams: Vec<Vec<ReflectanceFactor>>,
     families: Vec<Followed>,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Followed {
     views: Vec<usize>,
     lights: Vec<usize>,
     /// Where beams of diffuse light end, `[group][view]`.
-    seen: Vec<Vec<Seen>>,
+    seen: Vec<Vec<DiffuseResponse>>,
     /// The largest densities met so far, `[group][beam][column]`.
     floors: Vec<Vec<Vec<f64>>>,
 }
@@ -48,11 +48,11 @@ struct Kernels {
     front: Matrix,
 }
 
-impl Over {
+impl BeamResponse {
     /// Nothing seen yet.
     pub(super) fn new(stack: &Layered, directions: &Directions) -> Self {
         let (states, bins) = (stack.base.states(), stack.base.bins());
-        let zeros = || Rho { base: vec![0.0; states * bins], front: vec![0.0; bins] };
+        let zeros = || ReflectanceFactor { via_pixel: vec![0.0; states * bins], front: vec![0.0; bins] };
         let beams = directions.views.iter().map(|_| directions.sources.iter().map(|_| zeros()).collect());
         Self { base: stack.base.clone(), beams: beams.collect(), families: Vec::new() }
     }
@@ -108,7 +108,7 @@ impl Over {
                     let Some(seen) = seen.get(number) else { continue };
                     let diffuse = directions.sources.iter().zip(&mut estimate.rho);
                     for (_, rho) in diffuse.filter(|(source, _)| source.is_empty()) {
-                        columns.add(&mut rho.base, &seen.diffuse, ray.weight);
+                        columns.add(&mut rho.via_pixel, &seen.diffuse, ray.weight);
                         bins.iter().for_each(|&bin| rho.front[bin] += ray.weight * seen.diffuse_front);
                     }
                     let Ledger { returned, front, diffuser, glass, pixel, inactive, unaccounted: _ } =
@@ -199,7 +199,7 @@ impl Followed {
             }
             let rising = above.rise(*extra, below, tolerance, floor);
             if order == 0 {
-                self.seen[number].push(Seen::new(group, columns, above, &rising));
+                self.seen[number].push(DiffuseResponse::new(group, columns, above, &rising));
             }
             for (other, to) in others.iter().enumerate() {
                 let (view, light) = if from_views { (beam, other) } else { (other, beam) };
@@ -230,7 +230,7 @@ impl Followed {
         kernels: &Kernels,
         way: &Way,
         directions: &Directions,
-        beams: &mut [Vec<Rho>],
+        beams: &mut [Vec<ReflectanceFactor>],
         stop: &AtomicBool,
     ) {
         let places: Vec<usize> =
@@ -252,7 +252,7 @@ impl Followed {
                             light.weight * way.density(beta(ray), beta(light), turn)
                         };
                         let factor = PI * ray.weight * lights.iter().map(sent).sum::<f64>();
-                        add(&mut rho.base, &places, base, factor);
+                        add(&mut rho.via_pixel, &places, base, factor);
                         add(&mut rho.front, &bins, front, factor);
                     }
                 }
@@ -261,7 +261,13 @@ impl Followed {
     }
 
     /// Adds an order's kernels to what the views see.
-    fn gather(&self, order: usize, kernels: &Kernels, directions: &Directions, beams: &mut [Vec<Rho>]) {
+    fn gather(
+        &self,
+        order: usize,
+        kernels: &Kernels,
+        directions: &Directions,
+        beams: &mut [Vec<ReflectanceFactor>],
+    ) {
         let places: Vec<usize> =
             self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
         let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
@@ -285,7 +291,7 @@ impl Followed {
                         };
                         let light: f64 = lights.iter().map(turned).sum();
                         let factor = PI * ray.weight * light * both_ways;
-                        add(&mut rho.base, &places, kernels.base.column(pair), factor);
+                        add(&mut rho.via_pixel, &places, kernels.base.column(pair), factor);
                         add(&mut rho.front, &bins, kernels.front.column(pair), factor);
                     }
                 }

@@ -1,7 +1,7 @@
-//! The share of light at the diffuser's underside that leaves into the air, tabulated: its closed form takes an
+//! The fraction of light at the diffuser's underside that leaves into the air, tabulated: its closed form takes an
 //! elliptic integral, ten times what else a path's first pass does.
 //!
-//! A k-correlation lobe of width b puts it into `|beta| <= 1`; the share falls from 1 to 0 over some b about the rim. Steps
+//! A k-correlation lobe of width b puts it into `|beta| <= 1`; the fraction falls from 1 to 0 over some b about the rim. Steps
 //! of b/32 in `|beta|^2`, b/64 there in `|beta|`, and cubic interpolation among four points err by less than 1e-8.
 
 use papilio_optics::lobe::Lobe;
@@ -10,7 +10,7 @@ use papilio_sampling::warp::rounded;
 /// Steps to a width of the lobe.
 const STEPS: f64 = 32.0;
 
-/// Narrower lobes would take more room than a processor's first caches have.
+/// Narrower lobes would take more workspace than a processor's first caches have.
 const NARROWEST: f64 = 0.01;
 
 /// Offsets that are computed side by side.
@@ -18,14 +18,14 @@ const SIDE_BY_SIDE: usize = 16;
 
 /// Cubic polynomials of the place about even steps of `|beta|^2`.
 #[derive(Debug)]
-pub(super) struct Leaving {
+pub(super) struct Escape {
     lobe: Lobe,
     per_square: f64,
     steps: Vec<[f64; 4]>,
 }
 
-impl Leaving {
-    /// For `|beta|` up to `largest`. Narrow lobes have no table: their shares are computed each time.
+impl Escape {
+    /// For `|beta|` up to `largest`. Narrow lobes have no table: their fractions are computed each time.
     pub(super) fn new(lobe: Lobe, largest: f64) -> Self {
         let width = match lobe {
             Lobe::KCorrelation { width } => width.min(1.0),
@@ -40,7 +40,7 @@ impl Leaving {
         let mut values = vec![0.0];
         for first in (0..count).step_by(SIDE_BY_SIDE) {
             let offset = |k: usize| ((first + k) as f64 / per_square).sqrt();
-            values.extend(lobe.shares_in_disc::<SIDE_BY_SIDE>(std::array::from_fn(offset), 1.0));
+            values.extend(lobe.fractions_in_disc::<SIDE_BY_SIDE>(std::array::from_fn(offset), 1.0));
         }
         values[0] = 4.0 * (values[1] + values[3]) - 6.0 * values[2] - values[4];
         let steps = values
@@ -63,7 +63,7 @@ impl Leaving {
                     let t = at - step;
                     a + t * (b + t * (c + t * d))
                 }
-                None => self.lobe.share_in_disc(squared.sqrt(), 1.0),
+                None => self.lobe.fraction_in_disc(squared.sqrt(), 1.0),
             };
         }
         shares
@@ -85,11 +85,11 @@ mod tests {
     fn the_table_is_the_closed_form() {
         for width in [0.003, 0.01, 0.0567, 0.3, 2.0] {
             let lobe = Lobe::KCorrelation { width };
-            let leaving = Leaving::new(lobe, 1.52);
+            let leaving = Escape::new(lobe, 1.52);
             for step in 0..=15_200 {
                 let offset = f64::from(step) * 1e-4;
                 let [found] = leaving.at(&[offset * offset]);
-                let expected = lobe.share_in_disc(offset, 1.0);
+                let expected = lobe.fraction_in_disc(offset, 1.0);
                 assert!((found - expected).abs() < 1e-8, "b {width}, |beta| {offset}: {found} {expected}");
             }
         }

@@ -20,13 +20,13 @@ pub(super) const ORDER: usize = 12;
 /// The largest error of the table between its nodes.
 const TOLERANCE: f64 = 2e-6;
 
-/// The largest shift of log odds that is looked for; what is found is below .05.
+/// The largest shift of log odds that is looked for; what is found is below 0.05.
 const SHIFT: f64 = 2.0;
 
 /// Pieces are not cut below this width: beyond 89.99 deg the deficit bends ever more, and no light is there.
 const NARROWEST: f64 = 0.01;
 
-/// A table of roughness .01 has about a tenth of this.
+/// A table of roughness 0.01 has about a tenth of this.
 const MOST_PIECES: usize = 100;
 
 /// Which way light leaves the face, seen from where it came.
@@ -72,7 +72,7 @@ impl Deficits {
             });
             Self { above, below }
         };
-        // What crosses is alike from both sides: the least change of the odds to cross that makes it so.
+        // What crosses is the same from both sides: the least change of the odds to cross that makes it so.
         let unlike = |shift: f64| both(shift).excess();
         let shift =
             invert([-SHIFT, SHIFT], 0.0, |x| -unlike(x), |x| (unlike(x - 1e-4) - unlike(x + 1e-4)) / 2e-4);
@@ -97,7 +97,7 @@ impl Deficits {
         if total > 0.0 { self.at(from.0, from.1)[way] * self.at(to.0, to.1)[way] / total } else { 0.0 }
     }
 
-    /// Of directions: what the integrals of a way are divided by; alike from both sides.
+    /// Of directions: what the integrals of a way are divided by; the same from both sides.
     pub(super) fn total(&self, from: Side, to: Side) -> f64 {
         if from == to {
             self.of(from).totals[BACK]
@@ -106,7 +106,7 @@ impl Deficits {
         }
     }
 
-    /// A side and a direction for light from this one at this cosine, drawn with the density above, from two numbers.
+    /// A side and a direction for light from this one at this cosine, sampled with the density above, from two numbers.
     pub(super) fn sample(&self, facets: &Microfacets, from: (Side, f64), u: [f64; 2]) -> (Side, Beta) {
         let [back, across] = self.at(from.0, from.1);
         let share = if back + across > 0.0 { back / (back + across) } else { 0.5 };
@@ -142,7 +142,7 @@ impl OneSide {
         Self { table, pieces, totals }
     }
 
-    /// The cosine below which this share of one of the integrals lies.
+    /// The cosine below which this fraction of one of the integrals lies.
     fn cosine(&self, n: f64, way: usize, share: f64) -> f64 {
         let wanted = share * self.totals[way];
         let number = self.pieces.partition_point(|piece| piece.before[way] <= wanted).saturating_sub(1);
@@ -181,7 +181,7 @@ mod tests {
         (facets, Deficits::new(&facets))
     }
 
-    /// By the midpoint rule over what lies before each direction that is drawn.
+    /// By the midpoint rule over what lies before each direction that is sampled.
     #[test]
     fn drawn_directions_invert_the_cumulative_deficit() {
         let (facets, deficits) = deficits(Distribution::Ggx, 0.1);
@@ -203,7 +203,7 @@ mod tests {
         }
     }
 
-    /// The walk's equations are reciprocal but for the grid they are solved on: what crosses is alike from both sides
+    /// The walk's equations are reciprocal but for the grid they are solved on: what crosses is the same from both sides
     /// before that is mended.
     #[test]
     fn what_crosses_is_alike_from_both_sides() {

@@ -1,30 +1,31 @@
-//! The sums of the paths, and what they mean: reflectance factors and the ledger.
+//! Sums over paths, and the reflectance factors and ledger that follow from them.
 
 use super::Layered;
 use super::light::{Light, Share};
 use super::sources::Lamps;
-use crate::skeleton::{Field, Going, Ray, Skeleton};
-use crate::{Estimate, Interface, Ledger, Rho, Source};
+use crate::estimate::Account;
+use crate::skeleton::{Field, Propagation, Ray, Skeleton};
+use crate::{Estimate, Ledger, ReflectanceFactor, Source};
 
-/// The sums of a replicate, and room to work in.
+/// Sums of a replicate, and its workspace.
 #[derive(Debug, Clone)]
-pub(in crate::walk) struct Tally {
+pub(in crate::walk) struct Accumulator {
     pub(super) sums: Sums,
-    pub(super) room: Room,
+    pub(super) workspace: Workspace,
 }
 
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
-    /// Leaves into the air: what diffuse light sees.
+    /// Light that leaves into the air, where it meets diffuse light.
     pub(super) leaving: Light,
-    /// For each directed source: light that it sends to the path.
+    /// Light of each directed source that reaches the path.
     pub(super) from_source: Vec<Light>,
-    /// Absorbed, by layer.
+    /// Absorbed light by account.
     pub(super) absorbed: Absorbed,
-    /// Reaches the base, and is reflected by it.
+    /// Light that reaches the base, and light that it reflects.
     pub(super) arriving: Light,
     pub(super) reflected: Light,
-    /// What the choice of the next scatterer dropped, less what it added.
+    /// Light dropped by the choice of the next scatterer, less light added by it.
     pub(super) unaccounted: Light,
 }
 
@@ -35,60 +36,36 @@ pub(super) struct Absorbed {
     pub(super) glass: Light,
 }
 
-/// Where absorbed light is booked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Account {
-    Front,
-    Diffuser,
-    Glass,
-}
-
 #[derive(Debug, Clone)]
-pub(super) struct Room {
+pub(super) struct Workspace {
     /// The path's light.
     pub(super) light: Light,
     pub(super) skeleton: Skeleton,
-    /// What the path's light does between two scattering events.
+    /// The path's light between two scattering events.
     pub(super) field: Field,
     pub(super) share: Share,
     pub(super) lamps: Lamps,
-    /// For each way to meet a scatterer: the largest share of the light that does.
-    pub(super) meeting: Vec<f64>,
+    /// For each scattering event, the largest fraction of light of any state and wavelength that takes part in it.
+    pub(super) chances: Vec<f64>,
 }
 
 impl Absorbed {
-    pub(super) fn of(&mut self, account: Account) -> &mut Light {
-        match account {
-            Account::Front => &mut self.front,
-            Account::Diffuser => &mut self.diffuser,
-            Account::Glass => &mut self.glass,
-        }
-    }
-}
-
-impl Account {
-    const ALL: [Self; 3] = [Self::Front, Self::Diffuser, Self::Glass];
-
-    /// Of each element of a stack.
-    pub(super) fn of_elements(stack: &crate::Layered) -> Vec<Self> {
-        let of_interface = |interface: &Interface| match interface {
-            Interface::Sheet { .. } => Self::Front,
-            Interface::Diffuser(_) | Interface::Rough(_) | Interface::Scatter(_) => Self::Diffuser,
-            Interface::Open | Interface::Coated | Interface::Fresnel | Interface::Coating(_) => Self::Glass,
-        };
-        stack.layers.iter().flat_map(|layer| [of_interface(&layer.interface), Self::Glass]).collect()
+    /// The sums of the accounts that layers have; what the base absorbs is known from what arrives there.
+    fn accounts(&mut self) -> [(Account, &mut Light); 3] {
+        let Self { front, diffuser, glass } = self;
+        [(Account::Front, front), (Account::Diffuser, diffuser), (Account::Glass, glass)]
     }
 }
 
 impl Layered<'_> {
-    pub(in crate::walk) fn tally(&self) -> Tally {
+    pub(in crate::walk) fn tally(&self) -> Accumulator {
         let base = &self.stack.base;
         let (states, bins) = (base.states(), base.bins());
         let light = || Light::zeros(states, bins);
         let mut skeleton = Skeleton::new(self.stack);
         let field = skeleton.field();
         let lamps = Lamps::new(self, &mut skeleton);
-        Tally {
+        Accumulator {
             sums: Sums {
                 leaving: light(),
                 from_source: self.sources.iter().map(|_| light()).collect(),
@@ -97,46 +74,46 @@ impl Layered<'_> {
                 reflected: light(),
                 unaccounted: light(),
             },
-            room: Room {
+            workspace: Workspace {
                 light: light(),
                 skeleton,
                 field,
                 share: Share::zeros(bins),
                 lamps,
-                meeting: vec![0.0; self.meetings.len()],
+                chances: vec![0.0; self.events.len()],
             },
         }
     }
 
-    /// Books where the path's light gets to without being scattered, the air apart.
-    pub(super) fn book(&self, sums: &mut Sums, room: &mut Room) {
-        let Room { light, skeleton, field, share, .. } = room;
-        for account in Account::ALL {
+    /// Adds the path's unscattered light to the accounts, except what leaves into the air.
+    pub(super) fn book(&self, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { light, skeleton, field, share, .. } = workspace;
+        for (account, sum) in sums.absorbed.accounts() {
             share.clear();
             for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
                 let parts = skeleton.element(element);
-                for going in [Going::Down, Going::Up] {
-                    share.add(field, Ray::meeting(element, going), |bin| parts[bin].absorbed(going));
+                for going in [Propagation::Down, Propagation::Up] {
+                    share.add(field, Ray::arriving_at(element, going), |bin| parts[bin].absorbed(going));
                 }
             }
-            sums.absorbed.of(account).add_share(light, share, &field.rising, 1.0);
+            sum.add_share(light, share, &field.rising, 1.0);
         }
         if self.base_scatters() {
             return;
         }
-        let base = Ray { plane: skeleton.elements(), going: Going::Down };
+        let base = Ray { plane: skeleton.elements(), going: Propagation::Down };
         share.set(field, base, |_| 1.0);
         sums.arriving.add_share(light, share, &field.rising, 1.0);
         share.set_rising();
         sums.reflected.add_share(light, share, &field.rising, 1.0);
     }
 
-    pub(in crate::walk) fn estimate(&self, tally: &Tally, scale: f64) -> Estimate {
+    pub(in crate::walk) fn estimate(&self, tally: &Accumulator, scale: f64) -> Estimate {
         let sums = &tally.sums;
         let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
         let rho = self.sources.iter().zip(&sums.from_source).map(|(source, from_source)| {
             let light = if *source == Source::Diffuse { &sums.leaving } else { from_source };
-            Rho { base: mean(&light.met), front: mean(&light.fresh) }
+            ReflectanceFactor { via_pixel: mean(&light.met), front: mean(&light.fresh) }
         });
         Estimate { rho: rho.collect(), ledger: self.ledger(sums, scale) }
     }

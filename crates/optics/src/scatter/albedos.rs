@@ -1,4 +1,4 @@
-//! The share of light that a kernel sends into its disc, by incidence.
+//! The fraction of light that a kernel sends into its disc, by incidence.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,7 +8,7 @@ use crate::Beta;
 
 /// Integrals at nodes of `|beta|`, up to the last from which light is scattered.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Totals {
+pub(super) struct Albedos {
     /// Where nodes go on in another way: where it ends within the air disc, and beyond.
     ends: [f64; 2],
     values: [Vec<f64>; 2],
@@ -17,7 +17,7 @@ pub(super) struct Totals {
 /// Steps within the air disc, and as many beyond.
 const STEPS: usize = 36;
 
-impl Totals {
+impl Albedos {
     /// Of a function of `|beta|` that is the integral; beyond `end`, 1 in air, it is 0.
     pub(super) fn new(end: f64, integral: impl Fn(f64) -> f64) -> Self {
         let ends = [end.min(1.0), end];

@@ -80,7 +80,7 @@ impl Channel {
         slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
-    /// Makes room for look-ups in panels, to be added without their weights, too, or not.
+    /// Makes workspace for look-ups in panels, to be added without their weights, too, or not.
     pub(super) fn prepare(&mut self, panels: &CosinePanels, counted: bool) {
         if self.panels.is_empty() {
             self.panels = panels.borders().map(InPanel::new).collect();

@@ -2,31 +2,31 @@
 //!
 //! On the first pass all that a direction below the diffuser is worth is known: the lobe's value
 //! from the viewer, the pixel's reflectance, and what comes back to it from each source by the
-//! lobe once more. Guided, the direction is drawn from a [`Guide`] to their product. Later passes
+//! lobe once more. Guided, the direction is sampled from a [`Guide`] to their product. Later passes
 //! carry a few parts in a hundred and are not part of it.
 
 use std::f64::consts::PI;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 
 use crate::walk::Strategy;
 use crate::walk::guide::{Guide, Peak};
-use crate::walk::strategy::Drawing;
+use crate::walk::strategy::DirectionSampler;
 use crate::{Cone, Diffuser, Panel, Reflector, Source};
 
-/// How the direction is drawn.
+/// How the direction is sampled.
 #[derive(Debug)]
 pub(super) enum First {
     /// Several of them from the guide.
     Guided(Guided),
     /// From the lobe itself.
-    Kernel(Drawing),
+    Kernel(DirectionSampler),
     /// As all others.
     Plain,
 }
 
-/// Directions of a guided path's first pass, evenly spread over the guide: drawing them costs far less
+/// Directions of a guided path's first pass, uniform over the guide: drawing them costs far less
 /// than what they tell of a pixel whose reflectance varies with angle.
 pub(super) const SPLITS: usize = 8;
 
@@ -80,7 +80,7 @@ impl First {
         (sources, shares): (&[Source], &[f64]),
     ) -> Self {
         match (strategy, diffuser.lobe) {
-            (Strategy::Kernel, _) => Self::Kernel(Drawing::kernel(diffuser.lobe)),
+            (Strategy::Kernel, _) => Self::Kernel(DirectionSampler::kernel(diffuser.lobe)),
             (Strategy::Guided, Lobe::KCorrelation { width }) if view.half_angle() <= WIDEST_FIELD * width => {
                 let light = Light::new(diffuser, width, view.axis_towards(), sources, shares);
                 Worth::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)
@@ -106,11 +106,11 @@ struct Light {
     lamps: Vec<Lamp>,
     /// The mean over the directions that the viewer sees.
     mean: f64,
-    /// The share of the lobe that leaves into the air, at evenly spaced `|beta|`.
+    /// The fraction of the lobe that leaves into the air, at uniformly spaced `|beta|`.
     leaving: Vec<f64>,
 }
 
-/// Steps of the share that leaves per unit of `|beta|`.
+/// Steps of the fraction that leaves per unit of `|beta|`.
 const STEPS: f64 = 64.0;
 
 impl Light {
@@ -124,7 +124,7 @@ impl Light {
             .map(|(i, source)| Lamp { points: points(source, width), share: share(i) })
             .collect();
         let leaving =
-            (0..=(4.0 * STEPS) as usize).map(|k| lobe.share_in_disc(k as f64 / STEPS, 1.0)).collect();
+            (0..=(4.0 * STEPS) as usize).map(|k| lobe.fraction_in_disc(k as f64 / STEPS, 1.0)).collect();
         let mut light = Self { lobe, straight: diffuser.straight_through, lamps, mean: 0.0, leaving };
         // Two passes of the lobe are one of twice the width.
         let twice = Lobe::KCorrelation { width: 2.0 * width };
@@ -157,7 +157,7 @@ impl Lamp {
     /// The light that a lobe brings from it, as a reflectance factor.
     fn seen(&self, lobe: Lobe, beta: Beta) -> f64 {
         if self.points.is_empty() {
-            return lobe.share_in_disc(beta.length(), 1.0);
+            return lobe.fraction_in_disc(beta.length(), 1.0);
         }
         let sum: f64 = self.points.iter().map(|point| lobe.density(beta, *point)).sum();
         PI * sum / self.points.len() as f64

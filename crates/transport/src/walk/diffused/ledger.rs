@@ -4,15 +4,15 @@ use papilio_optics::Beta;
 
 use super::Diffused;
 use crate::Source;
+use crate::walk::accumulator::{Channel, Incident};
 use crate::walk::scale_rows;
-use crate::walk::tally::{Channel, Incident};
-use crate::{Estimate, Ledger, Rho, specular};
+use crate::{Estimate, Ledger, ReflectanceFactor, specular};
 
-/// The sums of a replicate, and room to work in.
+/// The sums of a replicate, and workspace to work in.
 #[derive(Debug, Clone)]
-pub(in crate::walk) struct Tally {
+pub(in crate::walk) struct Accumulator {
     pub(super) sums: Sums,
-    pub(super) room: Room,
+    pub(super) workspace: Workspace,
 }
 
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub(super) struct Sums {
 
 /// Spectra of the path at hand; shape `[state][wavelength]`.
 #[derive(Debug, Clone)]
-pub(super) struct Room {
+pub(super) struct Workspace {
     /// What the path carries; meaningful from its second pass on.
     pub(super) carried: Vec<f64>,
     /// `carried` times the base's reflectance.
@@ -43,10 +43,10 @@ pub(super) struct Room {
 }
 
 impl Diffused<'_> {
-    pub(in crate::walk) fn tally(&self) -> Tally {
+    pub(in crate::walk) fn tally(&self) -> Accumulator {
         let base = &self.stack.base;
         let len = base.states() * base.bins();
-        Tally {
+        Accumulator {
             sums: Sums {
                 entering: Incident::new(len),
                 arriving: Incident::new(len),
@@ -55,12 +55,16 @@ impl Diffused<'_> {
                 from_source: self.sources.iter().map(|_| Channel::new(base)).collect(),
                 from_straight_beam: self.sources.iter().map(|_| Incident::new(len)).collect(),
             },
-            room: Room { carried: vec![0.0; len], reflected: vec![0.0; len], backwards: vec![0.0; len] },
+            workspace: Workspace {
+                carried: vec![0.0; len],
+                reflected: vec![0.0; len],
+                backwards: vec![0.0; len],
+            },
         }
     }
 
     /// The means of several replicates, each from its sums and what makes them means.
-    pub(in crate::walk) fn estimates(&self, replicates: &[(&Tally, f64)]) -> Vec<Estimate> {
+    pub(in crate::walk) fn estimates(&self, replicates: &[(&Accumulator, f64)]) -> Vec<Estimate> {
         let base = &self.stack.base;
         let mut channels = Vec::with_capacity(replicates.len() * (2 + self.sources.len()));
         for (tally, scale) in replicates {
@@ -107,14 +111,14 @@ impl Diffused<'_> {
                 Source::Diffuse => self.stack.front.reflectance_above.to_vec(),
                 _ => vec![0.0; self.through.len()],
             };
-            Rho { base, front }
+            ReflectanceFactor { via_pixel: base, front }
         };
         let rho = self.sources.iter().enumerate().map(of_source).collect();
         let ledger = self.ledger(&sums.entering.sum(scale), &sums.arriving.sum(scale), reflected, leaving);
         Estimate { rho, ledger }
     }
 
-    /// A beam's light reaches the diffuser also by way of its own specular round trips.
+    /// A beam's light reaches the diffuser also via its own specular round trips.
     fn beam_light(&self, beam: Beta, before: &Incident, connected: Vec<f64>, scale: f64) -> Vec<f64> {
         let mut base = connected;
         if self.straight() == 0.0 || !self.specular {

@@ -1,6 +1,6 @@
 //! From what a diffuser's underside sees to reflectance factors and the ledger.
 
-use crate::{Diffuser, Estimate, Ledger, Panel, Rho, Source};
+use crate::{Diffuser, Estimate, Ledger, Panel, ReflectanceFactor, Source};
 
 /// Whether it is asked where light ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +48,12 @@ impl Sums {
         Estimate { rho: self.rho(stack, diffuser, sources), ledger }
     }
 
-    pub(super) fn rho(self, stack: &Panel, diffuser: &Diffuser, sources: &[Source]) -> Vec<Rho> {
+    pub(super) fn rho(
+        self,
+        stack: &Panel,
+        diffuser: &Diffuser,
+        sources: &[Source],
+    ) -> Vec<ReflectanceFactor> {
         let front = &stack.front;
         let through: Vec<f64> = front
             .transmittance
@@ -64,7 +69,7 @@ impl Sums {
             for row in base.chunks_exact_mut(through.len()) {
                 row.iter_mut().zip(&through).for_each(|(value, t)| *value *= t);
             }
-            Rho { base, front }
+            ReflectanceFactor { via_pixel: base, front }
         });
         rho.collect()
     }

@@ -1,0 +1,51 @@
+//! The formats of measured scattering: help, hints and documentation name them from here.
+
+/// A format, as documentation describes it.
+#[derive(Debug, Clone, Copy)]
+struct Format {
+    /// In a list: `MERL`.
+    short: &'static str,
+    name: &'static str,
+    read: &'static str,
+    written: &'static str,
+    ways: &'static str,
+    channels: &'static str,
+    geometry: &'static str,
+}
+
+/// All of them.
+#[rustfmt::skip]
+const FORMATS: [Format; 9] = [
+    Format { short: "Radiant/Zemax", name: "Radiant/Zemax tabular BSDF", read: "yes", written: "yes", ways: "one: BRDF or BTDF from the front", channels: "monochrome or XYZ", geometry: "about the specular direction" },
+    Format { short: "CSV", name: "CSV", read: "yes", written: "yes", ways: "all four", channels: "any", geometry: "grid, or pairs of directions" },
+    Format { short: "Klems XML", name: "Klems matrix XML (WINDOW, Radiance)", read: "yes", written: "yes", ways: "all four", channels: "visible, CIE-X, CIE-Z, solar", geometry: "patches" },
+    Format { short: "tensor-tree XML", name: "tensor-tree XML (Radiance)", read: "yes", written: "", ways: "all four", channels: "the same", geometry: "tree of squares" },
+    Format { short: "ASTM E1392", name: "ASTM E1392, E2387", read: "yes", written: "", ways: "all four", channels: "R, G, B, X, Y, Z, wavelengths", geometry: "grid, or pairs of directions" },
+    Format { short: "RGL", name: "RGL / Mitsuba tensor file", read: "yes", written: "", ways: "front reflection", channels: "wavelengths, or RGB", geometry: "warped grid" },
+    Format { short: "MERL", name: "MERL", read: "yes", written: "", ways: "front reflection", channels: "R, G, B", geometry: "half angles" },
+    Format { short: "Papilio", name: "Papilio's own, `papilio-measurement`", read: "yes", written: "yes", ways: "all four", channels: "any", geometry: "all of these" },
+    Format { short: "display-bsdf.npz", name: "`display-bsdf.npz` ([brdf.md](brdf.md))", read: "first state", written: "by `papilio brdf`", ways: "front reflection", channels: "wavelengths", geometry: "grid" },
+];
+
+/// The formats that are read, in a sentence: "Radiant/Zemax, CSV, ... and Papilio".
+pub fn bsdf_formats() -> String {
+    // What `papilio brdf` writes is rarely what someone has.
+    let names: Vec<&str> = FORMATS[..FORMATS.len() - 1].iter().map(|format| format.short).collect();
+    match names.split_last() {
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// A table of the formats in Markdown, for `docs/bsdf-files.md`.
+pub fn bsdf_format_table() -> String {
+    let mut table =
+        "| format | read | written | ways | channels | geometry |\n|---|---|---|---|---|---|\n".to_owned();
+    for Format { name, read, written, ways, channels, geometry, .. } in FORMATS {
+        let cells = [name, read, written, ways, channels, geometry];
+        let row: String =
+            cells.map(|cell| if cell.is_empty() { " |".to_owned() } else { format!(" {cell} |") }).concat();
+        table += &format!("|{row}\n");
+    }
+    table
+}

@@ -1,0 +1,71 @@
+//! A rough interface as a [`Scatterer`] to both sides.
+
+use super::{Rough, Side};
+use crate::Beta;
+use crate::scatterer::{Sample, Scatterer};
+
+/// A direction on one side of an interface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnSide {
+    /// The side that the light is on.
+    pub side: Side,
+    /// Its direction of propagation.
+    pub beta: Beta,
+}
+
+impl Side {
+    /// A direction on this side.
+    pub fn at(self, beta: Beta) -> OnSide {
+        OnSide { side: self, beta }
+    }
+}
+
+/// Lossless: the albedo is 1. Symmetric: light that retraces its way has the same density. 0 where `|beta|` is not
+/// below the index of its side. `to = from` is the direction of the mirror on the same side, and straight on across
+/// the face.
+impl Scatterer for Rough {
+    type Direction = OnSide;
+
+    fn evaluate(&self, from: OnSide, to: OnSide) -> f64 {
+        let (Some(i), Some(o)) = (self.cosine(from.side, from.beta), self.cosine(to.side, to.beta)) else {
+            return 0.0;
+        };
+        self.facets.single(from.side, from.beta, to.side, to.beta)
+            + self.deficits.density((from.side, i), (to.side, o))
+    }
+
+    /// Samples in proportion to `evaluate`, within 1e-5 of the whole.
+    fn sample(&self, from: OnSide, u: [f64; 4]) -> Option<Sample<OnSide>> {
+        let to = self.sample_direction(from, u);
+        let density = self.evaluate(from, to);
+        (density > 0.0).then(|| Sample::exact(to, density))
+    }
+
+    fn density(&self, from: OnSide, to: OnSide) -> f64 {
+        self.evaluate(from, to)
+    }
+
+    fn albedo(&self, _: OnSide) -> f64 {
+        1.0
+    }
+}
+
+impl Rough {
+    fn sample_direction(&self, OnSide { side: from, beta: beta_i }: OnSide, u: [f64; 4]) -> OnSide {
+        let meeting = self.facets.meet(from, beta_i, [u[0], u[1]]);
+        let reflectance = meeting.reflectance;
+        let reflected = u[2] < reflectance;
+        let mut again = u[3];
+        if let Some(leaving) = self.facets.leave(&meeting, reflected) {
+            if again < leaving.unshadowed {
+                return leaving.side.at(leaving.beta);
+            }
+            again = (again - leaving.unshadowed) / (1.0 - leaving.unshadowed);
+        }
+        // Both choices leave what is uniform among the numbers that led to them.
+        let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
+        let cosine = self.cosine(from, beta_i).unwrap_or(0.0);
+        let (side, beta) = self.deficits.sample(&self.facets, (from, cosine), [again, turn]);
+        side.at(beta)
+    }
+}

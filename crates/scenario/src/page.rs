@@ -1,0 +1,122 @@
+//! The tables of keys in `docs/scenario.md`: they are made of the grammar.
+
+use crate::describe::{
+    File, Spectrum, diffuser, display, environment, layers, lighting, limits, measure, metrics, optimize,
+    pixel, solver, sweep, tolerance, viewer,
+};
+use crate::read::Table;
+use crate::schema::{Default, Row, toml};
+
+/// Stands above a table in a page of documentation, and names it.
+const BEGIN: &str = "<!-- keys: ";
+/// Stands below it.
+const END: &str = "<!-- end of keys -->";
+
+/// Every table of keys, by the name that a page gives it.
+#[rustfmt::skip]
+fn tables() -> Vec<(&'static str, Vec<Row>)> {
+    vec![
+        ("scenario", File::rows()),
+        ("spectrum", Spectrum::rows()),
+        ("display", display::Display::rows()),
+        ("display.front", display::FrontComponent::rows()),
+        ("display.diffuser k-correlation", diffuser::KCorrelation::rows()),
+        ("display.diffuser lambertian", diffuser::Lambertian::rows()),
+        ("display.diffuser ward", diffuser::Ward::rows()),
+        ("display.diffuser measured", diffuser::Measured::rows()),
+        ("display.diffuser slab", diffuser::Slab::rows()),
+        ("display.glass", display::Glass::rows()),
+        ("display.layers medium", layers::Medium::rows()),
+        ("display.layers coating", layers::Coating::rows()),
+        ("display.layers coating.film", layers::CoatingFilm::rows()),
+        ("display.layers rough", layers::Rough::rows()),
+        ("display.pixel film", pixel::FilmPixel::rows()),
+        ("display.pixel film.film", pixel::FilmLayer::rows()),
+        ("display.pixel table", pixel::TablePixel::rows()),
+        ("display.pixel uniform", pixel::UniformPixel::rows()),
+        ("display.pixel measured", pixel::MeasuredPixel::rows()),
+        ("lighting", lighting::Lighting::rows()),
+        ("lighting.directed", lighting::Directed::rows()),
+        ("lighting.environment ring", environment::Ring::rows()),
+        ("lighting.environment cap", environment::Cap::rows()),
+        ("lighting.environment profile", environment::Profile::rows()),
+        ("lighting.environment sky", environment::Sky::rows()),
+        ("lighting.environment map", environment::Map::rows()),
+        ("lighting.environment map.regions", environment::Region::rows()),
+        ("lighting.environment luminaire", environment::Luminaire::rows()),
+        ("lighting.front_light", lighting::FrontLight::rows()),
+        ("spectrum of a light", lighting::LightModel::rows()),
+        ("viewer", viewer::Viewer::rows()),
+        ("metrics", metrics::Metrics::rows()),
+        ("metrics.appearance", metrics::Appearance::rows()),
+        ("solver", solver::Solver::rows()),
+        ("solver.target", solver::Target::rows()),
+        ("measure", measure::Measure::rows()),
+        ("sweep", sweep::Sweep::rows()),
+        ("optimize", optimize::Optimize::rows()),
+        ("optimize.variables", optimize::Variable::rows()),
+        ("optimize.conditions", optimize::Condition::rows()),
+        ("optimize.objectives", optimize::Objective::rows()),
+        ("optimize.constraints", optimize::Constraint::rows()),
+        ("tolerance", tolerance::Tolerance::rows()),
+        ("tolerance.keys", tolerance::Scattered::rows()),
+        ("tolerance.keys normal", tolerance::Normal::rows()),
+        ("tolerance.keys lognormal", tolerance::LogNormal::rows()),
+        ("tolerance.keys uniform", tolerance::Uniform::rows()),
+        ("tolerance.keys triangular", tolerance::Triangular::rows()),
+        ("tolerance.keys choices", tolerance::Bins::rows()),
+        ("tolerance.correlations", tolerance::Correlated::rows()),
+        ("tolerance.limits", limits::Limit::rows()),
+    ]
+}
+
+/// A page of documentation with its tables of keys as the grammar has them: what stands between
+/// `<!-- keys: NAME -->` and `<!-- end of keys -->` is replaced.
+///
+/// # Errors
+/// A name of no table, a table without an end, or a table that the page lacks.
+///
+/// ```
+/// let page = "# Glass\n\n<!-- keys: metrics.appearance -->\n<!-- end of keys -->\n";
+/// assert!(papilio_scenario::with_key_tables(page).unwrap_err().contains("lacks the table `scenario`"));
+/// ```
+pub fn with_key_tables(page: &str) -> Result<String, String> {
+    let tables = tables();
+    let (mut made, mut rest) = (String::new(), page);
+    let mut seen = Vec::new();
+    while let Some((before, after)) = rest.split_once(BEGIN) {
+        let (name, after) = after.split_once(" -->").ok_or("a marker has no end")?;
+        let (_, after) = after.split_once(END).ok_or_else(|| format!("the table `{name}` has no end"))?;
+        let table = tables.iter().find(|(known, _)| *known == name);
+        let (known, rows) = table.ok_or_else(|| format!("there is no table `{name}`"))?;
+        seen.push(*known);
+        made += &format!("{before}{BEGIN}{name} -->\n{}{END}", table_of(rows));
+        rest = after;
+    }
+    match tables.iter().find(|(name, _)| !seen.contains(name)) {
+        Some((name, _)) => Err(format!("the page lacks the table `{name}`")),
+        None => Ok(made + rest),
+    }
+}
+
+/// A table of keys in Markdown.
+fn table_of(rows: &[Row]) -> String {
+    let mut table = "\n| key | meaning | value | default |\n|---|---|---|---|\n".to_owned();
+    for row in rows {
+        let default = match &row.default {
+            Default::Required => "required".to_owned(),
+            Default::Value(value, None) => format!("`{}`", toml(value)),
+            // An empty list or table says less than its meaning.
+            Default::Value(value, Some(words)) if matches!(toml(value).as_str(), "[]" | "{}") => {
+                words.clone()
+            }
+            Default::Value(value, Some(words)) => format!("`{}`; {words}", toml(value)),
+            Default::Words(words) => words.clone(),
+        };
+        // A bar in a cell would begin the next one.
+        let [doc, value, default] =
+            [&row.doc, &(row.on_page)(), &default].map(|text| text.replace('|', "\\|"));
+        table += &format!("| `{}` | {doc} | {value} | {default} |\n", row.key);
+    }
+    table + "\n"
+}

@@ -1,0 +1,153 @@
+//! A file of measured scattering, and the kernels that a display takes from it.
+
+use papilio_diagnostics::Diagnostic;
+use papilio_display::scene::ScatterKernel;
+use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
+use papilio_goniometry::{
+    self as goniometry, Backing, Fill, GoniometryError, Measurement, Preparation, Way, kernel,
+};
+use papilio_optics::scatter::Scatter;
+use papilio_spectra::{Spectrum, illuminant};
+
+use crate::describe::diffuser::{Extrapolate, Normalise, SpectralMean};
+use crate::describe::display::ShareSpectrum;
+use crate::describe::measure::Channels;
+use crate::describe::numbers::Blur;
+use crate::origin::Origin;
+use crate::read::At;
+use crate::resolve::Resolver;
+
+/// A file of measured scattering in a scenario, and what is to be done to it.
+pub(super) struct Source<'a> {
+    /// The key that remarks are about.
+    pub(super) path: &'a str,
+    pub(super) name: &'a str,
+    pub(super) file: Origin,
+    pub(super) normalise: &'a At<Normalise>,
+    pub(super) extrapolate_tails: bool,
+    /// `None`: not written.
+    pub(super) extrapolate: &'a At<Option<Extrapolate>>,
+    pub(super) spectral_mean: SpectralMean,
+    pub(super) blur: Option<&'a At<Blur>>,
+}
+
+impl Resolver<'_> {
+    /// A spectrum whose shape colours a measurement.
+    pub(super) fn colour(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
+        let spectrum = self.share(share, origin)?;
+        if spectrum.max() <= 0.0 {
+            let wrong =
+                Diagnostic::new("this spectrum is 0 at all wavelengths, and cannot colour the measurement");
+            self.errors.push(origin, wrong.hint("its shape is what counts: somewhere it must be above 0"));
+            return None;
+        }
+        Some(spectrum)
+    }
+
+    pub(super) fn way<'a>(
+        &mut self,
+        source: &Source<'_>,
+        measurement: &'a Measurement,
+        way: Way,
+    ) -> Option<&'a goniometry::Part> {
+        let part = measurement.parts.iter().find(|part| part.way == way);
+        if part.is_none() {
+            let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
+            let flip = way == Way::FrontTransmission && found.contains(Way::BackTransmission.name());
+            let wrong = Diagnostic::new(format!("this file has no {}", way.name()))
+                .expected(format!("it among what the file has: {found}"))
+                .hint_if(
+                    flip.then_some("`flipped = true` takes the light from the other side of the sample"),
+                );
+            self.errors.push(source.file, wrong);
+        }
+        part
+    }
+
+    /// A file of measured scattering.
+    pub(super) fn measurement(&mut self, source: &Source<'_>) -> Option<Measurement> {
+        let kept = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
+        match read_bsdf(kept.file()) {
+            Ok(read) => {
+                let name = source.name;
+                self.warnings.extend(read.warnings.iter().map(|warning| format!("{name}: {warning}")));
+                Some(read.value)
+            }
+            Err(error) => {
+                self.errors.push_data(source.file, error);
+                None
+            }
+        }
+    }
+
+    /// The kernel of a part, coloured by the shape of a spectrum, and a report of what became of it.
+    pub(super) fn scattered(
+        &mut self,
+        source: &Source<'_>,
+        part: &goniometry::Part,
+        spectrum: Option<Spectrum>,
+        backing: Backing,
+    ) -> Option<ScatterKernel> {
+        let level = match (&spectrum, source.spectral_mean) {
+            (Some(spectrum), SpectralMean::Uniform) => spectrum.iter().sum::<f64>() / spectrum.len() as f64,
+            (Some(spectrum), SpectralMean::Luminous) => self.luminous_mean(spectrum, source.file)?,
+            (None, _) => 1.0,
+        };
+        let largest = spectrum.as_ref().map_or(1.0, |spectrum| spectrum.max()) / level;
+        let scatter = self.kernel(source, part, [level, largest], backing)?;
+        let factor = spectrum.unwrap_or_else(|| Spectrum::constant(&self.grid, 1.0));
+        Some(ScatterKernel { scatter, factor })
+    }
+
+    /// The mean of a spectrum as the eye weights it in D65.
+    fn luminous_mean(&mut self, spectrum: &Spectrum, at: Origin) -> Option<f64> {
+        let d65 = illuminant("D65", &self.grid);
+        let d65 = self.sampled("D65", at, d65)?;
+        self.factors(spectrum, &d65, Channels::Monochrome)?.first().copied()
+    }
+
+    /// The kernel of a part, and a report of what became of it; `level`: the mean of the spectrum that it will be multiplied
+    /// with, and the spectrum's maximum over its mean.
+    fn kernel(
+        &mut self,
+        source: &Source<'_>,
+        part: &goniometry::Part,
+        [level, largest]: [f64; 2],
+        backing: Backing,
+    ) -> Option<Scatter> {
+        let preparation = Preparation {
+            fill: if source.extrapolate_tails { Fill::Tail } else { Fill::None },
+            to_tis: source.normalise.value == Normalise::Tis,
+            extrapolate: source.extrapolate.value.and_then(|extrapolate| reach(extrapolate, backing)),
+            hold_single: source.extrapolate.value.is_none(),
+            lamination: backing.lamination(),
+        };
+        let sharp = self.without_blur(source, part)?;
+        let part = sharp.as_ref().unwrap_or(part);
+        match kernel(part, part.luminous(), &preparation, &[level]) {
+            Ok((scatter, changes)) => {
+                self.tell(source, part.way, &changes, largest)?;
+                Some(scatter)
+            }
+            Err(error) => {
+                match error {
+                    GoniometryError::NoTis => {
+                        let wrong = Diagnostic::new(error.to_string()).hint("use normalise = \"none\"");
+                        self.errors.push(source.normalise.origin, wrong);
+                    }
+                    _ => self.errors.push(source.file, error),
+                }
+                None
+            }
+        }
+    }
+}
+
+/// How far in `|beta|` lobes continue, if they do.
+fn reach(extrapolate: Extrapolate, backing: Backing) -> Option<f64> {
+    match extrapolate {
+        Extrapolate::None => None,
+        Extrapolate::Hold => Some(1.0),
+        Extrapolate::Glass => Some(backing.reach()),
+    }
+}

@@ -1,0 +1,60 @@
+//! What is made once, and taken from the memo of the library afterwards.
+
+use std::sync::Arc;
+
+use papilio_formats::LARGEST_BSDF_FILE;
+
+use super::Resolver;
+use super::maps::MapLight;
+use crate::library::Library;
+use crate::memo::Entry;
+
+/// What was made, and what was said while it was made.
+struct Made<T> {
+    value: T,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+    maps: Vec<MapLight>,
+}
+
+impl Resolver<'_> {
+    /// What `make` gives and says, from the memo if there is one that has it. `key` is to name all that it depends on,
+    /// but for wavelengths and what is in files. Errors are never kept.
+    pub(super) fn once<T: Clone + Send + Sync + 'static>(
+        &mut self,
+        key: impl FnOnce() -> String,
+        make: impl FnOnce(&mut Self) -> Option<T>,
+    ) -> Option<T> {
+        let library = self.library;
+        let Library::Memory { memo, .. } = library else { return make(self) };
+        let key = format!("{:?} {}", self.grid, key());
+        let is_same = |name: &str, sha256: &str| {
+            library.open(name, LARGEST_BSDF_FILE).is_ok_and(|kept| kept.sha256() == sha256)
+        };
+        if let Some(entry) = memo.find(&key, is_same)
+            && let Some(made) = entry.value.downcast_ref::<Made<T>>()
+        {
+            self.warnings.extend_from_slice(&made.warnings);
+            self.notes.extend_from_slice(&made.notes);
+            self.maps.extend_from_slice(&made.maps);
+            self.inputs.extend(entry.inputs);
+            return Some(made.value.clone());
+        }
+        // What `make` reads and says is told from what was read and said before.
+        let inputs = std::mem::take(&mut self.inputs);
+        let (warnings, notes, maps) = (self.warnings.len(), self.notes.len(), self.maps.len());
+        let value = make(self);
+        let read = std::mem::replace(&mut self.inputs, inputs);
+        if let Some(value) = value.as_ref().filter(|_| self.errors.is_empty()) {
+            let made = Made {
+                value: value.clone(),
+                warnings: self.warnings[warnings..].to_vec(),
+                notes: self.notes[notes..].to_vec(),
+                maps: self.maps[maps..].to_vec(),
+            };
+            memo.keep(Entry { key, value: Arc::new(made), inputs: read.clone().into_iter().collect() });
+        }
+        self.inputs.extend(read);
+        value
+    }
+}

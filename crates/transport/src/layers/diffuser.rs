@@ -1,0 +1,87 @@
+//! A diffuser given by its BTDF, its faces included: it reflects nothing.
+//!
+//! What its lobe scatters beyond the index of the medium there, above (1 in air) or below, it absorbs.
+
+use papilio_optics::Scatterer;
+use papilio_optics::lobe::Lobe;
+use papilio_spectra::Spectrum;
+
+use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
+use crate::adding::{Action, Narrowness, Preparation};
+use crate::estimate::Account;
+use crate::front::Flat;
+use crate::skeleton::Propagation;
+
+/// A diffuser given by its BTDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diffuser {
+    /// Angular shape of the scattered part.
+    pub lobe: Lobe,
+    /// T, straight-through included, per wavelength.
+    pub transmittance: Spectrum,
+    /// Fraction of the transmitted light that keeps its direction.
+    pub straight_through: f64,
+}
+
+impl LayerKind for Diffuser {
+    fn passes_regularly(&self) -> bool {
+        self.straight_through > 0.0
+    }
+
+    fn regular(&self, at: &Incidence) -> Flat {
+        let straight = if at.both_carry() { self.transmittance[at.bin] * self.straight_through } else { 0.0 };
+        Flat { t: straight, above: 0.0, below: 0.0 }
+    }
+
+    fn scattered(&self, at: &Incidence) -> [f64; 2] {
+        [self.transmittance[at.bin] * (1.0 - self.straight_through); 2]
+    }
+
+    fn account(&self) -> Account {
+        Account::Diffuser
+    }
+
+    fn narrowness(&self) -> Option<Narrowness> {
+        match self.lobe {
+            Lobe::KCorrelation { width } => Some(Narrowness::Lobe { width }),
+            Lobe::Lambertian => None,
+        }
+    }
+
+    fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {
+        key.push(self.transmittance[bin].to_bits());
+    }
+
+    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
+        let scattered = self.transmittance[prepare.bin] * (1.0 - self.straight_through);
+        Some(Action::Kernels([Some((prepare.lobe(self.lobe), scattered)), None, None]))
+    }
+
+    fn scattering_interface(&self) -> Option<&dyn ScatteringInterface> {
+        Some(self)
+    }
+}
+
+impl ScatteringInterface for Diffuser {
+    fn channels(&self, _: Propagation) -> Vec<Channel> {
+        vec![Channel::Through]
+    }
+
+    fn numbers(&self, [_, u, v]: [f64; 3], _: &mut dyn FnMut() -> [f64; 4]) -> [f64; 4] {
+        [u, v, 0.5, 0.5]
+    }
+
+    fn scatter(&self, from: Arrival, to: Departure) -> Scattered {
+        Scattered::exactly(self.lobe.density(from.beta, to.beta))
+    }
+
+    fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)> {
+        let sample = self.lobe.sample(from.beta, u)?;
+        let to = Departure { beta: sample.direction, going: from.going };
+        Some((to, Scattered::exactly(sample.density)))
+    }
+
+    fn scatters_beyond_media(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,138 @@
+//! What fills the space between two interfaces: an index, absorption, bulk scattering.
+
+use papilio_spectra::Spectrum;
+
+use super::{Incidence, LayerKind};
+use crate::adding::{Action, Narrowness, Preparation};
+use crate::front::Flat;
+use crate::skeleton::Part;
+
+/// A homogeneous medium: the layer between two interfaces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Medium {
+    index: Spectrum,
+    constant: Option<f64>,
+    largest: f64,
+    transmittance: Option<Spectrum>,
+    scattering: Option<Scattering>,
+}
+
+/// Bulk scattering in a medium of constant index (Henyey & Greenstein 1941).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scattering {
+    /// Extinction along the normal, above 0.
+    pub optical_thickness: f64,
+    /// Mean cosine of the scattering angle, -1 to 1 (both excluded).
+    pub anisotropy: f64,
+    /// Fraction of the extinguished light that is scattered, 0 to 1, per wavelength.
+    pub albedo: Spectrum,
+}
+
+impl Medium {
+    /// A clear medium of this index, at least 1 at every wavelength.
+    pub fn new(index: Spectrum) -> Self {
+        let constant = index.is_constant().then(|| index[0]);
+        Self { constant, largest: index.max(), index, transmittance: None, scattering: None }
+    }
+
+    /// The same medium with this internal transmittance along the normal, 0 to 1; at an angle
+    /// the path is longer: `t^(1/cos theta)` (Beer & Lambert).
+    pub fn with_transmittance(self, transmittance: Spectrum) -> Self {
+        let clear = transmittance.iter().all(|t| *t == 1.0);
+        Self { transmittance: (!clear).then_some(transmittance), ..self }
+    }
+
+    /// The same medium with scattering in its bulk; its index must be constant.
+    pub fn with_scattering(self, scattering: Scattering) -> Self {
+        Self { scattering: Some(scattering), ..self }
+    }
+
+    /// Internal transmittance along the normal, where the medium absorbs.
+    pub fn transmittance(&self) -> Option<&Spectrum> {
+        self.transmittance.as_ref()
+    }
+
+    /// Scattering in the bulk.
+    pub fn scattering(&self) -> Option<&Scattering> {
+        self.scattering.as_ref()
+    }
+
+    /// Its index, per wavelength.
+    pub fn index(&self) -> &Spectrum {
+        &self.index
+    }
+
+    /// Its index where that does not depend on wavelength.
+    #[inline]
+    pub fn constant_index(&self) -> Option<f64> {
+        self.constant
+    }
+
+    /// Its largest index: the disc that holds every direction cosine in it.
+    #[inline]
+    pub fn largest_index(&self) -> f64 {
+        self.largest
+    }
+}
+
+impl Medium {
+    fn part(&self, at: &Incidence) -> Part {
+        let n = at.indices[0];
+        if at.beta_squared >= n * n {
+            return Part::flat(Flat::OPAQUE);
+        }
+        if self.transmittance.is_none() && self.scattering.is_none() {
+            return Part::flat(Flat::CLEAR);
+        }
+        let secant = 1.0 / (1.0 - at.beta_squared / (n * n)).sqrt();
+        let clear = self.transmittance.as_ref().map_or(1.0, |t| t[at.bin].powf(secant));
+        let depth = self.scattering.as_ref().map_or(0.0, |s| s.optical_thickness * secant);
+        let t = clear * (-depth).exp();
+        Part { flat: Flat { t, above: 0.0, below: 0.0 }, scattered: [-(-depth).exp_m1(); 2] }
+    }
+}
+
+/// Between itself and itself: both indices are its own.
+impl LayerKind for Medium {
+    fn regular(&self, at: &Incidence) -> Flat {
+        self.part(at).flat
+    }
+
+    fn scattered(&self, at: &Incidence) -> [f64; 2] {
+        self.part(at).scattered
+    }
+
+    fn parts(&self, media: [&Medium; 2], beta_squared: f64, out: &mut [Part]) {
+        for (bin, out) in out.iter_mut().enumerate() {
+            *out = self.part(&Incidence::between(media, bin, beta_squared));
+        }
+    }
+
+    fn scatters(&self) -> bool {
+        self.scattering.is_some()
+    }
+
+    fn narrowness(&self) -> Option<Narrowness> {
+        self.scattering().map(|s| Narrowness::Slab { anisotropy: s.anisotropy })
+    }
+
+    fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {
+        key.push(self.index[bin].to_bits());
+        key.extend(self.transmittance.as_ref().map(|t| t[bin].to_bits()));
+        key.extend(self.scattering.as_ref().map(|s| s.albedo[bin].to_bits()));
+    }
+
+    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
+        let transmittance = self.transmittance.as_ref().map_or(1.0, |t| t[prepare.bin]);
+        let Some(scattering) = &self.scattering else {
+            return (transmittance < 1.0).then_some(Action::Clear { transmittance });
+        };
+        // Absorption besides the scattering is more extinction that does not scatter.
+        let absorbing = -transmittance.max(f64::MIN_POSITIVE).ln();
+        let thickness = scattering.optical_thickness + absorbing;
+        let scattered = scattering.optical_thickness * scattering.albedo[prepare.bin];
+        let number = prepare.slab(thickness, scattered / thickness, scattering.anisotropy);
+        let lost = thickness - scattered;
+        Some(Action::Slab { number, absorbing_share: if lost > 0.0 { absorbing / lost } else { 0.0 } })
+    }
+}

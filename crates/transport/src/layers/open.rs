@@ -1,0 +1,26 @@
+//! No interface: the media have the same index.
+
+use super::{Incidence, LayerKind};
+use crate::adding::{Action, Preparation};
+use crate::front::Flat;
+
+#[derive(Debug)]
+pub(super) struct Open;
+
+impl LayerKind for Open {
+    fn regular(&self, _: &Incidence) -> Flat {
+        Flat::CLEAR
+    }
+
+    fn is_colourless(&self) -> bool {
+        true
+    }
+
+    fn lies_in_one_medium(&self) -> bool {
+        true
+    }
+
+    fn action<'a>(&'a self, _: &mut Preparation<'_, 'a>) -> Option<Action> {
+        None
+    }
+}

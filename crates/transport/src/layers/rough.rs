@@ -1,0 +1,80 @@
+//! A rough face between two media of constant index.
+
+use papilio_optics::Scatterer;
+use papilio_optics::rough::{OnSide, Rough, Side};
+
+use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
+use crate::adding::{Action, Narrowness, Preparation, rough_width};
+use crate::estimate::Account;
+use crate::front::Flat;
+use crate::skeleton::Propagation;
+
+impl LayerKind for Rough {
+    fn passes_regularly(&self) -> bool {
+        false
+    }
+
+    fn regular(&self, _: &Incidence) -> Flat {
+        Flat::OPAQUE
+    }
+
+    fn scattered(&self, _: &Incidence) -> [f64; 2] {
+        [1.0; 2]
+    }
+
+    fn is_colourless(&self) -> bool {
+        true
+    }
+
+    fn account(&self) -> Account {
+        Account::Diffuser
+    }
+
+    fn narrowness(&self) -> Option<Narrowness> {
+        Some(Narrowness::Rough { alpha: self.alpha(), width: rough_width(self) })
+    }
+
+    /// What facets refract along the face jumps to zero there: levels gain little.
+    fn error_over_difference(&self) -> f64 {
+        4.0
+    }
+
+    fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
+        Some(Action::Whole { number: prepare.rough(self) })
+    }
+
+    fn scattering_interface(&self) -> Option<&dyn ScatteringInterface> {
+        Some(self)
+    }
+}
+
+impl ScatteringInterface for Rough {
+    fn channels(&self, _: Propagation) -> Vec<Channel> {
+        vec![Channel::Both]
+    }
+
+    fn numbers(&self, _: [f64; 3], next: &mut dyn FnMut() -> [f64; 4]) -> [f64; 4] {
+        next()
+    }
+
+    fn scatter(&self, from: Arrival, to: Departure) -> Scattered {
+        let to = OnSide { side: side_after(to.going), beta: to.beta };
+        Scattered::exactly(self.evaluate(arriving(from), to))
+    }
+
+    fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)> {
+        let sample = Scatterer::sample(self, arriving(from), u)?;
+        let OnSide { side, beta } = sample.direction;
+        let going = if side == Side::Above { Propagation::Up } else { Propagation::Down };
+        Some((Departure { beta, going }, Scattered::exactly(sample.density)))
+    }
+}
+
+fn arriving(Arrival { beta, going, .. }: Arrival) -> OnSide {
+    OnSide { side: side_after(going).other(), beta }
+}
+
+/// The side that light is on after it left the face this way.
+fn side_after(going: Propagation) -> Side {
+    if going == Propagation::Down { Side::Below } else { Side::Above }
+}
