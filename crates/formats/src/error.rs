@@ -227,7 +227,7 @@ impl Problem {
             Self::NotAResult { message } => Diagnostic::new(format!("this is not a result.json: {message}"))
                 .hint("specify a result.json that `papilio run` has written, or its folder"),
             Self::Yaml { message } => {
-                Diagnostic::new(format!("this is not a refractiveindex.info file: {message}"))
+                Diagnostic::new(format!("this page of refractiveindex.info cannot be read: {message}"))
             }
             Self::UnknownData { found } => Diagnostic::new(format!("`{found}` is not a known type of optical data"))
                 .expected("`tabulated nk`, `tabulated n`, `tabulated k` or `formula 1` to `formula 9`"),
