@@ -236,7 +236,7 @@ fn a_damaged_line_is_found() {
         let output = papilio(&arguments);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         for words in
-            [&format!("{name}:3:1"), "this line of a journal is damaged", "= help: take the line out"]
+            [&format!("{name}:3:1"), "this line of a journal is damaged", "= help: delete the line from the file"]
         {
             assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
         }
