@@ -9,12 +9,12 @@ use crate::text::{in_one_line, visible};
 ///
 /// ```
 /// use papilio_diagnostics::{Diagnostic, Place};
-/// let wrong = Diagnostic::new("-5 is out of range").expected("a number from 0 to 1").hint("fractions are of 1");
+/// let wrong = Diagnostic::new("-5 is out of range").expected("a number from 0 to 1").hint("write 5 % as 0.05");
 /// let shown = wrong.at(&Place::in_text("x.toml", "haze = -5", 7..9)).to_string();
 /// assert_eq!(
 ///     shown,
 ///     "error: -5 is out of range\n --> x.toml:1:8\n  |\n1 | haze = -5\n  |        ^^ expected a number from 0 to 1\n  \
-///      = help: fractions are of 1"
+///      = help: write 5 % as 0.05"
 /// );
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -83,7 +83,10 @@ mod tests {
         assert_eq!(nearest("sio2", ["SiO2", "Si3N4"]), Some("SiO2"));
         assert_eq!(did_you_mean("fi_deg", names).as_deref(), Some("did you mean `phi_deg`?"));
         let illuminants = ["D65", "FL10", "FL11", "FL12"];
-        assert_eq!(did_you_mean("FL13", illuminants).as_deref(), Some("did you mean `FL10`, `FL11` or `FL12`?"));
+        assert_eq!(
+            did_you_mean("FL13", illuminants).as_deref(),
+            Some("did you mean `FL10`, `FL11` or `FL12`?")
+        );
         assert_eq!((nearest("", names), nearest("", ["A"]), nearest("B", ["A"])), (None, None, None));
     }
 }

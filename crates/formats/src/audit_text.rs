@@ -139,8 +139,11 @@ fn audit_lines(audit: &Audit) -> String {
         let _ = writeln!(text, "  {content}");
     };
     if let Some(haze) = audit.haze {
-        let scope =
-            if haze > HAZE_SCOPE { " (above 30 %: outside the scope of ASTM D1003, see ASTM E2387)" } else { "" };
+        let scope = if haze > HAZE_SCOPE {
+            " (above 30 %: outside the scope of ASTM D1003, see ASTM E2387)"
+        } else {
+            ""
+        };
         let clarity =
             audit.clarity.map_or(String::new(), |clarity| format!(", clarity {}", percent(clarity)));
         line(format!("haze {}{clarity}{scope}", percent(haze)));
@@ -153,7 +156,10 @@ fn audit_lines(audit: &Audit) -> String {
         ));
     }
     let lit = format!("{} of {} cells in the hemisphere have values above 0", audit.lit, audit.cells);
-    line(format!("{lit}, up to {:.1} deg; dark cells below that angle: {}", audit.dark_beyond_deg, audit.holes));
+    line(format!(
+        "{lit}, up to {:.1} deg; dark cells below that angle: {}",
+        audit.dark_beyond_deg, audit.holes
+    ));
     line(format!(
         "values {:.3e} to {:.3e} 1/sr, noise {:.1e} 1/sr of the smallest values",
         audit.range[0], audit.range[1], audit.noise
@@ -228,8 +234,9 @@ fn warnings(audit: &Audit) -> Vec<String> {
         });
     }
     if let Some(at) = at(&|i| i.grid_error - i.azimuth_error > TIS_TOLERANCE) {
-        warnings
-            .push(format!("the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"));
+        warnings.push(format!(
+            "the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"
+        ));
     }
     if let Some(at) = at(&|i| i.azimuth_error > TIS_TOLERANCE) {
         warnings.push(format!(

@@ -199,7 +199,8 @@ const GOOD_NAME: &str = "1 to 64 characters, no control characters, no blanks at
                          formula (`=` or `@` at the beginning)";
 
 /// Hint for a negative k.
-const SIGN_OF_K: &str = "Papilio uses n + ik, with k positive in an absorber: change the sign of k in n - ik data";
+const SIGN_OF_K: &str =
+    "Papilio uses n + ik, with k positive in an absorber: change the sign of k in n - ik data";
 
 /// Hint for a table without rows.
 const WHOLE_FILE: &str =

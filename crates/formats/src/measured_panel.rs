@@ -91,7 +91,9 @@ impl Panel {
         };
         let key = (state.clone(), (theta_deg + 0.0).to_bits(), (phi_deg + 0.0).to_bits());
         let known = self.by_direction.get(&key).copied();
-        let value = |cell| in_range(row, cell, "the value", -1.0, 1e4, "a value from -1 to 1e4, where 1 is a perfect white");
+        let value = |cell| {
+            in_range(row, cell, "the value", -1.0, 1e4, "a value from -1 to 1e4, where 1 is a perfect white")
+        };
         let mut measured = |quantity| {
             self.by_direction.insert(key.clone(), self.measured.len());
             self.measured.push(Measured { state: state.clone(), theta_deg, phi_deg, quantity });

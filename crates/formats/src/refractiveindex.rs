@@ -174,7 +174,8 @@ impl Rows<'_> {
     fn tabulated(&self, rows: Range<usize>, file: Table<'_>) -> Result<Tabulated, FormatError> {
         let mut columns = Columns::<1>::default();
         for row in &self.rows[rows] {
-            let added = columns.add(row.nm, [row.value]).and_then(|()| check_not_negative(row.value, self.what));
+            let added =
+                columns.add(row.nm, [row.value]).and_then(|()| check_not_negative(row.value, self.what));
             added.map_err(|problem| error_at_row(file, row.place.clone(), problem))?;
         }
         let [table] = columns.into_tables().map_err(|problem| error_at(file, self.block, problem))?;
@@ -254,7 +255,11 @@ impl Entry<'_> {
         for (place, text) in data.rows(file) {
             let numbers = numbers(text).map_err(|problem| error_at_row(file, place.clone(), problem))?;
             if numbers.len() != of + 1 {
-                let expected = if of == 2 { "three columns: wavelength in um, n, k" } else { "two columns: wavelength in um and value" };
+                let expected = if of == 2 {
+                    "three columns: wavelength in um, n, k"
+                } else {
+                    "two columns: wavelength in um and value"
+                };
                 let problem = Problem::Columns { expected, count: of + 1, found: numbers.len() };
                 return Err(error_at_row(file, place, problem));
             }
@@ -268,7 +273,11 @@ impl Entry<'_> {
         let range = self.get("range").map_or_else(|| self.needs("wavelength_range", file), Ok)?;
         match numbers(&range.text).map_err(|problem| error_at(file, range, problem))?[..] {
             [first, last] => Ok((nm_from_um(first), nm_from_um(last))),
-            _ => Err(error_at(file, range, Problem::Yaml { message: "expected a range of two wavelengths in um".to_owned() })),
+            _ => Err(error_at(
+                file,
+                range,
+                Problem::Yaml { message: "expected a range of two wavelengths in um".to_owned() },
+            )),
         }
     }
 

@@ -142,7 +142,8 @@ fn scalars(view: &View, name: &str, state: &State) -> Columns {
         ("phi_deg".to_owned(), view.phi_deg.to_string()),
         ("state".to_owned(), name.to_owned()),
     ];
-    let errors = [Some(&state.standard_error), state.discretisation_error.as_ref()].map(|e| e.map(state_metrics));
+    let errors =
+        [Some(&state.standard_error), state.discretisation_error.as_ref()].map(|e| e.map(state_metrics));
     let error = |which: usize, k: usize| errors[which].as_ref()?.get(k)?.1;
     let mut numbers: Vec<(String, [Option<f64>; 3])> = state_metrics(&state.value)
         .into_iter()

@@ -108,7 +108,9 @@ fn simulated(read: File) -> Result<ReadResult, &'static str> {
     let spectra = read.views.iter().flat_map(|view| view.states.values());
     let factors: Option<Vec<&[f64]>> = spectra.map(|state| state.reflectance_factor.as_deref()).collect();
     let Some(factors) = factors else {
-        return Err("all of its light comes from the front light, so it has no reflectance factors to compare");
+        return Err(
+            "all of its light comes from the front light, so it has no reflectance factors to compare",
+        );
     };
     if !fits(&read.illuminant.radiance_of_white) || !factors.into_iter().all(fits) {
         return Err("a spectrum does not have one value for each wavelength of `wavelength_nm`");

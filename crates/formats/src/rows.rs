@@ -233,7 +233,8 @@ mod tests {
     fn cell_in_quotes_keeps_separators_and_unmatched_quotes_are_refused() {
         assert_eq!(split("\"q\"\"x\"\"\",\" a \", b "), [["q\"x\"", " a ", "b"]]);
         assert_eq!(split("5\" glass,1"), [["5\" glass", "1"]]);
-        let has_bad_quotes = |text| Table { name: "t", text }.rows().any(|row| row.expect_cells(2, "two").is_err());
+        let has_bad_quotes =
+            |text| Table { name: "t", text }.rows().any(|row| row.expect_cells(2, "two").is_err());
         assert!(!has_bad_quotes("\"\"\"\",1"));
         for text in ["\"a,1", "\"a\"b\",1", "\"a\"b,1", "\",1", "1,\"2"] {
             assert!(has_bad_quotes(text), "{text}");

@@ -44,14 +44,19 @@ pub fn read_shares(file: &DataFile) -> Result<Tabulated, FormatError> {
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
 pub fn read_light(file: &DataFile) -> Result<Tabulated, FormatError> {
-    let light =
-        read_checked(file, |row, value| within(row, value, 0.0..=*SOURCE_MAXIMUM.end(), "the spectral value", "a number from 0 to 1e30"))?;
+    let light = read_checked(file, |row, value| {
+        within(row, value, 0.0..=*SOURCE_MAXIMUM.end(), "the spectral value", "a number from 0 to 1e30")
+    })?;
     let largest = light.values().iter().copied().fold(0.0, f64::max);
     if SOURCE_MAXIMUM.contains(&largest) {
         return Ok(light);
     }
     let expected = "a largest value between 1e-30 and 1e30";
-    Err(Table::new(file)?.error(Problem::OutOfRange { what: "the largest value of the spectrum", value: largest, expected }))
+    Err(Table::new(file)?.error(Problem::OutOfRange {
+        what: "the largest value of the spectrum",
+        value: largest,
+        expected,
+    }))
 }
 
 fn read_checked(

@@ -25,10 +25,16 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     }
     let states = arrays.texts("state")?;
     let part = first_state(&mut arrays, states.len())?;
-    let mut warnings =
-        vec!["the specular reflection of the display was not read: it has no finite value per steradian".to_owned()];
+    let mut warnings = vec![
+        "the specular reflection of the display was not read: it has no finite value per steradian"
+            .to_owned(),
+    ];
     if states.len() > 1 {
-        warnings.push(format!("only the state `{}` was read; {} other states were ignored", states[0], states.len() - 1));
+        warnings.push(format!(
+            "only the state `{}` was read; {} other states were ignored",
+            states[0],
+            states.len() - 1
+        ));
     }
     let provenance = Provenance {
         format: "display-bsdf.npz".to_owned(),

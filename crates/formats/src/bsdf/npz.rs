@@ -70,7 +70,8 @@ impl<'a> Npz<'a> {
             Err(problem) => Err(problem.to_string()),
         };
         let read = read.map_err(|what| self.unsound(array, &what))?;
-        self.budget = budget.checked_sub(read).ok_or_else(|| self.unsound(array, "it overlaps other entries"))?;
+        self.budget =
+            budget.checked_sub(read).ok_or_else(|| self.unsound(array, "it overlaps other entries"))?;
         Ok(bytes)
     }
 

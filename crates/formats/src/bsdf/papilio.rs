@@ -98,13 +98,17 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
 }
 
 fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatError> {
-    let way = way_named(&about.way).ok_or_else(|| arrays.unsound("about", &format!("`{}` is not the name of a part; expected {WAYS}", about.way)))?;
+    let way = way_named(&about.way).ok_or_else(|| {
+        arrays.unsound("about", &format!("`{}` is not the name of a part; expected {WAYS}", about.way))
+    })?;
     let channels: Option<Vec<Channel>> = about.channels.iter().map(|name| channel_named(name)).collect();
     let channels = channels.filter(|channels| {
         let mut seen = HashSet::new();
         !channels.is_empty() && channels.iter().all(|channel| seen.insert(channel.to_string()))
     });
-    let channels = channels.ok_or_else(|| arrays.unsound("about", "the list of channels is empty, has an unknown name or has a name twice"))?;
+    let channels = channels.ok_or_else(|| {
+        arrays.unsound("about", "the list of channels is empty, has an unknown name or has a name twice")
+    })?;
     let prefix = prefix(way);
     let values_name = format!("{prefix}_values");
     let Array { shape, values } = arrays.numbers(&values_name)?;
@@ -121,7 +125,8 @@ fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatErro
     if !tis.iter().all(|tis| (0.0..=LARGEST_VALUE).contains(tis))
         || !fits_tis(&geometry, channels.len(), tis.len())
     {
-        return Err(arrays.unsound(&tis_name, "expected a number of 0 or more for each channel, rotation and incidence"));
+        return Err(arrays
+            .unsound(&tis_name, "expected a number of 0 or more for each channel, rotation and incidence"));
     }
     Ok(Part { way, channels, geometry, values, tis })
 }

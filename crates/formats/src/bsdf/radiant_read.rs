@@ -108,7 +108,11 @@ impl Header {
             } else if text.bytes[key.start].is_ascii_alphabetic() && !text.is(&key, "DataBegin") {
                 self.skipped.push(text.quote(line));
             } else {
-                return Err(unexpected(text, line, "a keyword such as `ScatterType`, or `Monochrome` or `TristimulusX`"));
+                return Err(unexpected(
+                    text,
+                    line,
+                    "a keyword such as `ScatterType`, or `Monochrome` or `TristimulusX`",
+                ));
             }
         }
     }
@@ -215,12 +219,15 @@ impl Header {
         }
         if grid.rotations_deg.len() > 1 {
             warnings.push(
-                "the sense of SampleRotation is not standardised: a counter-clockwise rotation of the sample, seen from the front, is assumed"
+                "the sense of SampleRotation is not standardised: a counter-clockwise rotation of the sample, seen from the \
+                 front, is assumed"
                     .to_owned(),
             );
         }
         if data.tis.iter().any(|tis| *tis > 1.0) {
-            warnings.push("a TIS is above 1: more light leaves than arrives, or the TIS is in percent".to_owned());
+            warnings.push(
+                "a TIS is above 1: more light leaves than arrives, or the TIS is in percent".to_owned(),
+            );
         }
         warnings
     }
@@ -271,7 +278,11 @@ impl Data {
         let mut words = text.words(line.clone());
         let is_tis = words.next().is_some_and(|word| text.is(&word, "TIS"));
         let (true, Some(word)) = (is_tis, words.next()) else {
-            return Err(unexpected(text, line, "a line `TIS` with its value, at the beginning of each incidence"));
+            return Err(unexpected(
+                text,
+                line,
+                "a line `TIS` with its value, at the beginning of each incidence",
+            ));
         };
         let value = text.number(word.clone())?;
         // Some programs write percent, and some measured TIS are above 1.

@@ -167,7 +167,8 @@ impl Rows {
         let count = layout.columns.len();
         let found = cells(text, line.clone(), layout.separator).take(count + 1).count();
         if found != count {
-            let expected = "the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value, or those of the header";
+            let expected =
+                "the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value, or those of the header";
             return Err(text.error(line, Problem::Columns { count, expected, found }));
         }
         let mut angles = [0.0; 4];
@@ -342,7 +343,9 @@ impl Pairs {
         let all = cells.checked_mul(present.len()).filter(|all| *all <= MOST_CELLS);
         let all = all.ok_or_else(|| text.whole(BsdfProblem::TooManyCells { limit: MOST_CELLS }))?;
         if all > 4 * self.entries.len() + 1000 {
-            return Err(text.whole(BsdfProblem::Missing { what: "value for most combinations of directions and wavelengths" }));
+            return Err(text.whole(BsdfProblem::Missing {
+                what: "value for most combinations of directions and wavelengths",
+            }));
         }
         let (geometry, place) = self.geometry();
         let mut place_of_channel = vec![0; channels.len()];
@@ -352,9 +355,10 @@ impl Pairs {
         for &(pair, channel, value, at) in &self.entries {
             let cell = place_of_channel[channel as usize] * cells + place[pair as usize];
             if std::mem::replace(&mut taken[cell], true) {
-                return Err(
-                    text.error(at..text.bytes.len(), BsdfProblem::Twice { what: "this pair of directions".to_owned() })
-                );
+                return Err(text.error(
+                    at..text.bytes.len(),
+                    BsdfProblem::Twice { what: "this pair of directions".to_owned() },
+                ));
             }
             values[cell] = value;
         }

@@ -170,7 +170,8 @@ impl Reading<'_> {
             let direction = block.expect("WavelengthDataDirection")?;
             let name = direction.text();
             let Some((_, way)) = WAYS.iter().find(|(known, _)| known.eq_ignore_ascii_case(&name)) else {
-                let expected = "`Transmission Front`, `Transmission Back`, `Reflection Front` or `Reflection Back`";
+                let expected =
+                    "`Transmission Front`, `Transmission Back`, `Reflection Front` or `Reflection Back`";
                 let problem = BsdfProblem::Unexpected { found: name, expected };
                 return Err(self.text.error(direction.word(), problem));
             };

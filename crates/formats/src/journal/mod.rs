@@ -4,10 +4,10 @@
 //! A last line without a newline was cut off when the program was killed, and is ignored. Any other damaged line is an error: see
 //! [`seal`].
 
-mod seal;
 mod folder;
 mod held;
 mod rows;
+mod seal;
 
 use std::io::{self, Write};
 

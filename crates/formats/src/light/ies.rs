@@ -99,7 +99,9 @@ pub fn read_ies(file: &DataFile) -> Result<Luminaire, FormatError> {
         let place = Place::in_text(&file.name, text, tilt);
         return Err(FormatError {
             place,
-            problem: Problem::Ies { what: "luminaires whose light depends on the tilt are not supported; expected `TILT=NONE`" },
+            problem: Problem::Ies {
+                what: "luminaires whose light depends on the tilt are not supported; expected `TILT=NONE`",
+            },
         });
     }
     Numbers { name: &file.name, text, at: after }.luminaire()
@@ -139,7 +141,9 @@ impl Numbers<'_> {
         let place = start..start + word.len();
         self.at = place.end;
         if word.is_empty() {
-            let problem = Problem::Ies { what: "the file ends before its last number; it may be cut off, or a count of angles may be wrong" };
+            let problem = Problem::Ies {
+                what: "the file ends before its last number; it may be cut off, or a count of angles may be wrong",
+            };
             return Err(FormatError { place: Place::whole(self.name), problem });
         }
         match word.parse::<f64>() {
@@ -197,7 +201,8 @@ impl Numbers<'_> {
         let metres = if unit == 1.0 { 0.3048 } else { 1.0 };
         let mut sides = [0.0; 3];
         for side in &mut sides {
-            *side = metres * self.within("a side of the opening", (-1e4, 1e4), "a length from -1e4 to 1e4")?;
+            *side =
+                metres * self.within("a side of the opening", (-1e4, 1e4), "a length from -1e4 to 1e4")?;
         }
         let ballast = self.within("the ballast factor", positive, "a number above 0")?;
         self.within("the number after the ballast factor", any, "")?;

@@ -66,11 +66,12 @@ impl Header {
                     return Err(wrong("its FORMAT is not supported; expected 32-bit_rle_rgbe"));
                 }
             } else if let Some(exposure) = line.strip_prefix("EXPOSURE=") {
-                let factor = factors::<1>(exposure).ok_or(wrong("its EXPOSURE is not a number from 1e-12 to 1e12"))?;
+                let factor =
+                    factors::<1>(exposure).ok_or(wrong("its EXPOSURE is not a number from 1e-12 to 1e12"))?;
                 scale.iter_mut().for_each(|scale| *scale *= factor[0]);
             } else if let Some(correction) = line.strip_prefix("COLORCORR=") {
-                let by =
-                    factors::<3>(correction).ok_or(wrong("its COLORCORR is not three numbers from 1e-12 to 1e12"))?;
+                let by = factors::<3>(correction)
+                    .ok_or(wrong("its COLORCORR is not three numbers from 1e-12 to 1e12"))?;
                 scale.iter_mut().zip(by).for_each(|(scale, by)| *scale *= by);
             }
         }
@@ -120,7 +121,8 @@ fn scanline(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), ScanlineError>
         while at < row.len() {
             let count = usize::from(take(input, 1)?[0]);
             let (count, run) = if count > 128 { (count - 128, true) } else { (count, false) };
-            let pixels = row.get_mut(at..at + count).filter(|pixels| !pixels.is_empty()).ok_or(ScanlineError::Run)?;
+            let pixels =
+                row.get_mut(at..at + count).filter(|pixels| !pixels.is_empty()).ok_or(ScanlineError::Run)?;
             let bytes = take(input, if run { 1 } else { count })?;
             for (k, pixel) in pixels.iter_mut().enumerate() {
                 pixel[component] = bytes[if run { 0 } else { k }];

@@ -196,7 +196,11 @@ impl<'a> Section<'a> {
             Some(style @ ('|' | '>')) => {
                 let head = without_comment(&text[1..]);
                 if !head.chars().all(|c| matches!(c, '+' | '-' | '1'..='9')) {
-                    return Err(fault(self.file, at, "expected the rows on the lines after `|`, not on the same line"));
+                    return Err(fault(
+                        self.file,
+                        at,
+                        "expected the rows on the lines after `|`, not on the same line",
+                    ));
                 }
                 let start = self.lines.get(self.next).map_or(self.file.text.len(), |line| line.start);
                 // Without an indentation indicator, the first row defines the indentation.
@@ -210,9 +214,11 @@ impl<'a> Section<'a> {
                 Ok(Value { text, place: start..end })
             }
             Some(quote @ ('"' | '\'')) => self.quoted(at, quote),
-            Some('[' | '{' | '&' | '*' | '!' | '%' | '@' | '`') => {
-                Err(fault(self.file, at, "expected text or numbers; brackets, anchors and tags of YAML are not supported"))
-            }
+            Some('[' | '{' | '&' | '*' | '!' | '%' | '@' | '`') => Err(fault(
+                self.file,
+                at,
+                "expected text or numbers; brackets, anchors and tags of YAML are not supported",
+            )),
             _ => {
                 let first = without_comment(text);
                 let is_list =
@@ -245,7 +251,13 @@ impl<'a> Section<'a> {
                     Some((_, '\r' | '\n')) => {
                         while characters.next_if(|(_, next)| matches!(next, ' ' | '\n')).is_some() {}
                     }
-                    _ => return Err(fault(self.file, at + 1 + i, "unknown escape sequence; expected `\\n`, `\\t`, `\\\"`, `\\\\`, `\\/` or `\\ `")),
+                    _ => {
+                        return Err(fault(
+                            self.file,
+                            at + 1 + i,
+                            "unknown escape sequence; expected `\\n`, `\\t`, `\\\"`, `\\\\`, `\\/` or `\\ `",
+                        ));
+                    }
                 },
                 _ if c == quote => {
                     let end = at + 1 + i;

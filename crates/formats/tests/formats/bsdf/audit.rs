@@ -144,7 +144,9 @@ fn complete_hemisphere_has_no_light_beyond() {
     let measurement = read(made.text(|_, _| 0.3, |_| 0.3 / PI));
     let audit = Audit::of(&measurement.parts[0], 0).unwrap();
     assert!(audit.incidences.iter().all(|i| i.measured_to_deg.is_none() && i.beyond_share() == 0.0));
-    assert!(!audit_text("x", &measurement, &[Some(audit)]).contains("from the specular direction, at incidence"));
+    assert!(
+        !audit_text("x", &measurement, &[Some(audit)]).contains("from the specular direction, at incidence")
+    );
 }
 
 /// Lambertian lobes whose reflectance varies with the rotation of the sample, with the mean 0.3 over a full turn, whose first and last

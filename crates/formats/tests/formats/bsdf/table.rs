@@ -89,7 +89,7 @@ fn csv_with_few_values_for_many_pairs_and_channels_is_refused() {
 
 /// docs/bsdf-files.md has the same list of formats as the program. `cargo xtask docs` writes it.
 #[test]
-fn table_of_formats_in_the_docs_agrees_with_the_program() {
+fn table_of_formats_in_the_docs_is_that_of_the_readers() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bsdf-files.md");
     let page = std::fs::read_to_string(&path).unwrap();
     let (before, rest) = page.split_once("<!-- formats -->\n").unwrap();
