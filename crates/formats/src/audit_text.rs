@@ -228,8 +228,8 @@ fn warnings(audit: &Audit) -> Vec<String> {
             "the file has a single azimuth: the lobe is assumed to be rotationally symmetric about the specular direction".to_owned()
         } else {
             format!(
-                "azimuths are {first:.0} to {last:.0} deg from the plane of incidence: outside this range, down to 0 and up to 180 deg, the \
-                 values of the nearest azimuth are used"
+                "azimuths are {first:.0} to {last:.0} deg from the plane of incidence: outside this range, down to 0 and up to 180 deg, \
+                 the values of the nearest azimuth are used"
             )
         });
     }

@@ -53,7 +53,7 @@ fn read(file: &DataFile, wanted_nm: Option<(f64, f64)>) -> Result<Warned<Dispers
     Ok(Warned { value, warnings: Vec::new() })
 }
 
-fn n_and_k<'a>(
+fn read_n_and_k<'a>(
     table: Table<'a>,
     rows: impl Iterator<Item = Row<'a>>,
 ) -> Result<(Tabulated, Option<Tabulated>), FormatError> {
@@ -68,7 +68,7 @@ fn n_and_k<'a>(
     Ok((n, Some(k)))
 }
 
-fn n_alone<'a>(table: Table<'a>, rows: impl Iterator<Item = Row<'a>>) -> Result<Tabulated, FormatError> {
+fn read_n<'a>(table: Table<'a>, rows: impl Iterator<Item = Row<'a>>) -> Result<Tabulated, FormatError> {
     let mut columns = Columns::default();
     for row in rows {
         row.expect_cells(2, "two columns, as on the first row: wavelength in nm, n")?;

@@ -212,14 +212,14 @@ impl Header {
             .collect();
         if way.is_transmission() && symmetry == Symmetry::None {
             warnings.push(
-                "the sense of ScatterAzimuth in an asymmetrical BTDF is not standardised: it was read as in reflection, \
+                "the sense of ScatterAzimuth in an asymmetrical BTDF is not documented: it was read as in reflection, \
                  seen from the side of the light; check it with the sample"
                     .to_owned(),
             );
         }
         if grid.rotations_deg.len() > 1 {
             warnings.push(
-                "the sense of SampleRotation is not standardised: a counter-clockwise rotation of the sample, seen from the \
+                "the sense of SampleRotation is not documented: a counter-clockwise rotation of the sample, seen from the \
                  front, is assumed"
                     .to_owned(),
             );
