@@ -84,5 +84,5 @@ fn check_not_negative(row: &Row<'_>, cell: usize, what: &'static str) -> Result<
     if value >= 0.0 {
         return Ok(());
     }
-    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected: "0 or more" }))
+    Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected: "a number of 0 or more" }))
 }

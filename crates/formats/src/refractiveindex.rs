@@ -107,23 +107,23 @@ impl Reading<'_> {
     /// Returns the only entry that holds a quantity. Of several entries, returns the only one with wavelengths in the wanted range.
     fn choose<'a>(
         &mut self,
-        mut given: Vec<Quantity<'a>>,
+        mut quantities: Vec<Quantity<'a>>,
         what: &str,
     ) -> Result<Option<Quantity<'a>>, FormatError> {
-        let count = given.len();
+        let count = quantities.len();
         if count > 1
             && let Some((first, last)) = self.wanted_nm
         {
             let touches = |one: &Quantity<'_>| one.range_nm.0 <= last && one.range_nm.1 >= first;
-            if given.iter().filter(|one| touches(one)).count() == 1 {
-                given.retain(touches);
+            if quantities.iter().filter(|one| touches(one)).count() == 1 {
+                quantities.retain(touches);
                 self.notes.push(format!(
                     "{count} entries hold {what}; only one of them has wavelengths from {first} to {last} nm, and only that one was read"
                 ));
             }
         }
-        match given.get(1) {
-            None => Ok(given.pop()),
+        match quantities.get(1) {
+            None => Ok(quantities.pop()),
             Some(second) => {
                 let message = format!("a second entry holds {what}; remove one of the two");
                 Err(error_at(self.file, second.entry.kind(self.file)?, Problem::Yaml { message }))
@@ -235,7 +235,7 @@ fn check_not_negative(value: f64, what: &'static str) -> Result<(), Problem> {
     if value >= 0.0 {
         return Ok(());
     }
-    Err(Problem::OutOfRange { what, value, expected: "0 or more" })
+    Err(Problem::OutOfRange { what, value, expected: "a number of 0 or more" })
 }
 
 impl Entry<'_> {

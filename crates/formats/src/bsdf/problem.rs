@@ -31,7 +31,7 @@ pub enum BsdfProblem {
         /// The item.
         what: String,
     },
-    /// The file ends too early.
+    /// The file is cut off.
     Ends {
         /// The next expected item, or the condition that is not yet met.
         what: &'static str,

@@ -146,7 +146,11 @@ impl Header {
         for word in text.words(line.clone()) {
             let value = text.number(word.clone())?;
             if !(least..=most).contains(&value) {
-                let expected = "an angle in degrees";
+                let expected = match axis {
+                    1 => "an angle from 0 to 90 deg",
+                    3 => "an angle from 0 to 180 deg",
+                    _ => "an angle from -360 to 360 deg",
+                };
                 return Err(text.error(word, Problem::OutOfRange { what, value, expected }));
             }
             if let Some(&before) = values.last().filter(|before| **before >= value) {

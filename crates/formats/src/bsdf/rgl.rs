@@ -171,7 +171,7 @@ impl<'a> Tensors<'a> {
                 return Err(self.error(BsdfProblem::Order { what: "wavelength", value, before }));
             }
             if let Some(&value) = wavelengths.first().filter(|first| **first < super::SHORTEST_NM) {
-                let expected = "a wavelength in nm";
+                let expected = "a wavelength in nm, 30 or more";
                 return Err(self.error(Problem::OutOfRange { what: "a wavelength", value, expected }));
             }
             let channels = wavelengths.into_iter().map(Channel::Wavelength).collect();

@@ -293,7 +293,7 @@ fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError
     }
     let value = text.number(cell.clone())?;
     super::wavelength(value).ok_or_else(|| {
-        let expected = "the name of a channel, or a wavelength in nm";
+        let expected = "the name of a channel, or a wavelength in nm of 30 or more";
         let out_of_range = Problem::OutOfRange { what: "a wavelength", value, expected };
         text.error(cell, if value > 0.0 { Problem::Micrometres } else { out_of_range })
     })

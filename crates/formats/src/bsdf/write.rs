@@ -36,7 +36,7 @@ pub enum WriteError {
         /// The number.
         value: f64,
     },
-    /// The format cannot hold it.
+    /// The format cannot represent the measurement.
     #[error("{format} cannot hold {what}")]
     CannotHold {
         /// The format.

@@ -238,10 +238,10 @@ mod tests {
         const ROUNDS: usize = 150;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sweep.jsonl");
-        let (held, kept) = (AtomicBool::new(false), [const { AtomicUsize::new(0) }; 2]);
+        let (held, counts) = (AtomicBool::new(false), [const { AtomicUsize::new(0) }; 2]);
         std::thread::scope(|scope| {
             for thread in 0..THREADS {
-                let (path, held, kept) = (&path, &held, &kept);
+                let (path, held, counts) = (&path, &held, &counts);
                 scope.spawn(move || {
                     for round in 0..ROUNDS {
                         let of = (thread + round / 2) % 2;
@@ -254,7 +254,7 @@ mod tests {
                         match opened {
                             Ok(mut journal) => {
                                 assert!(!held.swap(true, Ordering::SeqCst), "two threads hold the journal");
-                                let number = kept[of].fetch_add(1, Ordering::SeqCst);
+                                let number = counts[of].fetch_add(1, Ordering::SeqCst);
                                 assert_eq!(lines.len(), number, "lines were lost");
                                 journal.add(&Line { line: number }).unwrap();
                                 if number % 3 == 0 {
@@ -268,7 +268,7 @@ mod tests {
                 });
             }
         });
-        assert!(kept.iter().all(|kept| kept.load(Ordering::SeqCst) > 10), "{kept:?}");
+        assert!(counts.iter().all(|count| count.load(Ordering::SeqCst) > 10), "{counts:?}");
         let names: Vec<_> =
             fs::read_dir(folder.path()).unwrap().map(|one| one.unwrap().file_name()).collect();
         assert_eq!(names.len(), 2, "{names:?}");

@@ -193,7 +193,7 @@ impl Numbers<'_> {
         self.within("the number of lamps", any, "")?;
         self.within("lumens per lamp", any, "")?;
         let positive = (1e-9, 1e9);
-        let multiplier = self.within("the multiplier", positive, "a number above 0")?;
+        let multiplier = self.within("the multiplier", positive, "a number from 1e-9 to 1e9")?;
         let (rows, columns) =
             (self.count("the number of vertical angles")?, self.count("the number of horizontal angles")?);
         self.within("the photometric type", (1.0, 1.0), "1 (type C)")?;
@@ -204,9 +204,9 @@ impl Numbers<'_> {
             *side =
                 metres * self.within("a side of the opening", (-1e4, 1e4), "a length from -1e4 to 1e4")?;
         }
-        let ballast = self.within("the ballast factor", positive, "a number above 0")?;
+        let ballast = self.within("the ballast factor", positive, "a number from 1e-9 to 1e9")?;
         self.within("the number after the ballast factor", any, "")?;
-        self.within("the watts", any, "")?;
+        self.within("the input power", any, "")?;
         let vertical_deg = self.angles(rows, "the vertical angle", 180.0)?;
         let horizontal_deg = self.angles(columns, "the horizontal angle", 360.0)?;
         let mut candela = Vec::new();
