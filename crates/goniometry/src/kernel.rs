@@ -215,8 +215,7 @@ impl Lamination {
         let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
         let horizon = horizon.take_while(|beta| passed(*beta) >= MIN_TRANSMITTANCE).last().unwrap_or(0.0);
         let transmittance = |cell: usize| {
-            grid.directions(cell)
-                .map_or(1.0, |[_, to]| passed(to.leaving().length()).max(MIN_TRANSMITTANCE))
+            grid.directions(cell).map_or(1.0, |[_, to]| passed(to.leaving().length()).max(MIN_TRANSMITTANCE))
         };
         let divided: Vec<f64> =
             cells.iter().enumerate().map(|(cell, value)| value / transmittance(cell)).collect();
@@ -333,7 +332,10 @@ mod tests {
         let [(none, lost), (hold, extended)] = [None, Some(1.0)].map(|extrapolate| {
             kernel(&part(lobe), 0, &Preparation { extrapolate, ..Preparation::default() }, &[]).unwrap()
         });
-        assert!((lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && extended.lost == 0.0, "{lost:?}");
+        assert!(
+            (lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && extended.lost == 0.0,
+            "{lost:?}"
+        );
         let (from, to) = (ray(75.0), ray(70.0));
         assert_eq!(none.evaluate(from, to), 0.0);
         assert!((hold.evaluate(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.evaluate(from, to));

@@ -38,7 +38,10 @@ pub fn assert_unbiased(what: &str, truth: f64, most_relative_error: f64, run: im
     let n = seeds as f64;
     let (deviation, one_error) = (deviation / n, (error_square / n).sqrt());
     if one_error <= 1e-12 * truth.abs().max(1e-12) {
-        assert!(deviation.abs() <= 1e-11 * truth.abs().max(1e-3), "{what}: deviation {deviation} with zero standard error");
+        assert!(
+            deviation.abs() <= 1e-11 * truth.abs().max(1e-3),
+            "{what}: deviation {deviation} with zero standard error"
+        );
         return;
     }
     let z = deviation * n.sqrt() / one_error;

@@ -55,8 +55,9 @@ fn incidences([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]], omega: &[f
         let patches = first..first + ring.patches;
         first = patches.end;
         let mean = |of: &dyn Fn(usize) -> f64| patches.clone().map(of).sum::<f64>() / ring.patches as f64;
-        let sum =
-            |patch: usize| columns[patch].iter().zip(omega).map(|(f, omega)| positive(*f) * omega).sum::<f64>();
+        let sum = |patch: usize| {
+            columns[patch].iter().zip(omega).map(|(f, omega)| positive(*f) * omega).sum::<f64>()
+        };
         let specular = |patch: usize| {
             let to = patch_centre(incoming, patch).and_then(|to| crate::patch_of(outgoing, to));
             to.map_or(0.0, |to| positive(columns[patch][to]))
