@@ -6,20 +6,20 @@ use papilio_sampling::{Numbers, Sampler};
 #[derive(Debug, Clone)]
 pub struct Dice {
     numbers: Numbers,
-    thrown: u32,
+    drawn: u32,
 }
 
 impl Dice {
     /// Returns the choices of member `number` of family `family`.
     pub fn new(family: u64, number: u64) -> Self {
-        Self { numbers: Numbers::new(Sampler::Random, family, number), thrown: 0 }
+        Self { numbers: Numbers::new(Sampler::Random, family, number), drawn: 0 }
     }
 
     /// Draws a uniform number in (0, 1).
     pub fn throw(&mut self) -> f64 {
-        let thrown = self.thrown;
-        self.thrown += 1;
-        self.numbers.block(0, thrown / 4)[(thrown % 4) as usize]
+        let drawn = self.drawn;
+        self.drawn += 1;
+        self.numbers.block(0, drawn / 4)[(drawn % 4) as usize]
     }
 
     /// Draws a uniform number between two numbers.

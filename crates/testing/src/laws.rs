@@ -16,11 +16,11 @@ use crate::Dice;
 /// # Panics
 /// If the property panics.
 #[allow(clippy::print_stderr, reason = "the output of a test that fails")]
-pub fn laws<T: Debug>(cases: u64, draw: impl Fn(&mut Dice) -> T, law: impl Fn(&T)) {
+pub fn laws<T: Debug>(cases: u64, draw: impl Fn(&mut Dice) -> T, property: impl Fn(&T)) {
     for number in 0..cases {
         let case = draw(&mut Dice::new(0, number));
-        if let Err(failure) = catch_unwind(AssertUnwindSafe(|| law(&case))) {
-            eprintln!("case {number} of {cases} breaks the law: {case:#?}");
+        if let Err(failure) = catch_unwind(AssertUnwindSafe(|| property(&case))) {
+            eprintln!("case {number} of {cases} violates the property: {case:#?}");
             resume_unwind(failure);
         }
     }
