@@ -1,8 +1,8 @@
 //! Quality of a measurement: coverage, energy, reciprocity, holes, noise, haze.
 //!
 //! Haze and clarity are the values of a hazemeter in the same light, computed from the goniometric data. ASTM
-//! D1003 defines haze up to 30 %; above that it refers to goniometric methods (ASTM E2387).
-//! Clarity has no standard. It is defined here as `(C - R)/(C + R)`, where C is the light within 1 deg of the direct beam,
+//! D1003 defines haze up to 30 %; above that it refers to goniometric methods (ASTM E2387). Clarity has no
+//! standard. It is defined here as `(C - R)/(C + R)`, where C is the light within 1 deg of the direct beam,
 //! and R the light between 1 and 2.5 deg.
 
 mod patches;
@@ -44,13 +44,15 @@ pub struct Audit {
     pub range: [f64; 2],
     /// Difference of mirrored and rotated cells relative to their mean (root mean square).
     pub asymmetry: f64,
-    /// Difference of f(i, o) and f(o, i) relative to their mean: root mean square, weighted by the light, and maximum.
+    /// Difference of f(i, o) and f(o, i) relative to their mean: root mean square, weighted by the light, and
+    /// maximum.
     pub reciprocity: Option<[f64; 2]>,
     /// Fraction of the transmitted light beyond 2.5 deg, at the smallest incidence; only of a transmission.
     pub haze: Option<f64>,
     /// Clarity (see the module documentation); only of a grid with steps of 0.5 deg or less near the peak.
     pub clarity: Option<f64>,
-    /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest value is used.
+    /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
+    /// value is used.
     pub held_azimuths_deg: Option<[f64; 2]>,
     /// Quality by incidence.
     pub incidences: Vec<Incidence>,
@@ -80,7 +82,8 @@ pub struct Incidence {
     pub tis: Option<f64>,
     /// Integral of the values, mean over rotations, with dark cells unchanged and no extrapolation.
     pub integral: f64,
-    /// Smallest distance from the specular direction, degrees, at which measured cells end before the horizon.
+    /// Smallest distance from the specular direction, degrees, at which measured cells end before the
+    /// horizon.
     pub measured_to_deg: Option<f64>,
     /// Integral with tails extrapolated beyond the last measured distance.
     pub integral_beyond: f64,
@@ -92,7 +95,8 @@ pub struct Incidence {
     pub azimuth_error: f64,
     /// Value in the specular direction, 1/sr.
     pub peak: f64,
-    /// Distance from the specular direction to half the peak, degrees: towards the normal, sideways, away from the normal.
+    /// Distance from the specular direction to half the peak, degrees: towards the normal, sideways, away
+    /// from the normal.
     pub half_widths_deg: [Option<f64>; 3],
 }
 
@@ -104,8 +108,9 @@ impl Incidence {
 }
 
 impl Audit {
-    /// Audits one channel, given by its index. Patches are summed directly. A part on another geometry is first
-    /// resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed pairs.
+    /// Audits one channel, given by its index. Patches are summed directly. A part on another geometry is
+    /// first resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed
+    /// pairs.
     pub fn of(part: &Part, channel: usize) -> Option<Self> {
         if let Geometry::Patches { incoming, outgoing } = &part.geometry {
             return Some(patches::audit([incoming, outgoing], part.channel(channel)));

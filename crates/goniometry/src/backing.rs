@@ -28,8 +28,8 @@ impl Backing {
         }
     }
 
-    /// Largest |beta| of light behind the foil that the measurement describes. Only a foil whose measurement is used
-    /// unchanged may send light beyond the horizon of the air.
+    /// Largest |beta| of light behind the foil that the measurement describes. Only a foil whose measurement
+    /// is used unchanged may send light beyond the horizon of the air.
     pub fn reach(self) -> f64 {
         match self {
             Self::Glass { index } => index,

@@ -1,14 +1,14 @@
 //! Calibration with a white reference.
 //!
 //! A white of known reflectance, measured on the same grid, shows the effect of instrument and optics on each
-//! direction. The correction is its known f, `reflectance_factor/pi` (Spectralon: 0.99, taken as
-//! Lambertian), over the measured f. The sample is multiplied by it, cell by cell. This removes vignetting,
-//! non-uniform coatings and the error of scale. Blur, stray light and noise remain, and the noise of the reference
-//! is added ([`Calibration::noise`]).
+//! direction. The correction is its known f, `reflectance_factor/pi` (Spectralon: 0.99, taken as Lambertian),
+//! over the measured f. The sample is multiplied by it, cell by cell. This removes vignetting, non-uniform
+//! coatings and the error of scale. Blur, stray light and noise remain, and the noise of the reference is
+//! added ([`Calibration::noise`]).
 //!
-//! **Correspondence**: a part of the sample is corrected with the reference's part of the same scatter mode, or
-//! with its only part, because the cells of reflection and transmission lie in the same directions of the sphere. A
-//! channel is corrected with the same channel, or with the only one.
+//! **Correspondence**: a part of the sample is corrected with the reference's part of the same scatter mode,
+//! or with its only part, because the cells of reflection and transmission lie in the same directions of the
+//! sphere. A channel is corrected with the same channel, or with the only one.
 //!
 //! **Nothing is extrapolated.** Where the sample has a value and the reference has none, the result is
 //! NaN, and the cell is counted.
@@ -16,7 +16,8 @@
 //! Total integrated scatter that the file gives is multiplied by the relative change of the
 //! light of its incidence.
 //!
-//! **Limits**: the white is assumed to be Lambertian. Real ones are so within some per cent, up to about 60 deg.
+//! **Limits**: the white is assumed to be Lambertian. Real ones are so within some per cent, up to about 60
+//! deg.
 
 use std::f64::consts::PI;
 
@@ -156,8 +157,8 @@ fn apply(part: &mut Part, channel: usize, correction: &[Option<f64>]) -> Calibra
     calibration
 }
 
-/// Ratio of the light after and before the correction, by incidence: from integrals of the smooth lobes through
-/// the cells that have both values.
+/// Ratio of the light after and before the correction, by incidence: from integrals of the smooth lobes
+/// through the cells that have both values.
 fn changes(grid: &SpecularGrid, before: &[f64], after: &[f64]) -> Vec<f64> {
     let common = |values: &[f64], other: &[f64]| -> Shape {
         let masked =
@@ -172,8 +173,8 @@ fn changes(grid: &SpecularGrid, before: &[f64], after: &[f64]) -> Vec<f64> {
     (0..grid.incidences_deg.len()).map(change).collect()
 }
 
-/// Standard deviation of the factors from second differences of their logarithms along radial lines, and the number
-/// of rough factors.
+/// Standard deviation of the factors from second differences of their logarithms along radial lines, and the
+/// number of rough factors.
 fn roughness(grid: &SpecularGrid, correction: &[Option<f64>]) -> (Option<f64>, usize) {
     let lines = correction.chunks_exact(grid.radials_deg.len().max(1));
     let mut differences: Vec<f64> = lines
@@ -253,8 +254,8 @@ mod tests {
         assert_eq!(calibration.uncovered, 2);
         assert!(result.measurement.parts[0].values[3].is_nan());
         assert!((calibration.noise.unwrap() / 0.02 - 1.0).abs() < 0.1, "{calibration:?}");
-        // Second differences have a standard deviation of 4.9 %, and twice the limit is 2.04 times that: 4.1 %
-        // of the cells are rough.
+        // Second differences have a standard deviation of 4.9 %, and twice the limit is 2.04 times that: 4.1
+        // % of the cells are rough.
         let fraction = calibration.rough as f64 / calibration.corrected as f64;
         assert!((fraction - 0.041).abs() < 0.01, "{fraction}");
     }

@@ -29,7 +29,8 @@ impl Direction {
         [sin * cos_phi, sin * sin_phi, cos]
     }
 
-    /// Specular direction: the continuation (transmission) or mirror direction (reflection) of light from here.
+    /// Specular direction: the continuation (transmission) or mirror direction (reflection) of light from
+    /// here.
     pub fn specular(self) -> Self {
         Self { theta_deg: self.theta_deg, phi_deg: self.phi_deg + 180.0 }
     }

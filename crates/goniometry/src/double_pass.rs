@@ -7,15 +7,16 @@
 
 use papilio_optics::Beta;
 
-/// Inclinations of light and viewer, degrees: presets indoor and sunny, and the ring geometry of IEC 62679-3-1.
+/// Inclinations of light and viewer, degrees: presets indoor and sunny, and the ring geometry of IEC
+/// 62679-3-1.
 const DIRECTED: [[f64; 2]; 3] = [[-20.0, 8.0], [-35.0, 20.0], [35.0, 20.0]];
 /// Inclinations of the viewer in diffuse light, degrees.
 const DIFFUSE: [f64; 2] = [8.0, 45.0];
 /// Number of steps across the disc of direction cosines.
 const STEPS: i32 = 160;
 
-/// Relative difference of the luminances through two lobes, the largest over presets and viewing angles.
-/// Only light between directions that are `known` counts, for both lobes; `None` if there is none in any preset.
+/// Relative difference of the luminances through two lobes, the largest over presets and viewing angles. Only
+/// light between directions that are `known` counts, for both lobes; `None` if there is none in any preset.
 pub fn double_pass_error(
     lobe: impl Fn(Beta, Beta) -> f64,
     truth: impl Fn(Beta, Beta) -> f64,
@@ -74,7 +75,8 @@ mod tests {
         }
     }
 
-    /// Two passes through a k-correlation lobe equal one lobe of twice the width, except for light that leaves the disc.
+    /// Two passes through a k-correlation lobe equal one lobe of twice the width, except for light that
+    /// leaves the disc.
     #[test]
     fn two_passes_convolve_the_lobe_with_itself() {
         let found = luminances(&lobe(0.05));

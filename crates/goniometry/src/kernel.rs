@@ -1,9 +1,9 @@
 //! Conversion of a part of a measurement to the scattering kernel of a display.
 //!
-//! By default, dark cells stay dark, totals are those of the values, light from beyond the largest incidence is
-//! blocked, and no light is sent beyond the last measured distance from the specular direction. Options fill dark cells,
-//! normalise totals to the instrument's TIS, and extrapolate beyond the largest incidence and the last distance. [`Changes`]
-//! reports every change.
+//! By default, dark cells stay dark, totals are those of the values, light from beyond the largest incidence
+//! is blocked, and no light is sent beyond the last measured distance from the specular direction. Options
+//! fill dark cells, normalise totals to the instrument's TIS, and extrapolate beyond the largest incidence
+//! and the last distance. [`Changes`] reports every change.
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
@@ -28,9 +28,9 @@ pub struct Preparation {
     pub fill: Fill,
     /// Normalise totals to the instrument's TIS.
     pub to_tis: bool,
-    /// Extrapolate into a medium of this index (1: air). Beyond the largest incidence, the last lobe is used, shifted with
-    /// the light. Tails are extrapolated beyond the last measured distance from the specular direction and, in a
-    /// transmission, beyond the horizon of the air.
+    /// Extrapolate into a medium of this index (1: air). Beyond the largest incidence, the last lobe is used,
+    /// shifted with the light. Tails are extrapolated beyond the last measured distance from the specular
+    /// direction and, in a transmission, beyond the horizon of the air.
     pub extrapolate: Option<f64>,
     /// Use the lobe of a single incidence at all incidences, as if `extrapolate` were 1.
     pub hold_single: bool,
@@ -38,11 +38,12 @@ pub struct Preparation {
     pub lamination: Option<Lamination>,
 }
 
-/// Lamination of a foil that was measured in air and is in optical contact with the glass of the display. The Fresnel loss
-/// of its back surface is removed from the transmission, `f / T(beta_out)`, with T of an interface of this index.
+/// Lamination of a foil that was measured in air and is in optical contact with the glass of the display. The
+/// Fresnel loss of its back surface is removed from the transmission, `f / T(beta_out)`, with T of an
+/// interface of this index.
 ///
-/// This is a first-order correction: light that the back surface reflects into the foil is not followed. Near grazing,
-/// where T is below 0.1, the tail of the divided lobe is extrapolated.
+/// This is a first-order correction: light that the back surface reflects into the foil is not followed. Near
+/// grazing, where T is below 0.1, the tail of the divided lobe is extrapolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamination {
     /// Index of foil and glass.
@@ -65,13 +66,16 @@ pub struct Changes {
     pub to_tis: bool,
     /// True if the loss of a back surface was removed.
     pub laminated: bool,
-    /// Smallest distance from the specular direction, degrees, at which measured cells end before the horizon.
+    /// Smallest distance from the specular direction, degrees, at which measured cells end before the
+    /// horizon.
     pub measured_to_deg: Option<f64>,
-    /// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are extrapolated.
+    /// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are
+    /// extrapolated.
     pub beyond: Vec<[f64; 2]>,
     /// True if tails are extrapolated there; otherwise that light is lost.
     pub tails: bool,
-    /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest value is used.
+    /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
+    /// value is used.
     pub held_azimuths_deg: Option<[f64; 2]>,
     /// True if the lobe of the only incidence is used at all others because the measurement has no other.
     pub held_single: bool,
@@ -87,9 +91,9 @@ pub struct Changes {
     pub asymmetry: f64,
 }
 
-/// Returns the kernel of one channel of a part, times k of each incidence (see
-/// [`incidence_scale`]). `spectrum` is the factor by wavelength that the caller applies later, at uniformly spaced
-/// wavelengths (empty: 1).
+/// Returns the kernel of one channel of a part, times k of each incidence (see [`incidence_scale`]).
+/// `spectrum` is the factor by wavelength that the caller applies later, at uniformly spaced wavelengths
+/// (empty: 1).
 ///
 /// # Errors
 /// If the part is too coarse (patches), lacks a requested TIS, or a table cannot represent it.
@@ -173,7 +177,8 @@ fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, Goniom
     if !shape.has_ends() {
         return Ok(table);
     }
-    // No node lies on the edge of a truncated lobe. Rescaling corrects its total; the edge is blurred over one step.
+    // No node lies on the edge of a truncated lobe. Rescaling corrects its total; the edge is blurred over
+    // one step.
     let made = Scatter::from(table);
     let off: Vec<f64> = (0..incidence.len())
         .map(|k| match made.albedo_at(incidence[k]) {
@@ -185,8 +190,8 @@ fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, Goniom
     Ok(Table::new(&incidence, &radial, &azimuth, &values)?)
 }
 
-/// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are extrapolated; empty
-/// if the measured cells reach the horizon at all azimuths.
+/// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are extrapolated;
+/// empty if the measured cells reach the horizon at all azimuths.
 fn beyond(shape: &Shape, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Vec<[f64; 2]> {
     if least_measured_deg(shape).is_none() {
         return Vec::new();
@@ -208,8 +213,8 @@ fn least_measured_deg(shape: &Shape) -> Option<f64> {
 }
 
 impl Lamination {
-    /// Lobe of a grid's cells without the interface. Cells are divided before the smooth lobe is formed, because the
-    /// loss of the interface near grazing is not smooth.
+    /// Lobe of a grid's cells without the interface. Cells are divided before the smooth lobe is formed,
+    /// because the loss of the interface near grazing is not smooth.
     fn removed(&self, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Shape {
         let passed = |beta: f64| 1.0 - fresnel_reflectance(1.0, self.index, beta);
         let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
@@ -223,7 +228,8 @@ impl Lamination {
     }
 }
 
-/// Distances from the peak, dense where the lobe falls, up to the sum of the radii of the air's disc and of this one.
+/// Distances from the peak, dense where the lobe falls, up to the sum of the radii of the air's disc and of
+/// this one.
 fn distances(shape: &Shape, radius: f64) -> Vec<f64> {
     let half_widths = (0..shape.incidences_deg().count())
         .flat_map(|k| [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)))
@@ -288,8 +294,9 @@ mod tests {
         Beta::towards(theta_deg, 0.0, 1.0)
     }
 
-    /// The light of a lobe leaves through a bare interface of index 1.5, without reflection back through the lobe.
-    /// Lamination recovers the lobe. Near grazing, where the interface transmits little, the division is limited.
+    /// The light of a lobe leaves through a bare interface of index 1.5, without reflection back through the
+    /// lobe. Lamination recovers the lobe. Near grazing, where the interface transmits little, the division
+    /// is limited.
     #[test]
     fn lamination_removes_back_surface_loss() {
         let behind = part(|from, to| lobe(from, to) * (1.0 - fresnel_reflectance(1.0, 1.5, to.length())));
@@ -325,8 +332,8 @@ mod tests {
         assert_eq!(kernel(&without, 0, &preparation, &[]).unwrap_err(), GoniometryError::NoTis);
     }
 
-    /// Beyond the last incidence, light is lost and the loss is reported; with extrapolation, the lobe is used about its own
-    /// specular direction.
+    /// Beyond the last incidence, light is lost and the loss is reported; with extrapolation, the lobe is
+    /// used about its own specular direction.
     #[test]
     fn light_beyond_last_incidence_is_lost_unless_extrapolated() {
         let [(none, lost), (hold, extended)] = [None, Some(1.0)].map(|extrapolate| {
@@ -341,7 +348,8 @@ mod tests {
         assert!((hold.evaluate(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.evaluate(from, to));
     }
 
-    /// With a single incidence, along the normal, the lobe is used at all incidences on request; otherwise others are dark.
+    /// With a single incidence, along the normal, the lobe is used at all incidences on request; otherwise
+    /// others are dark.
     #[test]
     fn single_incidence_is_held_on_request() {
         let mut part = part(lobe);

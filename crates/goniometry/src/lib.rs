@@ -12,8 +12,8 @@
 //! (theta, phi + 180 deg).
 //!
 //! **Evaluation.** A smooth [`Shape`] through the cells, an [`Audit`], [`Fit`]s of analytic lobes, the
-//! [`kernel`] for a display, [`calibrated`] and [`deblurred`] values, and an [`Instrument`] that simulates the measurement
-//! of a known BSDF.
+//! [`kernel`] for a display, [`calibrated`] and [`deblurred`] values, and an [`Instrument`] that simulates
+//! the measurement of a known BSDF.
 //!
 //! **Limits**: unpolarised light, a uniform sample, no fluorescence.
 //!

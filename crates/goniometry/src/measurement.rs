@@ -136,8 +136,8 @@ impl Part {
         channels.min_by(|a, b| off(&self.channels[*a]).total_cmp(&off(&self.channels[*b]))).unwrap_or(0)
     }
 
-    /// Total integrated scatter stated in the file, by indices of channel, rotation and incidence. A TIS of 0 means that it
-    /// was not measured.
+    /// Total integrated scatter stated in the file, by indices of channel, rotation and incidence. A TIS of 0
+    /// means that it was not measured.
     pub fn tis(&self, channel: usize, rotation: usize, incidence: usize) -> Option<f64> {
         let Geometry::Specular(grid) = &self.geometry else { return None };
         let turn = channel * grid.rotations_deg.len() + rotation;

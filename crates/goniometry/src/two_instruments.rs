@@ -8,13 +8,13 @@
 //! `f(i, o, lambda) = k(i) f(i, o) S(lambda)`, `k(i) = TIS(i) / (rho(i) mean S)`,
 //!
 //! where rho(i) is the integral of f cos over the hemisphere and the mean is over the wavelengths of the
-//! grid. The integral of the combined BTDF, averaged over wavelength, is then TIS(i). Without a TIS, or if the level of the
-//! values is to be retained, `k = 1 / mean S`. Without a spectrum, S is 1.
+//! grid. The integral of the combined BTDF, averaged over wavelength, is then TIS(i). Without a TIS, or if
+//! the level of the values is to be retained, `k = 1 / mean S`. Without a spectrum, S is 1.
 
 use crate::Shape;
 
-/// Returns k of each incidence. `tis` is by incidence; `None` retains the level of the values. `spectrum` holds
-/// S at uniformly spaced wavelengths; if it is empty, S = 1.
+/// Returns k of each incidence. `tis` is by incidence; `None` retains the level of the values. `spectrum`
+/// holds S at uniformly spaced wavelengths; if it is empty, S = 1.
 pub fn incidence_scale(shape: &Shape, tis: Option<&[f64]>, spectrum: &[f64]) -> Vec<f64> {
     let mean = match spectrum.len() {
         0 => 1.0,

@@ -1,8 +1,8 @@
 //! Well-separated points of the unit square: Mitchell's best-candidate algorithm.
 //!
-//! Of several random candidates, each new point is the one that is farthest from all previous points, on the torus
-//! (D. Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*, SIGGRAPH 1991; Feng
-//! 2012, ch. 4). The first n points, for any n, are such a set too.
+//! Of several random candidates, each new point is the one that is farthest from all previous points, on the
+//! torus (D. Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*, SIGGRAPH 1991; Feng 2012,
+//! ch. 4). The first n points, for any n, are such a set too.
 
 use crate::numbers::{mix64, open_unit};
 
@@ -48,7 +48,8 @@ impl Grid {
         y * CELLS + x
     }
 
-    /// Squared distance to the nearest point. If it is below `threshold`, any value below `threshold` may be returned.
+    /// Squared distance to the nearest point. If it is below `threshold`, any value below `threshold` may be
+    /// returned.
     fn nearest(&self, point: [f64; 2], threshold: f64) -> f64 {
         let [x, y] = point.map(|v| (v * CELLS as f64) as usize);
         let mut nearest = f64::INFINITY;

@@ -1,12 +1,12 @@
 //! Correlated random numbers: a Gaussian copula.
 //!
-//! Independent uniform numbers are converted to standard normal numbers, mixed to have the given correlations, and
-//! converted back to uniform numbers. Each number can then be given any distribution of its own.
-//! The coefficients are the correlations of the normal numbers. For two normal distributions they equal Pearson's
-//! coefficient; Spearman's rank correlation is `6/pi asin(r/2)` for all continuous distributions.
+//! Independent uniform numbers are converted to standard normal numbers, mixed to have the given
+//! correlations, and converted back to uniform numbers. Each number can then be given any distribution of its
+//! own. The coefficients are the correlations of the normal numbers. For two normal distributions they equal
+//! Pearson's coefficient; Spearman's rank correlation is `6/pi asin(r/2)` for all continuous distributions.
 //!
-//! Source: R. B. Nelsen, *An Introduction to Copulas*, 2nd ed. (2006), chapter 3.1. The mixing matrix is the Cholesky
-//! factor of the matrix of coefficients.
+//! Source: R. B. Nelsen, *An Introduction to Copulas*, 2nd ed. (2006), chapter 3.1. The mixing matrix is the
+//! Cholesky factor of the matrix of coefficients.
 
 use crate::distribution::{normal_cdf, normal_quantile};
 
@@ -30,7 +30,8 @@ impl Correlation {
     /// Returns the correlation of `count` numbers; pairs without a coefficient are independent.
     ///
     /// # Errors
-    /// Index of a coefficient that is incompatible with the others: the correlation matrix is not positive definite.
+    /// Index of a coefficient that is incompatible with the others: the correlation matrix is not positive
+    /// definite.
     pub fn new(count: usize, coefficients: &[Coefficient]) -> Result<Self, usize> {
         let value = |i: usize, j: usize| {
             let matches = |one: &&Coefficient| one.between == [i, j] || one.between == [j, i];

@@ -1,7 +1,7 @@
 //! Probability distributions by their quantile functions.
 //!
-//! A quantile function converts a uniform number in (0, 1) to a number of the distribution. Low-discrepancy points stay
-//! low-discrepancy points: errors of means decrease faster than those of random numbers.
+//! A quantile function converts a uniform number in (0, 1) to a number of the distribution. Low-discrepancy
+//! points stay low-discrepancy points: errors of means decrease faster than those of random numbers.
 //!
 //! | distribution | parameters | range |
 //! |---|---|---|
@@ -11,7 +11,8 @@
 //! | triangular | `from`, `mode` (the most probable value), `to` | both ends |
 //! | choices | a weight for each item of a list | 0, 1, ... |
 //!
-//! A truncated distribution keeps its shape between the ends: values outside are discarded, not moved to the ends.
+//! A truncated distribution keeps its shape between the ends: values outside are discarded, not moved to the
+//! ends.
 
 use std::f64::consts::SQRT_2;
 
@@ -62,7 +63,8 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// Quantile: the number below which the fraction `u` of the distribution lies, 0 < u < 1; of choices, the index.
+    /// Quantile: the number below which the fraction `u` of the distribution lies, 0 < u < 1; of choices, the
+    /// index.
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
             Self::Normal { mean, sigma, within } => {
@@ -176,7 +178,8 @@ mod tests {
         }
     }
 
-    /// Far out in either tail, quantiles stay within the ends and keep their digits: mirrored ends give mirrored numbers.
+    /// Far out in either tail, quantiles stay within the ends and keep their digits: mirrored ends give
+    /// mirrored numbers.
     #[test]
     fn quantiles_of_opposite_tails_are_mirrored() {
         let (low, high) = (standard([-9.0, -8.0]), standard([8.0, 9.0]));

@@ -1,11 +1,11 @@
 //! The complementary error function and its inverse.
 //!
 //! **Definition.** `erfc(x) = 2/sqrt(pi) int_x^inf exp(-t^2) dt` and its inverse, each as piecewise rational
-//! approximations. The cumulative normal distribution is `erfc(-z/sqrt 2)/2`.
-//! **Accuracy.** Relative error of `erfc` 1e-10, because the constants of its tail have ten digits; of `erfc_inv` 1e-14.
-//! **Source.** The coefficients are those of the Boost Math Toolkit (copyright John Maddock 2006, `LICENSE-BOOST`). The
-//! constants of the tail are rounded, and the operations ordered, as in the crate statrs; results equal those of statrs
-//! to the last bit.
+//! approximations. The cumulative normal distribution is `erfc(-z/sqrt 2)/2`. **Accuracy.** Relative error of
+//! `erfc` 1e-10, because the constants of its tail have ten digits; of `erfc_inv` 1e-14. **Source.** The
+//! coefficients are those of the Boost Math Toolkit (copyright John Maddock 2006, `LICENSE-BOOST`). The
+//! constants of the tail are rounded, and the operations ordered, as in the crate statrs; results equal those
+//! of statrs to the last bit.
 
 mod pieces;
 
@@ -83,7 +83,8 @@ pub fn erfc_inv(q: f64) -> f64 {
     }
 }
 
-/// Returns the x >= 0 with erf(x) = `p` and erfc(x) = `q`. Both are given because the smaller one has more digits.
+/// Returns the x >= 0 with erf(x) = `p` and erfc(x) = `q`. Both are given because the smaller one has more
+/// digits.
 fn positive(p: f64, q: f64) -> f64 {
     if p <= INVERSE_CENTRE.until {
         INVERSE_CENTRE.scaled(p, p * (p + 10.0))

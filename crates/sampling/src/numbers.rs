@@ -68,7 +68,8 @@ impl Numbers {
         Self { key: mix64(self.key ^ 0x6170_6172_7400), ..*self }
     }
 
-    /// Returns an integer in `0..end`, uniformly distributed over replicates and the same for all paths of one.
+    /// Returns an integer in `0..end`, uniformly distributed over replicates and the same for all paths of
+    /// one.
     pub fn whole(&self, end: u64) -> u64 {
         ((u128::from(mix64(self.key)) * u128::from(end)) >> 64) as u64
     }
@@ -117,7 +118,8 @@ impl Numbers {
 
     /// Returns one number of a block for `N` consecutive paths; the values equal those of [`Self::block`].
     ///
-    /// Computes one of the four numbers at a time: with all four, compilers mix paths and numbers in SIMD registers.
+    /// Computes one of the four numbers at a time: with all four, compilers mix paths and numbers in SIMD
+    /// registers.
     #[inline(always)]
     pub fn side_by_side<const N: usize>(&self, first: u64, block: u32, number: usize) -> [f64; N] {
         let consecutive = self.sampler == Sampler::Sobol && block < PLANNED_BLOCKS;

@@ -117,8 +117,8 @@ static LOW_BITS: [[[u32; CONSECUTIVE]; 4]; BLOCKS] = {
     table
 };
 
-/// Computes one dimension of `N` consecutive points. `first` is a multiple of [`CONSECUTIVE`]. Compilers vectorise the
-/// loop.
+/// Computes one dimension of `N` consecutive points. `first` is a multiple of [`CONSECUTIVE`]. Compilers
+/// vectorise the loop.
 #[inline(always)]
 pub(crate) fn consecutive_points<const N: usize>(
     first: u32,
@@ -185,7 +185,8 @@ mod tests {
         })
     }
 
-    /// Adds a row to a set of independent rows, ordered by their highest bit. Returns false if it depends on them.
+    /// Adds a row to a set of independent rows, ordered by their highest bit. Returns false if it depends on
+    /// them.
     fn extend(independent: &mut [u32; 16], mut row: u32) -> bool {
         while let Some(highest) = row.checked_ilog2() {
             let pivot = &mut independent[highest as usize];

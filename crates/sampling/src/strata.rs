@@ -20,7 +20,8 @@ struct SetPosition {
 }
 
 impl SetPosition {
-    /// Returns the position of a path if sets have at most `2^most` points; the first path has a set of its own.
+    /// Returns the position of a path if sets have at most `2^most` points; the first path has a set of its
+    /// own.
     #[inline]
     fn new(path: u64, most: u32) -> Self {
         let octave = path.max(1).ilog2();

@@ -38,7 +38,8 @@ impl Way {
         }
     }
 
-    /// Returns (factor, power) of `variance = factor / N^power`, exactly (eq. 4-9: the integral of x^2/density, minus 64).
+    /// Returns (factor, power) of `variance = factor / N^power`, exactly (eq. 4-9: the integral of
+    /// x^2/density, minus 64).
     pub fn variance(self) -> (f64, i32) {
         match self {
             Self::Poor => (16.0 * (36.0 * 3.0_f64.ln() - 32.0) - 64.0, 1),

@@ -16,8 +16,8 @@ pub fn polar(radius: f64, v: f64) -> (f64, f64) {
     (radius * cos, radius * sin)
 }
 
-/// Returns the integer nearest to x, for x from -1/2 to 2^51, and its lowest bits. (Conversions saturate, which compilers
-/// do not vectorise, and rounding is a function call on baseline processors.)
+/// Returns the integer nearest to x, for x from -1/2 to 2^51, and its lowest bits. (Conversions saturate,
+/// which compilers do not vectorise, and rounding is a function call on baseline processors.)
 #[inline(always)]
 pub fn rounded(x: f64) -> (f64, u32) {
     // Numbers from 2^52 to 2^53 are integers.
@@ -26,8 +26,8 @@ pub fn rounded(x: f64) -> (f64, u32) {
     (shifted - SHIFT, shifted.to_bits() as u32)
 }
 
-/// Minimax polynomials (Remez' algorithm) of `sin(2 pi t)/t` and `cos(2 pi t)` in powers of `t^2`, for |t| up to 1/8;
-/// the largest errors are 1e-18 and 5e-17.
+/// Minimax polynomials (Remez' algorithm) of `sin(2 pi t)/t` and `cos(2 pi t)` in powers of `t^2`, for |t| up
+/// to 1/8; the largest errors are 1e-18 and 5e-17.
 const SINE: [f64; 7] = [
     TAU,
     -41.341_702_240_399_41,
@@ -47,7 +47,8 @@ const COSINE: [f64; 7] = [
     7.810_299_497_052_723,
 ];
 
-/// Evaluates a polynomial with even and odd powers in parallel, which halves the dependency chain of Horner's rule.
+/// Evaluates a polynomial with even and odd powers in parallel, which halves the dependency chain of Horner's
+/// rule.
 #[inline(always)]
 fn polynomial(x: f64, [a, b, c, d, e, f, g]: [f64; 7]) -> f64 {
     let x2 = x * x;
@@ -115,8 +116,8 @@ mod tests {
 
     const POINTS: u64 = 40_000;
 
-    /// Chi-square of samples on 16 x 16 cells of equal probability. `sample` maps them back to the unit square by the
-    /// cumulative distribution.
+    /// Chi-square of samples on 16 x 16 cells of equal probability. `sample` maps them back to the unit
+    /// square by the cumulative distribution.
     fn chi_square(sample: impl Fn([f64; 2]) -> [f64; 2]) -> ChiSquare {
         let numbers = Numbers::new(Sampler::Random, 11, 0);
         let mut cells = [0.0_f64; 256];

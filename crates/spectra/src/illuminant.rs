@@ -13,9 +13,10 @@
 //! Tables are linear between their points and never extrapolated: a grid that
 //! extends beyond 380 to 780 nm is an error for tabulated light.
 //!
-//! The tables of discharge lamps (FL1 to FL12, FL3.1 to FL3.15, HP1 to HP5) give the power in bands of 5 nm: a mercury line
-//! is as wide as its band. On a grid with those wavelengths, colours are within 0.0003 in x and y of the published ones,
-//! which are sums over the bands. A grid between those wavelengths, or a coarser one, misses lines or counts them twice.
+//! The tables of discharge lamps (FL1 to FL12, FL3.1 to FL3.15, HP1 to HP5) give the power in bands of 5 nm:
+//! a mercury line is as wide as its band. On a grid with those wavelengths, colours are within 0.0003 in x
+//! and y of the published ones, which are sums over the bands. A grid between those wavelengths, or a coarser
+//! one, misses lines or counts them twice.
 //!
 //! The names of the D series give the *nominal* temperature: D65 has
 //! 6504 K, because the second radiation constant was revised after D65 was
@@ -93,7 +94,8 @@ pub fn daylight(cct_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError> {
     Tabulated::new((TABLES_NM.0..=TABLES_NM.1).map(f64::from).collect(), values)?.on(grid)
 }
 
-/// Interpolates a table of equidistant nodes over the range of the CIE's tables, at an integer wavelength in nm.
+/// Interpolates a table of equidistant nodes over the range of the CIE's tables, at an integer wavelength in
+/// nm.
 fn between(nodes: &[f64], nm: u32) -> f64 {
     // Units of metres and this order of operations keep results the same to the last bit across versions.
     let [first, last, here] = [TABLES_NM.0, TABLES_NM.1, nm].map(|nm| f64::from(nm) * 1e-9);

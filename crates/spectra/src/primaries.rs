@@ -1,9 +1,10 @@
 //! Spectra of linear sRGB colours from three primaries.
 //!
 //! # Model
-//! `S = (r rho_r + g rho_g + b rho_b) W`: three reflectances that sum to 1, times the white light W of (1, 1, 1). The
-//! conversion is linear: an RGB picture is the sum of three pictures, each with one spectrum. In D65 the colours are those of
-//! sRGB, to 0.001 in u'v'. With another white W, the result is the light from the same reflectances under W.
+//! `S = (r rho_r + g rho_g + b rho_b) W`: three reflectances that sum to 1, times the white light W of (1, 1,
+//! 1). The conversion is linear: an RGB picture is the sum of three pictures, each with one spectrum. In D65
+//! the colours are those of sRGB, to 0.001 in u'v'. With another white W, the result is the light from the
+//! same reflectances under W.
 //!
 //! # Source
 //! I. Mallett, C. Yuksel, *Spectral primary decomposition for rendering with sRGB reflectance*, Eurographics

@@ -10,8 +10,9 @@ pub struct ChiSquare {
 }
 
 impl ChiSquare {
-    /// Statistic of cells (count, expectation) with equal sums of counts and expectations. The smallest cells are
-    /// merged until each expects at least `fewest` counts. A count in a cell of expectation 0 gives an infinite statistic.
+    /// Statistic of cells (count, expectation) with equal sums of counts and expectations. The smallest cells
+    /// are merged until each expects at least `fewest` counts. A count in a cell of expectation 0 gives an
+    /// infinite statistic.
     pub fn of(cells: impl IntoIterator<Item = (f64, f64)>, fewest: f64) -> Self {
         let mut cells: Vec<(f64, f64)> = cells.into_iter().collect();
         cells.sort_by(|a, b| a.1.total_cmp(&b.1));

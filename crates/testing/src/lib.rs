@@ -1,7 +1,8 @@
 //! Shared test tools: statistics with known bounds, and random cases. For development only.
 //!
-//! Statistical tests draw the same numbers every time: they pass always or fail always, until the code or the bound
-//! changes. With these bounds, a correct program fails one test of this repository in some thousand changes.
+//! Statistical tests draw the same numbers every time: they pass always or fail always, until the code or the
+//! bound changes. With these bounds, a correct program fails one test of this repository in some thousand
+//! changes.
 
 mod chi_square;
 mod dice;

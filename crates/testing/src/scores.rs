@@ -18,9 +18,10 @@ pub(crate) const SIGMA: f64 = 4.5;
 /// Acceptance interval of a statistic.
 pub type Bounds = std::ops::RangeInclusive<f64>;
 
-/// Bounds, at 4.5 standard deviations, of the mean of `n` squares with known mean and variance. They are those of a
-/// chi-square variable of the same relative variance (Wilson and Hilferty), which has the skewness of such means. The
-/// lower bound of a normal variable would be negative for n < 50, and would exclude nothing.
+/// Bounds, at 4.5 standard deviations, of the mean of `n` squares with known mean and variance. They are
+/// those of a chi-square variable of the same relative variance (Wilson and Hilferty), which has the skewness
+/// of such means. The lower bound of a normal variable would be negative for n < 50, and would exclude
+/// nothing.
 pub fn mean_square_bounds(mean: f64, variance: f64, n: f64) -> Bounds {
     let freedom = 2.0 * mean * mean * n / variance;
     let spread = 2.0 / (9.0 * freedom);
@@ -28,8 +29,9 @@ pub fn mean_square_bounds(mean: f64, variance: f64, n: f64) -> Bounds {
     at(-SIGMA)..=at(SIGMA)
 }
 
-/// Tests scores against Student's t of 31 degrees of freedom, the distribution of deviations over the standard errors of
-/// 32 replicates: mean 0 and mean square 31/29. `independent` is the number of independent scores.
+/// Tests scores against Student's t of 31 degrees of freedom, the distribution of deviations over the
+/// standard errors of 32 replicates: mean 0 and mean square 31/29. `independent` is the number of independent
+/// scores.
 ///
 /// # Panics
 /// If either is outside its bounds.
@@ -48,8 +50,8 @@ pub fn assert_student(what: &str, scores: &[f64], independent: f64) {
 mod tests {
     use super::*;
 
-    /// Quantiles of chi-square at 4.5 standard deviations of a normal variable (3.4e-6 on each side), from the inverse of the
-    /// incomplete gamma function.
+    /// Quantiles of chi-square at 4.5 standard deviations of a normal variable (3.4e-6 on each side), from
+    /// the inverse of the incomplete gamma function.
     #[test]
     fn mean_square_bounds_equal_chi_square_quantiles() {
         for (freedom, low, high) in [(16.0, 1.7151, 55.1204), (48.0, 15.9108, 105.4767)] {

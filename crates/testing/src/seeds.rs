@@ -15,12 +15,13 @@ pub fn seeds() -> u64 {
         .map_or(EVERYDAY, |more| more.parse().expect("PAPILIO_SEEDS must be an integer"))
 }
 
-/// Tests over many seeds that the estimates of a quantity scatter around the true value in accordance with their standard
-/// errors (of 32 replicates each). Two statistics are tested at 4.5 standard deviations (7e-6 two-sided; Sidak over 40
-/// cases: 3e-4): the mean of all seeds, and the mean square of the deviations over the mean square of the errors, with
-/// expectation 1. The errors are pooled over the seeds, because the z-scores of single seeds are biased where replicates
-/// are skewed (Student's t of n of them has mean -skewness/(2 sqrt(n))). Each seed's relative error must be at most
-/// `most_relative_error`, so that the test is significant.
+/// Tests over many seeds that the estimates of a quantity scatter around the true value in accordance with
+/// their standard errors (of 32 replicates each). Two statistics are tested at 4.5 standard deviations (7e-6
+/// two-sided; Sidak over 40 cases: 3e-4): the mean of all seeds, and the mean square of the deviations over
+/// the mean square of the errors, with expectation 1. The errors are pooled over the seeds, because the
+/// z-scores of single seeds are biased where replicates are skewed (Student's t of n of them has mean
+/// -skewness/(2 sqrt(n))). Each seed's relative error must be at most `most_relative_error`, so that the test
+/// is significant.
 ///
 /// # Panics
 /// If a statistic is outside its bounds, or an error is too large.

@@ -1,7 +1,8 @@
 //! Quality of a matrix of patches: sums over the patches, without interpolation.
 //!
-//! The hemispherical value for light from one patch is the sum of value x projected solid angle over the outgoing patches.
-//! That of a ring is the mean over its patches. Details finer than a patch, such as half-widths and haze, are unknown.
+//! The hemispherical value for light from one patch is the sum of value x projected solid angle over the
+//! outgoing patches. That of a ring is the mean over its patches. Details finer than a patch, such as
+//! half-widths and haze, are unknown.
 
 use super::{Audit, FAINT, Incidence};
 use crate::geometry::patch_centre;
@@ -79,8 +80,8 @@ fn incidences([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]], omega: &[f
     incoming.iter().map(ring).collect()
 }
 
-/// Relative root mean square difference of values that should be equal in an isotropic sample: pairs of patches of the
-/// same rings with the same azimuth difference, in either sense.
+/// Relative root mean square difference of values that should be equal in an isotropic sample: pairs of
+/// patches of the same rings with the same azimuth difference, in either sense.
 fn asymmetry([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]]) -> f64 {
     let (mut differences, mut squares, mut first_in) = (0.0, 0.0, 0);
     for from in incoming {

@@ -9,9 +9,9 @@ use crate::{Geometry, Part, SpecularGrid, SphericalGrid, Symmetry};
 
 /// Measured values with their directions, each direction once.
 ///
-/// Cells without a value are omitted: NaN, or exactly 0, which files contain outside the instrument's field of
-/// view. At radial distance 0, all azimuths of a specular-centred grid are the same direction. It counts once,
-/// with the mean of their values.
+/// Cells without a value are omitted: NaN, or exactly 0, which files contain outside the instrument's field
+/// of view. At radial distance 0, all azimuths of a specular-centred grid are the same direction. It counts
+/// once, with the mean of their values.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Data {
     pub(super) cells: Vec<Cell>,

@@ -1,14 +1,14 @@
 //! Fits of analytic lobes to measured values.
 //!
-//! **Objective** (Feng 2012, eq. 4-17 and 4-18; after Ngan, Durand & Matusik, EGSR 2005): the sum over
-//! all cells of `w g^2` with the residual `g = (d - f) cos(theta_i)`, theta_i the inclination of the
-//! light. [`Weights::Even`] has w = 1, as in these papers, so that densely measured directions have most weight;
+//! **Objective** (Feng 2012, eq. 4-17 and 4-18; after Ngan, Durand & Matusik, EGSR 2005): the sum over all
+//! cells of `w g^2` with the residual `g = (d - f) cos(theta_i)`, theta_i the inclination of the light.
+//! [`Weights::Even`] has w = 1, as in these papers, so that densely measured directions have most weight;
 //! [`Weights::SolidAngle`] uses the solid angles of the cells.
 //!
 //! **Minimum** by a bounded trust-region method (Branch, Coleman & Li 1999: the reflective method, as in
-//! MATLAB's lsqnonlin and SciPy's `least_squares`), with analytic derivatives. Totals, widths and exponents are
-//! varied as logarithms. Searches start from several points about the width of the data. The best minimum is
-//! returned; [`Fit::agreeing`] is the number of starts that reached it.
+//! MATLAB's lsqnonlin and SciPy's `least_squares`), with analytic derivatives. Totals, widths and exponents
+//! are varied as logarithms. Searches start from several points about the width of the data. The best minimum
+//! is returned; [`Fit::agreeing`] is the number of starts that reached it.
 //!
 //! **Intervals** are those of linear theory at the minimum: covariance `s^2 (J^T W J)^-1` with the residual
 //! variance `s^2`, and Student's quantiles. They are correct if g is independent noise of equal
@@ -56,7 +56,8 @@ pub enum Weights {
 pub struct FitOptions {
     /// Weights of the residuals.
     pub weights: Weights,
-    /// Width of the instrument's blur, direction cosines, above 0; if given, regular transmission is fitted too.
+    /// Width of the instrument's blur, direction cosines, above 0; if given, regular transmission is fitted
+    /// too.
     pub straight_width: Option<f64>,
 }
 
@@ -134,8 +135,8 @@ impl Fit {
         Ok(fits)
     }
 
-    /// Returns f, 1/sr, including regular transmission, for direction cosines of propagation in air. This is the
-    /// quantity to compare with the data in a figure.
+    /// Returns f, 1/sr, including regular transmission, for direction cosines of propagation in air. This is
+    /// the quantity to compare with the data in a figure.
     pub fn value(&self, from: Beta, to: Beta) -> f64 {
         Pair::new(from, to).map_or(0.0, |pair| self.at(&pair))
     }

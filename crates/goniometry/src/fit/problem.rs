@@ -24,8 +24,8 @@ const STRAIGHT: Meaning =
 
 /// Widths of starts, relative to the width of the data.
 const START_WIDTHS: [f64; 3] = [1.0, 0.4, 2.5];
-/// Costs that differ by less than this, relatively, belong to the same minimum; so do all costs below the square of the
-/// numerical precision.
+/// Costs that differ by less than this, relatively, belong to the same minimum; so do all costs below the
+/// square of the numerical precision.
 const SAME: f64 = 1e-6;
 const EXACT: f64 = 1e-25;
 /// Relative distance from an end of a range that counts as being at the end.

@@ -28,9 +28,10 @@ pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec
     all
 }
 
-/// Fits one kind of lobe, or all kinds, to a channel of a part. The fits are ranked by their [`double_pass_error`]
-/// relative to the kernel of a display from the data themselves, over measured directions: extrapolated values
-/// contain no information about a lobe. A measurement with one incidence has no such error, because no light passes twice.
+/// Fits one kind of lobe, or all kinds, to a channel of a part. The fits are ranked by their
+/// [`double_pass_error`] relative to the kernel of a display from the data themselves, over measured
+/// directions: extrapolated values contain no information about a lobe. A measurement with one incidence has
+/// no such error, because no light passes twice.
 ///
 /// # Errors
 /// If the data are too few or too dark for a fit.

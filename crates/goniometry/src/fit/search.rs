@@ -1,8 +1,8 @@
 //! Least-squares search with the crate `basin`.
 //!
 //! The crate decomposes the Jacobian at each step, which is slow for ten thousand cells. All quantities of a
-//! step, `J^T J`, `J^T r` and `|r|`, are invariant under a rotation of the residuals' space. The crate is therefore
-//! given `n + 1` residuals: the components along the derivatives, and the length of the remainder.
+//! step, `J^T J`, `J^T r` and `|r|`, are invariant under a rotation of the residuals' space. The crate is
+//! therefore given `n + 1` residuals: the components along the derivatives, and the length of the remainder.
 
 use std::convert::Infallible;
 

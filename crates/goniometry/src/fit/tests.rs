@@ -70,8 +70,9 @@ fn fit_to_exact_data_is_exact_to_ten_digits_from_each_start() {
     }
 }
 
-/// With independent normal noise of equal size in g, 95 % of the intervals contain the true value. With 400 draws, 4
-/// standard deviations of the binomial distribution about 380 are 363 to 397 (twelve trials: 8e-4 for all).
+/// With independent normal noise of equal size in g, 95 % of the intervals contain the true value. With 400
+/// draws, 4 standard deviations of the binomial distribution about 380 are 363 to 397 (twelve trials: 8e-4
+/// for all).
 #[test]
 fn confidence_intervals_contain_truth_at_nominal_rate() {
     const DRAWS: u64 = 400;
@@ -138,7 +139,8 @@ fn right_formula_fits_best_and_score_determines_rank() {
     assert!(by_total[1].fit.rms <= by_total[2].fit.rms);
 }
 
-/// A Gaussian is a k-correlation lobe at the upper end of the exponent's range, and a pseudo-Voigt lobe with mix 0.
+/// A Gaussian is a k-correlation lobe at the upper end of the exponent's range, and a pseudo-Voigt lobe with
+/// mix 0.
 #[test]
 fn parameter_at_end_of_range_is_reported() {
     let gaussian = data(|from, to| 3.0 * (-(to - from).squared() / 0.01).exp());
@@ -185,7 +187,8 @@ fn absurd_data_are_refused_or_fit_badly() {
     }
 }
 
-/// For a lobe measured up to 15 deg from its peak, the right formula has a small error: extrapolated tails do not count.
+/// For a lobe measured up to 15 deg from its peak, the right formula has a small error: extrapolated tails do
+/// not count.
 #[test]
 fn extrapolated_directions_do_not_affect_ranking() {
     let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect::<Vec<_>>();

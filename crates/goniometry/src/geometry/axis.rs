@@ -37,7 +37,8 @@ pub(super) fn around(axis: &[f64], azimuth: f64) -> Option<Weights> {
     (gap > 0.0 && gap <= 180.0).then_some([(axis.len() - 1, 1.0 - fraction), (0, fraction)])
 }
 
-/// Interpolation weights of an azimuth relative to a plane of symmetry; an axis within 0 to 180 deg covers one side.
+/// Interpolation weights of an azimuth relative to a plane of symmetry; an axis within 0 to 180 deg covers
+/// one side.
 pub(super) fn mirrored(axis: &[f64], azimuth: f64) -> Option<Weights> {
     let turned = azimuth.rem_euclid(360.0);
     between(axis, turned.min(360.0 - turned))

@@ -92,14 +92,14 @@ impl Geometry {
         }
     }
 
-    /// Returns f, 1/sr, for light from `i` towards `o`, from one channel's values in the geometry's order; `None` where
-    /// nothing was measured.
+    /// Returns f, 1/sr, for light from `i` towards `o`, from one channel's values in the geometry's order;
+    /// `None` where nothing was measured.
     ///
-    /// This is the simplest interpolation, not a smooth one: linear between the angles of a grid (about the specular
-    /// direction for specular-centred grids), constant in patches and in cells of half angles and of trees, the nearest
-    /// of listed pairs (in time proportional to their number), and the authors' definition on a
-    /// warped grid. Nothing is extrapolated. A grid with one azimuth of the light is treated as an isotropic
-    /// sample.
+    /// This is the simplest interpolation, not a smooth one: linear between the angles of a grid (about the
+    /// specular direction for specular-centred grids), constant in patches and in cells of half angles and of
+    /// trees, the nearest of listed pairs (in time proportional to their number), and the authors' definition
+    /// on a warped grid. Nothing is extrapolated. A grid with one azimuth of the light is treated as an
+    /// isotropic sample.
     pub fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
         let on_its_side = |d: Direction| (0.0..=90.0).contains(&d.theta_deg) && d.phi_deg.is_finite();
         if !on_its_side(i) || !on_its_side(o) {
@@ -122,7 +122,8 @@ impl Geometry {
 }
 
 impl Part {
-    /// Returns f, 1/sr, of a channel (given by its index) for light from `i` towards `o`: [`Geometry::evaluate`].
+    /// Returns f, 1/sr, of a channel (given by its index) for light from `i` towards `o`:
+    /// [`Geometry::evaluate`].
     pub fn evaluate(&self, channel: usize, i: Direction, o: Direction) -> Option<f64> {
         self.geometry.evaluate(self.channel(channel), i, o)
     }

@@ -1,12 +1,12 @@
 //! Grid of an imaging sphere: rings about the specular direction.
 //!
-//! Light comes from inclination `a` at azimuth 180 deg, so that its specular
-//! direction is `s = (sin a, 0, cos a)`. A cell at radial distance `r` and azimuth `A` about it has the direction
-//! `d = cos r s + sin r (cos A e0 + sin A e1)` with `e0 = (-cos a, 0, sin a)`, which points from `s`
-//! towards the normal, and `e1 = s x e0 = (0, -1, 0)`. Cells with `d.z < 0` are outside the hemisphere.
+//! Light comes from inclination `a` at azimuth 180 deg, so that its specular direction is `s = (sin a, 0, cos
+//! a)`. A cell at radial distance `r` and azimuth `A` about it has the direction `d = cos r s + sin r (cos A
+//! e0 + sin A e1)` with `e0 = (-cos a, 0, sin a)`, which points from `s` towards the normal, and `e1 = s x e0
+//! = (0, -1, 0)`. Cells with `d.z < 0` are outside the hemisphere.
 //!
-//! For a sample rotated by `w` about its normal, counter-clockwise seen from the front, all directions are rotated
-//! by `-w` relative to the sample: light comes from azimuth `180 - w`.
+//! For a sample rotated by `w` about its normal, counter-clockwise seen from the front, all directions are
+//! rotated by `-w` relative to the sample: light comes from azimuth `180 - w`.
 
 use super::axis::{Weights, around, between, mirrored};
 use crate::Direction;
@@ -45,7 +45,8 @@ impl SpecularGrid {
             * self.radials_deg.len()
     }
 
-    /// Weight of a rotation in the mean over a full turn; a first and a last one that are the same count half each.
+    /// Weight of a rotation in the mean over a full turn; a first and a last one that are the same count half
+    /// each.
     pub(crate) fn rotation_weight(&self, turn: usize) -> f64 {
         let full_turn = match self.rotations_deg[..] {
             [first, .., last] => last - first > 360.0 - 1e-6,

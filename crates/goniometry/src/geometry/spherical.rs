@@ -3,8 +3,8 @@
 use super::axis::{Weights, around, between, mirrored};
 use crate::Direction;
 
-/// Product grid of angles, degrees, each ascending. Cells in the order theta_i, phi_i, theta_o, phi_o, the last
-/// fastest.
+/// Product grid of angles, degrees, each ascending. Cells in the order theta_i, phi_i, theta_o, phi_o, the
+/// last fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalGrid {
     /// Inclinations of the light.

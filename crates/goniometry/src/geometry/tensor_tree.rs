@@ -1,10 +1,10 @@
 //! Cells of variable size: the tensor trees of Radiance (Ward, Kurt & Bonneel 2014).
 //!
-//! Directions are points of the unit square, mapped from the disc of direction cosines by the equal-area map of
-//! Shirley & Chiu (1997): a cell's fraction of the square is its fraction of the projected solid
-//! angle. Rank 4: the square of `-i`, then that of `o`. Rank 3, for isotropic samples: `(1 - sin theta_i)/2`,
-//! then the square of `o` rotated so that the specular direction is at azimuth 0. A node of the tree halves
-//! every side; a leaf is a grid of equal cells.
+//! Directions are points of the unit square, mapped from the disc of direction cosines by the equal-area map
+//! of Shirley & Chiu (1997): a cell's fraction of the square is its fraction of the projected solid angle.
+//! Rank 4: the square of `-i`, then that of `o`. Rank 3, for isotropic samples: `(1 - sin theta_i)/2`, then
+//! the square of `o` rotated so that the specular direction is at azimuth 0. A node of the tree halves every
+//! side; a leaf is a grid of equal cells.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -49,8 +49,8 @@ pub struct TensorTree {
 pub(crate) const LARGEST_LOG2: u8 = 12;
 
 impl TensorTree {
-    /// Tree from its nodes, the root first; `None` unless the rank is 3 or 4, children follow their parents, each has one
-    /// parent, and cells are numbered from 0 in the order of the leaves.
+    /// Tree from its nodes, the root first; `None` unless the rank is 3 or 4, children follow their parents,
+    /// each has one parent, and cells are numbered from 0 in the order of the leaves.
     pub fn new(rank: usize, nodes: Vec<TreeNode>) -> Option<Self> {
         if !(3..=4).contains(&rank) || nodes.is_empty() {
             return None;

@@ -1,9 +1,9 @@
 //! Bilinear density on the unit square at each node of two axes, and its cumulative map.
 //!
 //! The map from uniform numbers to points of the density uses a marginal distribution over rows and then a
-//! conditional distribution along a row. Only the inverse is needed here, from points to uniform numbers. Densities and
-//! cumulative sums are both interpolated linearly between the nodes of the axes, as in the reference implementation of
-//! the parametrisation.
+//! conditional distribution along a row. Only the inverse is needed here, from points to uniform numbers.
+//! Densities and cumulative sums are both interpolated linearly between the nodes of the axes, as in the
+//! reference implementation of the parametrisation.
 
 use super::axis::Weights;
 
@@ -21,8 +21,8 @@ pub(super) struct Warp {
 }
 
 impl Warp {
-    /// Map from samples `[node][y][x]`; `None` unless there are at least two in each direction, none is negative, and each
-    /// node has a positive integral.
+    /// Map from samples `[node][y][x]`; `None` unless there are at least two in each direction, none is
+    /// negative, and each node has a positive integral.
     pub(super) fn new(samples: &[f64], width: usize, height: usize) -> Option<Self> {
         if width < 2 || height < 2 || samples.iter().any(|v| !(*v >= 0.0 && v.is_finite())) {
             return None;

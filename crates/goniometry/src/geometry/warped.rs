@@ -1,15 +1,15 @@
 //! Grid warped according to a surface's facets: the RGL database (Dupuy & Jakob 2018, "An adaptive
 //! parameterization for efficient material acquisition and rendering", ACM Trans. Graph. 37(6)).
 //!
-//! For each direction of the light, the distribution of visible facet normals (`vndf`, on a square of theta_m and
-//! phi_m) determines where light goes. Its cumulative map takes half vectors to a second square, on which the
-//! measured values are smooth. With `jacobian`, f cos(theta_o) = value x ndf(m) / (4 sigma(i)), where `ndf` is the
-//! density of normals and `sigma` the projected area of the facets. Squares: `u = sqrt(theta/(pi/2))`, `v = (phi +
-//! pi)/(2 pi)`; with at most two azimuths of the light, the sample is isotropic, and phi_m is relative to
-//! that of the light. Reflection only.
+//! For each direction of the light, the distribution of visible facet normals (`vndf`, on a square of theta_m
+//! and phi_m) determines where light goes. Its cumulative map takes half vectors to a second square, on which
+//! the measured values are smooth. With `jacobian`, f cos(theta_o) = value x ndf(m) / (4 sigma(i)), where
+//! `ndf` is the density of normals and `sigma` the projected area of the facets. Squares: `u =
+//! sqrt(theta/(pi/2))`, `v = (phi + pi)/(2 pi)`; with at most two azimuths of the light, the sample is
+//! isotropic, and phi_m is relative to that of the light. Reflection only.
 //!
-//! f is the stored f cos divided by the cosine. At the horizon, where the interpolated f cos does not vanish exactly,
-//! f is unknown; where the cosine is below [`HORIZON_COS`], there is no value.
+//! f is the stored f cos divided by the cosine. At the horizon, where the interpolated f cos does not vanish
+//! exactly, f is unknown; where the cosine is below [`HORIZON_COS`], there is no value.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -40,8 +40,8 @@ pub struct WarpFields {
 /// errors. It excludes a fraction of 1e-6 of a Lambertian reflection.
 const HORIZON_COS: f64 = 1e-3;
 
-/// Warped grid. Cells in the order phi_i, theta_i, row, column, the last fastest. **The values of a part on it
-/// are not f**, but those stored in the file.
+/// Warped grid. Cells in the order phi_i, theta_i, row, column, the last fastest. **The values of a part on
+/// it are not f**, but those stored in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WarpedGrid {
     fields: WarpFields,
@@ -167,8 +167,8 @@ mod tests {
         }
     }
 
-    /// Light from 30 deg, viewer at 50 deg on the other side of the normal: theta_m = 10 deg, and values that increase with
-    /// the first uniform number give 1/9 x 3/(4 x 0.5) / cos 50 deg.
+    /// Light from 30 deg, viewer at 50 deg on the other side of the normal: theta_m = 10 deg, and values that
+    /// increase with the first uniform number give 1/9 x 3/(4 x 0.5) / cos 50 deg.
     #[test]
     fn isotropic_value_equals_hand_computation() {
         let grid = WarpedGrid::new(fields()).unwrap();

@@ -12,11 +12,11 @@ pub(super) const HALF: f64 = 0.766_420_937;
 
 /// Lobe of light from one direction, convolved with the k-correlation kernel of an instrument.
 ///
-/// The integrand is the product of two lobes: the kernel about the viewing direction, and the sample's lobe about
-/// the specular direction. If they are well separated, each is integrated over the half plane on its side, in polar
-/// coordinates about its centre, graded by its width. If they are close, the coordinates of the narrower lobe
-/// are used for the whole plane. The relative error is below 1e-4. For lobes that vanish at the
-/// horizon like the square root of the cosine, it is below 5e-4 of the nearby values.
+/// The integrand is the product of two lobes: the kernel about the viewing direction, and the sample's lobe
+/// about the specular direction. If they are well separated, each is integrated over the half plane on its
+/// side, in polar coordinates about its centre, graded by its width. If they are close, the coordinates of
+/// the narrower lobe are used for the whole plane. The relative error is below 1e-4. For lobes that vanish at
+/// the horizon like the square root of the cosine, it is below 5e-4 of the nearby values.
 pub(super) struct Blurred<'a> {
     pub(super) rule: &'a Rule,
     pub(super) f: &'a dyn Fn(Beta, Beta) -> f64,

@@ -2,25 +2,27 @@
 //!
 //! Blurred lobes are wider and lower than those of the sample: a diffuser of haze 78 % appears to have 90 %.
 //! Deconvolution is ill-posed: details finer than the blur, and noise with them, are amplified exponentially.
-//! Therefore only the rotationally symmetric shape of the lobe is deconvolved, and the cells are scaled accordingly:
+//! Therefore only the rotationally symmetric shape of the lobe is deconvolved, and the cells are scaled
+//! accordingly:
 //!
-//! 1. For each incidence, the mean over azimuth at equal |delta| = |beta_out - beta_in| is a radial
-//!    profile d; beyond the horizon its tail is extrapolated. Blurring a profile is a matrix A, whose elements are
+//! 1. For each incidence, the mean over azimuth at equal |delta| = |beta_out - beta_in| is a radial profile
+//!    d; beyond the horizon its tail is extrapolated. Blurring a profile is a matrix A, whose elements are
 //!    elliptic integrals.
-//! 2. The Richardson-Lucy iteration `p <- p A(d/A p)` (Richardson 1972; Lucy 1974) keeps p
-//!    positive and conserves its light. It starts from d times a ratio of two k-correlation lobes: one with the half
-//!    width of d minus the blur, over one with the half width of d. It ends when `A p` is within the given noise of d,
-//!    when the misfit no longer decreases, or at a limit: [`Unblurred::iterations`].
-//! 3. Each cell is multiplied by `p/(A p)` at its |delta|. The noise of single cells is thus not amplified, only
-//!    that of the mean. The asymmetry of the lobe remains as measured, and is not sharpened. The integral over the
-//!    hemisphere is conserved.
+//! 2. The Richardson-Lucy iteration `p <- p A(d/A p)` (Richardson 1972; Lucy 1974) keeps p positive and
+//!    conserves its light. It starts from d times a ratio of two k-correlation lobes: one with the half width
+//!    of d minus the blur, over one with the half width of d. It ends when `A p` is within the given noise of
+//!    d, when the misfit no longer decreases, or at a limit: [`Unblurred::iterations`].
+//! 3. Each cell is multiplied by `p/(A p)` at its |delta|. The noise of single cells is thus not amplified,
+//!    only that of the mean. The asymmetry of the lobe remains as measured, and is not sharpened. The
+//!    integral over the hemisphere is conserved.
 //!
 //! The result is blurred again with the quadrature of the virtual instrument and compared with the values:
 //! [`Unblurred::misfit`] is the difference that the method cannot explain.
 //!
-//! **Limits.** Details finer than about half the blur or than the grid's step are not recovered; there
-//! the start determines the result. K-correlation lobes are recovered to 0.5 %. A Gaussian as wide as the blur is recovered
-//! to 12 % at its peak and to some per cent on its flanks; its tails stay too bright, by about 1e-3 of the peak.
+//! **Limits.** Details finer than about half the blur or than the grid's step are not recovered; there the
+//! start determines the result. K-correlation lobes are recovered to 0.5 %. A Gaussian as wide as the blur is
+//! recovered to 12 % at its peak and to some per cent on its flanks; its tails stay too bright, by about 1e-3
+//! of the peak.
 
 use std::f64::consts::PI;
 
@@ -134,7 +136,8 @@ fn unblurred(
     (clean, steps)
 }
 
-/// Calls `f` for each cell in the hemisphere, with the indices of the cell and its incidence, and beta_out - beta_in.
+/// Calls `f` for each cell in the hemisphere, with the indices of the cell and its incidence, and beta_out -
+/// beta_in.
 fn each_cell(grid: &SpecularGrid, mut f: impl FnMut(usize, usize, Beta)) {
     let mut cell = 0;
     for _ in &grid.rotations_deg {
@@ -222,7 +225,8 @@ mod tests {
     use super::*;
     use crate::{Channel, Instrument, Noise, SyntheticSample, View, Way};
 
-    /// Ratio of a result to the truth perpendicular to the plane of incidence, for incidence `k` and radial index `r`.
+    /// Ratio of a result to the truth perpendicular to the plane of incidence, for incidence `k` and radial
+    /// index `r`.
     fn ratio_to_truth(
         truth: &dyn Fn(Beta, Beta) -> f64,
         grid: &SpecularGrid,
@@ -244,8 +248,8 @@ mod tests {
         instrument
     }
 
-    /// Peaks of 20.7, 14.5 and 13.0 per sr are recovered to 99.8, 47.3 and 38.6, also without values beyond 85 deg,
-    /// as in real files.
+    /// Peaks of 20.7, 14.5 and 13.0 per sr are recovered to 99.8, 47.3 and 38.6, also without values beyond
+    /// 85 deg, as in real files.
     #[test]
     fn deblurring_recovers_synthetic_samples() {
         for (haze, dark_beyond_deg) in [(0.65, 90.0), (0.78, 90.0), (0.78, 85.0), (0.81, 90.0)] {

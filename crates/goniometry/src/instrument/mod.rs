@@ -8,13 +8,13 @@
 //!   width b becomes one of width b + blur.
 //! - **Renormalised** values integrate to the sample's own total, including light that the blur moves
 //!   beyond the horizon; real instruments are calibrated in this way. Otherwise that light is lost.
-//! - **Noise** is normal, with a `relative` component and a `floor` in 1/sr; negative values become 0. Random numbers
-//!   depend on seed, scatter mode, channel and cell only.
+//! - **Noise** is normal, with a `relative` component and a `floor` in 1/sr; negative values become 0. Random
+//!   numbers depend on seed, scatter mode, channel and cell only.
 //! - **TIS** is the true total of each incidence, times the channel's factor, as from a separate detector
 //!   without blur and noise.
 //!
-//! The resolution of the instrument is that of its kernel, but it samples points: cells are not averaged over their
-//! extent.
+//! The resolution of the instrument is that of its kernel, but it samples points: cells are not averaged over
+//! their extent.
 
 mod blur;
 mod deblur;
@@ -70,16 +70,17 @@ pub struct View<'a> {
     /// f, 1/sr, for direction cosines of propagation in air. Values beyond |beta| = 1 are
     /// blurred into the hemisphere; they may be 0.
     pub f: &'a dyn Fn(Beta, Beta) -> f64,
-    /// Fraction that is not scattered, multiplied by the same factors. It must be 0 for an instrument without blur, because its
-    /// image would have no width.
+    /// Fraction that is not scattered, multiplied by the same factors. It must be 0 for an instrument without
+    /// blur, because its image would have no width.
     pub straight: f64,
     /// Factors of f in each of the instrument's channels.
     pub factors: &'a [f64],
 }
 
 impl Instrument {
-    /// Instrument of the dissertation (Feng 2012, section 3.3): incidences 0 to 75 deg in steps of 5, azimuths 0 to 180 in
-    /// steps of 10, radial distances 0 to 180 in steps of 2; X, Y and Z; without blur and noise.
+    /// Instrument of the dissertation (Feng 2012, section 3.3): incidences 0 to 75 deg in steps of 5,
+    /// azimuths 0 to 180 in steps of 10, radial distances 0 to 180 in steps of 2; X, Y and Z; without blur
+    /// and noise.
     pub fn imaging_sphere() -> Self {
         let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect();
         Self {
@@ -101,7 +102,8 @@ impl Instrument {
     /// Simulates the measurement of a sample.
     ///
     /// # Errors
-    /// If one of the instrument's numbers is out of range, or a view does not have one factor for each channel.
+    /// If one of the instrument's numbers is out of range, or a view does not have one factor for each
+    /// channel.
     pub fn measure(&self, sample: &str, views: &[View<'_>]) -> Result<Measurement, GoniometryError> {
         self.check(views)?;
         let provenance = Provenance {

@@ -4,10 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use papilio_optics::Beta;
 
-/// Largest distance: the contribution of larger ones is negligible, because products of two lobes fall as the sixth power.
+/// Largest distance: the contribution of larger ones is negligible, because products of two lobes fall as the
+/// sixth power.
 const FARTHEST: f64 = 20.0;
-/// Numbers of nodes: along a ray inside and outside the hemisphere's disc, in azimuth over half a circle limited by a
-/// line, and in azimuth over a full circle.
+/// Numbers of nodes: along a ray inside and outside the hemisphere's disc, in azimuth over half a circle
+/// limited by a line, and in azimuth over a full circle.
 const INSIDE: usize = 22;
 const BEYOND: usize = 18;
 const HALF_AROUND: usize = 18;
@@ -37,8 +38,8 @@ impl Rule {
         }
     }
 
-    /// Integral of a function with features of size `width` about `middle`, smoother elsewhere, which may end at
-    /// the rim of the disc |beta| = 1: over the whole plane, or over the disc.
+    /// Integral of a function with features of size `width` about `middle`, smoother elsewhere, which may end
+    /// at the rim of the disc |beta| = 1: over the whole plane, or over the disc.
     pub(super) fn plane(&self, middle: Beta, width: f64, whole: bool, f: impl Fn(Beta) -> f64) -> f64 {
         let step = 2.0 * PI / self.around as f64;
         let farthest = if whole { FARTHEST } else { 0.0 };
@@ -125,7 +126,8 @@ mod tests {
             let disc = rule.plane(Beta { x, y: 0.0 }, 0.05, false, |_| 1.0);
             assert!((disc / PI - 1.0).abs() < 1e-3, "{x}: {disc}");
         }
-        // A Gaussian's fraction nearer to its own centre than to a point two standard deviations away: Phi(1).
+        // A Gaussian's fraction nearer to its own centre than to a point two standard deviations away:
+        // Phi(1).
         let gaussian = |beta: Beta| (-beta.squared() / 0.02).exp() / (0.02 * PI);
         let half = rule.half_plane(Beta::default(), Beta { x: 0.12, y: -0.16 }, 0.1, gaussian);
         assert!((half - 0.841_344_746).abs() < 1e-5, "{half}");

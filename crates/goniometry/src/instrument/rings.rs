@@ -37,7 +37,8 @@ impl Rings {
         let radii: Vec<f64> = (0..count).map(|k| width * (STEP * k as f64).sinh()).collect();
         let area = |k: usize| {
             let cosh = width.hypot(radii[k]);
-            // Trapezoidal rule in t; the first node, where the integrand is 0, has the Euler-Maclaurin correction.
+            // Trapezoidal rule in t; the first node, where the integrand is 0, has the Euler-Maclaurin
+            // correction.
             match k {
                 0 => STEP * STEP * width * width / 12.0,
                 k if k + 1 == count => 0.5 * STEP * radii[k] * cosh,
@@ -51,7 +52,8 @@ impl Rings {
         let mut matrix = Vec::with_capacity(count * count);
         for (k, to) in radii.iter().enumerate() {
             matrix.extend(radii.iter().zip(&areas).map(|(from, area)| area * around(*to, *from, blur)));
-            // At large distances the steps are coarser than the kernel; the sum of a row is known, and corrects it.
+            // At large distances the steps are coarser than the kernel; the sum of a row is known, and
+            // corrects it.
             let sum: f64 = matrix[k * count..].iter().sum();
             matrix[k * count + k] += constant_blur[k] - sum;
         }
@@ -63,7 +65,8 @@ impl Rings {
         self.matrix.chunks_exact(profile.len()).map(row).collect()
     }
 
-    /// Mean of a lobe over azimuth within the hemisphere; of its tail where all azimuths are beyond the horizon.
+    /// Mean of a lobe over azimuth within the hemisphere; of its tail where all azimuths are beyond the
+    /// horizon.
     pub(super) fn profile(&self, shape: &Shape, incidence: usize, from: Beta) -> Vec<f64> {
         let mean = |r: &f64| {
             let mut sums = [[0.0; 2]; 2];

@@ -1,9 +1,9 @@
 //! The synthetic samples of the project.
 //!
 //! Three diffusers like H65, H78 and H81 of the dissertation (Feng 2012, sections 3.3 and 5.4), whose files
-//! are not public. They are k-correlation lobes of given haze, with a total transmittance of 0.90 and an edge in the near
-//! ultraviolet, `1/(1 + exp(-(lambda - 392 nm)/7 nm))`, as in figure 3.10. The peaks in figures 3.8 and
-//! 5.16 are lower than those of lobes of that haze. An instrument blur of 0.0483 in direction cosines
+//! are not public. They are k-correlation lobes of given haze, with a total transmittance of 0.90 and an edge
+//! in the near ultraviolet, `1/(1 + exp(-(lambda - 392 nm)/7 nm))`, as in figure 3.10. The peaks in figures
+//! 3.8 and 5.16 are lower than those of lobes of that haze. An instrument blur of 0.0483 in direction cosines
 //! explains the difference; see [`SyntheticSample::instrument`].
 
 use papilio_optics::lobe::{Lobe, width_from_haze};

@@ -55,7 +55,8 @@ impl Spread {
     }
 }
 
-/// Cells of an incidence on one half plane up to a `|beta|`, with the mean of values that are equal by symmetry.
+/// Cells of an incidence on one half plane up to a `|beta|`, with the mean of values that are equal by
+/// symmetry.
 pub(super) fn folded(
     grid: &SpecularGrid,
     values: &[f64],
@@ -85,7 +86,8 @@ pub(super) fn folded(
         let like: Vec<usize> = (0..azimuths).filter(|k| (aside(*k) - azimuth).abs() < SAME_DEG).collect();
         let mut line = Vec::with_capacity(radials);
         let beyond_grid = SpecularGrid::direction(theta_deg, azimuth, last_deg + SAME_DEG);
-        // Number of points up to the last measured one, its distance, and whether it is the last cell of the line.
+        // Number of points up to the last measured one, its distance, and whether it is the last cell of the
+        // line.
         let (mut measured, mut measured_deg, mut to_the_end) = (0, 0.0, true);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
             let to = SpecularGrid::direction(cells.theta_deg, azimuth, *radial);

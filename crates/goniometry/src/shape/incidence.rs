@@ -68,15 +68,16 @@ impl Incidence {
         if a > 0.0 && b > 0.0 && !self.linear { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
     }
 
-    /// Azimuth about the specular direction, radians, 0 to pi. For a direction beyond the hemisphere, the azimuth where its
-    /// line leaves the hemisphere.
+    /// Azimuth about the specular direction, radians, 0 to pi. For a direction beyond the hemisphere, the
+    /// azimuth where its line leaves the hemisphere.
     fn azimuth(&self, delta: Beta) -> f64 {
         let [x, y, z] = self.direction(delta);
         let cos = (1.0 - self.beta * self.beta).sqrt();
         y.abs().atan2(self.beta * z - cos * x)
     }
 
-    /// Cosine of the angle from the specular direction; beyond the hemisphere, that of the point where the line leaves it.
+    /// Cosine of the angle from the specular direction; beyond the hemisphere, that of the point where the
+    /// line leaves it.
     fn cosine(&self, delta: Beta) -> f64 {
         let [x, _, z] = self.direction(delta);
         self.beta * x + (1.0 - self.beta * self.beta).sqrt() * z
@@ -90,8 +91,9 @@ impl Incidence {
         [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()]
     }
 
-    /// Distance from the specular direction at which the lobe ends, in the direction of a unit vector; infinity if it does not
-    /// end before the horizon. On a line, the angle from the specular direction increases with the distance.
+    /// Distance from the specular direction at which the lobe ends, in the direction of a unit vector;
+    /// infinity if it does not end before the horizon. On a line, the angle from the specular direction
+    /// increases with the distance.
     pub(super) fn end(&self, unit: Beta) -> f64 {
         let Some(cosine) = self.ends_at else { return f64::INFINITY };
         let cosine_at = |distance: f64| self.cosine(Beta { x: distance * unit.x, y: distance * unit.y });
@@ -127,7 +129,8 @@ impl Incidence {
         ((half * half + (1.0 - self.beta * self.beta) / squared).sqrt() - half).max(0.0)
     }
 
-    /// Integral by the trapezoidal rule in azimuth and Simpson's rule in `ln(1 + (|delta|/half)^2)`, where lobes are smooth.
+    /// Integral by the trapezoidal rule in azimuth and Simpson's rule in `ln(1 + (|delta|/half)^2)`, where
+    /// lobes are smooth.
     pub(super) fn total(&self, width: f64, radius: f64) -> f64 {
         let mut sum = 0.0;
         for around in 0..=AROUND {

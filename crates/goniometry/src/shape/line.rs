@@ -1,8 +1,8 @@
 //! Interpolation along one line of a measurement, from the peak outwards.
 
-/// Values of a lobe along a line, interpolated in `x = ln(1 + (|delta|/w)^2)`. Where values
-/// are positive, the logarithm is interpolated cubically, with the slopes of the parabola through three points
-/// (suitable for tails of any steepness). Next to zeros, interpolation is linear.
+/// Values of a lobe along a line, interpolated in `x = ln(1 + (|delta|/w)^2)`. Where values are positive, the
+/// logarithm is interpolated cubically, with the slopes of the parabola through three points (suitable for
+/// tails of any steepness). Next to zeros, interpolation is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line {
     x: Vec<f64>,
@@ -20,8 +20,8 @@ impl Line {
         Self { x, logs, slopes }
     }
 
-    /// Interpolates the value at `x`. Beyond the last point, extrapolates along the last slope if it is negative; otherwise
-    /// uses the last value.
+    /// Interpolates the value at `x`. Beyond the last point, extrapolates along the last slope if it is
+    /// negative; otherwise uses the last value.
     pub(super) fn value(&self, x: f64) -> f64 {
         let last = self.x.len() - 1;
         let upper = self.x.partition_point(|known| *known <= x);

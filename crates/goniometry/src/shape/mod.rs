@@ -3,16 +3,16 @@
 //! A sharp lobe on a grid of 1 or 2 deg cannot be interpolated linearly: the chord above a
 //! convex flank adds several per cent of light. Two properties of lobes avoid this error.
 //!
-//! - **They move with the light.** In direction cosines, a lobe keeps its shape about the specular
-//!   direction when the direction of the light changes (Harvey & Shack 1979), much better than in angles. Therefore
-//!   values are interpolated at equal `delta = beta_out - beta_in` between incidences and azimuths:
-//!   the peak moves, and is not doubled.
-//! - **They are bell-shaped with power-law or Gaussian tails.** ln f as a function of `ln(1 + (|delta|/w)^2)` is a straight
-//!   line for any power law with its own w, and for a Gaussian if w is large. The data determine the w with which every
-//!   other point best predicts the points between.
+//! - **They move with the light.** In direction cosines, a lobe keeps its shape about the specular direction
+//!   when the direction of the light changes (Harvey & Shack 1979), much better than in angles. Therefore
+//!   values are interpolated at equal `delta = beta_out - beta_in` between incidences and azimuths: the peak
+//!   moves, and is not doubled.
+//! - **They are bell-shaped with power-law or Gaussian tails.** ln f as a function of `ln(1 + (|delta|/w)^2)`
+//!   is a straight line for any power law with its own w, and for a Gaussian if w is large. The data
+//!   determine the w with which every other point best predicts the points between.
 //!
-//! Samples are assumed to be isotropic and mirror symmetric about the plane of incidence. Deviations in a file
-//! are averaged, and [`Shape::asymmetry`] reports their size.
+//! Samples are assumed to be isotropic and mirror symmetric about the plane of incidence. Deviations in a
+//! file are averaged, and [`Shape::asymmetry`] reports their size.
 //!
 //! **Limits**: the shape between the peak and the nearest points is unknown; the uncertainty
 //! from the grid is [`Shape::grid_error`].
@@ -34,8 +34,8 @@ pub use resample::on_specular_grid;
 /// Treatment of directions of the hemisphere without light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fill {
-    /// Zeros are zeros, and directions that were not measured count as zero: cells without a value, and directions farther
-    /// from the specular direction than the last one of the grid.
+    /// Zeros are zeros, and directions that were not measured count as zero: cells without a value, and
+    /// directions farther from the specular direction than the last one of the grid.
     #[default]
     None,
     /// Zeros are zeros; tails are extrapolated from the last measured cell of each line.
@@ -54,8 +54,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Shape of one channel, given by its index. A part on another geometry is first resampled on a specular-centred
-    /// grid; `None` for listed pairs, and if nothing was measured.
+    /// Shape of one channel, given by its index. A part on another geometry is first resampled on a
+    /// specular-centred grid; `None` for listed pairs, and if nothing was measured.
     pub fn of_part(part: &Part, channel: usize, fill: Fill) -> Option<Self> {
         let (grid, values) = on_specular_grid(part, &[channel])?;
         Some(Self::of_grid(&grid, &values, fill))
@@ -110,8 +110,8 @@ impl Shape {
         self.filled
     }
 
-    /// Smallest distance from the specular direction, degrees, at which the measured cells of an incidence end before the
-    /// horizon; `None` if they reach it at all azimuths.
+    /// Smallest distance from the specular direction, degrees, at which the measured cells of an incidence
+    /// end before the horizon; `None` if they reach it at all azimuths.
     pub fn measured_to_deg(&self, incidence: usize) -> Option<f64> {
         self.incidences[incidence].measured_to_deg
     }
@@ -124,13 +124,14 @@ impl Shape {
         (first > 1e-3 || last < 180.0 - 1e-3).then_some([first, last])
     }
 
-    /// Returns true if the lobe of any incidence ends before the horizon, at the last radial distance of the grid.
+    /// Returns true if the lobe of any incidence ends before the horizon, at the last radial distance of the
+    /// grid.
     pub fn has_ends(&self) -> bool {
         self.incidences.iter().any(|incidence| incidence.ends_at.is_some())
     }
 
-    /// Returns f, 1/sr, of an incidence (given by its index) at `delta = beta_out - beta_in`, for light that travels along +x;
-    /// beyond the hemisphere, along the tail.
+    /// Returns f, 1/sr, of an incidence (given by its index) at `delta = beta_out - beta_in`, for light that
+    /// travels along +x; beyond the hemisphere, along the tail.
     pub fn value(&self, incidence: usize, delta: Beta) -> f64 {
         self.incidences[incidence].value(delta, self.width)
     }
@@ -142,8 +143,8 @@ impl Shape {
         Some(self.value(incidence, to - Beta { x: theta_deg.to_radians().sin(), y: 0.0 }))
     }
 
-    /// Distance from the specular direction, degrees, at which an incidence has half its value
-    /// there, along an azimuth of the grid; `None` if it is beyond the hemisphere, or beyond the measured cells.
+    /// Distance from the specular direction, degrees, at which an incidence has half its value there, along
+    /// an azimuth of the grid; `None` if it is beyond the hemisphere, or beyond the measured cells.
     pub fn half_width_deg(&self, incidence: usize, azimuth_deg: f64) -> Option<f64> {
         let half = 0.5 * self.along(incidence, azimuth_deg, 0.0)?;
         // The end of the measured cells does not count as a half-width.
@@ -172,20 +173,20 @@ impl Shape {
         self.incidences[incidence].total(self.width, radius)
     }
 
-    /// Upper estimate of the relative uncertainty of an incidence's total from the grid: sum of those from distances and from
-    /// azimuths ([`grid_errors`](Self::grid_errors)).
+    /// Upper estimate of the relative uncertainty of an incidence's total from the grid: sum of those from
+    /// distances and from azimuths ([`grid_errors`](Self::grid_errors)).
     pub fn grid_error(&self, incidence: usize) -> f64 {
         self.grid_errors(incidence).iter().sum()
     }
 
     /// Relative uncertainties of an incidence's total from the grid's distances, and from its azimuths.
     ///
-    /// Distances: change of the total when every other point along the lines is omitted. For smooth lobes, the true error is
-    /// ten times smaller; for a flat top with a sharp edge only a little smaller, so that no order of convergence is assumed.
-    /// Azimuths: change of the total with linear instead of logarithmic interpolation between azimuths, or a third of the
-    /// change of the linear result when every other azimuth is omitted, whichever is larger. Linear interpolation is of
-    /// second order, so that half as many azimuths have four times the error. This estimate is accurate to a quarter of
-    /// itself for smooth lobes.
+    /// Distances: change of the total when every other point along the lines is omitted. For smooth lobes,
+    /// the true error is ten times smaller; for a flat top with a sharp edge only a little smaller, so that
+    /// no order of convergence is assumed. Azimuths: change of the total with linear instead of logarithmic
+    /// interpolation between azimuths, or a third of the change of the linear result when every other azimuth
+    /// is omitted, whichever is larger. Linear interpolation is of second order, so that half as many
+    /// azimuths have four times the error. This estimate is accurate to a quarter of itself for smooth lobes.
     pub fn grid_errors(&self, incidence: usize) -> [f64; 2] {
         let known = &self.incidences[incidence];
         let total = self.total(incidence);
@@ -202,9 +203,10 @@ impl Shape {
         [by_distance.abs() / total, by_azimuth / total]
     }
 
-    /// Returns f on nodes of |delta| and of its azimuth about the light's direction of travel (0 to pi), for each incidence:
-    /// shape `[incidence][azimuth][radial]`. At a node near the end of a lobe, f is multiplied by the fraction of the interval
-    /// around it (half-way to its neighbours) that is before the end. Linear interpolation then conserves the light of a line.
+    /// Returns f on nodes of |delta| and of its azimuth about the light's direction of travel (0 to pi), for
+    /// each incidence: shape `[incidence][azimuth][radial]`. At a node near the end of a lobe, f is
+    /// multiplied by the fraction of the interval around it (half-way to its neighbours) that is before the
+    /// end. Linear interpolation then conserves the light of a line.
     pub fn tabulate(&self, radials: &[f64], azimuths: &[f64]) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.incidences.len() * radials.len() * azimuths.len());
         for incidence in &self.incidences {
@@ -272,7 +274,8 @@ mod tests {
         move |_, delta| width / (2.0 * PI * (width * width + delta.squared()).powf(1.5))
     }
 
-    /// Fractions of a k-correlation lobe of width 0.1 that leave at 0, 15, ... 75 deg, by an independent quadrature.
+    /// Fractions of a k-correlation lobe of width 0.1 that leave at 0, 15, ... 75 deg, by an independent
+    /// quadrature.
     #[test]
     fn totals_of_wide_lobe_equal_published_values() {
         let grid = grid(0.5);
@@ -329,7 +332,8 @@ mod tests {
         }
     }
 
-    /// Lobes that depend on azimuth, on a grid with azimuths in steps of 30 deg: the estimated uncertainty covers the error.
+    /// Lobes that depend on azimuth, on a grid with azimuths in steps of 30 deg: the estimated uncertainty
+    /// covers the error.
     #[test]
     fn azimuth_error_covers_true_error() {
         for (name, width, incidences) in [("wide", 0.5, 0..6), ("narrow", 0.06, 0..3)] {

@@ -6,12 +6,13 @@ use crate::{Direction, Geometry, Part, SpecularGrid, Symmetry};
 /// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
 const INCIDENCES: u32 = 18;
 
-/// Returns channels of a part, given by their indices, on a specular-centred grid: its own grid, or azimuths every 10 deg
-/// and radial distances every 0.5 to 2 deg, for light from its first azimuth. Grids of inclinations are interpolated
-/// smoothly at their own incidences; other geometries are read with [`Part::evaluate`]. Unknown values are NaN. Values
-/// have the shape `[channel][cell]`.
+/// Returns channels of a part, given by their indices, on a specular-centred grid: its own grid, or azimuths
+/// every 10 deg and radial distances every 0.5 to 2 deg, for light from its first azimuth. Grids of
+/// inclinations are interpolated smoothly at their own incidences; other geometries are read with
+/// [`Part::evaluate`]. Unknown values are NaN. Values have the shape `[channel][cell]`.
 ///
-/// `None` for listed pairs that do not form such a grid (the values between them are unknown), and if there is no light.
+/// `None` for listed pairs that do not form such a grid (the values between them are unknown), and if there
+/// is no light.
 pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid, Vec<f64>)> {
     let known = || channels.iter().map(|channel| part.channel(*channel));
     let (incidences_deg, light_deg) = match &part.geometry {
@@ -40,8 +41,8 @@ pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid
     (!retained.is_empty()).then_some((grid, values))
 }
 
-/// Largest inclination, degrees, at which a warped grid is evaluated here: its f is f cos over the cosine, which is
-/// unknown at the horizon.
+/// Largest inclination, degrees, at which a warped grid is evaluated here: its f is f cos over the cosine,
+/// which is unknown at the horizon.
 const WARPED_LAST_DEG: f64 = 89.0;
 
 /// Values at each incidence of the grid, `[azimuth][radial]`.
@@ -72,8 +73,8 @@ fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Ve
 /// Angles that differ by less than this are equal, degrees, because files round them.
 const SAME_DEG: f64 = 2e-3;
 
-/// Converts listed pairs that lie on rings about the specular direction to a grid, with a rotation for each azimuth of the
-/// light; cells that are not listed are NaN.
+/// Converts listed pairs that lie on rings about the specular direction to a grid, with a rotation for each
+/// azimuth of the light; cells that are not listed are NaN.
 fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid, Vec<f64>)> {
     let coordinates = |[from, to]: &[Direction; 2]| {
         let turned = Direction::new(to.theta_deg, to.phi_deg - from.phi_deg + 180.0).vector();
@@ -175,7 +176,8 @@ mod tests {
         assert_eq!([at(0, 3, 5), at(1, 18, 4), at(2, 9, 0)], [40.0, 20.0 + 80.0 + 8.0, 70.0]);
     }
 
-    /// The total of a lobe on a grid of inclinations equals its closed form; linear interpolation has an error of 1 %.
+    /// The total of a lobe on a grid of inclinations equals its closed form; linear interpolation has an
+    /// error of 1 %.
     #[test]
     fn resampled_spherical_grid_conserves_the_total() {
         let steps =

@@ -31,8 +31,8 @@ fn fits_equal_those_of_scipy() {
         let n = parameters.len();
         for (k, ours) in fit.parameters.iter().enumerate() {
             let error = fit.covariance[k * n + k].sqrt();
-            // Both searches stop where the sum of squares no longer decreases. Its rounding error, 6e-15 of 700 terms, hides
-            // steps of sqrt(350 * 6e-15) = 1.4e-6 standard errors.
+            // Both searches stop where the sum of squares no longer decreases. Its rounding error, 6e-15 of
+            // 700 terms, hides steps of sqrt(350 * 6e-15) = 1.4e-6 standard errors.
             assert!((ours.value - parameters[k]).abs() < 2e-6 * errors[k], "{row:?} {ours:?}");
             assert!((error / errors[k] - 1.0).abs() < 1e-5, "{row:?} {k}: {error}");
             // 350 to 352 degrees of freedom: Student's quantile is 1.967.

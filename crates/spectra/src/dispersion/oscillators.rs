@@ -8,10 +8,10 @@
 //!
 //! Lorentz-Drude: `chi_j = f_j wp^2/(w_j^2 - w^2 - i w G_j)`.
 //!
-//! Brendel-Bormann: each resonance is broadened by a Gaussian of width s_j, which
-//! reproduces the steepness of absorption edges (Lorentzian wings fall too slowly):
-//! `chi_j = i sqrt(pi) f_j wp^2/(2 sqrt(2) a_j s_j) (W((a_j - w_j)/(sqrt(2) s_j)) + W((a_j + w_j)/(sqrt(2) s_j)))`
-//! with `a_j = sqrt(w^2 + i w G_j)` and W the Faddeeva function.
+//! Brendel-Bormann: each resonance is broadened by a Gaussian of width s_j, which reproduces the steepness of
+//! absorption edges (Lorentzian wings fall too slowly): `chi_j = i sqrt(pi) f_j wp^2/(2 sqrt(2) a_j s_j)
+//! (W((a_j - w_j)/(sqrt(2) s_j)) + W((a_j + w_j)/(sqrt(2) s_j)))` with `a_j = sqrt(w^2 + i w G_j)` and W the
+//! Faddeeva function.
 //!
 //! Valid over the energies of the data to which the constants were fitted, for bulk, opaque metal.
 //! Films of a few nm may differ.
