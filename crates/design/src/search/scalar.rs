@@ -1,40 +1,40 @@
-//! One task as an optimiser sees it: a number to make small, others to keep below 0, in the unit cube.
+//! Numerical problem of a task: an objective to minimise and constraints to keep below 0, in the unit cube.
 
 use std::cell::RefCell;
 
 use papilio_scenario::{SearchRange, SearchVariable};
 
-use super::{Aims, FEASIBLE, Found, Search, Task, Way};
+use super::{Aims, FEASIBLE, Search, SearchResult, Task, TaskMethod};
 use crate::{DesignError, Evaluator, Slopes};
 
-/// What is worse than any design that can be.
+/// Cost that exceeds the merit of every feasible design.
 const WORST: f64 = 1e12;
 
-/// A task as numbers: designs of points of the unit cube, and how good they are.
+/// Problem of a task: the designs of points of the unit cube, their merits and violations.
 pub(super) struct Problem<'a> {
     pub(super) search: &'a Search,
     pub(super) task: &'a Task,
-    /// The variables that the optimiser moves.
+    /// Variables that the optimiser changes.
     pub(super) free: Vec<usize>,
-    /// What the others stay at.
+    /// Values of all variables, of which the others keep theirs.
     fixed: Vec<f64>,
 }
 
-/// What a task has found so far.
+/// Best design of a task so far.
 #[derive(Debug)]
 pub(super) struct Best {
-    pub(super) found: Found,
-    /// By how much it misses its limits, and its merit.
+    pub(super) found: SearchResult,
+    /// Largest violation, and merit.
     rank: (f64, f64),
 }
 
-/// A descent at work.
+/// A running descent.
 pub(super) struct Scalar<'a, 'stop> {
     pub(super) problem: Problem<'a>,
     work: RefCell<Work<'a, 'stop>>,
 }
 
-/// Where a descent's values come from, and the best of them.
+/// Evaluator of a descent, its last point and its best design.
 struct Work<'a, 'stop> {
     evaluator: &'a mut Evaluator<'stop>,
     last: Option<(Vec<f64>, Slopes, bool)>,
@@ -43,9 +43,9 @@ struct Work<'a, 'stop> {
 
 impl<'a> Problem<'a> {
     pub(super) fn new(search: &'a Search, task: &'a Task) -> Self {
-        let choices_too = task.way == Way::Population;
+        let choices_too = task.method == TaskMethod::Population;
         let is_free = |one: &SearchVariable| choices_too || matches!(one.range, SearchRange::Bounds(..));
-        let variables = search.said.variables.iter().enumerate();
+        let variables = search.spec.variables.iter().enumerate();
         let free = variables.filter(|(_, one)| is_free(one)).map(|(at, _)| at).collect();
         Self { search, task, free, fixed: search.fixed(task) }
     }
@@ -54,11 +54,11 @@ impl<'a> Problem<'a> {
         &self.search.aims
     }
 
-    /// The design of a point of the unit cube.
+    /// Design of a point of the unit cube.
     pub(super) fn design(&self, point: &[f64]) -> Vec<f64> {
         let mut design = self.fixed.clone();
         for (&at, u) in self.free.iter().zip(point) {
-            design[at] = match &self.search.said.variables[at].range {
+            design[at] = match &self.search.spec.variables[at].range {
                 SearchRange::Bounds(from, to) => (from + u * (to - from)).clamp(*from, *to),
                 SearchRange::Choices(choices) => {
                     (u * choices.len() as f64).floor().min(choices.len() as f64 - 1.0).max(0.0)
@@ -68,52 +68,56 @@ impl<'a> Problem<'a> {
         design
     }
 
-    /// The point of a design; choices in the middle of theirs.
+    /// Point of a design; choices are at the centres of their intervals.
     pub(super) fn point(&self, design: &[f64]) -> Vec<f64> {
-        let coordinate = |at: &usize| match &self.search.said.variables[*at].range {
+        let coordinate = |at: &usize| match &self.search.spec.variables[*at].range {
             SearchRange::Bounds(from, to) => (design[*at] - from) / (to - from),
             SearchRange::Choices(choices) => (design[*at] + 0.5) / choices.len() as f64,
         };
         self.free.iter().map(coordinate).collect()
     }
 
-    /// Merit and misses of a design, the limits of the other objectives last.
-    fn judged(&self, values: &[Option<f64>]) -> (f64, Vec<f64>) {
-        let mut misses = self.aims().misses(values);
+    /// Merit and violations of a design; those of the limits on other objectives are last.
+    fn merit_and_violations(&self, values: &[Option<f64>]) -> (f64, Vec<f64>) {
+        let mut violations = self.aims().violations(values);
         let limits = self.task.limits.iter().enumerate();
-        misses.extend(limits.filter_map(|(at, limit)| {
-            limit.map(|limit| self.aims().merit(at, values).map_or(f64::INFINITY, |merit| merit - limit))
+        violations.extend(limits.filter_map(|(objective, limit)| {
+            limit.map(|limit| {
+                self.aims().merit(objective, values).map_or(f64::INFINITY, |merit| merit - limit)
+            })
         }));
-        (self.aims().merit(self.task.objective, values).unwrap_or(f64::INFINITY), misses)
+        (self.aims().merit(self.task.objective, values).unwrap_or(f64::INFINITY), violations)
     }
 
-    /// One number that orders designs: those that meet their limits by merit, before all others by what they miss.
+    /// Cost that orders designs: feasible ones by merit, then all others by their largest violation.
     pub(super) fn cost(&self, values: &[Option<f64>]) -> f64 {
-        let (merit, misses) = self.judged(values);
-        let missed = misses.into_iter().fold(0.0, f64::max);
+        let (merit, violations) = self.merit_and_violations(values);
+        let missed = violations.into_iter().fold(0.0, f64::max);
         if missed <= FEASIBLE { merit.min(WORST) } else { (WORST * (1.0 + missed)).min(f64::MAX) }
     }
 
-    /// The slopes of merit, and of the misses row by row.
+    /// Derivatives of the merit, and of the violations row by row.
     fn slopes(&self, Slopes { values, slopes }: &Slopes) -> (Vec<f64>, Vec<f64>) {
-        let all = self.search.said.variables.len();
+        let all = self.search.spec.variables.len();
         let aims = self.aims();
-        let of_limits = self.task.limits.iter().enumerate().filter(|(_, limit)| limit.is_some());
+        let limited = self.task.limits.iter().enumerate().filter(|(_, limit)| limit.is_some());
         let merit = aims.merit_slopes(self.task.objective, values, slopes, all);
-        let mut misses = aims.miss_slopes(slopes, all);
-        of_limits.for_each(|(at, _)| misses.extend(aims.merit_slopes(at, values, slopes, all)));
+        let mut violations = aims.violation_slopes(slopes, all);
+        limited
+            .for_each(|(objective, _)| violations.extend(aims.merit_slopes(objective, values, slopes, all)));
         let free = |row: &[f64]| self.free.iter().map(|&at| row[at] * self.width(at)).collect::<Vec<f64>>();
-        (free(&merit), misses.chunks(all).flat_map(free).collect())
+        (free(&merit), violations.chunks(all).flat_map(free).collect())
     }
 
+    /// Width of the range of a variable.
     fn width(&self, variable: usize) -> f64 {
-        match &self.search.said.variables[variable].range {
+        match &self.search.spec.variables[variable].range {
             SearchRange::Bounds(from, to) => to - from,
             SearchRange::Choices(_) => 0.0,
         }
     }
 
-    /// How many numbers are to be kept below 0.
+    /// Number of violations to be kept below 0.
     pub(super) fn limits(&self) -> usize {
         self.aims().limits() + self.task.limits.iter().flatten().count()
     }
@@ -121,15 +125,15 @@ impl<'a> Problem<'a> {
 
 impl Best {
     pub(super) fn none(task: &Task) -> Self {
-        Self { found: Found::none(task), rank: (f64::INFINITY, f64::INFINITY) }
+        Self { found: SearchResult::none(task), rank: (f64::INFINITY, f64::INFINITY) }
     }
 
-    /// Counts a design, and keeps it if it is the best so far: the one that misses its limits least, then the one of
-    /// best merit.
-    pub(super) fn see(&mut self, problem: &Problem<'_>, design: Vec<f64>, values: &[Option<f64>]) {
+    /// Counts a design and stores it if it is the best so far: the one with the smallest violation, or of equal ones that with
+    /// the best merit.
+    pub(super) fn update(&mut self, problem: &Problem<'_>, design: Vec<f64>, values: &[Option<f64>]) {
         self.found.evaluations += 1;
-        let (merit, misses) = problem.judged(values);
-        let missed = misses.into_iter().fold(0.0, f64::max);
+        let (merit, violations) = problem.merit_and_violations(values);
+        let missed = violations.into_iter().fold(0.0, f64::max);
         let missed = if missed <= FEASIBLE { 0.0 } else { missed };
         if (missed, merit) >= self.rank || merit.is_nan() {
             return;
@@ -151,22 +155,22 @@ impl<'a, 'stop> Scalar<'a, 'stop> {
         Self { problem: Problem::new(search, task), work: RefCell::new(work) }
     }
 
-    /// What was found.
-    pub(super) fn found(self) -> Found {
+    /// Result of the task.
+    pub(super) fn found(self) -> SearchResult {
         self.work.into_inner().best.found
     }
 
-    /// How many designs were evaluated so far.
+    /// Number of designs evaluated so far.
     pub(super) fn evaluations(&self) -> usize {
         self.work.borrow().best.found.evaluations
     }
 
-    /// Values and, if wanted, slopes at a point; what was asked last is known.
-    fn look(&self, point: &[f64], slopes: bool) -> Result<Slopes, DesignError> {
+    /// Evaluates a point, with derivatives if requested. The last point is stored.
+    fn evaluate(&self, point: &[f64], slopes: bool) -> Result<Slopes, DesignError> {
         let design = self.problem.design(point);
         let mut work = self.work.borrow_mut();
-        if let Some((at, known, has_slopes)) = &work.last
-            && *at == design
+        if let Some((last, known, has_slopes)) = &work.last
+            && *last == design
             && (*has_slopes || !slopes)
         {
             return Ok(known.clone());
@@ -177,22 +181,22 @@ impl<'a, 'stop> Scalar<'a, 'stop> {
             Slopes { values: work.evaluator.evaluate(&design)?, slopes: Vec::new() }
         };
         work.last = Some((design.clone(), new.clone(), slopes));
-        work.best.see(&self.problem, design, &new.values);
+        work.best.update(&self.problem, design, &new.values);
         Ok(new)
     }
 
-    /// Merit and misses at a point.
+    /// Merit and violations at a point.
     pub(super) fn value(&self, point: &[f64]) -> Result<(f64, Vec<f64>), DesignError> {
-        Ok(self.problem.judged(&self.look(point, false)?.values))
+        Ok(self.problem.merit_and_violations(&self.evaluate(point, false)?.values))
     }
 
-    /// One number that orders points.
+    /// Cost of a point.
     pub(super) fn cost(&self, point: &[f64]) -> Result<f64, DesignError> {
-        Ok(self.problem.cost(&self.look(point, false)?.values))
+        Ok(self.problem.cost(&self.evaluate(point, false)?.values))
     }
 
-    /// The slopes of merit, and of the misses row by row, at a point.
+    /// Derivatives of the merit, and of the violations row by row, at a point.
     pub(super) fn slopes(&self, point: &[f64]) -> Result<(Vec<f64>, Vec<f64>), DesignError> {
-        Ok(self.problem.slopes(&self.look(point, true)?))
+        Ok(self.problem.slopes(&self.evaluate(point, true)?))
     }
 }
