@@ -175,7 +175,7 @@ impl Search {
             let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
             let mut way = self.way();
             let Some(RunningSearch { schedule, journal }) = way.as_mut() else { return Ok(Value::Null) };
-            let found = schedule.found();
+            let found = schedule.results();
             let chosen = self.of.selected(&found, &mut evaluator)?;
             if let Some(journal) = journal {
                 journal.put(&self.head(), found.iter()).map_err(Failure::Journal)?;

@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         None => SearchSchedule::new(Arc::clone(&search), records, threads),
     };
     let new = run_schedule(&mut schedule, &evaluator, threads, &mut journal)?;
-    let found = schedule.found();
+    let found = schedule.results();
     let seconds = started.elapsed().as_secs_f64();
     let all = report::evaluations(&found);
     let now = if new < all { format!(", {new} of them now,") } else { String::new() };

@@ -30,8 +30,8 @@ pub enum DesignError {
     },
     /// Too many combinations of choices for a search by derivatives.
     #[error(
-        "the choices have {count} combinations; a search by derivatives tries each of them and accepts at most {limit}; \
-         use method = \"both\" or \"global\" for more"
+        "the choices have {count} combinations; a search by derivatives tries each of them and accepts at \
+         most {limit}; use method = \"both\" or \"global\" for more"
     )]
     TooManyChoices {
         /// Number of combinations.

@@ -1,8 +1,8 @@
 //! Evaluation of designs.
 //!
-//! Designs that differ only in parameters of their film pixel (thicknesses, gaps, areas, indices) are evaluated by
-//! [`Designs`](papilio_display::Designs), which reuses everything else. All other designs are resolved and run in full. The
-//! choice of method depends on the design alone, not on the designs before it.
+//! Designs that differ only in parameters of their film pixel (thicknesses, gaps, areas, indices) are
+//! evaluated by [`Designs`](papilio_display::Designs), which reuses everything else. All other designs are
+//! resolved and run in full. The choice of method depends on the design alone, not on the designs before it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -61,7 +61,8 @@ impl<'a> Evaluator<'a> {
         Self { study, stop, conditions, evaluated: Arc::default() }
     }
 
-    /// Creates an evaluator of the same study for another thread. It shares the film pixels that are prepared so far.
+    /// Creates an evaluator of the same study for another thread. It shares the film pixels that are prepared
+    /// so far.
     pub fn worker(&self) -> Self {
         let copy = |state: &ConditionState| ConditionState {
             requested: state.requested.clone(),
@@ -128,8 +129,8 @@ impl<'a> Evaluator<'a> {
         Ok(requested.map(|quantity| self.study.quantities[*quantity].quantity.of(&result)).collect())
     }
 
-    /// Computes values and derivatives of the quantities of a design: exact derivatives for film pixels, finite differences
-    /// otherwise.
+    /// Computes values and derivatives of the quantities of a design: exact derivatives for film pixels,
+    /// finite differences otherwise.
     ///
     /// # Errors
     /// Those of [`evaluate`](Self::evaluate).
@@ -177,7 +178,8 @@ impl<'a> Evaluator<'a> {
         Ok(Slopes { values, slopes })
     }
 
-    /// Computes derivatives by a variable with central differences, or one-sided ones if one of the two sides is invalid.
+    /// Computes derivatives by a variable with central differences, or one-sided ones if one of the two sides
+    /// is invalid.
     fn slope(
         &mut self,
         design: &[f64],

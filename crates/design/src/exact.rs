@@ -1,4 +1,6 @@
-//! Exact reading of numbers from journals. The parser of `serde_json` alone may be off by one in the last bit.
+//! Exact reading of numbers from journals.
+//!
+//! The parser of `serde_json` alone may be off by one in the last bit.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

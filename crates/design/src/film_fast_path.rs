@@ -1,4 +1,6 @@
-//! Fast evaluation of designs that differ only in their film pixel: the kernels of everything else are reused.
+//! Fast evaluation of designs that differ only in their film pixel.
+//!
+//! The kernels of everything else are reused.
 
 use std::sync::Arc;
 
@@ -114,7 +116,8 @@ impl FilmFastPath {
         if let Some(known) = self.pixels.iter().find(|base| base.choices == choices) {
             return Ok(Some(known.clone()));
         }
-        // The scenario's own numbers, not those of this design: the level of adding must not depend on which design comes first.
+        // The scenario's own numbers, not those of this design: the level of adding must not depend on which
+        // design comes first.
         let mut values = study.values(design)?;
         let keys = study.variables.iter().flat_map(|variable| variable.keys.iter().map(move |_| variable));
         let numbers_of = values.iter_mut().zip(keys).filter(|(_, variable)| variable.is_number());

@@ -1,7 +1,8 @@
 //! Design studies of displays: evaluation of designs, optimisation, and tolerance analysis.
 //!
-//! A [`Study`] defines the variables (keys of a scenario, each with a number or a choice), the conditions (lights, views, or
-//! any other keys of a scenario) and the quantities that are computed for every design. An [`Evaluator`] computes them:
+//! A [`Study`] defines the variables (keys of a scenario, each with a number or a choice), the conditions
+//! (lights, views, or any other keys of a scenario) and the quantities that are computed for every design. An
+//! [`Evaluator`] computes them:
 //!
 //! ```
 //! use papilio_design::{Condition, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable};
@@ -26,8 +27,8 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 //!
-//! [`search`] improves designs, [`tolerance`] computes the distribution of quantities in production, and [`output`] writes
-//! the results of both as tables, figures and scenarios.
+//! [`search`] improves designs, [`tolerance`] computes the distribution of quantities in production, and
+//! [`output`] writes the results of both as tables, figures and scenarios.
 //!
 //! **Out of scope.** Writing files, printing, clocks.
 

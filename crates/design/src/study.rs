@@ -79,26 +79,26 @@ impl Study {
     /// Study of an optimisation.
     pub fn of(optimisation: &Optimisation) -> Self {
         let conditions = optimisation.conditions.iter();
-        let variable = |one: &papilio_scenario::SearchVariable| Variable {
-            name: one.name.clone(),
-            keys: one
+        let variable = |read: &papilio_scenario::SearchVariable| Variable {
+            name: read.name.clone(),
+            keys: read
                 .keys
                 .iter()
                 .map(|(path, slope, offset)| Key { path: path.clone(), slope: *slope, offset: *offset })
                 .collect(),
-            values: match &one.range {
+            values: match &read.range {
                 SearchRange::Bounds(..) => Values::Number,
                 SearchRange::Choices(choices) => Values::Choices(choices.clone()),
             },
         };
-        let named = |one: &SearchQuantity| NamedQuantity {
-            name: one.name.clone(),
-            condition: one.condition,
-            quantity: one.quantity.clone(),
+        let named = |read: &SearchQuantity| NamedQuantity {
+            name: read.name.clone(),
+            condition: read.condition,
+            quantity: read.quantity.clone(),
         };
         Self {
             conditions: conditions
-                .map(|one| Condition { name: one.name.clone(), varied: one.varied.clone() })
+                .map(|read| Condition { name: read.name.clone(), varied: read.varied.clone() })
                 .collect(),
             variables: optimisation.variables.iter().map(variable).collect(),
             quantities: optimisation.quantities().into_iter().map(named).collect(),

@@ -22,7 +22,7 @@ fn search(overrides: &[String]) -> (Arc<Search>, Vec<SearchResult>, SelectedDesi
     let mut on_record = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
     let mut schedule = SearchSchedule::new(Arc::clone(&search), SearchRecords::default(), 2);
     schedule.run(&evaluator, 2, &mut on_record).unwrap();
-    let found = schedule.found();
+    let found = schedule.results();
     let best = search.selected(&found, &mut evaluator).unwrap().remove(0);
     (search, found, best)
 }

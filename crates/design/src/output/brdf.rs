@@ -2,14 +2,15 @@
 
 use papilio_display::BrdfTable;
 
-/// Largest accepted deviation of the sum over a table's directions, as a fraction of the light that leaves the display.
+/// Largest accepted deviation of the sum over a table's directions, as a fraction of the light that leaves
+/// the display.
 pub const MOST_MISSED: f64 = 0.02;
 
 /// Steps in degrees; each divides 90.
 const STEPS: [f64; 12] = [4.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.9, 0.5, 0.4, 0.3, 0.2, 0.1];
 
-/// Warns if adding has not reached the relative error `target`, or if directions in steps of `step_deg` are too coarse for the
-/// BSDF.
+/// Warns if adding has not reached the relative error `target`, or if directions in steps of `step_deg` are
+/// too coarse for the BSDF.
 ///
 /// `option` is the name of the step in the message, such as `--step `.
 pub fn brdf_warnings(
@@ -44,17 +45,16 @@ pub fn finer_step(step_deg: f64, missed: f64) -> Option<f64> {
 }
 
 fn missed_warning(step_deg: f64, missed: f64, option: &str) -> Option<String> {
-    let help = || {
-        match finer_step(step_deg, missed) {
+    let help = || match finer_step(step_deg, missed) {
         Some(finer) => format!(
-            "{option}{finer} reduces the deviation to about {:.1} %; a larger spectrum.step_nm keeps the table small",
+            "{option}{finer} reduces the deviation to about {:.1} %; a larger spectrum.step_nm keeps the table \
+             small",
             100.0 * missed * (finer / step_deg).powi(2)
         ),
         None => {
-            "the lobe is so narrow that it needs a step below 0.1 deg, which is too many directions for a table"
-                .to_owned()
+            let reason = "the lobe is so narrow that it needs a step below 0.1 deg";
+            format!("{reason}, which is too many directions for a table")
         }
-    }
     };
     (missed > MOST_MISSED).then(|| {
         format!(

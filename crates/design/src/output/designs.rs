@@ -1,4 +1,6 @@
-//! Designs as scenario files: the text of the optimised scenario with the values of a design. Comments and order are preserved.
+//! Designs as scenario files.
+//!
+//! A file is the text of the optimised scenario with the values of a design. Comments and order are preserved.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -6,8 +8,9 @@ use crate::DesignError;
 use crate::search::{Search, SelectedDesign};
 use papilio_scenario::{Edit, edit};
 
-/// Returns file names and texts of the optimised scenario, one for each selected design: `best.toml` for a single design, or
-/// `closest.toml` if it does not meet the constraints; `front-01.toml` and so on for several.
+/// Returns file names and texts of the optimised scenario, one for each selected design: `best.toml` for a
+/// single design, or `closest.toml` if it does not meet the constraints; `front-01.toml` and so on for
+/// several.
 ///
 /// `text` is a file of the folder `from`; paths in it are rewritten for the folder `to`.
 ///
@@ -33,8 +36,8 @@ pub fn design_texts(
     selected.iter().enumerate().map(file).collect()
 }
 
-/// Rewrites a text of the folder `from` for the folder `to`: strings that are paths of existing files, relative to `from`, become
-/// relative to `to`.
+/// Rewrites a text of the folder `from` for the folder `to`: strings that are paths of existing files,
+/// relative to `from`, become relative to `to`.
 pub fn moved(text: &str, from: &Path, to: &Path) -> String {
     let Some(prefix) = relative_path(to, from) else { return text.to_owned() };
     let line = |line: &str| {

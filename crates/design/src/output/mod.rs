@@ -2,7 +2,7 @@
 //!
 //! | from | output |
 //! |---|---|
-//! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml`, or one file per design of a front) |
+//! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml` or the front) |
 //! | a tolerance analysis | [`tolerance_tables`], [`tolerance_figures`] |
 //! | the BSDF table of a display | [`brdf_warnings`], and the sufficient [`finer_step`] |
 //!

@@ -6,7 +6,8 @@ use papilio_figures::{Chart, ChartCurve, Hue, chart, named_with_unit};
 /// Largest number of curves in a figure; more would hide each other.
 const MOST_CURVES: usize = 60;
 
-/// Returns file names without extension and SVG texts: the progress of the tasks and, for several objectives, the front.
+/// Returns file names without extension and SVG texts: the progress of the tasks and, for several objectives,
+/// the front.
 pub fn search_figures(
     title: &str,
     search: &Search,
@@ -20,8 +21,8 @@ pub fn search_figures(
     drawn
 }
 
-/// Plots the first objective of the best design so far against the number of evaluated designs, for every task that optimised
-/// this objective.
+/// Plots the first objective of the best design so far against the number of evaluated designs, for every
+/// task that optimised this objective.
 fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[SelectedDesign]) -> String {
     let mut tasks: Vec<&SearchResult> =
         results.iter().filter(|one| one.objective == 0 && !one.trace.is_empty()).collect();
@@ -29,14 +30,14 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
     let best = selected.first().map(|one| one.task);
     // The best task is drawn last, on top of the others.
     tasks.sort_by_key(|one| Some(one.task) == best);
-    let curve = |one: &&SearchResult| {
-        let is_best = Some(one.task) == best;
+    let curve = |result: &&SearchResult| {
+        let is_best = Some(result.task) == best;
         ChartCurve {
-            name: if is_best { format!("best: task {}", one.task) } else { String::new() },
+            name: if is_best { format!("best: task {}", result.task) } else { String::new() },
             hue: if is_best { Hue::Group(0) } else { Hue::Grey },
             dashed: false,
             marks: false,
-            points: steps(one),
+            points: steps(result),
         }
     };
     let all = Chart {
@@ -56,22 +57,23 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
 }
 
 /// Step function of a trace: the value holds until a better design is found.
-fn steps(one: &SearchResult) -> Vec<(f64, f64)> {
+fn steps(result: &SearchResult) -> Vec<(f64, f64)> {
     let mut points = Vec::new();
-    for (at, value) in one.trace_at.iter().zip(&one.trace) {
+    for (evaluation, value) in result.trace_at.iter().zip(&result.trace) {
         let last = points.last().map(|(_, value): &(f64, f64)| *value);
-        points.extend(last.map(|value| (*at as f64, value)));
-        points.push((*at as f64, *value));
+        points.extend(last.map(|value| (*evaluation as f64, value)));
+        points.push((*evaluation as f64, *value));
     }
-    let last = one.trace.last().map(|value| (one.evaluations as f64, *value));
+    let last = result.trace.last().map(|value| (result.evaluations as f64, *value));
     points.into_iter().chain(last).collect()
 }
 
-/// Plots the first two objectives of the front against each other, with the results of all tasks and the scenario's own design.
+/// Plots the first two objectives of the front against each other, with the results of all tasks and the
+/// scenario's own design.
 fn front(title: &str, search: &Search, results: &[SearchResult], selected: &[SelectedDesign]) -> String {
-    let at = |values: &[Option<f64>]| {
-        let of = |objective| search.aims().value(objective, values).unwrap_or(f64::NAN);
-        (of(1), of(0))
+    let point = |values: &[Option<f64>]| {
+        let value = |objective| search.aims().value(objective, values).unwrap_or(f64::NAN);
+        (value(1), value(0))
     };
     let curve = |name: &str, group, marks, points| ChartCurve {
         name: name.to_owned(),
@@ -81,17 +83,17 @@ fn front(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
         points,
     };
     let valid = results.iter().filter(|one| !one.design.is_empty());
-    let line: Vec<(f64, f64)> = selected.iter().map(|one| at(&one.values)).collect();
+    let line: Vec<(f64, f64)> = selected.iter().map(|design| point(&design.values)).collect();
     let all = Chart {
         x: axis(search, 1),
         y: axis(search, 0),
         logarithmic: false,
         at_least: Vec::new(),
         curves: vec![
-            curve("", 3, true, valid.map(|one| at(&one.values)).collect()),
+            curve("", 3, true, valid.map(|result| point(&result.values)).collect()),
             curve("", 0, false, line.clone()),
             curve("front", 0, true, line),
-            curve("scenario", 2, true, vec![at(search.own().1)]),
+            curve("scenario", 2, true, vec![point(search.own().1)]),
         ],
     };
     chart(&all, &titled(title, "black: results of all tasks"))

@@ -7,7 +7,8 @@ use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sen
 use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance};
 
-/// Returns names and contents of the files: one table of all displays, one of all metrics, and the full report as JSON.
+/// Returns names and contents of the files: one table of all displays, one of all metrics, and the full
+/// report as JSON.
 ///
 /// # Errors
 /// If a number cannot be written; no such number is known.
@@ -94,7 +95,8 @@ fn summary_of(metric: &MetricReport) -> Vec<String> {
     cells
 }
 
-/// Returns file names without extension and SVG texts: histograms, sensitivities, and displays that pass or fail.
+/// Returns file names without extension and SVG texts: histograms, sensitivities, and displays that pass or
+/// fail.
 pub fn tolerance_figures(
     title: &str,
     tolerance: &Tolerance,
@@ -150,7 +152,8 @@ fn file_name(name: &str) -> String {
     name.replace(", ", "_").replace(' ', "-").replace(['/', '\\'], "-")
 }
 
-/// Indices of the two numeric keys with the largest total indices for the metric whose limit fails most often.
+/// Indices of the two numeric keys with the largest total indices for the metric whose limit fails most
+/// often.
 fn most_important(tolerance: &Tolerance, production: &Production, report: &Report) -> Option<[usize; 2]> {
     let failing = report.verdict.failing.iter().map(|failing| failing.share.value);
     let limit = failing.enumerate().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?.0;

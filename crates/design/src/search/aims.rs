@@ -1,9 +1,9 @@
 //! Objectives and constraints as scaled numbers.
 //!
-//! An objective becomes a *merit*, which a search minimises: `-v / s` for a value v to be maximised, `v / s` for one to be
-//! minimised, `((v - t) / s)^2` for a target t. The scale s is the magnitude of the scenario's own value. A constraint
-//! becomes its *violation*: the distance from the limit, divided by the magnitude of the limit. It is at most 0 if the
-//! constraint is satisfied.
+//! An objective becomes a *merit*, which a search minimises: `-v / s` for a value v to be maximised, `v / s`
+//! for one to be minimised, `((v - t) / s)^2` for a target t. The scale s is the magnitude of the scenario's
+//! own value. A constraint becomes its *violation*: the distance from the limit, divided by the magnitude of
+//! the limit. It is at most 0 if the constraint is satisfied.
 
 use papilio_scenario::{Optimisation, SearchAim, SearchObjective, SearchQuantity};
 
@@ -45,18 +45,19 @@ impl Aims {
             let size = size(&[mean(&parts, own).unwrap_or(0.0), target]);
             Objective { parts, aim: one.aim, size }
         };
-        let limits = spec.constraints.iter().flat_map(|one| {
-            let quantity = index(&one.quantity);
+        let limits = spec.constraints.iter().flat_map(|constraint| {
+            let quantity = index(&constraint.quantity);
             let limit = move |sign: f64, limit: f64| Limit {
                 quantity,
                 sign,
                 limit,
                 size: if limit == 0.0 { size(&[own[quantity].unwrap_or(0.0)]) } else { limit.abs() },
             };
-            one.at_least
+            constraint
+                .at_least
                 .map(|least| limit(-1.0, least))
                 .into_iter()
-                .chain(one.at_most.map(|most| limit(1.0, most)))
+                .chain(constraint.at_most.map(|most| limit(1.0, most)))
         });
         Self { objectives: spec.objectives.iter().map(objective).collect(), limits: limits.collect() }
     }

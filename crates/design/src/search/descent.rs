@@ -6,17 +6,17 @@ use basin::{
     NonlinearBlocks, NonlinearInequalityValues, SelectedFirstOrderState, Slsqp,
 };
 
-use super::scalar::Scalar;
+use super::task_problem::DescentTask;
 use crate::DesignError;
 
 /// Absolute accuracy of merits and violations, which are of the order of 1.
 const ACCURACY: f64 = 1e-9;
 const ITERATIONS: u64 = 200;
 
-/// Runs a descent from a point of the unit cube until it converges, or until the task has evaluated `evaluations` designs,
-/// including those evaluated before.
+/// Runs a descent from a point of the unit cube until it converges, or until the task has evaluated
+/// `evaluations` designs, including those evaluated before.
 pub(super) fn descend(
-    scalar: &Scalar<'_, '_>,
+    scalar: &DescentTask<'_, '_>,
     start: Vec<f64>,
     evaluations: usize,
 ) -> Result<(), DesignError> {
@@ -48,7 +48,7 @@ enum Stopped {
 }
 
 struct Descent<'a, 'b, 'stop> {
-    scalar: &'a Scalar<'b, 'stop>,
+    scalar: &'a DescentTask<'b, 'stop>,
     lower: Vec<f64>,
     upper: Vec<f64>,
     limits: usize,
@@ -57,7 +57,7 @@ struct Descent<'a, 'b, 'stop> {
 
 impl<'b, 'stop> Descent<'_, 'b, 'stop> {
     /// Returns the task if it has evaluations left.
-    fn scalar(&self) -> Result<&Scalar<'b, 'stop>, Stopped> {
+    fn scalar(&self) -> Result<&DescentTask<'b, 'stop>, Stopped> {
         (self.scalar.evaluations() < self.evaluations).then_some(self.scalar).ok_or(Stopped::UsedUp)
     }
 }

@@ -5,18 +5,18 @@ use super::{Aims, FEASIBLE, SearchResult};
 /// Merits that differ by at most this count as equal. Optimisers satisfy limits to about a hundredth of it.
 const EQUAL: f64 = 1e-4;
 
-/// Returns the indices of the feasible designs that are not dominated: no other one is as good in every objective and better
-/// in one.
+/// Returns the indices of the feasible designs that are not dominated: no other one is as good in every
+/// objective and better in one.
 ///
 /// They are sorted by the first objective, the best first. Of equal designs, only the first one is included.
-pub fn front(aims: &Aims, found: &[SearchResult]) -> Vec<usize> {
+pub fn front(aims: &Aims, results: &[SearchResult]) -> Vec<usize> {
     let merits = |one: &SearchResult| -> Option<Vec<f64>> {
         let feasible = !one.design.is_empty() && aims.missed(&one.values) <= FEASIBLE;
         (0..aims.objectives())
             .map(|objective| aims.merit(objective, &one.values).filter(|_| feasible))
             .collect()
     };
-    let all: Vec<(usize, Vec<f64>)> = found
+    let all: Vec<(usize, Vec<f64>)> = results
         .iter()
         .enumerate()
         .filter_map(|(index, one)| merits(one).map(|merits| (index, merits)))
@@ -27,8 +27,8 @@ pub fn front(aims: &Aims, found: &[SearchResult]) -> Vec<usize> {
     front.into_iter().map(|(index, _)| *index).collect()
 }
 
-/// Returns true if the first design dominates the second, or equals it and has a smaller index. With a single objective, the
-/// comparison is exact, so that there is one best design.
+/// Returns true if the first design dominates the second, or equals it and has a smaller index. With a single
+/// objective, the comparison is exact, so that there is one best design.
 fn dominates((number, one): &(usize, Vec<f64>), (other_number, other): &(usize, Vec<f64>)) -> bool {
     let margin = if one.len() == 1 { 0.0 } else { EQUAL };
     let as_good = one.iter().zip(other).all(|(a, b)| *a <= b + margin);

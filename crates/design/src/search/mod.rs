@@ -1,10 +1,11 @@
 //! Optimisation of designs.
 //!
-//! A search consists of [`Task`]s: descents by derivatives from different starting points, and populations. The tasks of a
-//! round are independent of each other. They can run in parallel, and their results do not depend on the number of threads.
-//! Tasks that use results of others belong to a later round. A [`SearchSchedule`] distributes tasks and the generations of
-//! populations as [`WorkItem`]s. The optimisers are those of the crate `basin`: SLSQP (Kraft 1988) for descents,
-//! differential evolution (Storn and Price 1997) for populations.
+//! A search consists of [`Task`]s: descents by derivatives from different starting points, and populations.
+//! The tasks of a round are independent of each other. They can run in parallel, and their results do not
+//! depend on the number of threads. Tasks that use results of others belong to a later round. A
+//! [`SearchSchedule`] distributes tasks and the generations of populations as [`WorkItem`]s. The optimisers
+//! are those of the crate `basin`: SLSQP (Kraft 1988) for descents, differential evolution (Storn and Price
+//! 1997) for populations.
 
 mod aims;
 mod descent;
@@ -13,10 +14,10 @@ mod population;
 mod records;
 mod rounds;
 mod run;
-mod scalar;
 mod schedule;
 mod selection;
 mod starts;
+mod task_problem;
 
 pub use aims::{Aims, FEASIBLE};
 pub use front::front;
@@ -86,7 +87,8 @@ impl Search {
     /// Prepares a search and evaluates the scenario's own design.
     ///
     /// # Errors
-    /// If this design cannot be evaluated, or there are too many combinations of choices for a search by derivatives.
+    /// If this design cannot be evaluated, or there are too many combinations of choices for a search by
+    /// derivatives.
     pub fn new(spec: Optimisation, evaluator: &mut Evaluator<'_>) -> Result<Self, DesignError> {
         let study = Arc::new(evaluator.study().clone());
         let own: Vec<f64> = spec.variables.iter().map(papilio_scenario::SearchVariable::start).collect();

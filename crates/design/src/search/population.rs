@@ -21,7 +21,8 @@ const MOST: usize = 120;
 /// Population in the unit cube, between two generations.
 pub(super) struct Population {
     solver: De,
-    /// Second instance of the optimiser, one generation ahead, from which the points of the next generation are obtained.
+    /// Second instance of the optimiser, one generation ahead, from which the points of the next generation
+    /// are obtained.
     look_ahead: De,
     /// `None` before the first generation is evaluated.
     state: Option<PopulationProgress<Vec<f64>>>,

@@ -55,7 +55,7 @@ pub enum Record {
 /// Records of an interrupted search, from which it is resumed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SearchRecords {
-    pub(super) found: HashMap<usize, SearchResult>,
+    pub(super) results: HashMap<usize, SearchResult>,
     pub(super) batches: HashMap<usize, Vec<Vec<Option<f64>>>>,
 }
 
@@ -72,11 +72,11 @@ impl Record {
 impl SearchRecords {
     /// Adds a record.
     ///
-    /// Values of a population that are known already are ignored. Values after a gap are ignored, too, because they would be
-    /// assigned to the wrong designs; they are computed again.
+    /// Values of a population that are known already are ignored. Values after a gap are ignored, too,
+    /// because they would be assigned to the wrong designs; they are computed again.
     pub fn add(&mut self, record: Record) {
         match record {
-            Record::Task(found) => drop(self.found.insert(found.task, found)),
+            Record::Task(result) => drop(self.results.insert(result.task, result)),
             Record::Batch(batch) => {
                 let known = self.batches.entry(batch.population).or_default();
                 let from = batch.from.unwrap_or(known.len());
@@ -87,9 +87,10 @@ impl SearchRecords {
         }
     }
 
-    /// Adds the records of another journal of the same search. Of each population, the longer sequence is used.
+    /// Adds the records of another journal of the same search. Of each population, the longer sequence is
+    /// used.
     pub fn join(&mut self, other: Self) {
-        self.found.extend(other.found);
+        self.results.extend(other.results);
         for (population, rows) in other.batches {
             let known = self.batches.entry(population).or_default();
             if known.len() < rows.len() {

@@ -1,12 +1,12 @@
 //! Tasks of each round of a search.
 //!
-//! **One objective.** Descents from `starts` points for every combination of choices; or a population; or a population
-//! followed by descents.
+//! **One objective.** Descents from `starts` points for every combination of choices; or a population; or a
+//! population followed by descents.
 //!
-//! **Several objectives.** First each objective is optimised alone. Then the first objective is optimised at points along
-//! the front, with limits on the others (the epsilon-constraint method: Haimes, Lasdon and Wismer 1971). These tasks start from
-//! the designs of the first round and from new points. Finally each point of the front is optimised again, starting from its
-//! neighbours.
+//! **Several objectives.** First each objective is optimised alone. Then the first objective is optimised at
+//! points along the front, with limits on the others (the epsilon-constraint method: Haimes, Lasdon and
+//! Wismer 1971). These tasks start from the designs of the first round and from new points. Finally each
+//! point of the front is optimised again, starting from its neighbours.
 
 use papilio_scenario::SearchMethod;
 
@@ -18,21 +18,21 @@ const ROUNDS: usize = 5;
 
 impl Search {
     /// Tasks of a round, given the results of the rounds before it; empty if the search is finished.
-    pub(super) fn round(&self, round: usize, found: &[SearchResult]) -> Vec<Task> {
+    pub(super) fn round(&self, round: usize, results: &[SearchResult]) -> Vec<Task> {
         let population_first = self.spec.method == SearchMethod::Both;
         let mut tasks = match (round, population_first) {
             (0, _) => self.single_objectives(self.spec.method != SearchMethod::Gradient),
-            (1, true) => self.refinements(found),
+            (1, true) => self.refinements(results),
             _ if self.aims.objectives() == 1 || round >= ROUNDS => Vec::new(),
-            (1, false) | (2, true) => self.front_points(found),
+            (1, false) | (2, true) => self.front_points(results),
             (2, false) | (3, true)
                 if self.aims.objectives() == 2 && self.spec.method != SearchMethod::Global =>
             {
-                self.from_neighbours(found)
+                self.from_neighbours(results)
             }
             _ => Vec::new(),
         };
-        tasks.iter_mut().enumerate().for_each(|(index, task)| task.number = found.len() + index);
+        tasks.iter_mut().enumerate().for_each(|(index, task)| task.number = results.len() + index);
         tasks
     }
 
@@ -73,9 +73,9 @@ impl Search {
     }
 
     /// Descents from the results of populations.
-    fn refinements(&self, found: &[SearchResult]) -> Vec<Task> {
+    fn refinements(&self, results: &[SearchResult]) -> Vec<Task> {
         let each = (self.spec.evaluations / self.spec.starts).max(1);
-        let valid = found.iter().enumerate().filter(|(_, one)| !one.design.is_empty());
+        let valid = results.iter().enumerate().filter(|(_, one)| !one.design.is_empty());
         valid
             .map(|(objective, one)| {
                 self.task(objective, self.no_limits(), TaskMethod::From(one.design.clone()), each)
@@ -84,8 +84,8 @@ impl Search {
     }
 
     /// Tasks that optimise the first objective along the front, with limits on the others.
-    fn front_points(&self, found: &[SearchResult]) -> Vec<Task> {
-        let ends = self.ends(found);
+    fn front_points(&self, results: &[SearchResult]) -> Vec<Task> {
+        let ends = self.ends(results);
         let Some(ranges) = self.ranges(&ends) else { return Vec::new() };
         let others = ranges.len() - 1;
         let inner = self.spec.points.saturating_sub(if others == 1 { 2 } else { 0 });
@@ -115,9 +115,9 @@ impl Search {
     }
 
     /// Best design of each objective: the ends of the front.
-    fn ends<'a>(&self, found: &'a [SearchResult]) -> Vec<&'a SearchResult> {
+    fn ends<'a>(&self, results: &'a [SearchResult]) -> Vec<&'a SearchResult> {
         let best = |objective: usize| {
-            let front = front(&self.aims, found).into_iter().map(|at| &found[at]);
+            let front = front(&self.aims, results).into_iter().map(|at| &results[at]);
             let merit = |one: &SearchResult| self.aims.merit(objective, &one.values).unwrap_or(f64::INFINITY);
             front.min_by(|a, b| merit(a).total_cmp(&merit(b)))
         };
@@ -141,17 +141,17 @@ impl Search {
     }
 
     /// Tasks that optimise each point of the front again, starting from the neighbouring points.
-    fn from_neighbours(&self, found: &[SearchResult]) -> Vec<Task> {
-        let front = front(&self.aims, found);
+    fn from_neighbours(&self, results: &[SearchResult]) -> Vec<Task> {
+        let front = front(&self.aims, results);
         let each = (self.spec.evaluations / self.spec.starts).max(1);
         let mut tasks = Vec::new();
         for (position, index) in front.iter().enumerate() {
-            let Some(merit) = self.aims.merit(1, &found[*index].values) else { continue };
+            let Some(merit) = self.aims.merit(1, &results[*index].values) else { continue };
             let limits = vec![None, Some(merit)];
             let neighbours = [position.checked_sub(1), Some(position + 1)];
             let neighbours = neighbours.into_iter().flatten().filter_map(|position| front.get(position));
             tasks.extend(neighbours.map(|other| {
-                self.task(0, limits.clone(), TaskMethod::From(found[*other].design.clone()), each)
+                self.task(0, limits.clone(), TaskMethod::From(results[*other].design.clone()), each)
             }));
         }
         tasks

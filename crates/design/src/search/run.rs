@@ -7,9 +7,9 @@ use papilio_display::DisplayError;
 use papilio_scenario::SearchRange;
 
 use super::descent::descend;
-use super::scalar::Scalar;
 use super::schedule::{SearchSchedule, WorkItem};
 use super::starts::best_random_point;
+use super::task_problem::DescentTask;
 use super::{Record, Search, SearchResult, Task, TaskMethod};
 use crate::{DesignError, Evaluator};
 
@@ -31,8 +31,8 @@ type Message = Result<(Vec<Record>, (usize, usize)), DesignError>;
 impl SearchSchedule {
     /// Runs the search, or its shard, to the end on `threads` threads.
     ///
-    /// `on_record` is called with every new record; the order of the tasks of a round is arbitrary. An error that it returns ends
-    /// the search.
+    /// `on_record` is called with every new record; the order of the tasks of a round is arbitrary. An error
+    /// that it returns ends the search.
     ///
     /// # Errors
     /// The error of `on_record`, or of the first work item that fails.
@@ -141,10 +141,10 @@ impl Search {
         task: &Task,
         evaluator: &mut Evaluator<'_>,
     ) -> Result<SearchResult, DesignError> {
-        let scalar = Scalar::new(self, task, evaluator);
+        let scalar = DescentTask::new(self, task, evaluator);
         if scalar.problem.free.is_empty() {
             scalar.cost(&[])?;
-            return Ok(scalar.found());
+            return Ok(scalar.result());
         }
         let start = match &task.method {
             TaskMethod::From(design) => scalar.problem.point(design),
@@ -154,7 +154,7 @@ impl Search {
             }
         };
         descend(&scalar, start, task.evaluations)?;
-        Ok(scalar.found())
+        Ok(scalar.result())
     }
 
     /// Values of the variables that a task does not change.

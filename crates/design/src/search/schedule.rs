@@ -1,9 +1,9 @@
 //! Schedule of a search: the work items that can be computed now, and the results so far.
 //!
-//! A [`WorkItem`] and its [`WorkResult`] are plain data, which files and networks transmit without loss. Every process
-//! that has the search computes the same result of an item ([`Search::work`]). A schedule can therefore be shared by
-//! threads ([`SearchSchedule::run`]), by the workers of a cluster, or by machines that do not communicate
-//! ([`SearchSchedule::shard`]).
+//! A [`WorkItem`] and its [`WorkResult`] are plain data, which files and networks transmit without loss.
+//! Every process that has the search computes the same result of an item ([`Search::work`]). A schedule can
+//! therefore be shared by threads ([`SearchSchedule::run`]), by the workers of a cluster, or by machines that
+//! do not communicate ([`SearchSchedule::shard`]).
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::population::Population;
-use super::scalar::{Best, Problem};
+use super::task_problem::{BestDesign, TaskProblem};
 use super::{Batch, Record, Search, SearchRecords, SearchResult, Task, TaskMethod};
 use crate::{DesignError, Evaluator, exact};
 
@@ -64,7 +64,7 @@ pub struct SearchSchedule {
     round: usize,
     tasks: Vec<Task>,
     /// Results of finished rounds.
-    found: Vec<SearchResult>,
+    results: Vec<SearchResult>,
     /// Results of the current round, by task.
     done: BTreeMap<usize, SearchResult>,
     active: BTreeMap<usize, ActivePopulation>,
@@ -78,7 +78,7 @@ pub struct SearchSchedule {
 struct ActivePopulation {
     task: Task,
     population: Population,
-    best: Best,
+    best: BestDesign,
     /// Designs of the current generation.
     designs: Vec<Vec<f64>>,
     /// Quantities of the designs that are evaluated, by the number of the evaluation.
@@ -110,8 +110,8 @@ impl SearchSchedule {
         Self::started(search, records, items_per_generation, None)
     }
 
-    /// Creates the schedule of shard k of n of a search: tasks `k - 1`, `k - 1 + n` and so on of the first round, and no later
-    /// round.
+    /// Creates the schedule of shard k of n of a search: tasks `k - 1`, `k - 1 + n` and so on of the first
+    /// round, and no later round.
     pub fn shard(
         search: Arc<Search>,
         records: SearchRecords,
@@ -134,7 +134,7 @@ impl SearchSchedule {
             shard,
             round: 0,
             tasks: Vec::new(),
-            found: Vec::new(),
+            results: Vec::new(),
             done: BTreeMap::new(),
             active: BTreeMap::new(),
             open: VecDeque::new(),
@@ -155,15 +155,15 @@ impl SearchSchedule {
     /// Stores the result of a work item. A result that arrives a second time is ignored.
     pub fn add_result(&mut self, result: WorkResult) {
         match result {
-            WorkResult::Task(found) if self.tasks.iter().any(|task| task.number == found.task) => {
-                if !self.done.contains_key(&found.task) {
-                    self.finish_task(found, true);
+            WorkResult::Task(result) if self.tasks.iter().any(|task| task.number == result.task) => {
+                if !self.done.contains_key(&result.task) {
+                    self.finish_task(result, true);
                 }
             }
             WorkResult::Task(_) => {}
             WorkResult::Designs { population, from, values } => {
                 let Some(mut active) = self.active.remove(&population) else { return };
-                let is_late = from < active.best.found.evaluations;
+                let is_late = from < active.best.result.evaluations;
                 let values = if is_late { Vec::new() } else { values };
                 active.values.extend(values.into_iter().enumerate().map(|(index, row)| (from + index, row)));
                 self.advance(population, active);
@@ -185,7 +185,7 @@ impl SearchSchedule {
     /// Number of finished tasks, and of all tasks, of the current round.
     pub fn progress(&self) -> (usize, usize) {
         if self.finished && self.tasks.is_empty() {
-            return (self.found.len(), self.found.len());
+            return (self.results.len(), self.results.len());
         }
         (self.done.len(), self.tasks.len())
     }
@@ -196,14 +196,14 @@ impl SearchSchedule {
     }
 
     /// Results of all finished tasks, in order of their numbers, including those of the current round.
-    pub fn found(&self) -> Vec<SearchResult> {
-        self.found.iter().chain(self.done.values()).cloned().collect()
+    pub fn results(&self) -> Vec<SearchResult> {
+        self.results.iter().chain(self.done.values()).cloned().collect()
     }
 
     /// Starts the next round when all tasks of the current one are finished.
     fn finish_rounds(&mut self) {
         while !self.finished && self.done.len() == self.tasks.len() {
-            self.found.extend(std::mem::take(&mut self.done).into_values());
+            self.results.extend(std::mem::take(&mut self.done).into_values());
             self.round += 1;
             self.start_round();
         }
@@ -213,15 +213,15 @@ impl SearchSchedule {
     fn start_round(&mut self) {
         self.tasks = match self.shard {
             Some(_) if self.round > 0 => Vec::new(),
-            _ => self.search.round(self.round, &self.found),
+            _ => self.search.round(self.round, &self.results),
         };
         if let Some((k, n)) = self.shard {
             self.tasks.retain(|task| task.number % n == k - 1);
         }
         self.finished = self.tasks.is_empty();
         for task in self.tasks.clone() {
-            if let Some(found) = self.records.found.remove(&task.number) {
-                self.finish_task(found, false);
+            if let Some(result) = self.records.results.remove(&task.number) {
+                self.finish_task(result, false);
             } else if task.method == TaskMethod::Population && !self.search.own.is_empty() {
                 self.start_population(task);
             } else {
@@ -231,17 +231,17 @@ impl SearchSchedule {
         self.finish_rounds();
     }
 
-    fn finish_task(&mut self, found: SearchResult, is_new: bool) {
-        self.new_records.extend(is_new.then(|| Record::Task(found.clone())));
-        self.done.insert(found.task, found);
+    fn finish_task(&mut self, result: SearchResult, is_new: bool) {
+        self.new_records.extend(is_new.then(|| Record::Task(result.clone())));
+        self.done.insert(result.task, result);
     }
 
     /// Starts a population from its stored generations.
     fn start_population(&mut self, task: Task) {
         let number = task.number;
-        let point = Problem::new(&self.search, &task).point(&self.search.own);
+        let point = TaskProblem::new(&self.search, &task).point(&self.search.own);
         let population = Population::new(point, self.search.spec.seed);
-        let best = Best::none(&task);
+        let best = BestDesign::none(&task);
         let mut active =
             ActivePopulation { task, population, best, designs: Vec::new(), values: BTreeMap::new() };
         active.next_generation(&self.search);
@@ -250,7 +250,7 @@ impl SearchSchedule {
             active.finish_generation(&self.search, stored.by_ref().take(active.designs.len()).collect());
         }
         if active.is_finished() {
-            self.finish_task(active.best.found, true);
+            self.finish_task(active.best.result, true);
             return;
         }
         self.open_generation(number, &active);
@@ -259,7 +259,7 @@ impl SearchSchedule {
 
     /// Starts the next generation if all designs of the current one are evaluated.
     fn advance(&mut self, number: usize, mut active: ActivePopulation) {
-        let first = active.best.found.evaluations;
+        let first = active.best.result.evaluations;
         let evaluated = active.values.range(first..first + active.designs.len()).count();
         if evaluated == active.designs.len() {
             let rows: Vec<_> = std::mem::take(&mut active.values).into_values().collect();
@@ -270,7 +270,7 @@ impl SearchSchedule {
             }));
             active.finish_generation(&self.search, rows);
             if active.is_finished() {
-                self.finish_task(active.best.found, true);
+                self.finish_task(active.best.result, true);
                 return;
             }
             self.open_generation(number, &active);
@@ -281,7 +281,7 @@ impl SearchSchedule {
     /// Adds the designs of a generation to the open work items.
     fn open_generation(&mut self, population: usize, active: &ActivePopulation) {
         let size = active.designs.len().div_ceil(self.items_per_generation).max(1);
-        let first = active.best.found.evaluations;
+        let first = active.best.result.evaluations;
         for (index, designs) in active.designs.chunks(size).enumerate() {
             let from = first + index * size;
             self.open.push_back(WorkItem::Designs { population, from, designs: designs.to_vec() });
@@ -291,18 +291,18 @@ impl SearchSchedule {
 
 impl ActivePopulation {
     fn is_finished(&self) -> bool {
-        self.best.found.evaluations >= self.task.evaluations.max(1)
+        self.best.result.evaluations >= self.task.evaluations.max(1)
     }
 
     /// Sets the designs of the next generation.
     fn next_generation(&mut self, search: &Search) {
-        let problem = Problem::new(search, &self.task);
+        let problem = TaskProblem::new(search, &self.task);
         self.designs = self.population.next_points().iter().map(|point| problem.design(point)).collect();
     }
 
     /// Stores the quantities of the designs of the current generation.
     fn finish_generation(&mut self, search: &Search, rows: Vec<Vec<Option<f64>>>) {
-        let problem = Problem::new(search, &self.task);
+        let problem = TaskProblem::new(search, &self.task);
         let costs = rows.iter().map(|values| problem.cost(values)).collect();
         for (design, values) in std::mem::take(&mut self.designs).into_iter().zip(&rows) {
             self.best.update(&problem, design, values);

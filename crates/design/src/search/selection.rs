@@ -16,7 +16,8 @@ pub struct SelectedDesign {
     pub design: Vec<f64>,
     /// Quantities from full runs of its scenarios; `None` where undefined.
     pub values: Vec<Option<f64>>,
-    /// Largest relative violation of the constraints; for a feasible design at most [`FEASIBLE`], plus the effect of rounding.
+    /// Largest relative violation of the constraints; for a feasible design at most [`FEASIBLE`], plus the
+    /// effect of rounding.
     pub missed: f64,
     /// Number of the task that found it.
     pub task: usize,
@@ -38,35 +39,35 @@ impl Search {
     /// If a design cannot be computed.
     pub fn selected(
         &self,
-        found: &[SearchResult],
+        results: &[SearchResult],
         evaluator: &mut Evaluator<'_>,
     ) -> Result<Vec<SelectedDesign>, DesignError> {
-        let front = front(&self.aims, found);
-        let front = self.thinned(front, found);
+        let front = front(&self.aims, results);
+        let front = self.thinned(front, results);
         let indices = if front.is_empty() {
-            let missed = |index: &usize| self.aims.missed(&found[*index].values);
-            let valid = (0..found.len()).filter(|index| !found[*index].design.is_empty());
+            let missed = |index: &usize| self.aims.missed(&results[*index].values);
+            let valid = (0..results.len()).filter(|index| !results[*index].design.is_empty());
             valid.min_by(|a, b| missed(a).total_cmp(&missed(b))).into_iter().collect()
         } else {
             front
         };
-        indices.into_iter().map(|index| self.in_full(&found[index], evaluator)).collect()
+        indices.into_iter().map(|index| self.in_full(&results[index], evaluator)).collect()
     }
 
     /// Number of descents that used up their evaluations, and number of all descents.
-    pub fn cut_short(&self, found: &[SearchResult]) -> (usize, usize) {
+    pub fn cut_short(&self, results: &[SearchResult]) -> (usize, usize) {
         let (mut cut, mut descents, mut done) = (0, 0, 0);
         // Without numeric variables, there are no descents.
         if !self.spec.variables.iter().any(|one| matches!(one.range, SearchRange::Bounds(..))) {
             return (0, 0);
         }
         for round in 0.. {
-            let tasks = self.round(round, &found[..done.min(found.len())]);
-            if tasks.is_empty() || done >= found.len() {
+            let tasks = self.round(round, &results[..done.min(results.len())]);
+            if tasks.is_empty() || done >= results.len() {
                 break;
             }
             let own =
-                tasks.iter().zip(&found[done..]).filter(|(task, _)| task.method != TaskMethod::Population);
+                tasks.iter().zip(&results[done..]).filter(|(task, _)| task.method != TaskMethod::Population);
             for (task, one) in own {
                 descents += 1;
                 cut += usize::from(one.evaluations >= task.evaluations);
@@ -77,9 +78,9 @@ impl Search {
     }
 
     /// Removes designs of a front that hardly differ from the one before. The ends remain.
-    fn thinned(&self, front: Vec<usize>, found: &[SearchResult]) -> Vec<usize> {
+    fn thinned(&self, front: Vec<usize>, results: &[SearchResult]) -> Vec<usize> {
         let merits = |index: usize| -> Vec<f64> {
-            let merit = |objective| self.aims.merit(objective, &found[index].values).unwrap_or(f64::NAN);
+            let merit = |objective| self.aims.merit(objective, &results[index].values).unwrap_or(f64::NAN);
             (0..self.aims.objectives()).map(merit).collect()
         };
         let Some((&first, &last)) = front.first().zip(front.last()) else { return front };
@@ -106,13 +107,13 @@ impl Search {
     /// Rounds the design of a result and computes it in full.
     fn in_full(
         &self,
-        found: &SearchResult,
+        result: &SearchResult,
         evaluator: &mut Evaluator<'_>,
     ) -> Result<SelectedDesign, DesignError> {
-        let design = self.rounded(&found.design);
+        let design = self.rounded(&result.design);
         let values = self.values_of(&self.runs(&design, evaluator)?);
         let missed = self.aims.missed(&values);
-        Ok(SelectedDesign { design, values, missed, task: found.task })
+        Ok(SelectedDesign { design, values, missed, task: result.task })
     }
 
     /// Rounds a design to [`DIGITS`] significant digits, within its bounds.

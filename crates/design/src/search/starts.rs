@@ -2,13 +2,14 @@
 
 use papilio_sampling::{Numbers, Sampler};
 
-use super::scalar::Scalar;
+use super::task_problem::DescentTask;
 use crate::DesignError;
 
 /// Number of random points of which the best one is the start of a descent.
 pub(super) const POINTS_PER_START: u64 = 8;
 
-/// Point of the unit cube: Owen-scrambled Sobol numbers in the first dimensions, random numbers in the others.
+/// Point of the unit cube: Owen-scrambled Sobol numbers in the first dimensions, random numbers in the
+/// others.
 pub(super) fn random_point(seed: u64, stream: u64, number: u64, variables: usize) -> Vec<f64> {
     let numbers = Numbers::new(Sampler::Sobol, seed, stream);
     let blocks = 0..variables.div_ceil(4) as u32;
@@ -17,7 +18,7 @@ pub(super) fn random_point(seed: u64, stream: u64, number: u64, variables: usize
 
 /// Best of the random points of a start; no more points than the task may evaluate.
 pub(super) fn best_random_point(
-    scalar: &Scalar<'_, '_>,
+    scalar: &DescentTask<'_, '_>,
     seed: u64,
     stream: u64,
     start: u64,

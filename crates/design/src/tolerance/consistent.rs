@@ -4,12 +4,13 @@ use super::indices::Indices;
 
 /// Moves the indices of a metric to the nearest consistent ones, in units of their standard errors.
 ///
-/// Indices are consistent if some function of independent groups can have them: each is from 0 to 1, no first-order index
-/// exceeds its total index, the first-order indices sum to at most 1, and the total indices sum to at least 1.
+/// Indices are consistent if some function of independent groups can have them: each is from 0 to 1, no
+/// first-order index exceeds its total index, the first-order indices sum to at most 1, and the total indices
+/// sum to at least 1.
 ///
-/// Consistent indices do not change. The true indices are consistent, so that the sum of squared errors (in units of the
-/// standard errors) cannot increase. Method: C. Hildreth, Nav. Res. Logist. Q. 4, 79 (1957), a quadratic programme solved by
-/// successive projections onto half-spaces.
+/// Consistent indices do not change. The true indices are consistent, so that the sum of squared errors (in
+/// units of the standard errors) cannot increase. Method: C. Hildreth, Nav. Res. Logist. Q. 4, 79 (1957), a
+/// quadratic programme solved by successive projections onto half-spaces.
 pub(super) fn consistent(mut all: Vec<Option<Indices>>) -> Vec<Option<Indices>> {
     let known: Vec<usize> = (0..all.len()).filter(|group| all[*group].is_some()).collect();
     let pairs = known.iter().filter_map(|group| all[*group]);

@@ -1,26 +1,26 @@
 //! Sobol indices: contributions of keys to the variance of a metric.
 //!
-//! The *first-order* index of a key is the fraction of a metric's variance that vanishes on average if the key is
-//! fixed and nothing else changes. The *total* index is the fraction that remains on average if only this key
-//! varies, interactions with other keys included. The first-order indices of independent keys sum to at most 1,
-//! and to 1 if there are no interactions. A total index of 0 means that the key has no effect.
+//! The *first-order* index of a key is the fraction of a metric's variance that vanishes on average if the
+//! key is fixed and nothing else changes. The *total* index is the fraction that remains on average if only
+//! this key varies, interactions with other keys included. The first-order indices of independent keys sum to
+//! at most 1, and to 1 if there are no interactions. A total index of 0 means that the key has no effect.
 //!
 //! Correlated keys have no indices of their own, because their effects cannot be separated; their group has.
 //!
 //! # Method
 //!
 //! 1. A [polynomial chaos](super::surrogate) is fitted to all displays. Its own indices have closed forms.
-//! 2. The residual is estimated from displays that share some of their keys ("pick-freeze"): every sum over displays is the sum
-//!    of the metric, minus the sum of a fit to other replicates, plus the known expected value of the fit's sum (a control
-//!    variate). This is unbiased, however good the fit is, and only the residual contributes to the errors. If a fit
-//!    is of no use, the sums of the metric are used alone.
-//! 3. First-order indices are the mean of two estimators, weighted by their errors: one is exact for a key without
-//!    effect, the other for a key that causes all variance.
-//! 4. All indices of a metric are moved to the nearest consistent ones, in units of their errors: see [`consistent`]. Standard
-//!    errors are those before this step.
+//! 2. The residual is estimated from displays that share some of their keys ("pick-freeze"): every sum over
+//!    displays is the sum of the metric, minus the sum of a fit to other replicates, plus the known expected
+//!    value of the fit's sum (a control variate). This is unbiased, however good the fit is, and only the
+//!    residual contributes to the errors. If a fit is of no use, the sums of the metric are used alone.
+//! 3. First-order indices are the mean of two estimators, weighted by their errors: one is exact for a key
+//!    without effect, the other for a key that causes all variance.
+//! 4. All indices of a metric are moved to the nearest consistent ones, in units of their errors: see
+//!    [`consistent`]. Standard errors are those before this step.
 //!
-//! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred, and eq. 17 (M. J. W.
-//! Jansen); total index M. J. W. Jansen, Comput. Phys. Commun. 117, 35 (1999).
+//! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred, and eq.
+//! 17 (M. J. W. Jansen); total index M. J. W. Jansen, Comput. Phys. Commun. 117, 35 (1999).
 
 use serde::Serialize;
 
@@ -45,7 +45,8 @@ pub struct Samples {
     pub own: Vec<f64>,
     /// Values for the second display of each row that has one: the first rows.
     pub other: Vec<f64>,
-    /// Values for the mixed displays of the same rows, `[group][row]`: the group's keys are those of the second display.
+    /// Values for the mixed displays of the same rows, `[group][row]`: the group's keys are those of the
+    /// second display.
     pub mixed: Vec<Vec<f64>>,
 }
 
@@ -67,12 +68,12 @@ pub struct Surrogate {
     pub unexplained: f64,
 }
 
-/// Largest unexplained fraction of the variance of a fit that is used. Between and beyond the displays, a worse fit may have any
-/// value.
+/// Largest unexplained fraction of the variance of a fit that is used. Between and beyond the displays, a
+/// worse fit may have any value.
 const MOST_UNEXPLAINED: f64 = 0.1;
 
-/// Smallest standard error of an index that uses a fit. Moments of polynomials have errors of up to 1e-5, and standard errors from
-/// the displays do not include errors of the fit beyond the outermost displays.
+/// Smallest standard error of an index that uses a fit. Moments of polynomials have errors of up to 1e-5, and
+/// standard errors from the displays do not include errors of the fit beyond the outermost displays.
 const LEAST_ERROR: f64 = 1e-4;
 
 impl Sensitivities {
@@ -111,7 +112,8 @@ struct GroupFit<'a> {
 }
 
 impl GroupFit<'_> {
-    /// Mean and variance of a replicate's fit, and the variances that the group causes alone and with interactions.
+    /// Mean and variance of a replicate's fit, and the variances that the group causes alone and with
+    /// interactions.
     fn moments(&self, replicate: usize) -> [f64; 4] {
         let mean = self.basis.mean(self.fit, replicate);
         let part = |counts: &dyn Fn(&Term) -> bool| self.basis.variance(self.fit, replicate, counts);
@@ -155,11 +157,13 @@ impl FittedSamples {
     }
 }
 
-/// Number of sums over rows: the metric, its square, the terms of the estimators of the group's variance, and the count.
+/// Number of sums over rows: the metric, its square, the terms of the estimators of the group's variance, and
+/// the count.
 const TERMS: usize = 7;
 
 impl Samples {
-    /// Fits polynomials to all displays; `None` if the metric is undefined for one of them, or the fit is of no use.
+    /// Fits polynomials to all displays; `None` if the metric is undefined for one of them, or the fit is of
+    /// no use.
     fn fit(&self, basis: &Basis) -> Option<Fits> {
         let undefined = |values: &Vec<f64>| values.iter().any(|value| !value.is_finite());
         if [&self.own, &self.other].into_iter().chain(&self.mixed).any(undefined) {
@@ -173,7 +177,8 @@ impl Samples {
         basis.fit(value).filter(|fit| fit.terms() > 1 && fit.unexplained <= MOST_UNEXPLAINED)
     }
 
-    /// Values of a row for its own display, the second one, and the one with a group mixed in from the second.
+    /// Values of a row for its own display, the second one, and the one with a group mixed in from the
+    /// second.
     fn row(&self, group: usize, row: usize) -> [f64; 3] {
         [self.own[row], self.other[row], self.mixed[group][row]]
     }
@@ -225,12 +230,13 @@ struct IndexEstimates {
 }
 
 impl IndexEstimates {
-    /// Returns the better estimators for an index, and their standard error. `is_certain` is true if the rows determine the index
-    /// exactly.
+    /// Returns the better estimators for an index, and their standard error. `is_certain` is true if the rows
+    /// determine the index exactly.
     fn better(&self, of: fn(&Estimators, Option<usize>) -> f64, is_certain: bool) -> (&Estimators, f64) {
         let error = |all: &Estimators| Estimate::jackknife(|left_out| of(all, left_out)).standard_error;
         let plain = error(&self.plain).max(if is_certain { 0.0 } else { self.one_row });
-        // A fit that is of no use adds its own errors. Selecting the smaller of two uncertain errors would be biased.
+        // A fit that is of no use adds its own errors. Selecting the smaller of two uncertain errors would be
+        // biased.
         match self.controlled.as_ref().map(|all| (all, error(all))) {
             Some((all, controlled)) if plain >= 0.5 * controlled => (all, controlled.max(LEAST_ERROR)),
             _ => (&self.plain, plain),

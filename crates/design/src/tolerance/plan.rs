@@ -1,13 +1,16 @@
 //! Sampling plan of a production.
 //!
-//! Row `n` of a plan belongs to replicate `n mod 16` and is point `n / 16` of the scrambled Sobol sequence of this replicate.
-//! For sensitivities, a row also has a second, independent display and mixtures of both: a mixture takes one group of
-//! correlated keys (usually a single key) from the second display and all other keys from the first.
+//! Row `n` of a plan belongs to replicate `n mod 16` and is point `n / 16` of the scrambled Sobol sequence of
+//! this replicate. For sensitivities, a row also has a second, independent display and mixtures of both: a
+//! mixture takes one group of correlated keys (usually a single key) from the second display and all other
+//! keys from the first.
 //!
-//! Range: with up to eight keys, both displays of a row are points of one scrambled Sobol set. With more keys, a row has more
-//! than sixteen numbers; those beyond the sixteenth are independent random numbers, and errors decrease more slowly.
+//! Range: with up to eight keys, both displays of a row are points of one scrambled Sobol set. With more
+//! keys, a row has more than sixteen numbers; those beyond the sixteenth are independent random numbers, and
+//! errors decrease more slowly.
 //!
-//! Source: A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010): "radial" rows of A, B and A with a column of B.
+//! Source: A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010): "radial" rows of A, B and A with a
+//! column of B.
 
 use papilio_sampling::{Correlation, Distribution, Numbers, Sampler};
 

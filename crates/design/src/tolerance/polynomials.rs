@@ -1,12 +1,13 @@
 //! Orthonormal polynomials of a random variable, in which a smooth metric is expanded.
 //!
-//! Each key has a *coordinate*, in which metrics are smooth: its value; for a log-normal key, the logarithm of the value; for a
-//! key that is correlated with others, the independent standard normal number from which it is computed. The coordinate of a
-//! choice is its index. As many polynomials as there are choices represent any function of them.
+//! Each key has a *coordinate*, in which metrics are smooth: its value; for a log-normal key, the logarithm
+//! of the value; for a key that is correlated with others, the independent standard normal number from which
+//! it is computed. The coordinate of a choice is its index. As many polynomials as there are choices
+//! represent any function of them.
 //!
-//! Moments are those of the distribution itself, not of a sample: sums over its quantiles at 1601 numbers u by the trapezoidal
-//! rule in ln(u/(1 - u)). The rule converges exponentially for smooth distributions; for the kink of a triangular distribution
-//! its error is 1e-5.
+//! Moments are those of the distribution itself, not of a sample: sums over its quantiles at 1601 numbers u
+//! by the trapezoidal rule in ln(u/(1 - u)). The rule converges exponentially for smooth distributions; for
+//! the kink of a triangular distribution its error is 1e-5.
 //!
 //! Source: W. Gautschi, *Orthogonal Polynomials* (2004), section 2.2.3 (the discretised Stieltjes procedure).
 
@@ -164,7 +165,8 @@ mod tests {
         assert_eq!((of_choices.highest(), of_choices.is_choice), (2, true));
     }
 
-    /// Moments of a triangular distribution, whose density has a kink, match closed forms: degree 1 is (x - mean)/sigma.
+    /// Moments of a triangular distribution, whose density has a kink, match closed forms: degree 1 is (x -
+    /// mean)/sigma.
     #[test]
     fn moments_of_triangular_distribution_match_closed_form() {
         let (from, mode, to) = (-1.0, 0.5, 2.0);

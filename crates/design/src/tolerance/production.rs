@@ -10,7 +10,8 @@ use crate::{Condition, DesignError, Evaluator, Key, NamedQuantity, Study, Values
 
 /// Displays of a `[tolerance]`, by row.
 ///
-/// A row is one display. Rows for sensitivities also have a second, independent display and the mixtures of both: see [`Plan`].
+/// A row is one display. Rows for sensitivities also have a second, independent display and the mixtures of
+/// both: see [`Plan`].
 #[derive(Debug, Clone)]
 pub struct Production {
     study: Arc<Study>,
@@ -102,8 +103,8 @@ impl Production {
         Ok(numbers)
     }
 
-    /// Values of the keys of a row's own display: for each key, the value of its first path. A choice that is a table or an
-    /// array is given by its position in the list of choices, such as "#2".
+    /// Values of the keys of a row's own display: for each key, the value of its first path. A choice that is
+    /// a table or an array is given by its position in the list of choices, such as "#2".
     pub fn values(&self, row: usize) -> Vec<Value> {
         let display = self.plan.display(row as u64, Draw::Own);
         let values = self.study.variables.iter().zip(display);
@@ -114,8 +115,8 @@ impl Production {
         values.map(shown).collect()
     }
 
-    /// Checks the displays with the smallest and the largest number of each key, and all choices, before any display is
-    /// computed.
+    /// Checks the displays with the smallest and the largest number of each key, and all choices, before any
+    /// display is computed.
     ///
     /// # Errors
     /// If the scenario of one of them is invalid, with the location of its key.

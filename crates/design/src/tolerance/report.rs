@@ -38,7 +38,8 @@ pub struct MetricReport {
     pub name: String,
     /// Distribution; null if the metric is undefined everywhere.
     pub spread: Option<Spread>,
-    /// Sobol indices of each group of keys; null if the metric does not vary or no sensitivities were requested.
+    /// Sobol indices of each group of keys; null if the metric does not vary or no sensitivities were
+    /// requested.
     pub indices: Vec<Option<Indices>>,
     /// Polynomial fit that the indices are based on; null if there is none.
     pub surrogate: Option<Surrogate>,

@@ -24,8 +24,8 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Computes the distribution of a metric from its values for all displays, NaN where undefined; `None` if it is undefined
-    /// everywhere.
+    /// Computes the distribution of a metric from its values for all displays, NaN where undefined; `None` if
+    /// it is undefined everywhere.
     pub fn of(values: &[f64]) -> Option<Self> {
         let known = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan());
         let mut sorted: Vec<(f64, usize)> = known.map(|(row, value)| (value, replicate(row))).collect();
@@ -57,10 +57,10 @@ impl Spread {
 
 /// Percentiles of sorted values, each given with its replicate.
 ///
-/// Standard errors follow Woodruff (J. Am. Stat. Assoc. 47, 635 (1952)): the standard error of the fraction of displays below
-/// the percentile, from the replicates, times the slope of the metric between percentiles on both sides. These are far
-/// enough apart for enough displays to lie between them. (The jackknife does not estimate the error of a percentile, because it
-/// depends only on the few values next to it.)
+/// Standard errors follow Woodruff (J. Am. Stat. Assoc. 47, 635 (1952)): the standard error of the fraction
+/// of displays below the percentile, from the replicates, times the slope of the metric between percentiles
+/// on both sides. These are far enough apart for enough displays to lie between them. (The jackknife does not
+/// estimate the error of a percentile, because it depends only on the few values next to it.)
 fn percentiles(sorted: &[(f64, usize)]) -> [Estimate; PERCENTILES.len()] {
     let values: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
     PERCENTILES.map(|percent| {

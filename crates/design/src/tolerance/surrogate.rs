@@ -1,13 +1,15 @@
 //! Sparse polynomial chaos: a metric as a sum of products of polynomials of the keys, fitted to all displays.
 //!
-//! Every replicate has its own fit, from all *other* replicates. The value of a fit for a display is therefore independent of
-//! that display, and its residuals are those of new displays (cross-validation). They determine the number of terms: of the lists
-//! of terms (see [`Terms`]), the one with the smallest residuals is used.
+//! Every replicate has its own fit, from all *other* replicates. The value of a fit for a display is
+//! therefore independent of that display, and its residuals are those of new displays (cross-validation).
+//! They determine the number of terms: of the lists of terms (see [`Terms`]), the one with the smallest
+//! residuals is used.
 //!
-//! The variance of a fit, and the contributions of a group of keys to it, are sums of squares of its coefficients.
+//! The variance of a fit, and the contributions of a group of keys to it, are sums of squares of its
+//! coefficients.
 //!
-//! Sources: B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008), for the indices; G. Blatman and B. Sudret, J. Comput. Phys. 230, 2345
-//! (2011), for lists of terms by a hyperbolic norm.
+//! Sources: B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008), for the indices; G. Blatman and B. Sudret, J.
+//! Comput. Phys. 230, 2345 (2011), for lists of terms by a hyperbolic norm.
 
 use super::plan::{Draw, Plan, REPLICATES, replicate};
 use super::polynomials::Polynomials;
@@ -64,7 +66,8 @@ impl Terms {
         Self { terms: ordered.into_iter().map(|(_, term)| term).collect(), lists }
     }
 
-    /// Writes the first `count` terms of a display to `to`. The polynomial of a key and a degree is `values[from[key] + degree - 1]`.
+    /// Writes the first `count` terms of a display to `to`. The polynomial of a key and a degree is
+    /// `values[from[key] + degree - 1]`.
     fn at(&self, count: usize, values: &[f64], from: &[usize], to: &mut Vec<f64>) {
         to.clear();
         let product = |term: &Vec<(usize, usize)>| {
@@ -126,8 +129,8 @@ pub(super) struct Basis {
     fitted: Vec<(usize, Draw)>,
     /// Terms of these displays, display by display.
     design: Vec<f64>,
-    /// For each replicate: the lower triangle of the sums of products of terms over its displays, and the Cholesky factor of the
-    /// sums over all other replicates, as far as it is well-conditioned.
+    /// For each replicate: the lower triangle of the sums of products of terms over its displays, and the
+    /// Cholesky factor of the sums over all other replicates, as far as it is well-conditioned.
     products: Vec<Vec<f64>>,
     factors: Vec<Factor>,
 }
@@ -200,7 +203,8 @@ impl Basis {
         self.axes.iter().zip(at).for_each(|(axis, x)| axis.values(x, values));
     }
 
-    /// Fits a metric, whose values are given by `value`. `None` if it is undefined for a display or does not vary.
+    /// Fits a metric, whose values are given by `value`. `None` if it is undefined for a display or does not
+    /// vary.
     pub(super) fn fit(&self, value: impl Fn(usize, Draw) -> f64) -> Option<Fits> {
         let values: Vec<f64> = self.fitted.iter().map(|(row, draw)| value(*row, *draw)).collect();
         let count = values.len() as f64;

@@ -60,8 +60,8 @@ impl Limit {
 impl Verdict {
     /// Computes the yield of displays from their metrics, `columns[metric][row]`.
     ///
-    /// Also returns the displays that miss a limit most, at most `worst` of them, the worst first. `deviations` are the standard
-    /// deviations of the metrics.
+    /// Also returns the displays that miss a limit most, at most `worst` of them, the worst first.
+    /// `deviations` are the standard deviations of the metrics.
     pub fn of(columns: &[Vec<f64>], limits: &[Limit], deviations: &[f64], worst: usize) -> (Self, Vec<Miss>) {
         let rows = columns.first().map_or(0, Vec::len);
         let missed = |row: usize| -> Vec<f64> {
@@ -119,11 +119,12 @@ mod tests {
         b[1] = f64::NAN;
         let limits = [at_least(0, 1.0), Limit { column: 1, at_least: Some(1.0), at_most: Some(2.0) }];
         let (verdict, found) = Verdict::of(&[a, b], &limits, &[1.0, 2.0], 2);
-        let share = |count: f64| count / f64::from(rows);
-        // Of four displays, the first fails both limits and the last fails only the second; one more is undefined.
-        assert_eq!(verdict.yield_share.value, share(79.0));
-        assert_eq!(verdict.failing[0].share.value, share(40.0));
-        assert_eq!((verdict.failing[0].alone.value, verdict.failing[1].alone.value), (0.0, share(41.0)));
+        let fraction = |count: f64| count / f64::from(rows);
+        // Of four displays, the first fails both limits and the last fails only the second; one more is
+        // undefined.
+        assert_eq!(verdict.yield_share.value, fraction(79.0));
+        assert_eq!(verdict.failing[0].share.value, fraction(40.0));
+        assert_eq!((verdict.failing[0].alone.value, verdict.failing[1].alone.value), (0.0, fraction(41.0)));
         let worst = [Miss { row: 1, limit: 1, by: f64::INFINITY }, Miss { row: 0, limit: 0, by: 1.0 }];
         assert_eq!(found, worst);
     }

@@ -107,10 +107,11 @@ fn run(
         Ok::<(), DesignError>(())
     };
     schedule.run(evaluator, threads, &mut on_record).unwrap();
-    (schedule.found(), records)
+    (schedule.results(), records)
 }
 
-/// Thicknesses, gaps, fill factor: the reused kernels match a full run of the scenario within 0.2 %, the difference of two levels.
+/// Thicknesses, gaps, fill factor: the reused kernels match a full run of the scenario within 0.2 %, the
+/// difference of two levels.
 #[test]
 fn film_fast_path_matches_full_run() {
     let keys = [
@@ -132,7 +133,8 @@ fn film_fast_path_matches_full_run() {
     }
 }
 
-/// A parameter of the film is evaluated by the fast method, any other key by full runs. Both have derivatives.
+/// A parameter of the film is evaluated by the fast method, any other key by full runs. Both have
+/// derivatives.
 #[test]
 fn derivatives_match_finite_differences() {
     let metrics = ["white.Y", "contrast_ratio"];
@@ -182,8 +184,8 @@ fn search_result_depends_on_seed_alone() {
     }
 }
 
-/// Work items and results are transmitted as text, in any order, repeatedly, and some items are lost and computed again.
-/// Generations are divided into several items.
+/// Work items and results are transmitted as text, in any order, repeatedly, and some items are lost and
+/// computed again. Generations are divided into several items.
 #[test]
 fn search_result_does_not_depend_on_transport_of_work_items() {
     let both = SEARCH.replace("[optimize]", "[optimize]\nmethod = \"both\"");
@@ -208,7 +210,7 @@ fn search_result_does_not_depend_on_transport_of_work_items() {
             }
             received.extend(schedule.take_records());
         }
-        assert_eq!(found, schedule.found());
+        assert_eq!(found, schedule.results());
         let lines = |records: &[Record]| {
             let mut lines: Vec<_> =
                 records.iter().map(|record| serde_json::to_string(record).unwrap()).collect();
@@ -228,15 +230,15 @@ fn joined_shards_equal_a_single_search() {
     for k in 1..=3 {
         let mut shard = SearchSchedule::shard(Arc::clone(&search), SearchRecords::default(), 1, (k, 3));
         shard.run(&evaluator, 1, &mut on_record).unwrap();
-        let numbers: Vec<usize> = shard.found().iter().map(|one| one.task).collect();
+        let numbers: Vec<usize> = shard.results().iter().map(|one| one.task).collect();
         assert_eq!(numbers, [vec![0, 3], vec![1], vec![2]][k - 1]);
         let mut own = SearchRecords::default();
-        shard.found().into_iter().for_each(|one| own.add(Record::Task(one)));
+        shard.results().into_iter().for_each(|one| own.add(Record::Task(one)));
         joined.join(own);
     }
     let mut whole = SearchSchedule::new(Arc::clone(&search), joined, 1);
     assert!(whole.is_finished() && whole.take_records().is_empty());
-    assert_eq!(whole.found(), run(&search, &evaluator, 1, &SearchRecords::default()).0);
+    assert_eq!(whole.results(), run(&search, &evaluator, 1, &SearchRecords::default()).0);
 }
 
 /// The best design is better than the scenario's own, satisfies the constraints, and is within its bounds.

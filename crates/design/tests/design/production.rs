@@ -37,8 +37,8 @@ fn indices_of(plan: &Plan, rows: u64, f: impl Fn(&[f64]) -> f64 + Copy) -> Vec<I
     found.indices.into_iter().map(Option::unwrap).collect()
 }
 
-/// Cumulative distribution function of the standard normal distribution, by its series (Abramowitz and Stegun 26.2.11):
-/// independent of the method that samples the displays.
+/// Cumulative distribution function of the standard normal distribution, by its series (Abramowitz and Stegun
+/// 26.2.11): independent of the method that samples the displays.
 fn normal_cdf(z: f64) -> f64 {
     let (mut term, mut sum) = (z, z);
     for k in 1..200 {
@@ -59,8 +59,9 @@ const NORMAL: [f64; 7] = [
     2.326_347_874_040_841,
 ];
 
-/// A sum of correlated normal variables is normal: yield, percentiles and standard deviation have closed forms. Over seeds,
-/// deviations agree with the standard errors, which are far smaller than those of random sampling.
+/// A sum of correlated normal variables is normal: yield, percentiles and standard deviation have closed
+/// forms. Over seeds, deviations agree with the standard errors, which are far smaller than those of random
+/// sampling.
 #[test]
 fn linear_metric_has_the_yield_and_percentiles_of_its_closed_form() {
     let (a, b, c, r) = (2.0, -1.0, 0.5, 0.6);
@@ -96,15 +97,15 @@ fn linear_metric_has_the_yield_and_percentiles_of_its_closed_form() {
     for (name, of) in scores {
         let squares = of.iter().map(|t| t * t).sum::<f64>() / of.len() as f64;
         println!("{name}: mean square {squares:.2}");
-        // Squares of Student's t with 15 degrees of freedom: mean 15/13, relative variance 1.96. Over 40 seeds, the mean lies
-        // outside with a probability of 1/2000.
+        // Squares of Student's t with 15 degrees of freedom: mean 15/13, relative variance 1.96. Over 40
+        // seeds, the mean lies outside with a probability of 1/2000.
         assert!((0.45..2.5).contains(&squares), "{name}: mean square {squares}");
         assert!(of.iter().all(|t| t.abs() < 6.0), "{name}: {of:?}");
     }
 }
 
-/// For a skewed distribution, and one with several modes and almost no probability between them, the deviations of percentiles
-/// over seeds agree with their standard errors, in the tails as in the middle.
+/// For a skewed distribution, and one with several modes and almost no probability between them, the
+/// deviations of percentiles over seeds agree with their standard errors, in the tails as in the middle.
 #[test]
 fn percentile_deviations_agree_with_standard_errors() {
     const SEEDS: u64 = 48;
@@ -127,7 +128,8 @@ fn percentile_deviations_agree_with_standard_errors() {
     }
 }
 
-/// Ishigami and Homma 1990: sin x + 7 sin^2 y + 0.1 z^4 sin x over [-pi, pi], whose indices have closed forms.
+/// Ishigami and Homma 1990: sin x + 7 sin^2 y + 0.1 z^4 sin x over [-pi, pi], whose indices have closed
+/// forms.
 #[test]
 fn indices_of_ishigami_function_are_within_one_percent() {
     let (a, b) = (7.0, 0.1);
@@ -161,8 +163,8 @@ fn correlated_keys_have_indices_of_their_group() {
     let found = indices_of(&plan, 4096, |x| x[0] + x[1] + x[2]);
     let (pair, alone) = (2.0 + 2.0 * r, 4.0);
     for (found, part) in found.iter().zip([pair, alone]) {
-        let share = part / (pair + alone);
-        assert!((found.first.value - share).abs() < 0.005 && (found.total.value - share).abs() < 0.005);
+        let fraction = part / (pair + alone);
+        assert!((found.first.value - fraction).abs() < 0.005 && (found.total.value - fraction).abs() < 0.005);
     }
 }
 
@@ -186,9 +188,10 @@ fn partly_undefined_metric_has_no_surrogate() {
     assert!(found[0].surrogate.is_none() && found[1].surrogate.is_some_and(|fit| fit.unexplained < 1e-9));
     let error = |of: &Sensitivities| of.indices[1].unwrap().total.standard_error;
     assert!(error(&found[0]) > 10.0 * error(&found[1]), "{found:?}");
-    // The first key causes less than half of the remaining variance: a normal variable truncated at 2 has a variance of 0.886.
-    let share = found[0].indices[1].unwrap().total;
-    assert!((share.value - 1.0 / 1.886).abs() < 4.0 * share.standard_error, "{share:?}");
+    // The first key causes less than half of the remaining variance: a normal variable truncated at 2 has a
+    // variance of 0.886.
+    let fraction = found[0].indices[1].unwrap().total;
+    assert!((fraction.value - 1.0 / 1.886).abs() < 4.0 * fraction.standard_error, "{fraction:?}");
 }
 
 /// A longer plan begins with the same displays.
@@ -210,7 +213,8 @@ struct Known {
     total: Vec<f64>,
 }
 
-/// Indices of a product of independent factors from the mean and the variance of each: V = prod(v + m^2) - prod m^2.
+/// Indices of a product of independent factors from the mean and the variance of each: V = prod(v + m^2) -
+/// prod m^2.
 fn indices_of_product(factors: &[(f64, f64)]) -> [Vec<f64>; 2] {
     let squares: Vec<f64> = factors.iter().map(|(mean, _)| mean * mean).collect();
     let product = |of: &dyn Fn(usize) -> f64| (0..factors.len()).map(of).product::<f64>();
@@ -225,14 +229,16 @@ fn indices_of_product(factors: &[(f64, f64)]) -> [Vec<f64>; 2] {
 fn known() -> Vec<Known> {
     let log = (0.045_f64.exp(), 0.09_f64.exp() * (0.09_f64.exp() - 1.0));
     let product = indices_of_product(&[(2.0, 0.25), (1.0, 1.0 / 12.0), log]);
-    // Sobol's g function with a = 0, 1, 9: factors (|4x - 2| + a)/(1 + a) of mean 1 and variance 1/3/(1 + a)^2.
+    // Sobol's g function with a = 0, 1, 9: factors (|4x - 2| + a)/(1 + a) of mean 1 and variance 1/3/(1 +
+    // a)^2.
     let kinks = indices_of_product(&[(1.0, 1.0 / 3.0), (1.0, 1.0 / 12.0), (1.0, 1.0 / 300.0)]);
-    // Three of four bins with weights 1, 2, 1 have values 3, -1, 0, times 1 + x; plus a step function of a third key.
+    // Three of four bins with weights 1, 2, 1 have values 3, -1, 0, times 1 + x; plus a step function of a
+    // third key.
     let (mean, squares) = (0.25 * 3.0 - 0.5, 0.25 * 9.0 + 0.5);
     let bins = indices_of_product(&[(mean, squares - mean * mean), (1.5, 1.0 / 12.0)]);
     let of_bins = (squares * (2.25 + 1.0 / 12.0) - mean * mean * 2.25, 4.0 * 0.3 * 0.7);
     let with_step = |all: &[f64], step| {
-        let own = all.iter().map(|share| share * of_bins.0).chain([step * of_bins.1]);
+        let own = all.iter().map(|fraction| fraction * of_bins.0).chain([step * of_bins.1]);
         own.map(|part| part / (of_bins.0 + of_bins.1)).collect::<Vec<f64>>()
     };
     let [bins_first, bins_total] = [with_step(&bins[0], 1.0), with_step(&bins[1], 1.0)];
@@ -294,8 +300,8 @@ fn known() -> Vec<Known> {
     ]
 }
 
-/// Over seeds, deviations of indices from closed forms agree with their standard errors, for smooth functions, kinks, choices and
-/// corners. No first-order index exceeds its total index.
+/// Over seeds, deviations of indices from closed forms agree with their standard errors, for smooth
+/// functions, kinks, choices and corners. No first-order index exceeds its total index.
 #[test]
 fn index_deviations_agree_with_standard_errors() {
     let seeds: u64 = std::env::var("PAPILIO_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(12);
@@ -313,7 +319,8 @@ fn index_deviations_agree_with_standard_errors() {
                 for (found, wanted) in [(found.first, one.first[k]), (found.total, one.total[k])] {
                     let score = (found.value - wanted) / found.standard_error;
                     all.push(score);
-                    // Indices near their bounds are moved there, and are more accurate than their standard errors.
+                    // Indices near their bounds are moved there, and are more accurate than their standard
+                    // errors.
                     if one.total[k] - one.first[k] > 3.0 * found.standard_error
                         && wanted > 3.0 * found.standard_error
                     {
@@ -327,8 +334,9 @@ fn index_deviations_agree_with_standard_errors() {
         println!("{}: mean square {found:.2?}", one.name);
         let wild = all.iter().filter(|score| score.abs() > 6.0).count();
         assert!(wild as f64 <= 0.002 * all.len() as f64, "{}: {wild} of {}", one.name, all.len());
-        // 12 seeds with 6 numbers each, which are not independent. Student's t with 15 degrees of freedom has a mean square of 1.15.
-        // For smooth functions, the standard errors are the smallest that are reported, and far larger than the deviations.
+        // 12 seeds with 6 numbers each, which are not independent. Student's t with 15 degrees of freedom has
+        // a mean square of 1.15. For smooth functions, the standard errors are the smallest that are
+        // reported, and far larger than the deviations.
         assert!(found.iter().all(|square| *square < 2.2), "{}: {found:?}", one.name);
         assert!(one.is_smooth || found.iter().all(|square| *square > 0.4), "{}: {found:?}", one.name);
     }

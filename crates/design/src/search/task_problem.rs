@@ -10,8 +10,8 @@ use crate::{DesignError, Evaluator, Slopes};
 /// Cost that exceeds the merit of every feasible design.
 const WORST: f64 = 1e12;
 
-/// Problem of a task: the designs of points of the unit cube, their merits and violations.
-pub(super) struct Problem<'a> {
+/// TaskProblem of a task: the designs of points of the unit cube, their merits and violations.
+pub(super) struct TaskProblem<'a> {
     pub(super) search: &'a Search,
     pub(super) task: &'a Task,
     /// Variables that the optimiser changes.
@@ -22,15 +22,15 @@ pub(super) struct Problem<'a> {
 
 /// Best design of a task so far.
 #[derive(Debug)]
-pub(super) struct Best {
-    pub(super) found: SearchResult,
+pub(super) struct BestDesign {
+    pub(super) result: SearchResult,
     /// Largest violation, and merit.
     rank: (f64, f64),
 }
 
 /// A running descent.
-pub(super) struct Scalar<'a, 'stop> {
-    pub(super) problem: Problem<'a>,
+pub(super) struct DescentTask<'a, 'stop> {
+    pub(super) problem: TaskProblem<'a>,
     work: RefCell<Work<'a, 'stop>>,
 }
 
@@ -38,15 +38,15 @@ pub(super) struct Scalar<'a, 'stop> {
 struct Work<'a, 'stop> {
     evaluator: &'a mut Evaluator<'stop>,
     last: Option<(Vec<f64>, Slopes, bool)>,
-    best: Best,
+    best: BestDesign,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> TaskProblem<'a> {
     pub(super) fn new(search: &'a Search, task: &'a Task) -> Self {
         let choices_too = task.method == TaskMethod::Population;
         let is_free = |one: &SearchVariable| choices_too || matches!(one.range, SearchRange::Bounds(..));
         let variables = search.spec.variables.iter().enumerate();
-        let free = variables.filter(|(_, one)| is_free(one)).map(|(at, _)| at).collect();
+        let free = variables.filter(|(_, one)| is_free(one)).map(|(variable, _)| variable).collect();
         Self { search, task, free, fixed: search.fixed(task) }
     }
 
@@ -57,8 +57,8 @@ impl<'a> Problem<'a> {
     /// Design of a point of the unit cube.
     pub(super) fn design(&self, point: &[f64]) -> Vec<f64> {
         let mut design = self.fixed.clone();
-        for (&at, u) in self.free.iter().zip(point) {
-            design[at] = match &self.search.spec.variables[at].range {
+        for (&variable, u) in self.free.iter().zip(point) {
+            design[variable] = match &self.search.spec.variables[variable].range {
                 SearchRange::Bounds(from, to) => (from + u * (to - from)).clamp(*from, *to),
                 SearchRange::Choices(choices) => {
                     (u * choices.len() as f64).floor().min(choices.len() as f64 - 1.0).max(0.0)
@@ -70,9 +70,9 @@ impl<'a> Problem<'a> {
 
     /// Point of a design; choices are at the centres of their intervals.
     pub(super) fn point(&self, design: &[f64]) -> Vec<f64> {
-        let coordinate = |at: &usize| match &self.search.spec.variables[*at].range {
-            SearchRange::Bounds(from, to) => (design[*at] - from) / (to - from),
-            SearchRange::Choices(choices) => (design[*at] + 0.5) / choices.len() as f64,
+        let coordinate = |variable: &usize| match &self.search.spec.variables[*variable].range {
+            SearchRange::Bounds(from, to) => (design[*variable] - from) / (to - from),
+            SearchRange::Choices(choices) => (design[*variable] + 0.5) / choices.len() as f64,
         };
         self.free.iter().map(coordinate).collect()
     }
@@ -105,7 +105,9 @@ impl<'a> Problem<'a> {
         let mut violations = aims.violation_slopes(slopes, all);
         limited
             .for_each(|(objective, _)| violations.extend(aims.merit_slopes(objective, values, slopes, all)));
-        let free = |row: &[f64]| self.free.iter().map(|&at| row[at] * self.width(at)).collect::<Vec<f64>>();
+        let free = |row: &[f64]| {
+            self.free.iter().map(|&variable| row[variable] * self.width(variable)).collect::<Vec<f64>>()
+        };
         (free(&merit), violations.chunks(all).flat_map(free).collect())
     }
 
@@ -123,15 +125,15 @@ impl<'a> Problem<'a> {
     }
 }
 
-impl Best {
+impl BestDesign {
     pub(super) fn none(task: &Task) -> Self {
-        Self { found: SearchResult::none(task), rank: (f64::INFINITY, f64::INFINITY) }
+        Self { result: SearchResult::none(task), rank: (f64::INFINITY, f64::INFINITY) }
     }
 
-    /// Counts a design and stores it if it is the best so far: the one with the smallest violation, or of equal ones that with
-    /// the best merit.
-    pub(super) fn update(&mut self, problem: &Problem<'_>, design: Vec<f64>, values: &[Option<f64>]) {
-        self.found.evaluations += 1;
+    /// Counts a design and stores it if it is the best so far: the one with the smallest violation, or of
+    /// equal ones that with the best merit.
+    pub(super) fn update(&mut self, problem: &TaskProblem<'_>, design: Vec<f64>, values: &[Option<f64>]) {
+        self.result.evaluations += 1;
         let (merit, violations) = problem.merit_and_violations(values);
         let missed = violations.into_iter().fold(0.0, f64::max);
         let missed = if missed <= FEASIBLE { 0.0 } else { missed };
@@ -139,30 +141,30 @@ impl Best {
             return;
         }
         self.rank = (missed, merit);
-        let found = &mut self.found;
-        found.design = design;
-        found.values = values.to_vec();
+        let result = &mut self.result;
+        result.design = design;
+        result.values = values.to_vec();
         if missed == 0.0 && merit.is_finite() {
-            found.trace_at.push(found.evaluations);
-            found.trace.push(problem.aims().value(problem.task.objective, values).unwrap_or(merit));
+            result.trace_at.push(result.evaluations);
+            result.trace.push(problem.aims().value(problem.task.objective, values).unwrap_or(merit));
         }
     }
 }
 
-impl<'a, 'stop> Scalar<'a, 'stop> {
+impl<'a, 'stop> DescentTask<'a, 'stop> {
     pub(super) fn new(search: &'a Search, task: &'a Task, evaluator: &'a mut Evaluator<'stop>) -> Self {
-        let work = Work { evaluator, last: None, best: Best::none(task) };
-        Self { problem: Problem::new(search, task), work: RefCell::new(work) }
+        let work = Work { evaluator, last: None, best: BestDesign::none(task) };
+        Self { problem: TaskProblem::new(search, task), work: RefCell::new(work) }
     }
 
     /// Result of the task.
-    pub(super) fn found(self) -> SearchResult {
-        self.work.into_inner().best.found
+    pub(super) fn result(self) -> SearchResult {
+        self.work.into_inner().best.result
     }
 
     /// Number of designs evaluated so far.
     pub(super) fn evaluations(&self) -> usize {
-        self.work.borrow().best.found.evaluations
+        self.work.borrow().best.result.evaluations
     }
 
     /// Evaluates a point, with derivatives if requested. The last point is stored.
