@@ -120,12 +120,12 @@ impl<'a> Layered<'a> {
         if self.events.is_empty() {
             return 1.0;
         }
-        // Light that a thin layer traps by total internal reflection leaves after a second scattering event, so after two
-        // improbable decisions.
+        // Light that a thin layer traps by total internal reflection is scattered again with a low probability, and mostly
+        // into other trapped directions: it leaves after three improbable decisions.
         let is_thin = |medium: &Medium| {
             medium.scattering().is_some_and(|scattering| scattering.optical_thickness < bulk::THIN)
         };
-        let decisions = if self.stack.layers.iter().any(|layer| is_thin(&layer.medium)) { 2 } else { 1 };
+        let decisions = if self.stack.layers.iter().any(|layer| is_thin(&layer.medium)) { 3 } else { 1 };
         (WITHOUT_REGARD / self.events.len() as f64).min(LEAST_SURVIVAL.powi(decisions))
     }
 
