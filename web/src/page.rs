@@ -19,7 +19,8 @@ const MISSING: &str = include_str!("missing.html");
 /// Serves a path outside the API.
 pub(crate) async fn file(request: Request) -> Response {
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
-        return Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this path accepts only GET and HEAD", "").into_response();
+        return Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this path accepts only GET and HEAD", "")
+            .into_response();
     }
     let path = match request.uri().path().trim_start_matches('/') {
         "" => "index.html",

@@ -146,7 +146,9 @@ pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
     let seconds = adding_seconds(scene).map_err(|error| Fault::of(resolved, error))?;
     if seconds > MOST_SECONDS {
         return Err(Fault::too_much(
-            format!("adding would take about {seconds:.0} s to prepare these layers; the page allows {MOST_SECONDS:.0} s"),
+            format!(
+                "adding would take about {seconds:.0} s to prepare these layers; the page allows {MOST_SECONDS:.0} s"
+            ),
             "choose a wider diffuser, fewer wavelengths or constant refractive indices, or use `papilio run`, which \
              has no such limit",
         ));

@@ -98,7 +98,11 @@ pub(super) async fn cone(site: Site, request: ConeOf) -> Result<ConeSeen, Fault>
 }
 
 /// Computes the metrics over all viewing directions, at inclinations with the given step.
-pub(super) fn compute_cone(resolved: &Resolved, step_deg: f64, stop: &AtomicBool) -> Result<ConeResult, Fault> {
+pub(super) fn compute_cone(
+    resolved: &Resolved,
+    step_deg: f64,
+    stop: &AtomicBool,
+) -> Result<ConeResult, Fault> {
     let scene = &resolved.scene;
     let mut grid = ConeGrid::within(scene)?;
     if step_deg > 1.0 {

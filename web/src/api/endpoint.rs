@@ -195,8 +195,7 @@ impl Endpoints {
     pub(super) fn router(self) -> Router<Site> {
         let router = self.router.clone();
         let description = self.description();
-        let unknown =
-            || async { Fault::new(StatusCode::NOT_FOUND, "unknown endpoint", "").into_response() };
+        let unknown = || async { Fault::new(StatusCode::NOT_FOUND, "unknown endpoint", "").into_response() };
         router
             .route(&format!("{ROOT}/openapi.json"), get(move || async move { respond(Ok(description)) }))
             .route("/api/{*rest}", axum::routing::any(unknown))

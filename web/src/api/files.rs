@@ -205,7 +205,10 @@ fn pixel(file: &DataFile) -> Result<Contents, Fault> {
     let figures = vec![Figure { name: "pixel".to_owned(), svg: pixel_scan(&scan, "") }];
     let pixel = |angles: &str| {
         let pixel = json!({ "model": "table", "file": file.name, "angles": angles });
-        offer(&format!("Use as the pixel; the angles of the table are in {angles}"), [set("display.pixel", pixel)])
+        offer(
+            &format!("Use as the pixel; the angles of the table are in {angles}"),
+            [set("display.pixel", pixel)],
+        )
     };
     Ok(Contents { kind: FileKind::Pixel, words, figures, edits: vec![pixel("glass"), pixel("air")] })
 }
@@ -231,7 +234,10 @@ fn spectrum(file: &DataFile, nm: &[f64], values: &[f64]) -> Contents {
     let mut edits = vec![offer("Use as the light's spectrum", [set("lighting.spectrum", json!(file.name))])];
     if smallest >= 0.0 && largest <= 1.0 {
         let path = "display.diffuser.transmission";
-        edits.push(offer("Use as the transmission spectrum of a measured diffuser", [set(path, json!(file.name))]));
+        edits.push(offer(
+            "Use as the transmission spectrum of a measured diffuser",
+            [set(path, json!(file.name))],
+        ));
     } else if smallest >= 1.0 && largest < 10.0 {
         let glass = [set("display.glass.index", json!(file.name))];
         edits.insert(0, offer("Use as the refractive index of the glass", glass));

@@ -30,14 +30,26 @@ fn endpoints() -> Endpoints {
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
         .get("/examples", "The example scenarios", text::examples)
         .get_named("/examples/{name}", "An example scenario", text::example)
-        .post("/edit", "Applies edits to the text of a scenario; comments and order are preserved", text::edit)
+        .post(
+            "/edit",
+            "Applies edits to the text of a scenario; comments and order are preserved",
+            text::edit,
+        )
         .post("/live", "The result of a scenario, computed by adding", live::live)
         .post("/angles", "Metrics against the viewing angle", drawn::angles)
         .post("/cone", "Metrics over all viewing directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
-        .export("/export", "A result as a file: result.json, tables, figures, or a report on one page", export::export)
+        .export(
+            "/export",
+            "A result as a file: result.json, tables, figures, or a report on one page",
+            export::export,
+        )
         .upload("/files", "Stores a file, whose bytes are the body, and describes its contents", files::file)
-        .events::<_, walk::WalkEvent, _>("/walk", "A run of the Monte Carlo solver, with its progress", walk::walk)
+        .events::<_, walk::WalkEvent, _>(
+            "/walk",
+            "A run of the Monte Carlo solver, with its progress",
+            walk::walk,
+        )
         .events::<_, sweep::SweepEvent, _>(
             "/sweep",
             "The points of [sweep], as they are computed",

@@ -22,7 +22,9 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
         let direction = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
         numbers = numbers.say(direction.clone()).table(colours(view)).table(metrics(view));
         ledger = ledger
-            .say(format!("{direction} Fractions of a beam that enters from this direction, weighted by luminance."))
+            .say(format!(
+                "{direction} Fractions of a beam that enters from this direction, weighted by luminance."
+            ))
             .table(energy_balance(view));
     }
     sections.extend([numbers, ledger]);
@@ -30,7 +32,8 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
         sections.push(Section::new("directions", "From all directions").figure(svg, ""));
     }
     let remarks = result.warnings.iter().chain(&answer.resolved.notes);
-    let remarks = remarks.fold(Section::new("remarks", "Warnings and notes"), |section, text| section.say(text.clone()));
+    let remarks = remarks
+        .fold(Section::new("remarks", "Warnings and notes"), |section, text| section.say(text.clone()));
     sections.extend((!remarks.parts.is_empty()).then_some(remarks));
     sections.push(Section::new("scenario", "The scenario").code(scenario));
     let about = format!(

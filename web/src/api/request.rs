@@ -47,8 +47,8 @@ pub(super) async fn read_file(request: Request) -> Result<(String, Vec<u8>), Fau
     let name =
         request.uri().query().and_then(|query| query.split('&').find_map(|pair| pair.strip_prefix("name=")));
     let name = name.and_then(decoded).filter(|name| is_file_name(name));
-    let name =
-        name.ok_or_else(|| Fault::malformed("a file must have a name of 1 to 200 characters without folders"))?;
+    let name = name
+        .ok_or_else(|| Fault::malformed("a file must have a name of 1 to 200 characters without folders"))?;
     let bytes = body(request.into_body(), LARGEST_FILE as usize, FILE_TIME).await?;
     Ok((name, bytes))
 }

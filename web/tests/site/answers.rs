@@ -171,12 +171,9 @@ fn report_is_self_contained() {
     let server = Server::start();
     let report = server.post("/export", &json!({ "scenario": indoor(&server), "what": "report.html" }));
     let html = String::from_utf8(report.body).unwrap();
-    for part in [
-        "<h1>Indoor reading</h1>",
-        "Energy balance",
-        "From all directions",
-        "total_transmittance = 0.90",
-    ] {
+    for part in
+        ["<h1>Indoor reading</h1>", "Energy balance", "From all directions", "total_transmittance = 0.90"]
+    {
         assert!(html.contains(part), "{part}");
     }
     for address in html.split("src=\"").skip(1).chain(html.split("href=\"").skip(1)) {
