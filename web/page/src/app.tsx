@@ -26,7 +26,7 @@ import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
 import { answer, busy, draft, problems, startProblems, text } from "./state/design.ts";
-import { putBack } from "./state/live.ts";
+import { discard } from "./state/live.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
@@ -93,7 +93,7 @@ function Broken() {
       <h2>This scenario cannot be computed</h2>
       <Source />
       {text.value !== "" && draft.value !== null && (
-        <button type="button" onClick={putBack}>
+        <button type="button" onClick={discard}>
           Back to the previous design
         </button>
       )}

@@ -36,7 +36,10 @@ function under(event: PointerEvent): Direction {
   const svg = (event.currentTarget as SVGElement).ownerSVGElement!;
   const to = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM()!.inverse());
   const [dx, dy] = [to.x - MIDDLE.x, MIDDLE.y - to.y];
-  return normalised(Math.round((180 * Math.hypot(dx, dy)) / RADIUS) / 2, Math.round((Math.atan2(dy, dx) * 180) / Math.PI));
+  return normalised(
+    Math.round((180 * Math.hypot(dx, dy)) / RADIUS) / 2,
+    Math.round((Math.atan2(dy, dx) * 180) / Math.PI),
+  );
 }
 
 /** A handle that is dragged over the hemisphere; `path` is its table. */

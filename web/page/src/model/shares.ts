@@ -1,4 +1,4 @@
-// Fractions (keys `share`) whose sum is 1: if one of them changes, the others are scaled in proportion.
+// Fractions (keys `share`, `area`) whose sum is 1: if one of them changes, the others are scaled in proportion.
 
 import type { Edit } from "../api/types.ts";
 import { isTable, join, listAt, numberAt, tableAt, type Json } from "./json.ts";

@@ -66,7 +66,13 @@ export function layers(fields: Json): Layer[] {
         note(diffuser),
         true,
       )
-    : own("display.glass.surface", "face", glass["surface"] === "fresnel" ? "Bare interface" : "Ideal antireflection", "", false);
+    : own(
+        "display.glass.surface",
+        "face",
+        glass["surface"] === "fresnel" ? "Bare interface" : "Ideal antireflection",
+        "",
+        false,
+      );
   return [...fronts, ...guides, top, own("display.glass", "medium", "Glass", note(glass), false)];
 }
 

@@ -17,8 +17,7 @@ const shown = (value: Json | undefined): string =>
 
 function Keys() {
   const changed = differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json);
-  if (changed.length === 0)
-    return <p class="remark">No key differs. Change the design to see the differences here.</p>;
+  if (changed.length === 0) return <p class="remark">No key differs. Change the design to see the differences here.</p>;
   return (
     <table class="numbers">
       <thead>

@@ -5,7 +5,7 @@ import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { KINDS } from "../model/kinds.ts";
 import { films, layers } from "../model/stack.ts";
 import { draft, draftName, fields, pending, problems, selected, text } from "../state/design.ts";
-import { edit, putBack } from "../state/live.ts";
+import { discard, edit } from "../state/live.ts";
 import { at, listAt, textAt } from "../model/json.ts";
 import { Menu } from "./menu.tsx";
 import { StatesEditor } from "./states.tsx";
@@ -148,7 +148,7 @@ function Refusal() {
       </p>
       <Elsewhere />
       {waiting > 0 && (
-        <button type="button" onClick={putBack}>
+        <button type="button" onClick={discard}>
           Discard
         </button>
       )}

@@ -104,12 +104,7 @@ const FIRST = "Overview";
 function byLight(state: StateResult | undefined): Column[] {
   const named = (name: string, i: number, count: number) => (count > 1 ? `${name} ${i + 1}` : name);
   const dir = (state?.R_dir ?? []).map((_, i, all) =>
-    column(
-      named("R dir", i, all.length),
-      4,
-      "Luminance factor in this directed source only",
-      (v) => v.R_dir[i],
-    ),
+    column(named("R dir", i, all.length), 4, "Luminance factor in this directed source only", (v) => v.R_dir[i]),
   );
   const around = (state?.R_environment ?? []).map((_, i, all) =>
     column(named("R env", i, all.length), 4, "Luminance factor in this environment only", (v) => v.R_environment[i]),

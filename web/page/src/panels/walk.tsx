@@ -127,7 +127,11 @@ export function WalkPanel() {
         </span>
       </div>
       <Problems of={walk.problems.value} />
-      {stale.value && <p class="remark warning">The design has changed since this run. The results are those of the earlier design.</p>}
+      {stale.value && (
+        <p class="remark warning">
+          The design has changed since this run. The results are those of the earlier design.
+        </p>
+      )}
       {states.length > 0 && (
         <div
           class={stale.value ? "scroll stale" : "scroll"}
@@ -158,8 +162,8 @@ export function WalkPanel() {
         />
       )}
       <p class="remark">
-        Monte Carlo traces random paths and has no integration in common with adding, which computes the live result. Its
-        standard errors (one standard deviation) are computed from independent replicates; z is the difference in
+        Monte Carlo traces random paths and has no integration in common with adding, which computes the live result.
+        Its standard errors (one standard deviation) are computed from independent replicates; z is the difference in
         standard errors.
       </p>
     </>

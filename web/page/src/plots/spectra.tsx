@@ -69,7 +69,11 @@ export function Spectra() {
     <figure class="spectra">
       <figcaption>
         Spectra{" "}
-        <small>{nm === null || nm === undefined ? "move the pointer over the curves to read values" : `at ${fixed(nm, 0)} nm`}</small>
+        <small>
+          {nm === null || nm === undefined
+            ? "move the pointer over the curves to read values"
+            : `at ${fixed(nm, 0)} nm`}
+        </small>
       </figcaption>
       <div class="with-key">
         <Curves
