@@ -59,7 +59,8 @@ impl Fault {
         Self::new(StatusCode::BAD_REQUEST, message, "")
     }
 
-    /// Creates the response to a valid request that cannot be processed: too large, too slow, or refused by a reader.
+    /// Creates the response to a valid request that cannot be processed: too large, too slow, or refused by a
+    /// reader.
     pub(crate) fn too_much(message: impl Into<String>, hint: &str) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, message, hint)
     }

@@ -1,11 +1,12 @@
 //! Access control: requests must come from this page on this machine, or contain the token.
 //!
-//! - **Host** must name this machine or be an address, with the server's port. A foreign name that was made to resolve
-//!   to this machine (DNS rebinding) is refused. An absolute address in the request line must name the same host.
-//! - **Origin**, if the browser sends it, must be the same host; `Sec-Fetch-Site` must not be another site. If a
-//!   header occurs several times, each of them is checked.
-//! - **Token**: required for every request to the API if other machines can reach the server. The page receives it in
-//!   the fragment of its address, which the browser does not send.
+//! - **Host** must name this machine or be an address, with the server's port. A foreign name that was made
+//!   to resolve to this machine (DNS rebinding) is refused. An absolute address in the request line must name
+//!   the same host.
+//! - **Origin**, if the browser sends it, must be the same host; `Sec-Fetch-Site` must not be another site.
+//!   If a header occurs several times, each of them is checked.
+//! - **Token**: required for every request to the API if other machines can reach the server. The page
+//!   receives it in the fragment of its address, which the browser does not send.
 
 use std::net::{IpAddr, SocketAddr};
 

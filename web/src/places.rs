@@ -1,13 +1,15 @@
-//! Places for connections: limits their number, in total and for each address, and closes those whose clients do not
-//! read.
+//! Places for connections: limits their number, in total and for each address, and closes those whose clients
+//! do not read.
 //!
-//! A connection is *active* from the header of a request to the end of its response, and *blocked* while a response
-//! cannot be written because the client does not read. If all places are in use, a new connection replaces the one
-//! that has been idle or blocked for the longest time; a connection whose client reads an unfinished response is never
-//! closed. A connection whose client reads nothing for [`Limits::unread`] is always closed.
+//! A connection is *active* from the header of a request to the end of its response, and *blocked* while a
+//! response cannot be written because the client does not read. If all places are in use, a new connection
+//! replaces the one that has been idle or blocked for the longest time; a connection whose client reads an
+//! unfinished response is never closed. A connection whose client reads nothing for [`Limits::unread`] is
+//! always closed.
 //!
-//! Requests that a client sends before earlier responses are complete are not read: hyper reads the next one when the
-//! previous response has left its buffer. A connection therefore holds at most one response and 16 KiB of requests.
+//! Requests that a client sends before earlier responses are complete are not read: hyper reads the next one
+//! when the previous response has left its buffer. A connection therefore holds at most one response and 16
+//! KiB of requests.
 
 use std::net::IpAddr;
 use std::pin::Pin;
@@ -82,8 +84,8 @@ impl Places {
         Self { taken: Arc::default(), queue: Arc::new(Semaphore::new(limits.total)), limits }
     }
 
-    /// Returns a place for a connection of this peer as soon as there is one ([`take`](Self::take)). Returns `None` if
-    /// there is none within [`Limits::patience`], or if too many connections are waiting.
+    /// Returns a place for a connection of this peer as soon as there is one ([`take`](Self::take)). Returns
+    /// `None` if there is none within [`Limits::patience`], or if too many connections are waiting.
     pub(crate) async fn wait(&self, peer: IpAddr) -> Option<Arc<Connection>> {
         if let Some(connection) = self.take(peer) {
             return Some(connection);
@@ -99,8 +101,8 @@ impl Places {
         None
     }
 
-    /// Returns a place for a connection of this peer, if necessary that of the connection that has been idle or
-    /// blocked for the longest time. Returns `None` if all of them are in use.
+    /// Returns a place for a connection of this peer, if necessary that of the connection that has been idle
+    /// or blocked for the longest time. Returns `None` if all of them are in use.
     fn take(&self, peer: IpAddr) -> Option<Arc<Connection>> {
         let mut taken = self.taken();
         let open: Vec<Arc<Connection>> = taken.iter().filter_map(Weak::upgrade).collect();

@@ -12,8 +12,8 @@ const MAX_DISPLAYS: usize = 6;
 /// Maximum number of displays with general layers, whose matrices take up to 256 MB at each of two levels.
 const MAX_LARGE: usize = 2;
 
-/// If the whole process uses more memory than this, in bytes, only the display that was used last is stored. A new
-/// server takes about 50 MB; a display with general layers may take 256 MB at each of two levels.
+/// If the whole process uses more memory than this, in bytes, only the display that was used last is stored.
+/// A new server takes about 50 MB; a display with general layers may take 256 MB at each of two levels.
 const MAX_MEMORY: usize = 384 << 20;
 
 /// Scenes with more views than this are not stored, because each view has its own kernels.
@@ -48,8 +48,8 @@ impl PreparedDisplays {
         result
     }
 
-    /// Takes out the display that has most in common with a scene, if it has anything in common; of several equal
-    /// ones, the one that was used last.
+    /// Takes out the display that has most in common with a scene, if it has anything in common; of several
+    /// equal ones, the one that was used last.
     fn take(&self, scene: &Scene) -> Option<Entry> {
         let mut entries = self.entries();
         let best = (0..entries.len()).max_by_key(|index| similarity(&entries[*index].scene, scene))?;

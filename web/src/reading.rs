@@ -128,7 +128,8 @@ fn set_for(scenario: &Scenario, solver: Solver) -> Vec<String> {
     set
 }
 
-/// Refuses scenarios whose result is too large for a page, or whose computation could not be stopped soon enough.
+/// Refuses scenarios whose result is too large for a page, or whose computation could not be stopped soon
+/// enough.
 pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
     let scene = &resolved.scene;
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();

@@ -37,8 +37,8 @@ pub struct Start {
 }
 
 impl Default for Options {
-    /// Listens to this machine only, on port 7417. The port is fixed because the browser stores designs by address
-    /// and port.
+    /// Listens to this machine only, on port 7417. The port is fixed because the browser stores designs by
+    /// address and port.
     fn default() -> Self {
         Self { listen: IpAddr::V4(Ipv4Addr::LOCALHOST), port: 7417, start: None }
     }
@@ -81,8 +81,8 @@ impl Site {
             prepared: PreparedDisplays::default(),
             memo: Arc::default(),
             quick: Gate::new(processors.max(2), seconds(20)).with_slow(seconds(1), processors.max(2)),
-            // Many files are often uploaded together, and most take milliseconds: they wait longer before they are
-            // refused.
+            // Many files are often uploaded together, and most take milliseconds: they wait longer before
+            // they are refused.
             files: Gate::new(processors.max(2), seconds(120)).with_patience(seconds(30)),
             long: Gate::new(processors.div_ceil(2), seconds(120)),
             streamed: Gate::new(1.max(processors / 4), seconds(1800)),
@@ -130,7 +130,8 @@ impl Site {
         self.0.memo.clone()
     }
 
-    /// Places for computations that take milliseconds; those that take longer than a second move to other places.
+    /// Places for computations that take milliseconds; those that take longer than a second move to other
+    /// places.
     pub(crate) fn quick(&self) -> &Gate {
         &self.0.quick
     }

@@ -1,12 +1,12 @@
 //! Runs the computations of requests on separate threads, limits their number, and stops them if the client
 //! disconnects.
 //!
-//! The future of a request holds a [`StopOnDrop`]. If the browser disconnects, the future is dropped, which sets the
-//! stop flag; the computation checks this flag at its next step.
+//! The future of a request holds a [`StopOnDrop`]. If the browser disconnects, the future is dropped, which
+//! sets the stop flag; the computation checks this flag at its next step.
 //!
-//! Fast computations have separate places. A computation that takes longer than a second moves to one of the places for
-//! slow computations, and is refused if all of these are in use. Thus no client can hold all fast places for longer than
-//! a second, whatever it requests.
+//! Fast computations have separate places. A computation that takes longer than a second moves to one of the
+//! places for slow computations, and is refused if all of these are in use. Thus no client can hold all fast
+//! places for longer than a second, whatever it requests.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

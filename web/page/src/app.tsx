@@ -67,7 +67,7 @@ const TABS = [
   { id: "files", name: "Files", body: () => <FilesPanel /> },
 ];
 
-function Picture() {
+function ResultPanel() {
   return (
     <main class={busy.value ? "picture busy" : "picture"} aria-busy={busy.value} aria-label="Result">
       <div class="top">
@@ -125,7 +125,7 @@ export function App() {
       {answer.value && (
         <div class="bench">
           <Design />
-          <Picture />
+          <ResultPanel />
         </div>
       )}
       {!answer.value && (problems.value.length > 0 ? <Broken /> : <Starting />)}

@@ -39,7 +39,7 @@ pub(super) struct ConeOf {
     /// Ids of uploaded files by their names in the scenario.
     #[serde(default)]
     files: BTreeMap<String, String>,
-    /// Step of the inclinations in degrees, 1 to 15. The step of the azimuths is five times as large, at most 30.
+    /// Step of the inclinations, degrees, 1 to 15; that of the azimuths is five times as large, at most 30.
     #[serde(default = "one_degree")]
     step_deg: f64,
 }

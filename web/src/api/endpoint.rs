@@ -92,8 +92,8 @@ impl Endpoints {
         })
     }
 
-    /// Adds a POST endpoint that responds with a stream of events `E` to a request in JSON. The description has the
-    /// type of one event.
+    /// Adds a POST endpoint that responds with a stream of events `E` to a request in JSON. The description
+    /// has the type of one event.
     pub(super) fn events<Q, E, F>(mut self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
     where
         Q: DeserializeOwned + JsonSchema + Send + 'static,

@@ -68,7 +68,8 @@ impl EventSender {
         let _ = self.sender.try_send(as_event(event));
     }
 
-    /// Sends an event that must arrive: waits for a slow client, and stops the computation if it accepts no events.
+    /// Sends an event that must arrive: waits for a slow client, and stops the computation if it accepts no
+    /// events.
     pub(super) fn send_reliably(&self, event: &impl Serialize) {
         let (mut event, waiting) = (as_event(event), Instant::now());
         loop {

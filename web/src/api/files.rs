@@ -1,5 +1,5 @@
-//! The endpoint `/files`: stores an uploaded file, detects its kind from its content, audits it, and offers edits
-//! that use it.
+//! The endpoint `/files`: stores an uploaded file, detects its kind from its content, audits it, and offers
+//! edits that use it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -87,8 +87,8 @@ pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kep
         .await
 }
 
-/// Detects the kind of a file from its content, and reads it. The readers are tried from the most specific to the most
-/// general one.
+/// Detects the kind of a file from its content, and reads it. The readers are tried from the most specific to
+/// the most general one.
 fn read_contents(file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> {
     match read_bsdf(file) {
         Ok(read) => return scattering(file, &read.value, &read.warnings, stop),

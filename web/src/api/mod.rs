@@ -1,4 +1,5 @@
-//! The endpoints. Each is a row of [`endpoints`], from which the router and the OpenAPI description are generated.
+//! The endpoints. Each is a row of [`endpoints`], from which the router and the OpenAPI description are
+//! generated.
 
 mod drawn;
 mod endpoint;

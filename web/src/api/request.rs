@@ -53,7 +53,8 @@ pub(super) async fn read_file(request: Request) -> Result<(String, Vec<u8>), Fau
     Ok((name, bytes))
 }
 
-/// Returns true for a name of a file without folders. Such names are used only in scenarios, never on the disk.
+/// Returns true for a name of a file without folders. Such names are used only in scenarios, never on the
+/// disk.
 fn is_file_name(name: &str) -> bool {
     (1..=200).contains(&name.chars().count())
         && !name.contains(['/', '\\'])

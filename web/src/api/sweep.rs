@@ -42,7 +42,7 @@ pub(super) struct Point {
     of: usize,
     /// The values of the swept keys.
     values: BTreeMap<String, Value>,
-    /// The metrics of the first view by name: `contrast_ratio`, `red.u_prime`; with `_de`: its discretisation error.
+    /// Metrics of the first view by name: `contrast_ratio`, `red.u_prime`; with `_de`: discretisation errors.
     metrics: BTreeMap<String, Option<f64>>,
 }
 

@@ -1,4 +1,5 @@
-//! The endpoint `/walk`: a run of the Monte Carlo solver, compared with the result of adding, as a stream of events.
+//! The endpoint `/walk`: a run of the Monte Carlo solver, compared with the result of adding, as a stream of
+//! events.
 
 use std::num::NonZero;
 use std::sync::Mutex;

@@ -196,8 +196,8 @@ fn events(body: &[u8]) -> (usize, String, Value) {
     (all.len() - 1, name, data)
 }
 
-/// The Monte Carlo run has the hash of `papilio run --solver monte-carlo`, and agrees with adding. The largest of the
-/// 24 differences exceeds 5 standard errors once in 70 000 displays.
+/// The Monte Carlo run has the hash of `papilio run --solver monte-carlo`, and agrees with adding. The
+/// largest of the 24 differences exceeds 5 standard errors once in 70 000 displays.
 #[test]
 fn monte_carlo_run_reports_progress_and_agrees_with_adding() {
     let server = Server::start();
@@ -230,8 +230,8 @@ fn sweep_reports_each_point() {
     assert_eq!(done["csv"].as_str().unwrap().lines().count(), 1 + 3 * 8);
 }
 
-/// A client that disconnects frees its place immediately: a Monte Carlo run that would take hours is started, left, and
-/// started again.
+/// A client that disconnects frees its place immediately: a Monte Carlo run that would take hours is started,
+/// left, and started again.
 #[test]
 fn disconnected_client_stops_its_monte_carlo_run() {
     let server = Server::start();
@@ -260,8 +260,8 @@ fn disconnected_client_stops_its_monte_carlo_run() {
     assert!(started.elapsed() < Duration::from_secs(2), "{:?}", started.elapsed());
 }
 
-/// Requests of disconnected clients are dropped: a computation that takes a second is started and left a hundred times,
-/// and the next request is processed without delay.
+/// Requests of disconnected clients are dropped: a computation that takes a second is started and left a
+/// hundred times, and the next request is processed without delay.
 #[test]
 fn request_of_disconnected_client_is_dropped() {
     let server = Server::start();

@@ -133,7 +133,8 @@ fn slow_clients_and_clients_that_never_read_are_disconnected() {
     never_read.join().unwrap();
 }
 
-/// Connections with an incomplete body or header are closed after ten seconds; others are served at the same time.
+/// Connections with an incomplete body or header are closed after ten seconds; others are served at the same
+/// time.
 fn slow_clients_are_disconnected() {
     let server = Server::start();
     let started = Instant::now();
@@ -151,8 +152,8 @@ fn slow_clients_are_disconnected() {
     assert!((Duration::from_secs(8)..Duration::from_secs(25)).contains(&waited), "{waited:?}");
 }
 
-/// More connections than places send many requests and never read: another client is served immediately, and each of
-/// them is closed within seconds.
+/// More connections than places send many requests and never read: another client is served immediately, and
+/// each of them is closed within seconds.
 fn clients_that_never_read_do_not_block_others() {
     let server = Server::start();
     let port = server.address.port();
@@ -309,8 +310,8 @@ fn properties(all: &Value, schema: &Value) -> Vec<String> {
     schema["properties"].as_object().map(|all| all.keys().cloned().collect()).unwrap_or_default()
 }
 
-/// Requests generated from the description, with random values or a scenario for each property, never cause an internal
-/// error.
+/// Requests generated from the description, with random values or a scenario for each property, never cause
+/// an internal error.
 #[test]
 fn generated_request_gives_a_result_or_a_client_error() {
     let (server, all) = (Server::start(), openapi());

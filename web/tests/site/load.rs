@@ -16,8 +16,8 @@ pub(crate) fn resident_kb() -> Option<u64> {
     status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.trim().split(' ').next()?.parse().ok()
 }
 
-/// Every response is a result or an intended refusal, memory stays bounded, and another user, who moves a slider, is
-/// served at the same time.
+/// Every response is a result or an intended refusal, memory stays bounded, and another user, who moves a
+/// slider, is served at the same time.
 #[test]
 fn fifty_clients_do_not_block_another_user() {
     let seconds = std::env::var("PAPILIO_LOAD_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(3);

@@ -1,8 +1,7 @@
 // Compact storage of a list of similar texts: the first one is stored whole, the others as differences from the text
 // before. Two hundred undo steps take some kilobytes instead of a megabyte.
 
-/** The difference from the text before: the numbers of characters that stay at the start and at the end, and the text
- * between them. */
+/** The difference from the text before: how many characters stay at the start and the end, and the text between. */
 type Change = readonly [start: number, end: number, between: string];
 
 export type Chain = readonly (string | Change)[];

@@ -1,4 +1,4 @@
-// Fractions with the sum 1 keep this sum, whichever is changed.
+// Fractions with the sum 1 keep this sum if one of them is changed.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

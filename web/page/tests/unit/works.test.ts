@@ -86,7 +86,7 @@ test("two tabs store two designs, and a third tab opens the last one", () => {
   assert.deepEqual(titles(third), ["of one"]);
 });
 
-test("duplicated tab has a separate design, whichever tab writes first", () => {
+test("duplicated tab has a separate design, independent of the order of the writes", () => {
   for (const first of ["original", "copy"]) {
     const [tab, all] = [new LimitedStorage(), new LimitedStorage()];
     const original = opened(tab, all);
