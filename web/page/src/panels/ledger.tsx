@@ -70,7 +70,7 @@ export function LedgerPanel() {
         </table>
       </div>
       <p class="remark">
-        Fractions of a unit beam with the spectrum of the light that enters from the viewing direction, weighted by
+        Fractions of a unit beam that enters from the viewing direction with the spectrum of the light, weighted by
         luminance. Light that is not returned is absorbed by the named parts.
       </p>
     </>
