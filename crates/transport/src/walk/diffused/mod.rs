@@ -1,9 +1,10 @@
-//! The tracer of a panel with a diffuser.
+//! Tracer of a panel with a diffuser.
 //!
-//! One pass: down through the diffuser, off the base, up through the diffuser, out
-//! through the front, which may send the path into a further pass. With T the
-//! diffuser's and t the front's transmittance, every contribution of the k-th pass holds
-//! `t^2 T^2` and, for each pass before, `T^2 r R`: r the front's reflectance from
+//! One pass: down through the diffuser, reflection by the base, up through the diffuser, out through the
+//! front, which may reflect the path into a further pass. Let T be the transmittance of the diffuser and t
+//! that of the front. Every contribution of the k-th pass then has the factor `t^2 T^2` and, for each
+//! earlier pass, `T^2 r R`, with r the reflectance of the front from below and R that of the base. The
+//! factor `t^2 T^2` is applied at the end.
 //! below, R the base's. The factor `t^2 T^2` is applied at the end.
 
 mod escape;
@@ -32,14 +33,15 @@ use ledger::{Sums, Workspace};
 use numbers::PassNumbers;
 use turns::Turns;
 
-/// A path never goes on with a higher probability than this.
+/// Largest probability with which a path continues.
 const MOST_SURVIVAL: f64 = 0.999;
 
-/// Nor, if there is a further pass at all, with a lower one: where lamps are seen but faintly,
-/// a few bright later passes would carry much of their light, and the error with it.
+/// Smallest probability of a further pass, if there is one: if sources are faintly visible, a few bright
+/// later passes would carry much of their light, and of the error.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// The least probability of going straight through a diffuser that passes light straight, and of being scattered.
+/// Smallest probability of passing unscattered through a diffuser that has regular transmittance, and of
+/// being scattered.
 const LEAST_WAY: f64 = 0.05;
 
 #[derive(Debug)]
@@ -48,9 +50,10 @@ pub(super) struct Diffused<'a> {
     diffuser: &'a Diffuser,
     view: Cone,
     sources: &'a [Source],
-    /// Which paths go on after the first pass.
+    /// Selects the paths that continue after the first pass.
     turns: Turns,
-    /// The probability with which light beyond a first pass is scattered by the lobe, and does not go straight.
+    /// Probability with which light beyond a first pass is scattered by the lobe instead of passing
+    /// unscattered.
     by_lobe: f64,
     /// Probability of a further pass after later ones.
     survival: f64,
@@ -58,19 +61,19 @@ pub(super) struct Diffused<'a> {
     between_passes: Vec<f64>,
     /// `t^2 T^2`, per wavelength.
     through: Vec<f64>,
-    /// The base is a mirror.
+    /// Whether the base is a mirror.
     specular: bool,
-    /// Light of discs goes to and fro between base and front without being scattered.
+    /// Whether light of discs can be reflected between base and front without being scattered.
     round_trips: bool,
-    /// There are beams or discs.
+    /// Whether there are beams or discs.
     directed: bool,
     discs: bool,
-    /// How the first direction of light that meets the lobe from the pixel's side is sampled.
+    /// How the first direction of light that reaches the lobe from the pixel's side is sampled.
     first: First,
-    /// How all others are.
+    /// How all other directions are sampled.
     drawing: DirectionSampler,
     leaving: Escape,
-    /// The pixel's directions are also sampled from the sources' side.
+    /// Whether the directions at the pixel are also sampled from the sources' side.
     backwards: bool,
 }
 
@@ -79,11 +82,11 @@ pub(super) struct Diffused<'a> {
 struct Below {
     beta: Beta,
     weight: f64,
-    /// Density with which the path chose `beta`, where sources may choose it as well; else infinite.
+    /// Density with which the path sampled `beta`, where sources may sample it as well; otherwise infinite.
     rival: f64,
 }
 
-/// Light that has met the base, and what it carries now.
+/// Light reflected by the base, and how its weight is stored.
 #[derive(Debug, Clone, Copy)]
 struct Met {
     up: Below,
@@ -103,7 +106,7 @@ impl<'a> Diffused<'a> {
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let least = if directed && left > 0.0 { LEAST_SURVIVAL } else { left.min(MOST_SURVIVAL) };
-        // A guided path's first pass costs so much, and leaves so little noise, that later ones may cost more.
+        // A guided first pass costs so much, and leaves so little noise, that later passes may cost more.
         let wanted =
             if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
@@ -154,11 +157,12 @@ impl<'a> Diffused<'a> {
         self.later_passes(numbers, paths, tally);
     }
 
-    /// A first pass. Light that goes straight through the diffuser on its way down and light that is scattered are both
-    /// followed: no path has to find the rarer of the two.
+    /// Traces a first pass. Light that passes the diffuser unscattered on its way down and light that is
+    /// scattered are both followed: no path has to find the less probable of the two.
     fn first_pass(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let beta = self.view.sample_towards(numbers.field());
-        // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
+        // In a dispersive medium the disc of directions depends on wavelength: paths carry spectra from the
+        // start.
         let carries = self.stack.medium.constant_index().is_none();
         let light = Downward { beta, weight: 1.0, carries };
         let numbers = &PassNumbers::new(numbers, 0, self);
@@ -190,7 +194,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// What light that has come down through the diffuser sees of the sources.
+    /// Adds the sources that are visible to light that has come down through the diffuser.
     fn meet(
         &self,
         light: Downward,
@@ -205,7 +209,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// What comes after the first pass, for one of so many paths, with numbers of its own.
+    /// Traces the later passes of one path in each block, with random numbers of its own.
     fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
         let numbers = &numbers.apart();
         for (number, stands_for) in self.turns.among(numbers, paths) {
@@ -218,7 +222,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// Where a first pass leaves light that nothing is seen of.
+    /// Returns the light after a first pass, without contributions of sources.
     fn through_first_pass(
         &self,
         light: Downward,
@@ -232,7 +236,7 @@ impl<'a> Diffused<'a> {
         self.go_on(light, down, &numbers, workspace)
     }
 
-    /// All passes from the second on.
+    /// Traces all passes from the second on.
     fn passes(&self, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let Accumulator { sums, workspace, .. } = tally;
         for pass in 1.. {
@@ -242,7 +246,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// A later pass, from `beta` above the diffuser to above it again; `None` if the path ends.
+    /// Traces a later pass, from `beta` above the diffuser to above it again; `None` if the path ends.
     fn pass(
         &self,
         light: Downward,
@@ -266,8 +270,8 @@ impl<'a> Diffused<'a> {
         self.go_on(light, down, numbers, workspace)
     }
 
-    /// Discs that the last scattering leads to by chance. (Light that goes straight from here is met otherwise, or is
-    /// a mirror image.)
+    /// Adds discs that the last scattering reaches by chance. (Light that passes unscattered from here is
+    /// added elsewhere, or is a mirror image.)
     fn run_into_discs(&self, met: Met, u: [f64; 2], sums: &mut Sums, workspace: &Workspace) {
         let Met { up, look_up } = met;
         let through = self.through(&self.drawing, up.beta, 1.0, self.by_lobe_upwards(), u);
@@ -276,8 +280,9 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// Off the base and out of the diffuser, into a further pass, which carries spectra. A Lambertian base sends the light on
-    /// in a direction of its own: that of what is seen may be guided.
+    /// Follows light from the base out of the diffuser into a further pass, which carries spectra. A
+    /// Lambertian base sends this light into a direction of its own, since the direction used for the
+    /// sources may be guided.
     fn go_on(
         &self,
         light: Downward,
@@ -307,8 +312,8 @@ impl<'a> Diffused<'a> {
         Some(Downward { beta, weight: weight * drawn, carries: true })
     }
 
-    /// Light below the diffuser meets the base, and what it then sees of the sources; counted as so much
-    /// of a sample. `None` if the medium has no such direction.
+    /// Reflects light below the diffuser at the base and adds the sources that it then sees, as this
+    /// fraction of a sample. `None` if the medium has no such direction.
     fn below(
         &self,
         down: Below,
@@ -340,12 +345,12 @@ impl<'a> Diffused<'a> {
         }
         let light = reflected(look_up, &workspace.reflected);
         self.connect(up, light, carries.then_some(&workspace.carried), numbers, sums);
-        // All that leaves meets diffuse light: no direction need be sampled for that.
+        // All light that leaves sees diffuse light: no direction has to be sampled.
         sums.leaving.add(light, self.leaves(weight, up));
         Some(Met { up, look_up })
     }
 
-    /// Several directions of a first pass at once.
+    /// Samples several directions of a first pass at once.
     fn guided(
         &self,
         guided: &Guided,
@@ -371,7 +376,7 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// Light on its way down through the diffuser, by the lobe with this probability.
+    /// Transmits light down through the diffuser, scattered by the lobe with this probability.
     #[inline]
     fn down(&self, light: Downward, by_lobe: f64, numbers: &PassNumbers<'_>) -> Option<Below> {
         let Downward { beta, weight, .. } = light;
@@ -385,22 +390,25 @@ impl<'a> Diffused<'a> {
         Some(Below { beta: to, weight: weight * drawn, rival })
     }
 
-    /// The probability with which light on its way out to a disc is scattered, if it can be.
+    /// Returns the probability with which light on its way out to a disc is scattered, if it can be.
     fn by_lobe_upwards(&self) -> f64 {
         if self.straight() < 1.0 { 1.0 } else { 0.0 }
     }
 
-    /// The light that leaves into the air, of such a weight that the base has sent up, on the path's way as `up`.
+    /// Returns the weight of the light that leaves into the air, from light of this weight that the base has
+    /// reflected along `up`.
     ///
-    /// What goes straight from a Lambertian base leaves if it has a direction in the air, as 1/n^2 of it has: that is
+    /// Unscattered light from a Lambertian base leaves if it has a direction in the air, which a fraction
+    /// 1/n^2 of it has. This fraction is used instead of the direction of the path: with low-discrepancy
+    /// numbers all replicates could count equally.
     /// not left to the path's own direction, for with uniform numbers all replicates may count alike.
     #[inline]
     fn leaves(&self, weight: f64, up: Below) -> f64 {
         let offset = up.beta.length();
         let scattered =
             up.weight * (1.0 - self.straight()) * self.diffuser.lobe.fraction_in_disc(offset, 1.0);
-        // In a dispersive medium the light has the wavelengths that are lost to this direction no more: a direction that
-        // all have stands for the rest.
+        // In a dispersive medium, the light no longer contains wavelengths that do not have this direction:
+        // a direction that all wavelengths have represents the rest.
         let smallest = self.stack.medium.index().iter().copied().fold(f64::INFINITY, f64::min);
         let straight = match self.stack.medium.constant_index() {
             Some(n) if !self.specular => weight / (n * n).max(1.0),
@@ -418,8 +426,9 @@ impl<'a> Diffused<'a> {
         self.diffuser.straight_through
     }
 
-    /// By the lobe with this probability, else straight through, into a disc of this radius: where to, the weight, and
-    /// whether it is straight. `None` also where no light goes that way.
+    /// Scatters by the lobe with this probability, else passes unscattered, into a disc of this radius.
+    /// Returns the direction, the weight, and whether it is unscattered; `None` also where there is no
+    /// light.
     #[inline]
     fn through(
         &self,
@@ -441,13 +450,13 @@ impl<'a> Diffused<'a> {
         Some((drawn.beta, drawn.weight * (1.0 - straight) / by_lobe, false))
     }
 
-    /// The density with which light on its way out to a disc is scattered to `to`.
+    /// Returns the density with which light on its way out to a disc is scattered to `to`.
     #[inline]
     fn density_out(&self, from: Beta, to: Beta) -> f64 {
         self.by_lobe_upwards() * self.drawing.density(from, to, 1.0)
     }
 
-    /// Reflection at the base: a look-up on a first pass, else `carried` becomes `reflected`.
+    /// Reflects light at the base: a look-up on a first pass, else `carried` becomes `reflected`.
     #[inline]
     fn meet_base(&self, base: Beta, carries: bool, workspace: &mut Workspace) -> Option<Stencil> {
         if carries {
@@ -474,7 +483,7 @@ impl<'a> Diffused<'a> {
         self.stack.base.reflectance(base.squared(), &self.stack.medium, out);
     }
 
-    /// A direction of the whole medium, as a Lambertian base sends it.
+    /// Samples a direction of the whole medium, as a Lambertian base reflects it.
     #[inline]
     fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> Below {
         let n = self.stack.medium.largest_index();
@@ -488,7 +497,8 @@ impl<'a> Diffused<'a> {
         Below { beta, weight, rival }
     }
 
-    /// A direction that a Lambertian base sends light to, and the light's weight.
+    /// Samples a direction into which a Lambertian base reflects light; returns it and the weight of the
+    /// light.
     #[inline]
     fn off_base(&self, weight: f64, u: [f64; 2]) -> (Beta, f64) {
         let n = self.stack.medium.largest_index();
@@ -496,7 +506,7 @@ impl<'a> Diffused<'a> {
         (beta, weight * warp::uniform_disc_density(n) / base_density(n, beta))
     }
 
-    /// Takes away the wavelengths whose medium has no such direction.
+    /// Removes the wavelengths for which the medium has no such direction.
     fn keep_within_disc(&self, beta: Beta, spread: Spread, spectra: &mut [f64]) {
         let medium = &self.stack.medium;
         if medium.constant_index().is_some() {
@@ -508,8 +518,9 @@ impl<'a> Diffused<'a> {
     }
 }
 
-/// The probability with which light beyond a first pass is scattered by the lobe: the fraction that is, but neither way is
-/// so rare that few paths take it. Weights grow by that from pass to pass, but by less than the light falls.
+/// Returns the probability with which light beyond a first pass is scattered by the lobe: the fraction that
+/// is scattered, but neither choice is so improbable that few paths take it. Weights grow by this from pass
+/// to pass, but by less than the light decreases.
 fn chance_of_lobe(straight: f64, left: f64) -> f64 {
     let least = LEAST_WAY.min(0.25 * (1.0 - left).max(0.0));
     if straight == 0.0 || straight == 1.0 {
@@ -524,7 +535,7 @@ fn chance_of_lobe(straight: f64, left: f64) -> f64 {
 struct Downward {
     beta: Beta,
     weight: f64,
-    /// It carries spectra; else all of them are one.
+    /// Whether it carries spectra; otherwise all of them are one.
     carries: bool,
 }
 
@@ -536,7 +547,7 @@ enum Spread {
 }
 
 impl Spread {
-    /// The weight of `beta` at index `n`, where it was sampled for index `largest`.
+    /// Returns the weight of `beta` at index `n`, where it was sampled for index `largest`.
     fn kept(self, beta: Beta, n: f64, largest: f64) -> f64 {
         match self {
             _ if beta.squared() >= n * n => 0.0,

@@ -1,7 +1,7 @@
-//! Directed sources: met by connection, by chance, and by directions sampled from their side.
+//! Directed sources: added by connection, by chance, and by directions sampled from their side.
 //!
-//! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
-//! direction that the path had no choice about (infinite density) competes with nothing.
+//! The balanced weight is the same for all techniques ([`Target::weight`]). A direction that the path did
+//! not choose (infinite density) has no competing technique.
 
 use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
@@ -14,7 +14,8 @@ use crate::walk::{Target, base_density};
 use crate::{Source, specular};
 
 impl Diffused<'_> {
-    /// Light that comes straight through the diffuser and off a specular base, met on the way down.
+    /// Connects light that passes the diffuser unscattered and is reflected by a specular base, on its way
+    /// down.
     pub(super) fn connect_before_base(
         &self,
         light: Downward,
@@ -42,7 +43,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// Light that comes straight through the diffuser onto a Lambertian base.
+    /// Connects light that passes the diffuser unscattered onto a Lambertian base.
     pub(super) fn connect_straight_from_base(
         &self,
         (look_up, weight): (Option<Stencil>, f64),
@@ -62,7 +63,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// Directed sources, from the diffuser's underside: the last scattering on the way to the light.
+    /// Connects directed sources to the underside of the diffuser: the last scattering towards the light.
     pub(super) fn connect(
         &self,
         up: Below,
@@ -82,10 +83,10 @@ impl Diffused<'_> {
         }
     }
 
-    /// Adds light of a point of a source (`from`) that has first gone to and fro between base and front without being
-    /// scattered, however often; from there on it is as the light that meets a specular base in direction `beta`, on
-    /// a path that carries these spectra (none: all ones). Of beams, whose round trips are the same for all paths, it is
-    /// added at the end.
+    /// Adds light of a point of a source (`from`) that has first made any number of round trips between base
+    /// and front without being scattered. From there on it behaves as light that reaches a specular base in
+    /// direction `beta`, on a path that carries these spectra (`None`: all ones). For beams, whose round
+    /// trips are the same for all paths, this is added at the end.
     fn add_round_trips(
         &self,
         beta: Beta,
@@ -112,7 +113,7 @@ impl Diffused<'_> {
         sum.add(Reflected::Spectra(&spectra), weight);
     }
 
-    /// Round sources that the path has run into by its last scattering.
+    /// Adds round sources that the path has reached by its last scattering.
     pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::at(source, out) {
@@ -121,22 +122,22 @@ impl Diffused<'_> {
         }
     }
 
-    /// The balanced weight of light from `beta` below the diffuser to a source; `forward`: the density
-    /// with which the path chose `beta`, infinite if the source's side does not.
+    /// Returns the balanced weight of light from `beta` below the diffuser to a source; `forward`: the
+    /// density with which the path sampled `beta`, infinite if the source's side does not sample it.
     fn towards(&self, target: Target, beta: Beta, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
         let pdf = || self.density_out(beta, target.beta);
         target.balanced((1.0 - self.straight()) * lobe, pdf, lobe / forward)
     }
 
-    /// The same for light that goes to and fro before, which the path does not run into by chance.
+    /// Returns the same for light that makes round trips before, which the path does not find by chance.
     fn towards_trips(&self, target: Target, beta: Beta, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
         target.balanced((1.0 - self.straight()) * lobe, || 0.0, lobe / forward)
     }
 
-    /// Directed sources, by a direction below the diffuser that is sampled from the source's
-    /// side; `chosen` is the density with which the path itself would choose it.
+    /// Adds directed sources by a direction below the diffuser that is sampled from the source's side;
+    /// `chosen` is the density with which the path itself would sample it.
     pub(super) fn sample_backwards(
         &self,
         chosen: impl Fn(Beta) -> f64,
@@ -156,7 +157,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// Adds light that meets a specular base in direction `beta`.
+    /// Adds light that reaches a specular base in direction `beta`.
     fn add_by_way_of(
         &self,
         beta: Beta,
@@ -174,7 +175,7 @@ impl Diffused<'_> {
         sum.add(Reflected::Spectra(backwards), weight);
     }
 
-    /// Adds light that a Lambertian base sends in direction `beta`.
+    /// Adds light that a Lambertian base reflects in direction `beta`.
     fn add_from_base(
         &self,
         beta: Beta,
@@ -191,7 +192,7 @@ impl Diffused<'_> {
         sum.add(reflected(look_up, backwards), weight);
     }
 
-    /// The same for light that a Lambertian base has scattered.
+    /// Adds directed sources in the same way for light that a Lambertian base has scattered.
     pub(super) fn sample_backwards_from_base(
         &self,
         (look_up, weight): (Option<Stencil>, f64),
@@ -208,7 +209,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// A direction in the medium sampled from the lobe around a source, and its balanced weight.
+    /// Samples a direction in the medium from the lobe around a source; returns it and its balanced weight.
     fn backwards(
         &self,
         source: &Source,

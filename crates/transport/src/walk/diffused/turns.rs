@@ -1,33 +1,33 @@
-//! Whose turn it is to go on after a first pass.
+//! Selection of the paths that continue after a first pass.
 //!
-//! What comes after a first pass is followed for one of so many paths: the sharp end of Russian roulette, but
-//! uniform. Each of these stands for a *block* of paths, as many as one in `every`. Where that is
-//! more than a first round has, light of later passes would be met by few of the replicates, or by none; their
-//! spread would not tell of it. So blocks begin short, one for the first [`FIRST`] paths, and grow to `every`: each
-//! replicate has met that light from its first round on.
+//! Only one of many paths continues after its first pass. This is Russian roulette, but stratified: each
+//! path that continues represents a *block* of `every` consecutive paths. If a block were longer than a
+//! first round, few replicates or none would contain light of later passes, and their spread would not show
+//! it. Blocks therefore begin short, with [`FIRST`] paths for the first, and grow to `every`: each replicate
+//! contains such light from its first round on.
 //!
-//! A block's turn comes at a random one of its paths, so that after any number of paths the blocks that
-//! had their turn stand for that number on average.
+//! The path of a block that continues is selected at random. After any number of paths, the blocks whose
+//! path has come represent that number on average.
 
 use std::ops::Range;
 
 use papilio_sampling::Numbers;
 
-/// Paths of the first block, if `every` is not less.
+/// Paths of the first block, if `every` is not smaller.
 const FIRST: u64 = 64;
 
-/// No run has as many paths.
+/// Upper bound of the number of paths of a run.
 const MOST: u64 = 1 << 40;
 
-/// Blocks grow by this factor.
+/// Factor by which blocks grow.
 const GROWTH: u64 = 4;
 
-/// Blocks of paths, of which one each goes on.
+/// Blocks of paths, one path of each of which continues.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turns {
-    /// Paths of a block in the end; 0: none goes on.
+    /// Final number of paths of a block; 0: no path continues.
     every: u64,
-    /// How many blocks are shorter, and where the first begins that is not.
+    /// Number of shorter blocks, and the start of the first block of final length.
     growing: u64,
     grown: u64,
 }
@@ -43,24 +43,26 @@ impl Turns {
         Self { every, growing, grown }
     }
 
-    /// In its first round a replicate has as many turns for each path; 1 if there are none.
+    /// Returns the fraction of paths that continue in the first round of a replicate; 1 if none continues.
     pub(super) fn rarest(&self) -> f64 {
         if self.every == 0 { 1.0 } else { 1.0 / self.every.min(FIRST) as f64 }
     }
 
-    /// Where a growing block ends: the first is `FIRST` long, and each makes the whole `GROWTH` times as long.
+    /// Returns the end of a growing block: the first is `FIRST` long, and each multiplies the total by
+    /// `GROWTH`.
     fn end_of_growing(number: u64) -> u64 {
         FIRST.saturating_mul(GROWTH.saturating_pow(number.min(64) as u32))
     }
 
-    /// The numbers of the blocks whose turn comes within these paths, and how many paths each stands for.
+    /// Returns the numbers of the blocks whose selected path is among these paths, and the number of paths
+    /// that each represents.
     pub(super) fn among(self, numbers: &Numbers, paths: Range<u64>) -> impl Iterator<Item = (u64, f64)> {
         let growing = (0..self.growing).filter_map({
             let paths = paths.clone();
             move |number| {
                 let start = if number == 0 { 0 } else { Self::end_of_growing(number - 1) };
                 let length = Self::end_of_growing(number) - start;
-                // A number that is nobody else's.
+                // A random number that nothing else uses.
                 let [at, ..] = numbers.block(number, u32::MAX);
                 let turn = start + ((at * length as f64) as u64).min(length - 1);
                 paths.contains(&turn).then_some((number, length as f64))
@@ -69,7 +71,7 @@ impl Turns {
         let Self { every, growing: before, grown } = self;
         let (first, grown_paths) =
             (numbers.whole(every.max(1)), paths.start.max(grown)..paths.end.max(grown));
-        // Turns come at `grown + first`, and all `every` paths from there.
+        // Selected paths are at `grown + first`, and every `every` paths from there.
         let among = move |path: u64| (path - grown + every - 1 - first) / every.max(1);
         let grown = if every == 0 { 0..0 } else { among(grown_paths.start)..among(grown_paths.end) };
         growing.chain(grown.map(move |k| (before + k, every as f64)))
@@ -87,7 +89,7 @@ mod tests {
         Turns::new(every).among(&numbers, paths).collect()
     }
 
-    /// After any number of paths as many are stood for, on average over replicates.
+    /// After any number of paths, the blocks represent this number on average over replicates.
     #[test]
     fn turns_stand_for_all_paths() {
         for (every, paths) in [(1, 10), (3, 64), (20, 64), (64, 64), (100, 100), (300, 700), (5000, 200)] {
@@ -106,7 +108,7 @@ mod tests {
         for every in [1, 5, 64, 65, 220, 10_000, u64::MAX] {
             for stream in 0..200 {
                 assert!(!turns(every, stream, 0..64).is_empty(), "{every} {stream}");
-                // Four times as many paths have at least one more.
+                // Four times as many paths contain at least one more.
                 assert!(turns(every, stream, 0..256).len() >= 2, "{every} {stream}");
             }
         }
