@@ -124,7 +124,8 @@ impl Plan {
     }
 }
 
-/// Largest number of elements of the lobe on the grid of the coarsest level (about a fifth of this) ...
+/// Largest number of elements of the lobe on a grid, before a factor that grows with the digits (about five
+/// at the coarsest level) ...
 const MOST_ELEMENTS: f64 = 6e5;
 /// ... in at least this number of natural digits, if necessary with a wider lobe.
 const FEWEST_DIGITS_ON_A_LARGE_GRID: f64 = 6.0;
