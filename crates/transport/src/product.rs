@@ -1,5 +1,5 @@
-//! Products of matrices kept row after row: `faer`'s, in the widest registers that there are, on
-//! one thread.
+//! Products of matrices in row-major order, by `faer` with the widest SIMD registers available, on one
+//! thread.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};

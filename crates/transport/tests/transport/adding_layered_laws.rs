@@ -1,4 +1,4 @@
-//! General stacks by *adding*: laws, extremes, and the walk.
+//! General stacks by *adding*: physical laws, extreme cases, and comparison with Monte Carlo.
 
 use crate::common::*;
 use crate::layers::*;
@@ -12,8 +12,8 @@ use papilio_transport::{
     Scattering, Source, Stack,
 };
 
-/// No level of a slab is out of line: each has at most a fifth of the error of the one before, so that their
-/// differences are honest. R = .439692 from elsewhere.
+/// Each level of a slab has at most a fifth of the error of the one before, so that level differences
+/// estimate errors. R = 0.439692 is from an independent source.
 #[test]
 fn slabs_gain_at_every_level() {
     let stack = stack([(Interface::Fresnel, slab(1.0, 0.9, 1.0, 1.5))], mirror(0.5));
@@ -25,7 +25,7 @@ fn slabs_gain_at_every_level() {
     assert!(errors.windows(2).all(|pair| pair[1] < 0.2 * pair[0]), "{errors:?}");
 }
 
-/// Everything at once over a white mirror: what nothing absorbs comes back.
+/// A stack of all kinds of layers without absorption over a white mirror returns all light.
 #[test]
 fn white_furnace() {
     let white = |layers| match layers {
@@ -54,7 +54,7 @@ fn white_furnace() {
     }
 }
 
-/// A stack of many kinds, nothing symmetric about it.
+/// A stack of many kinds of layers without symmetry.
 fn mixed() -> Stack {
     stack(
         [
@@ -86,14 +86,14 @@ fn splitting_a_slab_changes_nothing() {
     let split = stack([(Interface::Fresnel, a), (Interface::Open, b), (Interface::Open, c)], mirror(0.6));
     let [whole, split] = [whole, split].map(|stack| estimate(0, &stack, view(20.0), &sources));
     for source in 0..2 {
-        // The thin layer's rational function errs by 1e-7 at grazing angles.
+        // The rational function of the thin layer has an error of 1e-7 at grazing angles.
         assert_close("split", rho(&split, source), rho(&whole, source), 1e-7);
     }
 }
 
-/// Each level must gain a factor of five or more, and the change to the next level be no
-/// smaller than half of the error against the finest: but for a tenth of what the level promises,
-/// since rules of few points are the same at neighbouring levels.
+/// Each level must gain a factor of five or more, and the change to the next level must be at least half of
+/// the error relative to the finest level; except for a tenth of the accuracy of the level, since rules of
+/// few points are equal at neighbouring levels.
 #[test]
 fn levels_tighten() {
     let sources = [Source::Diffuse, beam(-20.0, 0.0), Source::Disc(Cone::new(30.0, 10.0, 5.0, 1.0))];
@@ -128,7 +128,8 @@ fn levels_tighten() {
     }
 }
 
-/// Refracted light of one microfacet jumps to zero in grazing directions: slower than other layers, but sure.
+/// Refracted light of one microfacet jumps to zero in grazing directions: convergence is slower than for
+/// other layers.
 #[test]
 fn rough_faces_tighten() {
     let sources = [Source::Diffuse, beam(-20.0, 0.0)];
@@ -171,7 +172,7 @@ fn extremes() {
     // Through a thick conservative layer: 4/3 K(1)/((1 - g) tau), K(1) = 1.27 to a few percent.
     let through = found.ledger.pixel[0];
     assert!((1.5e-5..1.8e-5).contains(&through), "{through}");
-    // Thirty doublings leave this of a rounding error.
+    // Error of thirty doublings.
     assert_close("sum", rho(&found, 0) + through, 1.0, 1e-10);
     let grazing = estimate(1, &mixed(), view(89.9), &[Source::Diffuse, beam(-89.9, 0.0)]);
     assert!((0.0..=1.0).contains(&rho(&grazing, 0)) && rho(&grazing, 1) >= 0.0);
@@ -180,14 +181,14 @@ fn extremes() {
     assert_close("closed", rho(&estimate(0, &mirrors, view(10.0), &[Source::Diffuse]), 0), 1.0, 1e-12);
 }
 
-/// What a level takes is known beforehand, so that a caller can refuse.
+/// The number of nodes of a level is known beforehand, so that a caller can refuse the stack.
 #[test]
 fn nodes_are_counted_before_the_work() {
     let lobe = |width| stack([(diffuser(width, 0.9, 0.0), clear(1.5))], mirror(0.5));
     for level in [0, 2] {
         let mut kernel = Kernel::new(level);
         kernel.prepare(&lobe(0.1), &[view(8.0)], &[beam(-20.0, 0.0)]);
-        // And one for the view, one for the beam.
+        // And one node for the view, one for the beam.
         assert_eq!(kernel.nodes(), nodes_needed(&lobe(0.1), level) + 2);
     }
     let haze_65 = nodes_needed(&lobe(0.03869), 2);
@@ -198,7 +199,7 @@ fn nodes_are_counted_before_the_work() {
     );
 }
 
-/// States and wavelengths each get what they would alone, dispersive media included.
+/// States and wavelengths have the same results as alone, dispersive media included.
 #[test]
 fn every_wavelength_and_state_is_its_own() {
     let spectrum = |bins: &[usize], values: [f64; 3]| -> Spectrum {
@@ -249,7 +250,7 @@ fn every_wavelength_and_state_is_its_own() {
     }
 }
 
-/// The walk through the same stacks: every kind of layer and source, within its error bars.
+/// Monte Carlo through the same stacks: every kind of layer and source, within its error bars.
 #[test]
 fn the_walk_agrees() {
     let antireflection = || {
