@@ -192,7 +192,7 @@ mod tests {
 
     /// Moments of look-ups give the same weights as single look-ups.
     #[test]
-    fn moments_are_look_ups() {
+    fn moments_equal_single_look_ups() {
         let panels = CosinePanels::new(&[2, 3, 3, 1]);
         let (mut one_by_one, mut by_moments) = (vec![0.0; panels.count()], vec![0.0; panels.count()]);
         let mut moments = vec![[0.0; CosinePanels::NODES]; panels.borders().count()];
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_of_any_size_reproduce_a_polynomial_of_degree_fifteen() {
+    fn panels_of_any_size_reproduce_polynomial_of_degree_fifteen() {
         let polynomial = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(7) + 0.2 * x.powi(15);
         for halvings in [&[0_u32][..], &[1, 1], &[2, 3, 3, 1], &[1, 2, 4, 4, 3]] {
             let panels = CosinePanels::new(halvings);

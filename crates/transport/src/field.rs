@@ -252,7 +252,7 @@ mod tests {
 
     /// Chi-square of sampled directions over cells, compared with the integral of the density over each.
     #[test]
-    fn directions_are_drawn_by_radiance() {
+    fn sampled_directions_follow_radiance() {
         let field = patches();
         let numbers = Numbers::new(Sampler::Random, 7, 0);
         let (samples, mut counts) = (40_000_u64, [0.0; 16]);
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_holds_the_light_from_its_azimuth() {
+    fn column_contains_light_from_its_azimuth() {
         // Only the column from 0 to 90 deg is lit.
         let (field, irradiance) = Field::new(&[0.0, 90.0], 4, vec![2.0, 0.0, 0.0, 0.0]).unwrap();
         assert!((irradiance - 0.5 * std::f64::consts::PI).abs() < 1e-15);
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_field() {
+    fn invalid_fields_are_refused() {
         assert!(Field::new(&[0.0, 90.0], 1, vec![0.0]).is_none());
         assert!(Field::new(&[0.0, 90.0], 1, vec![-1.0]).is_none());
         assert!(Field::new(&[0.0, 90.0], 2, vec![2.0, -1.0]).is_none());

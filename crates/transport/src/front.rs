@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_mirror_above_another_is_no_division_by_zero() {
+    fn perfect_mirror_above_another_is_finite() {
         let mirror = Flat { t: 0.0, above: 1.0, below: 1.0 };
         let both = mirror.over(mirror);
         assert_eq!((both.t, both.above, both.below), (0.0, 1.0, 1.0));

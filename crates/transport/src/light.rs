@@ -200,7 +200,7 @@ mod tests {
     /// The projected solid angle, computed in two ways: the closed form, and the mean of 1/density over
     /// samples.
     #[test]
-    fn area_of_a_source_in_direction_cosines() {
+    fn projected_solid_angle_equals_sampled_area() {
         for (theta_deg, radius_deg) in [(0.0, 0.27), (40.0, 5.0), (-70.0, 12.0)] {
             let cone = Cone::new(theta_deg, 30.0, radius_deg, 1.0);
             let numbers = Numbers::new(Sampler::Sobol, 0, 0);
@@ -221,7 +221,7 @@ mod tests {
 
     /// Every common point of both cones lies in their overlap, and a good part of the overlap lies in both.
     #[test]
-    fn an_overlap_holds_what_is_common() {
+    fn overlap_contains_common_directions() {
         let cone = |theta, half| Cone::new(theta, 20.0, half, 1.0);
         let numbers = Numbers::new(Sampler::Sobol, 0, 0);
         for (distance, a, b) in
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cone_sends_only_its_own_light() {
+    fn cone_sends_only_its_own_light() {
         let cone = Cone::new(-20.0, 0.0, 2.0, 1.0);
         assert!(cone.sends(Beta::from_source(-21.9, 0.0, 1.0)));
         assert!(!cone.sends(Beta::from_source(-22.1, 0.0, 1.0)));

@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_by_hand() {
+    fn products_equal_values_by_hand() {
         let (left, right) = ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [1.0, 0.5, -1.0, 2.0, 0.0, 3.0]);
         let mut out = [10.0; 4];
         add_product(&left, &right, 3, &mut out);

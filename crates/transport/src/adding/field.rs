@@ -263,7 +263,7 @@ mod tests {
     /// A rough field is compared with the sum over its cells, each by a fine rule, for a lobe whose peak
     /// lies among them.
     #[test]
-    fn directions_stand_for_a_rough_field() {
+    fn directions_represent_rough_field() {
         let (rows, columns) = (18, 24);
         let edges: Vec<f64> = (0..=rows).map(|k| 90.0 * k as f64 / rows as f64).collect();
         let radiance: Vec<f64> = (0..rows * columns).map(|k| ((k * k * 7919 + k) % 101) as f64).collect();
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_is_the_sum_of_its_parts() {
+    fn ring_equals_sum_of_its_parts() {
         let ring = Ring { radius: 0.5, weights: vec![1.0, 2.0, 3.0, 4.0, 5.0] };
         let (even, odd) = (ring.part(1.0), ring.part(-1.0));
         let sum: Vec<f64> = even.weights.iter().zip(&odd.weights).map(|(a, b)| a + b).collect();

@@ -240,7 +240,7 @@ mod tests {
 
     /// The fraction of two overlapping small circles equals the planar lens formula.
     #[test]
-    fn the_area_of_a_lens() {
+    fn overlap_equals_area_of_lens() {
         let lens = |a: f64, b: f64, d: f64| {
             let part = |a: f64, b: f64| a * a * ((d * d + a * a - b * b) / (2.0 * d * a)).acos();
             let root = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);

@@ -265,7 +265,7 @@ mod tests {
 
     /// The lobe's own integral along a line, over six decades of width.
     #[test]
-    fn a_graded_rule_keeps_its_promise() {
+    fn graded_rule_has_requested_error() {
         for width in [1e-6, 1e-3, 0.05, 3.0] {
             for digits in [12.0, 18.0, 28.0] {
                 let nodes = graded(0.0, 1.5, &[], &[Pole { at: 0.4, off: width }], digits);
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_square_root_on_the_rim_costs_nothing() {
+    fn square_root_on_rim_is_resolved() {
         let nodes = radial(1.5, &[], &[], 28.0);
         let sum: f64 = nodes.iter().map(|n| n.weight * (1.0 - n.x * n.x / 2.25).sqrt()).sum();
         assert!((sum - 2.25 * PI * 2.0 / 3.0).abs() < 1e-11, "{sum}");
@@ -289,7 +289,7 @@ mod tests {
 
     /// The mean of a lobe over a cone converges as stated.
     #[test]
-    fn points_of_a_cone() {
+    fn cone_points_converge_with_digits() {
         let cone = Cone::new(30.0, 20.0, 4.0, 1.0);
         let f = |beta: Beta| (0.05 * 0.05 + (beta - Beta::towards(24.0, 20.0, 1.0)).squared()).powf(-1.5);
         let mean =

@@ -275,7 +275,7 @@ mod tests {
     /// Batched look-ups equal single look-ups, whatever the remainder. A sum does not change if it is read
     /// before it is complete.
     #[test]
-    fn look_ups_in_panels_are_look_ups() {
+    fn batched_look_ups_equal_single_look_ups() {
         let panels = CosinePanels::new(&[2, 3, 3, 1]);
         let nodes = panels.count();
         let table = AngularTable {

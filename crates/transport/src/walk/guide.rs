@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn draws_follow_the_density() {
+    fn samples_follow_density() {
         assert!(statistic(0.0).abs() < 4.5, "{}", statistic(0.0));
         assert!(statistic(0.1) > 4.5, "a wrong density must be caught: {}", statistic(0.1));
     }

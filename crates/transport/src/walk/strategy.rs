@@ -248,7 +248,7 @@ mod tests {
 
     /// Below the glass and above it; lobes about the sources make the kernel a mixture.
     #[test]
-    fn draws_follow_their_density() {
+    fn samples_follow_density() {
         let lobe = Lobe::KCorrelation { width: 0.2 };
         let lamps =
             [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
@@ -265,7 +265,7 @@ mod tests {
 
     /// The weight of a sample is the value of the lobe over the density.
     #[test]
-    fn weights_are_of_the_density() {
+    fn sample_weights_equal_lobe_over_density() {
         let lobe = Lobe::KCorrelation { width: 0.1 };
         let lamps = [Source::Beam(Beta { x: -0.4, y: 0.3 })];
         let numbers = Numbers::new(Sampler::Random, 6, 0);

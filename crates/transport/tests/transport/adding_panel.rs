@@ -45,7 +45,7 @@ fn fringes(nodes: Nodes) -> Base {
 /// Two passes of a k-correlation lobe over a mirror are one lobe of twice the width, from wide lobes to
 /// widths of 1e-6.
 #[test]
-fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
+fn double_pass_over_mirror_equals_lobe_of_twice_the_width() {
     for (width, view_deg, light_deg, phi_deg) in [
         (0.0567, 8.0, -20.0, 0.0),
         (0.0567, 0.0, 0.0, 0.0),
@@ -77,7 +77,7 @@ fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
 
 /// With a regular fraction s the double pass is s^2 delta + 2 s (1-s) lobe(b) + (1-s)^2 lobe(2b).
 #[test]
-fn straight_through_light_joins_the_double_pass() {
+fn double_pass_with_regular_fraction_equals_closed_form() {
     let (width, t, s) = (0.04, 0.8, 0.3);
     let stack = panel(diffuser(width, t, s), mirror(0.7));
     let (from, to) = (Beta::towards(8.0, 0.0, 1.0), Beta::from_source(-20.0, 0.0, 1.0));
@@ -91,7 +91,7 @@ fn straight_through_light_joins_the_double_pass() {
 
 /// A disc is the mean of the beams from it, plus its mirror image where this is in view.
 #[test]
-fn a_disc_is_a_sum_of_beams() {
+fn disc_equals_mean_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
     let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
@@ -107,7 +107,7 @@ fn a_disc_is_a_sum_of_beams() {
 /// The sun's image in a bare mirror: if it fills a fraction of the field, `rho` is that fraction of `pi R /
 /// Omega`.
 #[test]
-fn a_small_image_in_a_large_field() {
+fn small_image_in_large_view_equals_its_fraction() {
     let stack = panel(Top::Coated, mirror(0.5));
     for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
         let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
@@ -135,7 +135,7 @@ fn internal_diffuse_reflectance(n: f64) -> f64 {
 /// Glass over a mirror: r + t^2 R/(1 - r R); a Lambertian base of 0.5 under bare glass of index 1.5
 /// (Saunderson).
 #[test]
-fn bare_glass() {
+fn bare_glass_equals_closed_forms() {
     let stack = panel(Top::Fresnel(one(1.5)), mirror(0.5));
     let found = rho(&solve(&stack, view(0.0), &[Source::Diffuse], 0), 0);
     assert!((found - 0.510_204_081_632_653).abs() < 1e-14, "{found}");
@@ -160,7 +160,7 @@ fn bare_glass() {
 
 /// Lossless layers return all light.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     for front in [Front::none(1), front(&[(0.04, 0.0), (0.1, 0.0)], false), front(&[(0.6, 0.0)], false)] {
         for (name, top, base) in [
             ("fresnel, mirror", Top::Fresnel(one(1.5)), mirror(1.0)),
@@ -180,7 +180,7 @@ fn white_furnace() {
 
 /// Recycling between a Lambertian panel and the front: R + T^2 R_p/(1 - r R_p).
 #[test]
-fn light_that_the_front_sends_back_counts() {
+fn recycled_light_equals_closed_form() {
     for r in [0.04, 0.3, 0.8] {
         let mut stack = panel(lambertian_diffuser(0.0), mirror(0.4));
         stack.front = front(&[(r, 0.0)], false);
@@ -225,7 +225,7 @@ fn lights() -> Vec<Source> {
 
 /// The difference between levels is the error of the coarser one, and it decreases.
 #[test]
-fn levels_converge() {
+fn level_differences_estimate_errors_and_decrease() {
     for (name, stack) in family() {
         let view = Cone::new(12.0, 0.0, 0.3, 1.0);
         let estimates: Vec<Estimate> = (0..4).map(|level| solve(&stack, view, &lights(), level)).collect();
@@ -246,7 +246,7 @@ fn levels_converge() {
 /// Lobes too narrow for the grid of recycled light: the work is bounded, and the result is right at the peak
 /// of the lobe and far from it.
 #[test]
-fn narrow_lobes_under_a_front() {
+fn narrow_lobes_under_front_equal_closed_form() {
     for (width, sent_back, light_deg) in [
         (2e-3, 0.02, -20.0),
         (1e-4, 0.02, -20.0),
@@ -285,7 +285,7 @@ fn narrow_lobes_under_a_front() {
 }
 
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for (name, mut stack) in family() {
         for single_pass in [false, true] {
             stack.single_pass = single_pass;
@@ -305,7 +305,7 @@ fn the_ledger_closes() {
 
 /// Exchanging viewer and source changes nothing (Helmholtz).
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (name, stack) in family() {
         let one_way = rho(&solve(&stack, view(10.0), &[beam(35.0, 40.0)], 2), 0);
         let other = rho(&solve(&stack, view(35.0), &[beam(10.0, 40.0)], 2), 0);
@@ -316,7 +316,7 @@ fn reader_and_lamp_may_change_places() {
 /// A kernel that was used for other views, sources and fronts gives the same results as a new one, to the
 /// bit.
 #[test]
-fn a_kept_kernel_is_a_new_one() {
+fn reused_kernel_is_bit_identical_to_new_one() {
     for (name, panel) in family() {
         let (mut kept, views) = (Kernel::new(1), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
         let mut other = panel.clone();
@@ -337,7 +337,7 @@ fn a_kept_kernel_is_a_new_one() {
 
 /// A kernel prepared for a faint front is also right for a strong one.
 #[test]
-fn a_stronger_front_than_prepared_for() {
+fn kernel_under_stronger_front_than_prepared_is_correct() {
     let mut faint = panel(diffuser(0.08, 0.9, 0.1), fringes(Nodes::Cosines(33)));
     faint.front = front(&[(0.005, 0.0)], false);
     let mut strong = faint.clone();
@@ -350,7 +350,7 @@ fn a_stronger_front_than_prepared_for() {
 
 /// Every wavelength of dispersive glass equals the panel with that index.
 #[test]
-fn dispersive_glass_is_a_glass_for_each_wavelength() {
+fn dispersive_glass_equals_glass_of_each_index() {
     let indices: Vec<f64> = (0..30).map(|k| 1.5 + 0.001 * f64::from(k)).collect();
     for base in [fringes(Nodes::Cosines(33)), lambertian(0.7)] {
         let mut stack = panel(diffuser(0.08, 0.9, 0.2), base.clone());
@@ -388,7 +388,7 @@ fn dispersive_glass_is_a_glass_for_each_wavelength() {
 
 /// Monte Carlo, within its error bars: fronts, regular light, Lambertian lobes, discs.
 #[test]
-fn the_walk_agrees() {
+fn monte_carlo_agrees_with_adding() {
     for (name, stack) in family().into_iter().step_by(3) {
         let view = Cone::new(12.0, 0.0, 0.3, 1.0);
         let truth = solve(&stack, view, &lights(), 2);
@@ -413,7 +413,7 @@ fn the_walk_agrees() {
 /// Fringes of a film as thick as glass, about fourteen across the field of view. Along the normal all rings
 /// are circles about it, and the mean is an integral over one angle. The result is right at every level.
 #[test]
-fn a_field_of_view_over_fringes_is_a_plain_quadrature() {
+fn view_over_fringes_equals_quadrature() {
     let (fringes, nodes) = (3600.0, 40_001);
     let at = |cosine: f64| 0.5 + 0.4 * (2.0 * PI * fringes * cosine).cos();
     let table = AngularTable {

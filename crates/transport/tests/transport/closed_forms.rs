@@ -25,7 +25,7 @@ fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, 
 
 /// Two passes of a k-correlation lobe over a mirror: the same lobe with 2b and T^2.
 #[test]
-fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
+fn double_pass_over_mirror_equals_lobe_of_twice_the_width() {
     let (width, t) = (0.03, 0.9);
     let stack = panel(diffuser(width, t, 0.0), mirror(1.0));
     let (narrow, wide) = (Lobe::KCorrelation { width }, Lobe::KCorrelation { width: 2.0 * width });
@@ -47,7 +47,7 @@ fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
 
 /// With a regular fraction s the double pass is s^2 delta + 2 s (1-s) lobe(b) + (1-s)^2 lobe(2b).
 #[test]
-fn straight_through_light_joins_the_double_pass() {
+fn double_pass_with_regular_fraction_equals_closed_form() {
     let (width, t, s) = (0.04, 0.8, 0.3);
     let stack = panel(diffuser(width, t, s), mirror(0.7));
     let beam = Beta::from_source(-20.0, 0.0, 1.0);
@@ -63,7 +63,7 @@ fn straight_through_light_joins_the_double_pass() {
 /// A round source of growing radius over the same panel: its `rho` is that of a beam, averaged over the disc
 /// (by an independent sum over points of the disc).
 #[test]
-fn a_disc_is_a_sum_of_beams() {
+fn disc_equals_mean_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
     let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
@@ -78,7 +78,7 @@ fn a_disc_is_a_sum_of_beams() {
 /// The sun's image in a bare mirror: if it fills a fraction of the field, `rho` is that fraction of `pi R /
 /// Omega`; random points of the field would hit it once in thousands.
 #[test]
-fn a_small_image_in_a_large_field() {
+fn small_image_in_large_view_equals_its_fraction() {
     let stack = panel(Top::Coated, mirror(0.5));
     for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
         let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
@@ -93,7 +93,7 @@ fn a_small_image_in_a_large_field() {
 /// A sun seen through a partly regular diffuser: light scattered only on the way down or up equals that of a
 /// beam. The disc is so small that no path would reach it by chance.
 #[test]
-fn a_small_sun_behind_a_diffuser_with_straight_through_light() {
+fn small_disc_under_partly_regular_diffuser_equals_beam() {
     let (s, t) = (0.4, 0.9);
     for (name, base) in [("mirror", mirror(0.7)), ("Lambertian", lambertian(0.7))] {
         let stack = panel(diffuser(0.05, t, s), base);
@@ -109,7 +109,7 @@ fn a_small_sun_behind_a_diffuser_with_straight_through_light() {
 }
 
 #[test]
-fn a_perfect_white_is_white_under_any_light() {
+fn perfect_white_has_reflectance_one_under_any_light() {
     for (name, top) in [("coated", Top::Coated), ("fresnel", Top::Fresnel(one(1.5)))] {
         let stack = panel(top, lambertian(1.0));
         check(&format!("white, {name}"), &stack, view(8.0), &[Source::Diffuse], 256, 1.0);
@@ -126,14 +126,14 @@ fn a_perfect_white_is_white_under_any_light() {
 
 /// Bare glass of index 1.5 over a mirror of 0.5: r + t^2 0.5/(1 - 0.5 r), r = 0.04.
 #[test]
-fn glass_over_a_mirror() {
+fn glass_over_mirror_equals_closed_form() {
     let stack = panel(Top::Fresnel(one(1.5)), mirror(0.5));
     check("glass over a mirror", &stack, view(0.0), &[Source::Diffuse], 256, 0.510204081632653);
 }
 
 /// Saunderson: a Lambertian base of 0.5 under bare glass of index 1.5.
 #[test]
-fn saunderson() {
+fn lambertian_base_under_glass_equals_saunderson() {
     let stack = panel(Top::Fresnel(one(1.5)), lambertian(0.5));
     check("Saunderson, normal", &stack, view(0.0), &[Source::Diffuse], 1024, 0.316_071);
     // Diffuse light: mean of the view over the hemisphere, Gauss-Legendre in the cosine.
@@ -193,7 +193,7 @@ fn front_of_screen_exact_and_first_order() {
 /// Recycling between a Lambertian panel and the front: R + T^2 R_p/(1 - r R_p), eq. 3-5 without and with its
 /// missing factor (1.016 for r = 0.04, R_p = 0.4).
 #[test]
-fn light_that_the_front_sends_back_counts() {
+fn recycled_light_equals_closed_form() {
     let mut stack = panel(diffuser_white(), mirror(0.4));
     stack.front = front(&[(0.04, 0.0)], false);
     let exact = 0.04 + 0.96 * 0.96 * 0.4 / (1.0 - 0.04 * 0.4);
@@ -208,7 +208,7 @@ fn diffuser_white() -> Top {
 
 /// Lossless layers return all light, whatever they do to directions.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     let fronts = [Front::none(1), front(&[(0.04, 0.0), (0.1, 0.0)], false)];
     for (k, front) in fronts.into_iter().enumerate() {
         for (name, top, base) in [
@@ -229,7 +229,7 @@ fn white_furnace() {
 /// The ledger closes: its fractions sum to one, the part of roulette is zero within its error bar, and under
 /// uniform white light the returned light equals the visible light.
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for (name, top, base) in [
         ("diffuser, mirror", diffuser(0.06, 0.9, 0.1), mirror(0.5)),
         ("diffuser, Lambertian", diffuser(0.06, 0.9, 0.1), lambertian(0.5)),
@@ -255,7 +255,7 @@ fn the_ledger_closes() {
 
 /// Exchanging viewer and source changes nothing, whatever lies between (Helmholtz).
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (name, top, base) in [
         ("diffuser, mirror", diffuser(0.08, 0.9, 0.1), mirror(0.9)),
         ("diffuser, Lambertian", diffuser(0.08, 0.9, 0.1), lambertian(0.9)),
@@ -282,7 +282,7 @@ fn reader_and_lamp_may_change_places() {
 /// that hardly varies it must agree with the constant one. Over a mirror without regular transmittance this
 /// also compares single paths with groups of paths.
 #[test]
-fn a_dispersive_medium_agrees_with_a_constant_one() {
+fn dispersive_medium_agrees_with_constant_one() {
     for (base, straight_through) in [(mirror(0.8), 0.1), (mirror(0.8), 0.0), (lambertian(0.8), 0.1)] {
         let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
         let constant = panel(diffuser(0.2, 0.9, straight_through), base.clone());
@@ -316,7 +316,7 @@ fn a_dispersive_medium_agrees_with_a_constant_one() {
 /// Paths are traced in groups. The sums are bit-identical however calls divide them, over a table of one
 /// node and over one in panels.
 #[test]
-fn split_calls_give_the_same_bits() {
+fn sums_of_split_calls_are_bit_identical() {
     for base in [mirror(0.8), in_panels()] {
         let mut stack = panel(diffuser(0.06, 0.9, 0.0), base);
         stack.front = front(&[(0.1, 0.05)], false);
@@ -348,7 +348,7 @@ fn in_panels() -> Base {
 /// The statistics above can fail: an expected value that is off by half a percent is refused.
 #[test]
 #[should_panic(expected = "mean z")]
-fn a_wrong_answer_is_caught() {
+fn wrong_expected_value_is_refused() {
     let stack = panel(Top::Fresnel(one(1.5)), lambertian(0.5));
     check("wrong on purpose", &stack, view(0.0), &[Source::Diffuse], 1024, 0.316_071 * 1.005);
 }

@@ -28,7 +28,7 @@ fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
 /// Every wavelength equals its result alone; faint fronts use forms, strong ones are summed column by
 /// column.
 #[test]
-fn wavelengths_do_not_know_of_each_other() {
+fn wavelengths_computed_together_equal_single_ones() {
     let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-20.0, 30.0, 1.0))];
     for (front, straight_through) in [(0.0, 0.0), (0.04, 0.0), (0.04, 0.2), (0.7, 0.2)] {
         let solve = |bins: usize| {

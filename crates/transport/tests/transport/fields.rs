@@ -70,7 +70,7 @@ fn stacks() -> Vec<(&'static str, Stack, f64)> {
 
 /// A uniform field is diffuse light, however it is represented.
 #[test]
-fn an_even_field_is_diffuse_light() {
+fn uniform_field_equals_diffuse_light() {
     let [rings, cells] = even();
     let sources = [Source::Diffuse, rings, cells];
     for (name, stack, tolerance) in stacks() {
@@ -88,7 +88,7 @@ fn an_even_field_is_diffuse_light() {
 
 /// A Lambertian display has the same reflectance under every light.
 #[test]
-fn a_lambertian_display_has_its_reflectance_under_every_field() {
+fn lambertian_display_has_same_reflectance_under_every_field() {
     let air = |base| {
         let mut panel = panel(Top::Coated, base);
         panel.medium = papilio_transport::Medium::new(one(1.0));
@@ -121,7 +121,7 @@ fn a_lambertian_display_has_its_reflectance_under_every_field() {
 /// A cap is a disc at the normal; a ring is the mean of beams; one bright cell is the disc of its solid
 /// angle.
 #[test]
-fn fields_are_the_lights_that_they_look_like() {
+fn fields_equal_equivalent_sources() {
     let cell = |row: usize, column: usize| if (row, column) == (80, 100) { 1.0 } else { 0.0 };
     // Half a degree by half a degree at 40.25 deg, 50.25 deg.
     let pixel = source(sky(180, 720, cell));
@@ -150,7 +150,7 @@ fn fields_are_the_lights_that_they_look_like() {
 
 /// Levels converge within their claimed errors, for a field whose cells are finer than any lobe.
 #[test]
-fn levels_come_together() {
+fn levels_of_fine_field_converge() {
     let sources = [source(patches())];
     for (name, stack, _) in stacks() {
         let eye = Cone::new(20.0, 35.0, 0.05, 1.0);
@@ -162,7 +162,7 @@ fn levels_come_together() {
 
 /// Monte Carlo results for fields scatter about those of adding, and the ledgers close.
 #[test]
-fn the_walk_agrees() {
+fn monte_carlo_agrees_with_adding() {
     let sources = [
         Source::Diffuse,
         source(patches()),
@@ -222,7 +222,7 @@ fn fringes(speed: f64) -> papilio_transport::Base {
 /// it is summed over 25 600 directions. (Earlier versions were off by 2e-6 for a smooth mirror, with a
 /// claimed error of 1e-7, and by up to 7e-4 for one with fringes.)
 #[test]
-fn images_of_uneven_light_are_means_over_the_field_of_view() {
+fn images_of_nonuniform_light_equal_means_over_view() {
     let slope = source(Field::of(Arc::new(Slope), &[0.0, 90.0], 4, vec![1.0; 4]).unwrap().0);
     let Source::Field(field) = &slope else { unreachable!() };
     let disc = Cone::new(-40.0, 25.0, 7.0, 1.0);

@@ -104,7 +104,7 @@ fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
 
 /// Without scattering nothing is random: image, diffuse light and ledger in closed form.
 #[test]
-fn flat_layers_are_exact() {
+fn flat_layers_equal_closed_forms() {
     let components = [(0.1, 0.02), (0.05, 0.0)];
     for top in [Top::Coated, Top::Fresnel(one(1.5))] {
         let (panel, layers) = both_forms(panel(top, mirror(0.5)), &components);
@@ -132,7 +132,7 @@ fn flat_layers_are_exact() {
 
 /// Any panel, expressed as layers, has the results of the panel's own tracers.
 #[test]
-fn a_panel_as_layers() {
+fn panel_as_layers_equals_panel() {
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     let diffuser = |straight| Top::Diffuser(diffuser(0.08, 0.9, straight));
     for (name, panel) in [
@@ -154,7 +154,7 @@ fn a_panel_as_layers() {
 /// Slabs over black (converged to 1e-8): the reflected light is that of diffuse light seen from that
 /// direction, by reciprocity; the transmitted light is absorbed by the base.
 #[test]
-fn index_matched_slabs() {
+fn index_matched_slabs_equal_published_values() {
     for (albedo, tau, g, normal, oblique) in [
         (0.9, 1.0, 0.0, (0.267410, 0.591625), (0.393662, 0.414840)),
         (0.9, 4.0, 0.0, (0.408142, 0.128524), (0.504093, 0.071824)),
@@ -181,7 +181,7 @@ fn index_matched_slabs() {
 
 /// A conservative slab over a back surface, under a Fresnel interface if n = 1.5, all orders.
 #[test]
-fn slabs_over_a_back_surface() {
+fn slabs_over_back_surface_equal_published_values() {
     for (n, tau, base, normal, oblique) in [
         (1.0, 1.0, mirror(0.5), 0.503286, 0.503368),
         (1.0, 1.0, lambertian(0.5), 0.487380, 0.487701),
@@ -200,7 +200,7 @@ fn slabs_over_a_back_surface() {
 
 /// Giovanelli's half-space under a Fresnel interface of 1.5: albedo 0.9, isotropic (converged).
 #[test]
-fn a_half_space_under_a_face() {
+fn half_space_under_interface_equals_giovanelli() {
     let stack = layered(vec![under_air(slab(1.5, 200.0, 0.0, 0.9))], mirror(0.0));
     let runs = Runs::new(&stack, 0.0, &[Source::Diffuse], 256);
     runs.check("Giovanelli", 0.259919, 0.05, |e| rho(e, 0));
@@ -227,7 +227,7 @@ fn everything(loss: f64, base: Base) -> Stack {
 
 /// Lossless layers return all light.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     let rough = |alpha| Interface::Rough(Rough::new(alpha, 1.0, 1.5));
     for (name, stack) in [
         ("slab under glass", layered(vec![under_air(slab(1.5, 3.0, 0.8, 1.0))], mirror(1.0))),
@@ -245,7 +245,7 @@ fn white_furnace() {
 /// A round source as large as the hemisphere is diffuse light: connections, chance and images together. A
 /// small one is a beam.
 #[test]
-fn discs_from_a_beam_to_the_sky() {
+fn small_and_hemispherical_discs_equal_beam_and_diffuse_light() {
     let sky = Source::Disc(Cone::new(0.0, 0.0, 90.0, 1.0));
     let small = Source::Disc(Cone::new(-25.0, 0.0, 0.3, 1.0));
     let sources = [Source::Diffuse, sky, beam(-25.0), small];
@@ -259,7 +259,7 @@ fn discs_from_a_beam_to_the_sky() {
 
 /// Exchanging viewer and source changes nothing.
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
         let (there, back) = ([beam(35.0)], [beam(10.0)]);
@@ -271,7 +271,7 @@ fn reader_and_lamp_may_change_places() {
 
 /// Two slabs in contact equal one.
 #[test]
-fn splitting_a_slab_changes_nothing() {
+fn split_slab_equals_whole_slab() {
     let sources = [Source::Diffuse, beam(-30.0)];
     let part = |share: f64| slab(1.5, 2.0 * share, 0.7, 0.95).with_transmittance(one(0.8_f64.powf(share)));
     let whole = layered(vec![under_air(part(1.0))], mirror(0.6));
@@ -284,7 +284,7 @@ fn splitting_a_slab_changes_nothing() {
 
 /// The ledger closes on every path, and roulette removes nothing on average.
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
         let runs = Runs::new(&stack, 30.0, &[Source::Diffuse], 128);
@@ -328,7 +328,7 @@ fn coloured(bins: &[usize], lambertian: bool) -> Stack {
 
 /// Paths that carry many wavelengths and states give the same results as separate paths for each.
 #[test]
-fn every_wavelength_and_state_is_its_own() {
+fn wavelengths_and_states_are_independent() {
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     for lambertian in [false, true] {
         let all = coloured(&[0, 1, 2], lambertian);
@@ -353,7 +353,7 @@ fn every_wavelength_and_state_is_its_own() {
 
 /// The thinnest and the thickest layers that can be requested: the first orders, and an end in finite time.
 #[test]
-fn from_a_breath_to_a_wall() {
+fn thinnest_and_thickest_slabs_have_known_limits() {
     // Isotropic and thin, seen along the normal: half of tau is scattered back up.
     let breath = layered(vec![under_air(slab(1.0, 1e-6, 0.0, 1.0))], mirror(0.0));
     let runs = Runs::new(&breath, 0.0, &[Source::Diffuse], 64);
@@ -371,7 +371,7 @@ fn from_a_breath_to_a_wall() {
 
 /// Light scattered once in a thin slab is rarely scattered again; the standard errors include this.
 #[test]
-fn thin_slabs_know_their_errors() {
+fn errors_of_thin_slabs_are_honest() {
     for (thickness, albedo) in [(1e-4, 1.0), (1e-2, 0.9)] {
         let medium = slab(1.5, thickness, 0.3, albedo).with_transmittance(one(0.99));
         let stack = layered(vec![under_air(medium)], mirror(0.6));
@@ -387,7 +387,7 @@ fn thin_slabs_know_their_errors() {
 /// The sums depend on the random numbers and the total number of paths, not on how the paths are divided
 /// among calls.
 #[test]
-fn split_calls_give_the_same_bits() {
+fn sums_of_split_calls_are_bit_identical() {
     let stack = everything(1.0, mirror(0.7));
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     let walk = Walk::new(&stack, view(8.0), &sources);

@@ -75,7 +75,7 @@ impl Case {
 }
 
 #[test]
-fn no_error_is_above_the_claim() {
+fn errors_do_not_exceed_claimed_errors() {
     for number in 0..24 {
         let case = case(number);
         let times = error_over_difference(&case.stack);

@@ -94,7 +94,7 @@ fn assert_scattered(what: &str, scores: &[f64], independent: f64) {
 }
 
 #[test]
-fn every_strategy_and_sampler_agrees_with_adding() {
+fn strategies_and_samplers_agree_with_adding() {
     // Lobes wide enough for uniform directions to have a normally distributed mean of this many paths.
     let displays = [
         display(0.3, 0.0, coloured()),
@@ -138,7 +138,7 @@ fn in_closed_form(width: f64, straight: f64, view: Beta, lamp: Beta) -> f64 {
 /// Faint light of sources far from the mirror direction of a narrow lobe, which is scattered once, in any of
 /// its passes through the diffuser, and otherwise passes unscattered.
 #[test]
-fn narrow_lobes_and_small_lamps() {
+fn narrow_lobes_with_small_sources_equal_closed_form() {
     for strategy in [Strategy::Kernel, Strategy::Guided] {
         let mut all = Vec::new();
         for seed in 0..24_u32 {
@@ -175,7 +175,7 @@ fn narrow_lobes_and_small_lamps() {
 /// random numbers, and (if the front returns little light, which is decided by independent numbers) with
 /// Sobol numbers.
 #[test]
-fn the_guide_beats_the_kernel() {
+fn guided_strategy_has_less_variance_than_kernel() {
     let mut weak = display(0.0567, 0.0, coloured());
     weak.front = front(&[(0.002, 0.01)], false);
     for (sampler, panel) in [(Sampler::Random, display(0.0567, 0.0, coloured())), (Sampler::Sobol, weak)] {
@@ -211,7 +211,7 @@ fn slope(stack: &Stack, sources: &[Source], strategy: Strategy, paths: &[u64]) -
 /// the exponent, also beyond 2^16 points of a sequence. (Smooth: little of the lobe is cut off at the edge
 /// of the glass's directions, which is a jump for the kernel.)
 #[test]
-fn sobol_points_beat_the_square_root() {
+fn sobol_error_decreases_faster_than_square_root() {
     let mut smooth = display(0.05, 0.0, coloured());
     smooth.front = front(&[(0.0, 0.01)], false);
     let stack = Stack::Panel(smooth);

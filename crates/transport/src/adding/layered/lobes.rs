@@ -136,7 +136,7 @@ mod tests {
 
     /// Compared with the trapezoid rule, which converges exponentially for periodic functions.
     #[test]
-    fn orders_are_fourier_coefficients() {
+    fn orders_equal_fourier_coefficients_of_lobe() {
         for (width, a, b) in [(0.06, 0.3, 0.35), (0.5, 0.9, 0.1), (0.02, 1e-9, 0.02), (0.1, 0.0, 0.3)] {
             let lobe = Lobe::KCorrelation { width };
             let steps = 4000;

@@ -191,7 +191,7 @@ mod tests {
 
     /// A finely tabulated k-correlation lobe has the orders of its closed series.
     #[test]
-    fn a_table_has_the_orders_of_its_lobe() {
+    fn table_has_orders_of_its_lobe() {
         let lobe = Lobe::KCorrelation { width: 0.2 };
         let radial: Vec<f64> = (0..=250).map(|k| 2.0 * (f64::from(k) / 250.0).powi(2)).collect();
         let values: Vec<f64> =

@@ -149,7 +149,7 @@ mod tests {
 
     /// Orders are compared with the trapezoid rule, which converges exponentially.
     #[test]
-    fn orders_are_the_lobes_fourier_coefficients() {
+    fn orders_equal_fourier_coefficients_of_lobe() {
         for (width, a, c) in [(0.05, 0.3, 0.35), (0.05, 0.9, 0.1), (0.4, 1.2, 1.0), (0.02, 0.5, 0.5)] {
             let lobe = Lobe::KCorrelation { width };
             let (mut found, node) = (vec![0.0; 30], [Node { x: c, weight: 1.0 }]);

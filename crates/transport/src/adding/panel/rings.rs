@@ -227,7 +227,7 @@ mod tests {
 
     /// Both methods of summing over azimuth agree, for lobes down to a width of 1e-4.
     #[test]
-    fn products_of_narrow_lobes() {
+    fn products_of_narrow_lobes_agree_by_both_methods() {
         let point = |x, y| vec![Point { beta: Beta { x, y }, weight: 1.0 }];
         let (one, other) = (point(0.3, 0.02), point(-0.1, 0.29));
         for width in [1e-4, 3e-3, 0.05] {

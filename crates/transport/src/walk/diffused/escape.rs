@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_the_closed_form() {
+    fn table_equals_closed_form() {
         for width in [0.003, 0.01, 0.0567, 0.3, 2.0] {
             let lobe = Lobe::KCorrelation { width };
             let leaving = Escape::new(lobe, 1.52);

@@ -91,7 +91,7 @@ mod tests {
 
     /// After any number of paths, the blocks represent this number on average over replicates.
     #[test]
-    fn turns_stand_for_all_paths() {
+    fn blocks_represent_all_paths_on_average() {
         for (every, paths) in [(1, 10), (3, 64), (20, 64), (64, 64), (100, 100), (300, 700), (5000, 200)] {
             let streams = 4000;
             let sums: Vec<f64> =
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn every_replicate_has_a_turn_in_its_first_round() {
+    fn every_replicate_continues_a_path_in_its_first_round() {
         for every in [1, 5, 64, 65, 220, 10_000, u64::MAX] {
             for stream in 0..200 {
                 assert!(!turns(every, stream, 0..64).is_empty(), "{every} {stream}");
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_do_not_depend_on_how_paths_are_cut() {
+    fn selected_paths_do_not_depend_on_split() {
         for every in [1, 7, 64, 220, 3000] {
             let whole = turns(every, 3, 0..5000);
             let cut: Vec<(u64, f64)> = [0..1, 1..63, 63..64, 64..300, 300..1024, 1024..1024, 1024..5000]

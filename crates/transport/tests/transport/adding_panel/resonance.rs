@@ -49,7 +49,7 @@ fn over_the_resonance(lobe: Lobe, from: Beta, to: Beta) -> [f64; 2] {
 
 /// The reflectance of a pixel may change over directions faster than any lobe.
 #[test]
-fn wide_lobes_over_a_resonance() {
+fn wide_lobes_over_resonance_equal_quadrature() {
     let (from, to) = (Beta::towards(8.0, 0.0, 1.0), Beta::from_source(-20.0, 40.0, 1.0));
     let lights = [Source::Diffuse, beam(-20.0, 40.0)];
     let lobes = [0.1, 0.2, 1.0, 50.0].map(|width| Lobe::KCorrelation { width });
@@ -73,7 +73,7 @@ fn wide_lobes_over_a_resonance() {
 /// A Lambertian diffuser makes the panel Lambertian: T^2 R_p/(1 - r R_p) for scattered light, with R_p the
 /// mean of the pixel over the disc of air; wide lobes converge.
 #[test]
-fn recycled_light_over_a_resonance() {
+fn recycled_light_over_resonance_equals_closed_form() {
     let (wide, anywhere) = (Lobe::KCorrelation { width: 1.0 }, Beta { x: 0.1, y: 0.0 });
     let mean = over_the_resonance(Lobe::Lambertian, anywhere, anywhere)[1];
     for (table, base) in resonant_bases() {

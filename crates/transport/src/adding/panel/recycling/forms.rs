@@ -153,7 +153,7 @@ mod tests {
 
     /// A polynomial of degree d has exact derivatives by d + 1 differences.
     #[test]
-    fn slopes_are_those_of_the_polynomial() {
+    fn slopes_equal_derivatives_of_polynomial() {
         for (terms, degree) in [(1_usize, 2_u32), (1, 5), (4, 2), (3, 4)] {
             let coefficients: Vec<f64> = (0..terms.pow(degree)).map(|k| (k * k % 23) as f64 - 9.0).collect();
             let (places, less) = (Places::new(terms, degree), Places::new(terms, degree - 1));
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn folded_forms_have_the_values_of_all_their_sequences() {
+    fn folded_forms_equal_sums_of_sequences() {
         for (terms, degree) in [(1_usize, 2_u32), (1, 5), (4, 2), (3, 4), (2, 7)] {
             // Two forms at three columns.
             let size = terms.pow(degree);
