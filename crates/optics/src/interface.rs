@@ -6,19 +6,19 @@
 //! `r_s = (q1 - q2)/(q1 + q2)` and `r_p = (n2^2 q1 - n1^2 q2)/(n2^2 q1 + n1^2 q2)`.
 //! Beyond the critical angle everything is reflected.
 //!
-//! Valid for 0 <= beta <= n1; absorbing media are the business of [`film`](crate::film).
+//! Valid for 0 <= beta <= n1; for absorbing media see [`film`](crate::film).
 //!
 //! Intuition: 4 % at normal incidence on glass, none for p at Brewster's angle,
 //! all at grazing incidence. The same from both sides for the same beta.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.5.2.
 
-/// Reflectance for s (field across the plane of incidence), 0 to 1.
+/// Returns the reflectance for s (field perpendicular to the plane of incidence), 0 to 1.
 pub fn fresnel_reflectance_s(n1: f64, n2: f64, beta: f64) -> f64 {
     reflectance(n1, n2, beta, |_, _| 1.0)
 }
 
-/// Reflectance for p (field in the plane of incidence), 0 to 1.
+/// Returns the reflectance for p (field in the plane of incidence), 0 to 1.
 pub fn fresnel_reflectance_p(n1: f64, n2: f64, beta: f64) -> f64 {
     reflectance(n1, n2, beta, |n1, n2| (n2 / n1).powi(2))
 }
@@ -34,7 +34,7 @@ pub fn fresnel_reflectance(n1: f64, n2: f64, beta: f64) -> f64 {
     0.5 * (fresnel_reflectance_s(n1, n2, beta) + fresnel_reflectance_p(n1, n2, beta))
 }
 
-/// `weight` is what multiplies q1 against q2.
+/// Returns the reflectance of one polarisation; `weight` are the factors of q1 and q2.
 fn reflectance(n1: f64, n2: f64, beta: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
     let beta = beta.abs();
     if n1 == n2 {

@@ -101,8 +101,8 @@ pub(super) fn integral(
     sum
 }
 
-/// Returns the directions of light at `|beta| = length` along x displaced by a distance, at an azimuth of
-/// either sign about it.
+/// Returns the direction `|beta| = length` along x, and the direction displaced from it by a distance at an
+/// azimuth.
 pub(super) fn turned(length: f64, distance: f64, azimuth: f64) -> [Beta; 2] {
     debug_assert!((-1e-9..=PI + 1e-9).contains(&azimuth));
     let (sin, cos) = azimuth.sin_cos();

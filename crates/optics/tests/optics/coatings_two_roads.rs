@@ -1,4 +1,4 @@
-//! Tabulated coatings against the plain road, closed forms and laws.
+//! Tabulated coatings compared with the reference implementation, closed forms and laws.
 
 use num_complex::Complex64;
 use papilio_optics::OpticsError;
@@ -24,7 +24,7 @@ fn coating(above: f64, layers: &[Layer], below: f64) -> Coating {
     Coating::new(&[NM], &[above], &spectral(layers), &[below]).unwrap()
 }
 
-/// Transmittance and reflectance, mean of s and p, by the plain road.
+/// Transmittance and reflectance, mean of s and p, by the reference implementation.
 fn plain(incidence: f64, layers: Vec<Layer>, substrate: f64, beta: f64) -> [f64; 2] {
     let film = Film { incidence, layers, substrate: substrate.into() };
     let [s, p] = [Polarisation::S, Polarisation::P]
@@ -32,14 +32,15 @@ fn plain(incidence: f64, layers: Vec<Layer>, substrate: f64, beta: f64) -> [f64;
     [0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)]
 }
 
-/// The largest difference from the plain road at random beta in either medium, and R + T <= 1.
+/// Returns the largest difference from the reference implementation at random beta in either medium; asserts
+/// R + T <= 1.
 fn worst_difference(above: f64, layers: &[Layer], below: f64, stream: u64) -> f64 {
     let table = coating(above, layers, below);
     let upside_down: Vec<Layer> = layers.iter().rev().copied().collect();
     let numbers = Numbers::new(Sampler::Random, 5, stream);
     let mut worst = 0.0_f64;
     for path in 0..2000 {
-        // Half of them towards grazing, where square roots begin.
+        // Half of them are close to grazing, where square roots begin.
         let u = numbers.block(path, 0);
         let beta = above.max(below) * if path % 2 == 0 { u[0] } else { 1.0 - 1e-3 * u[0] * u[0] };
         let part = table.part(beta * beta, 0);
@@ -64,7 +65,7 @@ fn worst_difference(above: f64, layers: &[Layer], below: f64, stream: u64) -> f6
     worst
 }
 
-/// Twice what is asked for midway between the nodes.
+/// Twice the tolerance midway between the nodes.
 const TOLERANCE: f64 = 2e-9;
 
 #[test]

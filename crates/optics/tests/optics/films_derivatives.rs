@@ -1,5 +1,6 @@
-//! Derivatives of a film's reflectance against those of its amplitude, which is analytic in every thickness and
-//! index: means over a circle in the complex plane (Cauchy) give them to rounding, with no step to choose.
+//! Derivatives of a film's reflectance, compared with those of its amplitude, which is analytic in every
+//! thickness and index: means over a circle in the complex plane (Cauchy) give them to rounding, without a
+//! step size.
 
 use std::f64::consts::PI;
 
@@ -17,7 +18,7 @@ struct Stack {
 }
 
 impl Stack {
-    /// The amplitude reflectance; `root` is the substrate's q where nothing is shifted.
+    /// Returns the amplitude reflectance; `root` is the substrate's q for unshifted parameters.
     fn r(&self, nm: f64, beta: f64, is_p: bool, root: Complex64) -> Complex64 {
         let k0 = 2.0 * PI / nm;
         let g = |n: Complex64| if is_p { n * n } else { Complex64::ONE };
@@ -40,7 +41,8 @@ impl Stack {
         if q.im < 0.0 { -q } else { q }
     }
 
-    /// Mean reflectance and its derivative by what `shifted` shifts by a complex number.
+    /// Returns the mean reflectance and its derivative by the parameter that `shifted` shifts by a complex
+    /// number.
     fn derivative(
         &self,
         nm: f64,
@@ -88,7 +90,8 @@ impl Case {
         (0..self.layers.len()).flat_map(of).chain(substrate).collect()
     }
 
-    /// Circles are small, so that no pole of a sharp resonance lies inside; rounding is 1e-16 over their radius.
+    /// Circles are small, so that no pole of a sharp resonance lies inside; rounding is 1e-16 over their
+    /// radius.
     fn truth(&self, variable: Variable, nm: f64) -> (f64, f64) {
         let by = |radius, shift: &dyn Fn(&mut Stack, Complex64)| {
             self.stack().derivative(nm, self.beta, radius, shift)
@@ -103,7 +106,8 @@ impl Case {
         }
     }
 
-    /// The largest differences of reflectances and of derivatives, these over 1 + the truth.
+    /// Returns the largest differences of reflectances and of derivatives, the latter over 1 + the true
+    /// value.
     fn largest_differences(&self) -> (f64, f64) {
         let wavelengths: Vec<f64> = (0..11).map(|i| 380.0 + 40.0 * f64::from(i)).collect();
         let count = wavelengths.len();
@@ -146,7 +150,7 @@ fn medium(dice: &mut Dice) -> Complex64 {
     }
 }
 
-/// Films of a display's size on metal, up to 85 deg in the incidence medium.
+/// Films of typical thickness on metal, up to 85 deg in the incidence medium.
 fn case(dice: &mut Dice) -> Case {
     let nought_or = |dice: &mut Dice, most| if dice.one_in(2) { 0.0 } else { dice.between(0.0, most) };
     let layers = dice.several(0..=5, |dice| (medium(dice), nought_or(dice, 400.0)));
@@ -165,7 +169,7 @@ fn derivatives_are_those_of_the_analytic_amplitude() {
     });
 }
 
-/// Total reflection, frustrated by an absorber and not; a layer that light grazes inside; a bare substrate.
+/// Total reflection, with and without an absorber; a layer in which light is grazing; a bare substrate.
 #[test]
 fn special_films() {
     let (glass, air, metal) = (Complex64::from(1.5), Complex64::from(1.0), Complex64::new(0.97, 6.46));

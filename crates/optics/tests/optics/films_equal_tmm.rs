@@ -1,5 +1,5 @@
-//! Films equal PyPI `tmm` 0.2.0 (S. J. Byrnes, arXiv:1603.02720): the committed table
-//! of `validation/films/tmm_oracle.py`, on both roads.
+//! Films equal PyPI `tmm` 0.2.0 (S. J. Byrnes, arXiv:1603.02720): the committed table of
+//! `validation/films/tmm_oracle.py`, by both implementations.
 
 use num_complex::Complex64;
 use papilio_optics::film::{

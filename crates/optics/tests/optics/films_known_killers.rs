@@ -1,4 +1,4 @@
-//! Cases that other implementations fall over, each with a test of its name, on both roads.
+//! Cases in which other implementations fail, each with a test of its name, by both implementations.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ fn layer(index: impl Into<Complex64>, thickness_nm: f64) -> Layer {
     Layer { index: index.into(), thickness_nm }
 }
 
-/// s and p, after a check that the fast road agrees with every choice of the gap.
+/// Returns s and p, after a check that the fast implementation agrees for every choice of the gap.
 fn both(incidence: f64, layers: &[Layer], substrate: impl Into<Complex64>, beta: f64) -> [Coherent; 2] {
     let film = Film { incidence, layers: layers.to_vec(), substrate: substrate.into() };
     let found = [Polarisation::S, Polarisation::P].map(|p| coherent(&film, NM, beta, p).unwrap());
@@ -80,8 +80,8 @@ fn tiny_k_is_the_limit_of_no_k() {
             for log_k in [-300, -100, -30, -18, -16, -15, -14] {
                 let k = 10.0_f64.powi(log_k);
                 let found = both(1.5, &thin(k), Complex64::new(substrate, k), beta);
-                // What so little k really absorbs: of the order of k times path over
-                // wavelength, times the resonance of a light guide near cut-off.
+                // The true absorptance of so small a k: of the order of k times path over wavelength, times
+                // the resonance of a waveguide near cut-off.
                 let tolerance = 1e-13 + 1e3 * k;
                 for (found, none) in found.iter().zip(&none) {
                     assert_close(found.reflectance, none.reflectance, tolerance);
@@ -152,8 +152,8 @@ fn thick_evanescent_gap_does_not_overflow() {
     }
 }
 
-/// A layer whose own index equals beta: sin(delta)/q is 0/0. The closed form of its
-/// limit, for s between equal media, is T = 1/(1 + (q k0 d/2)^2).
+/// A layer whose own index equals beta: sin(delta)/q is 0/0. The closed form of its limit, for s between
+/// equal media, is T = 1/(1 + (q k0 d/2)^2).
 #[test]
 fn light_that_grazes_inside_a_layer() {
     let beta = 1.5 * 60.0_f64.to_radians().sin();
@@ -171,7 +171,7 @@ fn light_that_grazes_inside_a_layer() {
         let at = both(1.5, &[layer(beta, 150.0)], 1.5, beta);
         assert_close(near[0].reflectance, at[0].reflectance, 1e-7);
     }
-    // A gap of that index right under glass of that index, and a substrate too.
+    // A gap of that index directly under glass of that index, and a substrate too.
     both(1.5, &[layer(beta, 10.0), layer(beta, 20.0)], beta, beta);
 }
 
@@ -212,7 +212,7 @@ fn light_that_cannot_exist_is_an_error_or_nothing() {
     for beta in [1.5, 2.0, -0.1, f64::NAN, f64::INFINITY] {
         assert!(coherent(&film, NM, beta, Polarisation::S).is_err());
     }
-    // The incidence medium disperses: at 1.51 there is light in the blue only.
+    // The incidence medium is dispersive: at 1.51 light exists only in the blue.
     let fast = GapFilm::new(&[450.0, 650.0], &[1.53, 1.51], &[], &[1.0.into(); 2]).unwrap();
     let mut out = [f64::NAN; 2];
     fast.reflectance(&[1.51], &[0.0], &mut out).unwrap();
