@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_peak_is_found_and_resolved() {
+    fn narrow_peak_is_found_and_resolved() {
         let peak = |x: f64| [1e-6 / (1e-6 + (x - 0.3).powi(2)), (40.0 * x).sin()];
         let table = table(1e-10, peak).unwrap();
         for step in 0..=10_000 {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_integrals() {
+    fn moments_equal_integrals() {
         let table = table(1e-12, |x| [0.0, (3.0 * x).cos()]).unwrap();
         // By parts.
         let [first, third] = [
@@ -202,12 +202,12 @@ mod tests {
     }
 
     #[test]
-    fn what_needs_too_many_pieces_is_refused() {
+    fn function_with_too_many_pieces_is_refused() {
         assert_eq!(table(1e-9, |x| [(1e5 * x).sin()]), None);
     }
 
     #[test]
-    fn a_step_ends_in_a_narrow_piece() {
+    fn step_ends_in_narrow_piece() {
         let table = table(1e-9, |x| [f64::from(u8::from(x > 0.3))]).unwrap();
         assert!((table.at(0.3 - 1e-9)[0]).abs() < 1e-9 && (table.at(0.3 + 1e-9)[0] - 1.0).abs() < 1e-9);
     }

@@ -78,7 +78,7 @@ mod tests {
 
     /// Light just above the horizon exists in its medium, from every azimuth and in every index.
     #[test]
-    fn beta_of_grazing_light_is_below_the_index() {
+    fn beta_of_grazing_light_is_below_index() {
         for index in [1.0, 1.000_29, 1.33, 1.5, 2.461_9, 10.0] {
             for theta in [89.999_999, 89.999_999_9, 89.999_999_999_999, 90.0] {
                 for phi in (0..3600).map(|tenth| f64::from(tenth) * 0.1) {

@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn normal_incidence_is_the_textbook_value() {
+    fn reflectance_at_normal_incidence_equals_textbook() {
         for (n1, n2) in [(1.0, 1.5), (1.5, 1.0), (1.0, 1.33), (1.5, 2.4)] {
             let expected = ((n1 - n2) / (n1 + n2)) * ((n1 - n2) / (n1 + n2));
             assert!((fresnel_reflectance(n1, n2, 0.0) - expected).abs() < 1e-16);
@@ -63,7 +63,7 @@ mod tests {
 
     /// Born and Wolf, eq. 1.5.2 (21a): the laws of sines and tangents.
     #[test]
-    fn oblique_incidence_equals_the_angles_form() {
+    fn reflectance_at_oblique_incidence_equals_form_by_angles() {
         for theta1 in [30.0_f64, 45.0, 60.0, 89.9] {
             let (n1, n2) = (1.0, 1.52);
             let t1 = theta1.to_radians();
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn brewsters_angle_reflects_no_p() {
+    fn p_reflectance_at_brewster_angle_is_zero() {
         let brewster = (1.5_f64).atan();
         assert!(fresnel_reflectance_p(1.0, 1.5, brewster.sin()) < 1e-30);
     }
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn both_sides_reflect_alike_and_no_interface_reflects_nothing() {
+    fn reflectance_is_equal_from_both_sides_and_zero_between_equal_media() {
         for i in 0..100 {
             let beta = f64::from(i) * 0.01;
             let (down, up) = (fresnel_reflectance(1.0, 1.5, beta), fresnel_reflectance(1.5, 1.0, beta));

@@ -4,8 +4,8 @@
 //!
 //! - [`interface`]: Fresnel reflectances between transparent media;
 //! - [`film`]: any stack of coherent thin layers, metals and evanescent waves included:
-//! [`film::coherent`] computes all properties at one wavelength and direction,
-//! [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
+//!   [`film::coherent`] computes all properties at one wavelength and direction,
+//!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
 //! - [`scatterer`]: the interface of all scatterers;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
@@ -44,9 +44,9 @@ pub mod phase;
 pub mod rough;
 pub mod scatter;
 pub mod scatterer;
-mod wide;
+mod simd;
 
 pub use direction::{Beta, sine_of_inclination};
 pub use error::OpticsError;
 pub use scatterer::{Sample, Scatterer};
-pub use wide::wide;
+pub use simd::with_widest_simd;

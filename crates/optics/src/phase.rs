@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_the_density() {
+    fn moments_equal_integrals_of_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             for l in [0, 1, 2, 5, 12] {
@@ -139,7 +139,7 @@ mod tests {
 
     /// The inversion as usually published, away from its 0/0.
     #[test]
-    fn sample_is_the_textbook_inversion() {
+    fn samples_equal_textbook_inversion() {
         for g in [-0.9, -0.3, 0.4, 0.98_f64] {
             for step in 0..=100 {
                 let u = f64::from(step) / 100.0;
@@ -153,7 +153,7 @@ mod tests {
 
     /// The integral of the density below the cosine that is sampled from u is u.
     #[test]
-    fn sample_inverts_the_cumulative_density() {
+    fn samples_invert_cumulative_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             for u in [0.0, 1e-3, 0.2, 0.5, 0.9, 0.999, 1.0] {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_follow_the_density() {
+    fn samples_follow_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             let (found, mean) = chi_square(phase, phase);
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slightly_wrong_anisotropy_is_caught() {
+    fn slightly_wrong_anisotropy_is_refused() {
         let phase = |anisotropy| HenyeyGreenstein { anisotropy };
         assert!(!chi_square(phase(0.75), phase(0.73)).0.is_likely());
         assert!(!chi_square(phase(0.0), phase(0.03)).0.is_likely());

@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn every_scatterer_keeps_the_contract() {
+    fn scatterers_fulfil_their_contract() {
         let from = Beta { x: 0.35, y: -0.2 };
         check("k-correlation", &Lobe::KCorrelation { width: 0.2 }, from, &one_way(1.5), true);
         check("Lambertian", &Lobe::Lambertian, from, &one_way(1.0), false);

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use crate::base::largest;
 use crate::product::add_product;
@@ -192,7 +192,7 @@ impl AngularTable {
         let mut basis = vec![0.0; width];
         if let Some(index) = medium.constant_index() {
             let stencil = self.nodes.stencil(beta_squared, index);
-            wide(
+            with_widest_simd(
                 #[inline(always)]
                 || self.add_nodes(&stencil, &mut basis),
             );
@@ -207,7 +207,7 @@ impl AngularTable {
                 }
             }
         }
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || self.mix(&basis, 1.0, out),
         );
@@ -223,7 +223,7 @@ impl AngularTable {
         for ((out, basis), weights) in
             sums.chunks_exact_mut(one_sum).zip(basis.chunks_exact(width.max(1))).zip(node_weights)
         {
-            wide(
+            with_widest_simd(
                 #[inline(always)]
                 || self.mix(basis, weights.iter().sum(), out),
             );

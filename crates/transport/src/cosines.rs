@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 use papilio_sampling::warp::rounded;
 
 use crate::angular::Stencil;
@@ -151,7 +151,7 @@ impl CosinePanels {
     /// points, so that Lagrange polynomials are sums of them.)
     pub(crate) fn add_moments(moments: &[f64; Self::NODES], weights: &mut [f64; Self::NODES]) {
         let at_nodes = &*POLYNOMIALS;
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || {
                 for (at_nodes, moment) in at_nodes.iter().zip(moments) {

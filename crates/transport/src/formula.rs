@@ -68,10 +68,10 @@ impl Polar {
         std::array::from_fn(|i| sin * (cos_turn * out[i] + sin_turn * side[i]) + cos * axis[i])
     }
 
-    fn sees(&self, edge: &Edge) -> Seen {
+    fn sees(&self, edge: &Edge) -> PolarCircle {
         let dot = |a: &[f64; 3]| a.iter().zip(&edge.centre).map(|(a, b)| a * b).sum::<f64>();
         let [out, side, along] = [dot(&self.0[0]), dot(&self.0[1]), dot(&self.0[2])];
-        Seen {
+        PolarCircle {
             distance: out.hypot(side).atan2(along),
             turn: side.atan2(out),
             radius: edge.radius,
@@ -82,7 +82,7 @@ impl Polar {
 
 /// A circle in polar coordinates.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct PolarCircle {
     /// Distance of its centre from the axis.
     distance: f64,
     turn: f64,
@@ -93,7 +93,7 @@ struct Seen {
 /// Largest distance of its centre from the axis at which a circle is concentric.
 const CONCENTRIC: f64 = 1e-9;
 
-impl Seen {
+impl PolarCircle {
     fn is_concentric(&self) -> bool {
         self.distance < CONCENTRIC || self.distance > PI - CONCENTRIC
     }
@@ -107,7 +107,7 @@ impl Seen {
     /// Returns the poles of integrals over circles about the axis, by their angle, and the breaks.
     fn over_angle(&self, finest: f64) -> impl Iterator<Item = (f64, Option<f64>)> {
         let off = if self.is_concentric() {
-            // Seen from a point on the axis everything is smooth.
+            // PolarCircle from a point on the axis everything is smooth.
             (self.radius > 0.0 && self.scale.is_finite()).then_some(self.scale.max(finest))
         } else {
             // Where circles touch there is a square root; about a point, a logarithm.
@@ -149,7 +149,7 @@ impl Seen {
 pub(crate) struct Formula {
     radiance: Arc<dyn Radiance>,
     polar: Polar,
-    seen: Vec<Seen>,
+    seen: Vec<PolarCircle>,
 }
 
 /// Natural digits that rules over formulas have in addition to those of the result: they cost little.
@@ -178,7 +178,7 @@ impl Formula {
 
     /// Returns true if its edges are the same at all azimuths.
     pub(crate) fn is_round(&self) -> bool {
-        self.seen.iter().all(Seen::is_concentric)
+        self.seen.iter().all(PolarCircle::is_concentric)
     }
 
     /// Returns the irradiance: the integral over the hemisphere by area of direction cosines.

@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use papilio_sampling::warp;
 
 use crate::scatterer::{Sample, Scatterer};
-use crate::{Beta, wide};
+use crate::{Beta, with_widest_simd};
 
 /// The k-correlation lobe of exponent 3/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +58,7 @@ impl KCorrelation {
     #[inline(always)]
     pub fn fractions_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
         let Self { width } = *self;
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || fractions_of_lobes(width, offsets, radius),
         )

@@ -165,7 +165,7 @@ mod tests {
     /// Haze and width, truncated at the hemisphere: table recomputed from 1 - F(sin 2.5 deg)/F(1), F(r) = 1
     /// - b/sqrt(b^2 + r^2).
     #[test]
-    fn haze_and_width_belong_together() {
+    fn haze_and_width_are_inverse() {
         for (haze, width) in
             [(0.50, 0.02607), (0.65, 0.03869), (0.78, 0.05667), (0.81, 0.06295), (0.90, 0.09543)]
         {
@@ -192,7 +192,7 @@ mod tests {
 
     /// `fraction_within` is the integral of the density (tested below), which relates samples to densities.
     #[test]
-    fn samples_follow_the_density() {
+    fn samples_follow_density() {
         for lobe in
             [Lobe::KCorrelation { width: 0.0567 }, Lobe::KCorrelation { width: 0.9 }, Lobe::Lambertian]
         {
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_density_that_is_slightly_too_wide_is_caught() {
+    fn slightly_too_wide_density_is_refused() {
         let wider = Lobe::KCorrelation { width: 0.0567 * 1.05 };
         let lobe = Lobe::KCorrelation { width: 0.0567 };
         let found = chi_square(lobe, Beta::default(), |radius| wider.fraction_within(radius));
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn straight_through_light_is_not_haze() {
+    fn regular_light_is_not_haze() {
         let width = width_from_haze(0.4, 0.3).unwrap();
         assert!((Lobe::KCorrelation { width }.haze(0.3) - 0.4).abs() < 1e-12);
         assert!(width < 0.2, "the narrower of the two widths: {width}");
@@ -235,7 +235,7 @@ mod tests {
     /// TIS/T of a b = 0.1 lobe by truncation alone, 0 to 75 deg, by numerical integration over the unit
     /// disc.
     #[test]
-    fn truncation_takes_more_of_oblique_light() {
+    fn truncation_removes_more_of_oblique_light() {
         let lobe = Lobe::KCorrelation { width: 0.1 };
         let published =
             [(0.0, 0.9005), (15.0, 0.8953), (30.0, 0.8768), (45.0, 0.8331), (60.0, 0.7291), (75.0, 0.5342)];
@@ -257,7 +257,7 @@ mod tests {
 
     /// Compared with the integral over azimuth of the part between the near and far rim.
     #[test]
-    fn share_in_a_disc_is_the_integral_of_the_density() {
+    fn fraction_in_disc_equals_integral_of_density() {
         for (width, radius) in [(0.0567, 1.0), (0.005, 1.0), (0.4, 1.5)] {
             let lobe = Lobe::KCorrelation { width };
             for offset in [0.0, 0.3, 0.97, 1.0, 1.02, 1.4, 1.5] {
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn share_within_a_radius_is_the_integral_of_the_density() {
+    fn fraction_within_radius_equals_integral_of_density() {
         for lobe in [Lobe::KCorrelation { width: 0.07 }, Lobe::Lambertian] {
             for radius in [0.05, 0.4, 1.0] {
                 let rings = 20_000;

@@ -252,7 +252,7 @@ mod tests {
     use crate::rough::Distribution;
 
     #[test]
-    fn the_table_of_what_passes_is_fine_enough() {
+    fn table_of_transmission_is_fine_enough() {
         for hidden in [0.0, 0.1, 3.0, 1e3] {
             let across = Across::new(hidden);
             for step in 0..1000 {
@@ -269,7 +269,7 @@ mod tests {
     /// (For light along the interface itself, which carries nothing, the combined effect of heights and
     /// slopes varies on the scale of the cosine: there 9e-6.)
     #[test]
-    fn twelve_nodes_are_enough() {
+    fn twelve_nodes_are_accurate() {
         let (rule, fine) = (Rule::new(12), Rule::new(48));
         for (alpha, below) in [(0.01, 1.5), (0.1, 1.05), (0.4, 2.4), (1.0, 1.5)] {
             let facets = Microfacets { distribution: Distribution::Ggx, alpha, above: 1.0, below };

@@ -20,7 +20,7 @@ pub(super) struct Microfacets {
 
 /// Light after one microfacet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Leaving {
+pub(super) struct ScatteredLight {
     /// Side to which the microfacet scatters it.
     pub(super) side: Side,
     /// Its direction.
@@ -31,7 +31,7 @@ pub(super) struct Leaving {
 
 /// Light at a microfacet that is visible to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Meeting {
+pub(super) struct MicrofacetEvent {
     from: Side,
     /// Wave vector before, z towards the side of incidence.
     arriving: [f64; 3],
@@ -130,7 +130,7 @@ impl Microfacets {
     }
 
     /// Samples a microfacet among those visible to the light, weighted by their projected areas.
-    pub(super) fn meet(&self, from: Side, beta: Beta, u: [f64; 2]) -> Meeting {
+    pub(super) fn meet(&self, from: Side, beta: Beta, u: [f64; 2]) -> MicrofacetEvent {
         let n1 = self.index(from);
         let q = (n1 * n1 - beta.squared()).max(0.0).sqrt();
         // In units where the roughness is 1, towards the incident light.
@@ -142,19 +142,27 @@ impl Microfacets {
         let n2 = self.index(from.other());
         let c2 = beyond(c1, n1, n2);
         let hidden = self.hidden(q, beta.squared()) / q;
-        Meeting { from, arriving, hidden, normal, c1, c2, reflectance: 1.0 - transmittance(c1, n1, c2, n2) }
+        MicrofacetEvent {
+            from,
+            arriving,
+            hidden,
+            normal,
+            c1,
+            c2,
+            reflectance: 1.0 - transmittance(c1, n1, c2, n2),
+        }
     }
 
     /// Returns the light that this microfacet reflects, or refracts; `None` if it meets other microfacets.
-    pub(super) fn leave(&self, meeting: &Meeting, reflected: bool) -> Option<Leaving> {
-        let Meeting { from, arriving, hidden, normal, c1, c2, .. } = *meeting;
+    pub(super) fn leave(&self, event: &MicrofacetEvent, reflected: bool) -> Option<ScatteredLight> {
+        let MicrofacetEvent { from, arriving, hidden, normal, c1, c2, .. } = *event;
         let along = if reflected { 2.0 * c1 } else { c1 - c2 };
         let [x, y, z] = std::array::from_fn(|k| arriving[k] + along * normal[k]);
         let (side, q) = if reflected { (from, z) } else { (from.other(), -z) };
         let (beta, n) = (Beta { x, y }, self.index(side));
         (q > 0.0 && beta.squared() < n * n).then(|| {
             let unshadowed = self.unshadowed(hidden, q, n, reflected);
-            Leaving { side, beta, unshadowed }
+            ScatteredLight { side, beta, unshadowed }
         })
     }
 }

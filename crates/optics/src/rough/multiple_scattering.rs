@@ -189,7 +189,7 @@ mod tests {
 
     /// Compared with the midpoint rule over the cumulative integral up to each sampled direction.
     #[test]
-    fn drawn_directions_invert_the_cumulative_deficit() {
+    fn samples_invert_cumulative_deficit() {
         let (facets, deficits) = deficits(Distribution::Ggx, 0.1);
         let steps = 4000;
         let share = |side, way: usize, to: f64| {
@@ -212,7 +212,7 @@ mod tests {
     /// The equations of the random walk are reciprocal except for the grid on which they are solved: the
     /// light that crosses is the same from both sides already before the correction.
     #[test]
-    fn what_crosses_is_alike_from_both_sides() {
+    fn crossing_light_is_equal_from_both_sides() {
         for (distribution, alpha) in [(Distribution::Ggx, 0.3), (Distribution::Beckmann, 0.6)] {
             let (facets, balanced) = deficits(distribution, alpha);
             assert!(balanced.excess().abs() < 1e-9);

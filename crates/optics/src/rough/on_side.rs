@@ -52,15 +52,15 @@ impl Scatterer for Rough {
 
 impl Rough {
     fn sample_direction(&self, OnSide { side: from, beta: beta_i }: OnSide, u: [f64; 4]) -> OnSide {
-        let meeting = self.facets.meet(from, beta_i, [u[0], u[1]]);
-        let reflectance = meeting.reflectance;
+        let event = self.facets.meet(from, beta_i, [u[0], u[1]]);
+        let reflectance = event.reflectance;
         let reflected = u[2] < reflectance;
         let mut again = u[3];
-        if let Some(leaving) = self.facets.leave(&meeting, reflected) {
-            if again < leaving.unshadowed {
-                return leaving.side.at(leaving.beta);
+        if let Some(scattered) = self.facets.leave(&event, reflected) {
+            if again < scattered.unshadowed {
+                return scattered.side.at(scattered.beta);
             }
-            again = (again - leaving.unshadowed) / (1.0 - leaving.unshadowed);
+            again = (again - scattered.unshadowed) / (1.0 - scattered.unshadowed);
         }
         // Both choices leave a uniform number among those that led to them.
         let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };

@@ -142,7 +142,7 @@ mod tests {
     /// Computed by mpmath 1.3, 40 digits.
     #[test]
     #[rustfmt::skip]
-    fn the_beta_function_is_as_published() {
+    fn beta_function_equals_published_values() {
         for (x, all) in [
             (0.0, [1.0, 0.9999000099990001, 0.7142857142857143, 0.3333333333333333, 0.03225806451612903]),
             (1e-9, [0.999999999, 0.9999000089990356, 0.7142857134070594, 0.3333333327222222, 0.032258064386217894]),
@@ -163,7 +163,7 @@ mod tests {
     /// The visible area of an interface from any direction is its projection: the integral of the projected
     /// areas of microfacets is `cos (1 + Lambda)`, by the midpoint rule over slopes.
     #[test]
-    fn facets_seen_and_hidden_add_up() {
+    fn visible_area_equals_projection() {
         for distribution in [Distribution::Ggx, Distribution::Beckmann] {
             for (alpha, theta) in [(0.3, 0.2_f64), (0.3, 1.4), (1.0, 1.0)] {
                 let (mut seen, steps) = (0.0, 800);

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_found_in_uneven_axes() {
+    fn positions_are_found_on_nonuniform_axes() {
         let nodes = vec![0.0, 0.01, 0.02, 0.5, 0.9, 2.0];
         let axis = Axis::mirrored(nodes.clone());
         for step in 0..=4000 {
@@ -162,7 +162,7 @@ mod tests {
 
     /// Parabolas are reproduced except where slopes are limited near an extremum.
     #[test]
-    fn a_parabola_is_reproduced() {
+    fn parabola_is_reproduced() {
         let nodes = [0.3, 0.5, 0.8, 1.0];
         let axis = Axis::new(nodes[1..3].to_vec(), nodes[0], nodes[3]);
         let f = |x: f64| 2.0 + x + x * x;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_does_not_overshoot() {
+    fn step_does_not_overshoot() {
         let axis = Axis::new(vec![1.0, 2.0], 0.0, 3.0);
         for step in 0..=20 {
             let value = axis.place(1.0 + 0.05 * f64::from(step)).cubic([0.0, 0.0, 1.0, 1.0]);

@@ -314,7 +314,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_spline_is_of_fourth_order() {
+    fn spline_error_is_of_fourth_order() {
         let error = |count: usize| {
             let x: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64 * 2.0).collect();
             let y: Vec<f64> = x.iter().map(|x| (1.0 + x * x).ln()).collect();
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn values_without_logarithm_part_stretches() {
+    fn values_without_logarithm_separate_intervals() {
         let y = [0.0, 1.0, f64::NEG_INFINITY, 5.0, f64::NEG_INFINITY, 2.0, 3.0, 4.0];
         let x: Vec<f64> = (0..8).map(f64::from).collect();
         assert_eq!(slopes(&x, &y), [1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);

@@ -162,7 +162,7 @@ fn case(dice: &mut Dice) -> Case {
 }
 
 #[test]
-fn derivatives_are_those_of_the_analytic_amplitude() {
+fn derivatives_equal_those_of_analytic_amplitude() {
     laws(300, case, |case| {
         let (reflectance, derivative) = case.largest_differences();
         assert!(reflectance < 1e-10 && derivative < 1e-8, "{reflectance:e} {derivative:e}");
@@ -171,7 +171,7 @@ fn derivatives_are_those_of_the_analytic_amplitude() {
 
 /// Total reflection, with and without an absorber; a layer in which light is grazing; a bare substrate.
 #[test]
-fn special_films() {
+fn derivatives_of_special_films_are_finite_and_correct() {
     let (glass, air, metal) = (Complex64::from(1.5), Complex64::from(1.0), Complex64::new(0.97, 6.46));
     let case = |beta, layers: &[(Complex64, f64)], gap, substrate| Case {
         n0: 1.5,
@@ -195,7 +195,7 @@ fn special_films() {
 }
 
 #[test]
-fn a_layer_that_is_not_there_is_refused() {
+fn derivative_by_missing_layer_is_refused() {
     let film = GapFilm::new(&[500.0], &[1.5], &[], &[1.0.into()]).unwrap();
     let found = film.derivatives(&[0.0], &[1.0], &[Variable::Index(0)], &mut [0.0], &mut [0.0]);
     assert_eq!(found, Err(OpticsError::NoLayer { layer: 0, layers: 0 }));

@@ -86,7 +86,7 @@ fn amplitudes_and_powers_equal_tmm() {
 }
 
 #[test]
-fn the_fast_road_equals_tmm_whichever_layer_is_the_gap() {
+fn fast_implementation_equals_tmm_for_every_gap_layer() {
     for (i, row) in rows().enumerate() {
         let mean = 0.5 * (row.expected[0].reflectance + row.expected[1].reflectance);
         for gap in 0..row.film.layers.len().max(1) {

@@ -76,7 +76,7 @@ fn joule(film: &Film, j: usize, beta: f64, polarisation: Polarisation) -> f64 {
 /// layers. Simpson's error, (2 k0 k h)^4/180 of the absorptance for slices h, is 5e-8 at most in layers of
 /// up to 300 nm.
 #[test]
-fn reflected_transmitted_and_absorbed_are_all_there_is() {
+fn reflected_transmitted_and_absorbed_sum_to_one() {
     laws(
         300,
         |dice| case(dice, 0..=3, 300.0),
@@ -112,7 +112,7 @@ fn transmittance_is_the_same_from_both_sides() {
 }
 
 #[test]
-fn splitting_a_layer_changes_nothing() {
+fn split_layer_equals_whole_layer() {
     let draw = |dice: &mut Dice| {
         let case = case(dice, 1..=4, 500.0);
         let layer = dice.below(case.film.layers.len());

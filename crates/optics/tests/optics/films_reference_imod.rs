@@ -35,7 +35,7 @@ fn peak_nm(grid: &Grid, reflectance: &[f64]) -> f64 {
 }
 
 #[test]
-fn sub_pixels_peak_where_they_should() {
+fn sub_pixels_peak_at_reference_wavelengths() {
     let (grid, film) = reference();
     let expected = [(8.0_f64, [686.3, 530.1, 432.5]), (20.0, [615.5, 476.8, 400.0])];
     let beta = expected.map(|(theta, _)| 1.5 * theta.to_radians().sin());

@@ -87,7 +87,7 @@ fn largest_difference(case: &Case) -> f64 {
 /// cancel against the mode, and retains 1e-16 over the relative distance to it (the case below). The bound
 /// is that of the comparison with `tmm`.
 #[test]
-fn roads_are_equal() {
+fn implementations_agree() {
     let draw = |dice: &mut Dice| case(dice, |dice| nought_or(dice, 0.999), |dice| nought_or(dice, 500.0));
     laws(1000, draw, |case| {
         let difference = largest_difference(case);
@@ -98,7 +98,7 @@ fn roads_are_equal() {
 /// Extreme cases: 100 um of glass, grazing incidence, no light at all. Between grazing incidence and a thick
 /// waveguide the finesse reaches 1e5, so that the last bits of the phase (1e3 rad) count 1e-16 * 1e3 * 1e5.
 #[test]
-fn roads_are_equal_in_resonators_too() {
+fn implementations_agree_in_resonators() {
     let share = |dice: &mut Dice| if dice.one_in(2) { 1.0 - 1e-9 } else { dice.between(0.0, 1.1) };
     let thickness_nm =
         |dice: &mut Dice| if dice.one_in(2) { dice.between(1e3, 1e5) } else { dice.between(0.0, 1000.0) };
@@ -114,7 +114,7 @@ fn roads_are_equal_in_resonators_too() {
 
 /// A waveguide 1e-5 from a mode behind an evanescent barrier: one of the hardest of many random films.
 #[test]
-fn next_to_a_guided_mode_the_roads_still_agree() {
+fn implementations_agree_next_to_guided_mode() {
     let layer = |n: f64, thickness_nm| Layer { index: Complex64::new(n, 0.0), thickness_nm };
     let case = Case {
         above: vec![layer(0.7, 409.86431620061734), layer(1.0, 248.54892670531905)],
@@ -220,7 +220,7 @@ fn layer_along<'a>(index: &'a [Vec<f64>; 2], nm: &'a [f64]) -> LayerAlong<'a> {
 
 /// Every point with a stack of its own, up to 88 deg.
 #[test]
-fn rows_of_points_equal_the_plain_road() {
+fn rows_of_points_equal_reference() {
     laws(
         300,
         |dice| row(dice, 0.999, |dice| nought_or(dice, 500.0)),
@@ -233,7 +233,7 @@ fn rows_of_points_equal_the_plain_road() {
 
 /// Micrometres of metal, which transmit 1e-100 or less: to the same relative accuracy.
 #[test]
-fn rows_of_opaque_points_fade_as_on_the_plain_road() {
+fn rows_of_opaque_points_equal_reference() {
     laws(
         300,
         |dice| row(dice, 0.9, |dice| dice.between(100.0, 2000.0)),
@@ -246,7 +246,7 @@ fn rows_of_opaque_points_fade_as_on_the_plain_road() {
 
 /// A parameter given as one number for a whole row equals the same number at every point.
 #[test]
-fn rows_of_broadcast_numbers_are_rows_of_points() {
+fn rows_of_broadcast_numbers_equal_rows_of_points() {
     let nm: Vec<f64> = (0..POINTS).map(|at| 400.0 + 30.0 * at as f64).collect();
     let [n, k, thick] = [vec![2.1; POINTS], vec![0.3; POINTS], vec![70.0; POINTS]];
     let written =

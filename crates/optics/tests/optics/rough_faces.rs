@@ -51,7 +51,7 @@ fn over_side(face: &Rough, side: Side, cut: f64, integrand: impl Fn(Beta) -> f64
 }
 
 #[test]
-fn every_pair_of_directions_is_reciprocal() {
+fn density_is_reciprocal_for_all_directions() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, above, below) in
         [(Ggx, 0.02, 1.0, 1.5), (Ggx, 0.2, 1.0, 1.5), (Beckmann, 0.5, 1.7, 1.33), (Ggx, 1.0, 1.5, 1.52)]
@@ -86,7 +86,7 @@ fn every_pair_of_directions_is_reciprocal() {
 /// divided there, the rule is accurate to 2e-5 (critical angle, narrow peaks), the table of deficits to
 /// 1e-5; with four times the steps the largest difference from one is 2e-6.
 #[test]
-fn nothing_is_lost() {
+fn scattered_light_sums_to_one() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha) in [(Ggx, 0.05), (Ggx, 0.2), (Ggx, 0.5), (Ggx, 1.0), (Beckmann, 0.5)] {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
@@ -132,7 +132,7 @@ fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -
 }
 
 #[test]
-fn samples_follow_the_density() {
+fn samples_follow_density() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, above, below) in [
         (Ggx, 0.1, 1.0, 1.5),
@@ -153,7 +153,7 @@ fn samples_follow_the_density() {
 }
 
 #[test]
-fn wrong_densities_are_caught() {
+fn wrong_densities_are_refused() {
     let (face, rougher) = (Rough::new(0.3, 1.0, 1.5), Rough::new(0.33, 1.0, 1.5));
     for from in SIDES {
         let a = beta(&face, from, 40.0);
@@ -168,7 +168,7 @@ fn wrong_densities_are_caught() {
 
 /// Samples follow the density also where they are rare: light of several microfacets.
 #[test]
-fn light_of_several_microfacets_is_drawn_as_often_as_it_should() {
+fn light_of_several_microfacets_is_sampled_with_its_probability() {
     let face = Rough::new(0.2, 1.0, 1.5);
     let numbers = Numbers::new(Sampler::Random, 31, 0);
     for from in SIDES {
@@ -189,7 +189,7 @@ fn light_of_several_microfacets_is_drawn_as_often_as_it_should() {
 
 /// Away from the critical angle; the remaining difference is of the order of alpha squared.
 #[test]
-fn a_fine_roughness_reflects_as_fresnel() {
+fn fine_roughness_reflects_as_fresnel() {
     let face = Rough::new(0.01, 1.0, 1.5);
     let numbers = Numbers::new(Sampler::Sobol, 41, 0);
     for from in SIDES {
@@ -270,7 +270,7 @@ fn walter(alpha: f64, above: f64, below: f64, from: Side, beta: Beta, u: [f64; 4
 /// Renderers that follow one microfacet per event (Mitsuba 3, pbrt-v4) are reported to lose 6.3 % here, at a
 /// direction near the normal. On the normal itself two methods give 6.0 %.
 #[test]
-fn one_microfacet_alone_loses_6_percent_over_a_white_mirror() {
+fn single_microfacet_loses_6_percent_over_white_mirror() {
     let face = Rough::new(0.2, 1.0, 1.5);
     let single = |from: Side, a: Beta, u: [f64; 4]| {
         let OnSide { side: to, beta: b } = face.sample(from.at(a), u).unwrap().direction;
@@ -304,7 +304,7 @@ fn directions_that_do_not_exist_have_no_density() {
 /// Light of several microfacets is distributed back in proportion to the returned light, across in
 /// proportion to the transmitted light, and in no other way.
 #[test]
-fn what_one_microfacet_loses_is_shared_out_reciprocally() {
+fn light_lost_by_one_microfacet_is_distributed_reciprocally() {
     let face = Rough::new(0.4, 1.0, 1.5);
     let sums = SIDES
         .map(|side| [0, 1].map(|way| over_side(&face, side, 1.0, |b| face.several(side, b.length())[way])));

@@ -19,14 +19,14 @@ const POINTS: u64 = 1 << 13;
 pub(super) struct Images<'a> {
     stack: &'a Stack,
     view: Cone,
-    seen: Vec<Seen<'a>>,
+    seen: Vec<VisibleSource<'a>>,
     /// Whether the stack mirrors any light.
     mirrors: bool,
 }
 
 /// A source whose image may be visible.
 #[derive(Debug)]
-struct Seen<'a> {
+struct VisibleSource<'a> {
     source: usize,
     light: &'a Source,
     /// Cone in which points are sampled, and its fraction of the view.
@@ -48,7 +48,7 @@ impl<'a> Images<'a> {
             };
             // A view of zero width is a single direction.
             let share = if view.is_point() { 1.0 } else { cone.solid_angle() / view.solid_angle() };
-            Some(Seen { source, light, cone, share })
+            Some(VisibleSource { source, light, cone, share })
         });
         Self { stack, view, seen: seen.collect(), mirrors: mirrors(stack) }
     }
@@ -66,7 +66,7 @@ impl<'a> Images<'a> {
             .fold(1.0, f64::min)
     }
 
-    fn rarest_of(&self, seen: &Seen<'_>) -> f64 {
+    fn rarest_of(&self, seen: &VisibleSource<'_>) -> f64 {
         let numbers = Numbers::new(Sampler::Sobol, 0, 0);
         let strength = |path| {
             let [u, v, ..] = numbers.block(path, 0);

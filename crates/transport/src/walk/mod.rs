@@ -41,7 +41,7 @@ mod images;
 mod layered;
 mod strategy;
 
-use papilio_optics::{Beta, wide};
+use papilio_optics::{Beta, with_widest_simd};
 use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
 
 use crate::{Cone, Estimate, Source, Stack, Top};
@@ -372,7 +372,7 @@ fn base_density(index: f64, to: Beta) -> f64 {
 
 /// Multiplies each row of `rows` (shape `[state][wavelength]`) by `factor`.
 fn scale_rows(rows: &mut [f64], factor: &[f64]) {
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || {
             for row in rows.chunks_exact_mut(factor.len()) {
@@ -384,7 +384,7 @@ fn scale_rows(rows: &mut [f64], factor: &[f64]) {
 
 /// `sum += scale * values`.
 fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || sum.iter_mut().zip(values).for_each(|(s, v)| *s += v * scale),
     );
@@ -393,7 +393,7 @@ fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
 /// `sum[state][wavelength] += scale * values[state][wavelength] * factor[wavelength]`.
 fn add_rows_times(sum: &mut [f64], values: &[f64], factor: &[f64], scale: f64) {
     let bins = factor.len();
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || {
             for (sum, row) in sum.chunks_exact_mut(bins).zip(values.chunks_exact(bins)) {

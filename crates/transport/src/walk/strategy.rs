@@ -6,12 +6,12 @@
 //! - [`Strategy::Uniform`]: uniformly over the hemisphere (of the medium on the way down, of air up).
 //! - [`Strategy::Cosine`]: uniformly over direction cosines.
 //! - [`Strategy::Ward`]: Ward's lobe with the width that fits the diffuser best (least squares, as
-//! Feng 2012, eq. 4-17, 4-18), about the unscattered direction (eq. 4-19 to 4-21). Its Gaussian
-//! tail falls faster than the diffuser's: one direction in ten is sampled by the cosine, without
-//! which the weights would be unbounded.
+//!   Feng 2012, eq. 4-17, 4-18), about the unscattered direction (eq. 4-19 to 4-21). Its Gaussian
+//!   tail falls faster than the diffuser's: one direction in ten is sampled by the cosine, without
+//!   which the weights would be unbounded.
 //! - [`Strategy::Kernel`]: from the lobe itself; towards sources from both ends.
 //! - [`Strategy::Guided`]: on the first pass from the product of lobe, light and pixel
-//! ([`guide`](super::guide)).
+//!   ([`guide`](super::guide)).
 //!
 //! From the first scattering on the way up on, the last two draw some directions from lobes about the
 //! sources: paths that reach a source by chance alone are rare and bright where lobes are narrow.
@@ -56,10 +56,10 @@ impl Strategy {
 }
 
 /// Fraction of the directions that are sampled by the cosine instead of from Ward's lobe.
-const BESIDE_WARD: f64 = 0.1;
+const COSINE_FRACTION: f64 = 0.1;
 
 /// Fraction of the directions that are sampled from lobes about sources.
-const TO_LAMPS: f64 = 0.5;
+const ABOUT_SOURCES: f64 = 0.5;
 
 /// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: it maximises
 /// `(integral of both)^2 / integral of its square`.
@@ -78,7 +78,7 @@ enum Kind {
     Cosine,
     Ward(Ward),
     Kernel,
-    Lamps(Vec<(Beta, Lobe)>),
+    AboutSources(Vec<(Beta, Lobe)>),
 }
 
 /// A direction, and the value of the lobe over the density with which it was sampled.
@@ -96,8 +96,8 @@ impl DirectionSampler {
             (Strategy::Cosine, _) => Kind::Cosine,
             (Strategy::Ward, Lobe::KCorrelation { width }) => Kind::Ward(Ward::fitted(width, index)),
             (Strategy::Kernel | Strategy::Guided, Lobe::KCorrelation { width }) => {
-                let lamps: Vec<_> = sources.iter().filter_map(|source| lamp(source, width)).collect();
-                if lamps.is_empty() { Kind::Kernel } else { Kind::Lamps(lamps) }
+                let lamps: Vec<_> = sources.iter().filter_map(|source| lobe_about(source, width)).collect();
+                if lamps.is_empty() { Kind::Kernel } else { Kind::AboutSources(lamps) }
             }
             (_, Lobe::Lambertian) => Kind::Kernel,
         };
@@ -121,17 +121,20 @@ impl DirectionSampler {
                 Beta { x, y }
             }
             Kind::Cosine => cosine(radius, u),
-            Kind::Ward(_) if u[0] < BESIDE_WARD => cosine(radius, [u[0] / BESIDE_WARD, u[1]]),
-            Kind::Ward(ward) => ward.sample(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
-            Kind::Lamps(lamps) => {
-                let rest = u[0] / TO_LAMPS;
+            Kind::Ward(_) if u[0] < COSINE_FRACTION => cosine(radius, [u[0] / COSINE_FRACTION, u[1]]),
+            Kind::Ward(ward) => {
+                ward.sample(from, [(u[0] - COSINE_FRACTION) / (1.0 - COSINE_FRACTION), u[1]])?
+            }
+            Kind::AboutSources(lamps) => {
+                let rest = u[0] / ABOUT_SOURCES;
                 if rest < 1.0 {
                     let lamp = (rest * lamps.len() as f64) as usize;
                     let (at, lobe) = lamps.get(lamp)?;
                     let rest = (rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE);
                     lobe.sample_direction(*at, [rest, u[1]])?
                 } else {
-                    self.lobe.sample_direction(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
+                    self.lobe
+                        .sample_direction(from, [(u[0] - ABOUT_SOURCES) / (1.0 - ABOUT_SOURCES), u[1]])?
                 }
             }
         };
@@ -144,9 +147,10 @@ impl DirectionSampler {
     pub(super) fn density(&self, from: Beta, to: Beta, radius: f64) -> f64 {
         match &self.kind {
             Kind::Kernel => self.lobe.density(from, to),
-            Kind::Lamps(lamps) => {
+            Kind::AboutSources(lamps) => {
                 let of_lamps: f64 = lamps.iter().map(|(at, lobe)| lobe.density(*at, to)).sum();
-                (1.0 - TO_LAMPS) * self.lobe.density(from, to) + TO_LAMPS * of_lamps / lamps.len() as f64
+                (1.0 - ABOUT_SOURCES) * self.lobe.density(from, to)
+                    + ABOUT_SOURCES * of_lamps / lamps.len() as f64
             }
             _ if to.length() >= radius => 0.0,
             Kind::Uniform => {
@@ -155,8 +159,8 @@ impl DirectionSampler {
             }
             Kind::Cosine => warp::uniform_disc_density(radius),
             Kind::Ward(ward) => {
-                let cosine = BESIDE_WARD * warp::uniform_disc_density(radius);
-                (1.0 - BESIDE_WARD) * ward.density(from, to) + cosine
+                let cosine = COSINE_FRACTION * warp::uniform_disc_density(radius);
+                (1.0 - COSINE_FRACTION) * ward.density(from, to) + cosine
             }
         }
     }
@@ -169,7 +173,7 @@ fn cosine(radius: f64, u: [f64; 2]) -> Beta {
 }
 
 /// Returns the direction of a source, and a lobe of its size or of the diffuser's, whichever is larger.
-fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
+fn lobe_about(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
     match source {
         Source::Diffuse | Source::Field(_) => None,
         Source::Beam(beta) => Some((*beta, Lobe::KCorrelation { width })),

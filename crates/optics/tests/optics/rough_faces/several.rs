@@ -27,7 +27,7 @@ fn shares(face: &Rough, from: Side, theta_deg: f64) -> [f64; 2] {
 /// table has standard errors of about 0.0008; the second was computed with 10 million walkers for each
 /// incidence, to 0.00015 or better.
 #[test]
-fn returned_light_is_that_of_the_walk_over_microfacets() {
+fn returned_light_equals_random_walk_over_microfacets() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, published, walked) in [
         (
@@ -84,7 +84,7 @@ fn returned_light_is_that_of_the_walk_over_microfacets() {
 
 /// Both distributions, rough and fine, at angles and indices for which no published values exist.
 #[test]
-fn light_of_several_facets_goes_where_walkers_go() {
+fn light_of_several_microfacets_equals_random_walk() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, n) in
         [(Ggx, 0.3, [1.0, 1.5]), (Ggx, 0.8, [1.0, 2.2]), (Ggx, 0.6, [1.7, 1.4]), (Beckmann, 0.7, [1.0, 1.5])]
@@ -110,7 +110,7 @@ fn light_of_several_facets_goes_where_walkers_go() {
 
 /// Of diffuse light a lossless interface transmits n^2 times as much down as up.
 #[test]
-fn diffuse_light_crosses_as_thermodynamics_has_it() {
+fn diffuse_light_crosses_in_ratio_of_squared_indices() {
     for (distribution, alpha) in [(Distribution::Ggx, 0.5), (Distribution::Beckmann, 0.3)] {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
         // Midpoint rule over squared cosines; the returned light of each, subtracted from one.

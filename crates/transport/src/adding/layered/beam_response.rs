@@ -13,7 +13,7 @@ use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, Ray, extras};
 use super::matrix::Matrix;
-use super::once::{Once, Way};
+use super::once::{Once, ScatterMode};
 use super::prepare::Group;
 use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
 
@@ -58,7 +58,7 @@ impl BeamResponse {
     }
 
     /// Adds an order of the family added last, or the first of a new one.
-    #[allow(clippy::too_many_arguments, reason = "what an order is, and when to give up")]
+    #[allow(clippy::too_many_arguments, reason = "the data of an order, and when to stop")]
     pub(super) fn add(
         &mut self,
         stack: &Layered,
@@ -171,7 +171,7 @@ impl Followed {
         kernels
     }
 
-    #[allow(clippy::too_many_arguments, reason = "what a group is, and where its numbers go")]
+    #[allow(clippy::too_many_arguments, reason = "the data of a group, and where its results go")]
     fn follow_group(
         &mut self,
         order: usize,
@@ -228,7 +228,7 @@ impl Followed {
     fn gather_once(
         &self,
         kernels: &Kernels,
-        way: &Way,
+        way: &ScatterMode,
         directions: &Directions,
         beams: &mut [Vec<ReflectanceFactor>],
         stop: &AtomicBool,

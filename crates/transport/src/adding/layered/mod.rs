@@ -7,16 +7,16 @@
 //! the azimuth do not mix.
 //!
 //! - [`precision`]: the accuracy of a level; [`directions`]: views and sources; [`grid`]: the nodes;
-//! [`convergence`]: the azimuthal orders;
+//!   [`convergence`]: the azimuthal orders;
 //! - [`algebra`]: operators in which light that keeps its direction is separate; [`beams`]: their effect on
-//! a few beams; [`matrix`]: their elements;
+//!   a few beams; [`matrix`]: their elements;
 //! - [`slab`], [`lobes`], [`rough`]: scatterers; [`elements`]: layers as [`part`]s; [`part`]: combination of
-//! two parts;
+//!   two parts;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
-//! scatters only once, which needs none;
+//!   scatters only once, which needs none;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//! it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
-//! beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
+//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
+//!   beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
 //!
 //! # Discretisation
 //! A level determines the nodes, Legendre terms, azimuthal orders, and points of fields of view and round

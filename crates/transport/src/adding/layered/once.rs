@@ -18,13 +18,13 @@ use super::rough::azimuth_width;
 /// One mode of scattering of one scatterer, and for each group the factors of light that it scatters once.
 #[derive(Debug, Clone)]
 pub(super) struct Once {
-    pub(super) way: Way,
+    pub(super) way: ScatterMode,
     pub(super) above: Vec<Option<Above>>,
 }
 
 /// Scattering of one scatterer between two extra nodes.
 #[derive(Debug, Clone)]
-pub(super) struct Way {
+pub(super) struct ScatterMode {
     pub(super) kernel: Kernel,
     pub(super) pairs: Pairs,
 }
@@ -59,7 +59,7 @@ impl Pairs {
     }
 }
 
-impl Way {
+impl ScatterMode {
     /// Returns the kernel between two extra nodes, given by number and `|beta|`, at this difference in
     /// azimuth, or its mean over azimuth.
     pub(super) fn density(&self, one: (usize, f64), other: (usize, f64), turn: Option<f64>) -> f64 {

@@ -8,7 +8,7 @@ use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
-use super::once::{Once, Way};
+use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
@@ -318,7 +318,7 @@ fn sent_once(mut scatterers: Scatterers<'_>, mut grid: Grid, growing: &[Growing<
         grid = grid.extras();
     }
     let ways = scatterers.ways();
-    let once = |(number, way): (usize, Way)| {
+    let once = |(number, way): (usize, ScatterMode)| {
         let scattered = scatterers.once((number, &way), &grid);
         let above = |one: &Growing<'_>| Some(one.above(&scattered, &grid));
         Once { above: growing.iter().map(above).collect(), way }

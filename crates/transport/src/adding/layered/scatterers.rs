@@ -8,7 +8,7 @@ use super::algebra::Operator;
 use super::grid::Grid;
 use super::lobes::LobeOrders;
 use super::matrix::Matrix;
-use super::once::{Kernel, Pairs, Way};
+use super::once::{Kernel, Pairs, ScatterMode};
 use super::part::Part;
 use super::rough::RoughOrders;
 use super::scatter::ScatterOrders;
@@ -135,7 +135,7 @@ impl<'a> Scatterers<'a> {
     }
 
     /// Returns the modes in which single scatterers without a closed series scatter light, by their numbers.
-    pub(super) fn ways(&self) -> Vec<(usize, Way)> {
+    pub(super) fn ways(&self) -> Vec<(usize, ScatterMode)> {
         const SIDES: [(Side, Side); 3] =
             [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
         let mut ways = Vec::new();
@@ -150,7 +150,7 @@ impl<'a> Scatterers<'a> {
                 Scatterer::Slab(_) | Scatterer::Diffuser(_) => Vec::new(),
             };
             for kernel in kernels {
-                let way = |pairs: &Pairs| (number, Way { kernel: kernel.clone(), pairs: *pairs });
+                let way = |pairs: &Pairs| (number, ScatterMode { kernel: kernel.clone(), pairs: *pairs });
                 ways.extend(kernel.pairs().iter().map(way));
             }
         }
@@ -159,7 +159,7 @@ impl<'a> Scatterers<'a> {
 
     /// Returns the regular response of each scatterer, and a unit of light scattered in one mode of one of
     /// them; only for [`Self::extras`].
-    pub(super) fn once(&mut self, (number, way): (usize, &Way), grid: &Grid) -> Vec<Scattered> {
+    pub(super) fn once(&mut self, (number, way): (usize, &ScatterMode), grid: &Grid) -> Vec<Scattered> {
         let len = grid.len();
         let unit = |straight: Vec<f64>| {
             let count = |out: usize, from: usize| if way.pairs.hold(from, out) { 1.0 } else { 0.0 };

@@ -9,7 +9,7 @@
 
 use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use super::super::quadrature::{Node, Point, Pole, radial};
 use super::lobes::{self, LANES, radii_of};
@@ -51,7 +51,7 @@ impl Weights {
 /// Light that a view sees independently of directed sources, and the distribution of its own light over the
 /// base.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Alone {
+pub(super) struct SourceFreeView {
     pub(super) reflected: Weights,
     pub(super) leaving: Weights,
     pub(super) nodes: usize,
@@ -99,7 +99,7 @@ impl Pass<'_> {
         self.table.stencil(radius * radius, self.index)
     }
 
-    pub(super) fn alone(&self, view: &[Point]) -> Alone {
+    pub(super) fn alone(&self, view: &[Point]) -> SourceFreeView {
         let (mut reflected, mut leaving) = (Weights::new(self.table), Weights::new(self.table));
         for point in view {
             let radius = point.beta.length();
@@ -113,7 +113,7 @@ impl Pass<'_> {
         let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
         let means = lobes::means(self.diffuser.lobe, &radii, &rule);
         let shares = self.shares_leaving(&rule);
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || {
                 for ((node, mean), share) in rule.iter().zip(&means).zip(&shares) {
@@ -124,7 +124,7 @@ impl Pass<'_> {
                 }
             },
         );
-        Alone {
+        SourceFreeView {
             reflected: reflected.finish(self.table),
             leaving: leaving.finish(self.table),
             nodes: rule.len(),
@@ -149,7 +149,7 @@ impl Pass<'_> {
         let radii = [merged_radii(view), merged_radii(source)].concat();
         let rule = self.rule(radii.iter().map(|r| r.0), false, self.digits);
         let rings = RingOfProducts::new(lobe, view, source, self.digits).at(&rule);
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || {
                 for (node, ring) in rule.iter().zip(&rings) {

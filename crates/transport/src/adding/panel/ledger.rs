@@ -4,10 +4,10 @@ use crate::{Diffuser, Estimate, Ledger, Panel, ReflectanceFactor, Source};
 
 /// Whether the ledger is requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Books {
-    Kept,
+pub(super) enum LedgerRequest {
+    Requested,
     /// `arriving` and `reflected` lack recycled light.
-    NotKept,
+    Omitted,
 }
 
 /// All orders of light between diffuser and base for one view, without the factors `t^2 T^2` (see the tracer

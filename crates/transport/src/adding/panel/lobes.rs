@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use super::super::quadrature::{Node, Pole};
 
@@ -32,7 +32,7 @@ pub(super) fn orders_of_nodes(
     mut each: impl FnMut(usize, usize, &[f64]),
 ) {
     let mut ratios = Vec::new();
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || {
             for (number, nodes) in nodes.chunks(LANES).enumerate() {

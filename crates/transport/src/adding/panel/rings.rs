@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
@@ -43,7 +43,7 @@ impl<'a> RingOfProducts<'a> {
         for nodes in nodes.chunks(LANES) {
             let radii = radii_of(nodes);
             let found = match self.orders(width, &radii) {
-                Some(orders) => wide(
+                Some(orders) => with_widest_simd(
                     #[inline(always)]
                     || self.by_orders(width, &radii, orders, &mut sums),
                 ),

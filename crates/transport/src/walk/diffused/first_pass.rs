@@ -84,7 +84,7 @@ impl First {
             (Strategy::Kernel, _) => Self::Kernel(DirectionSampler::kernel(diffuser.lobe)),
             (Strategy::Guided, Lobe::KCorrelation { width }) if view.half_angle() <= WIDEST_FIELD * width => {
                 let light = Light::new(diffuser, width, view.axis_towards(), sources, shares);
-                Worth::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)
+                Contribution::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)
             }
             _ => Self::Plain,
         }
@@ -93,7 +93,7 @@ impl First {
 
 /// A source as points of equal weight; without points for diffuse light.
 #[derive(Debug)]
-struct Lamp {
+struct SourcePoints {
     points: Vec<Beta>,
     /// Weight of the reflectance factor under it.
     share: f64,
@@ -104,7 +104,7 @@ struct Lamp {
 struct Light {
     lobe: Lobe,
     straight: f64,
-    lamps: Vec<Lamp>,
+    lamps: Vec<SourcePoints>,
     /// Mean over the directions that the viewer sees.
     mean: f64,
     /// Fraction of the lobe that leaves into the air, at uniformly spaced `|beta|`.
@@ -119,10 +119,10 @@ impl Light {
     fn new(diffuser: &Diffuser, width: f64, view: Beta, sources: &[Source], shares: &[f64]) -> Self {
         let lobe = diffuser.lobe;
         let share = |i: usize| shares.get(i).copied().unwrap_or(1.0);
-        let lamps: Vec<Lamp> = sources
+        let lamps: Vec<SourcePoints> = sources
             .iter()
             .enumerate()
-            .map(|(i, source)| Lamp { points: points(source, width), share: share(i) })
+            .map(|(i, source)| SourcePoints { points: points(source, width), share: share(i) })
             .collect();
         let leaving =
             (0..=(4.0 * STEPS) as usize).map(|k| lobe.fraction_in_disc(k as f64 / STEPS, 1.0)).collect();
@@ -139,7 +139,7 @@ impl Light {
 
     /// Returns the reflectance factor of a white pixel that receives light from direction `beta` alone.
     fn at(&self, beta: Beta) -> f64 {
-        let of = |lamp: &Lamp| {
+        let of = |lamp: &SourcePoints| {
             let scattered =
                 if lamp.points.is_empty() { self.leaves(beta) } else { lamp.seen(self.lobe, beta) };
             lamp.share * scattered
@@ -154,7 +154,7 @@ impl Light {
     }
 }
 
-impl Lamp {
+impl SourcePoints {
     /// Returns the light that a lobe scatters from it, as a reflectance factor.
     fn seen(&self, lobe: Lobe, beta: Beta) -> f64 {
         if self.points.is_empty() {
@@ -193,7 +193,7 @@ fn points(source: &Source, width: f64) -> Vec<Beta> {
 }
 
 /// Contribution of a direction below the diffuser to the light that reaches the viewer.
-struct Worth<'a> {
+struct Contribution<'a> {
     stack: &'a Panel,
     diffuser: &'a Diffuser,
     view: Beta,
@@ -202,7 +202,7 @@ struct Worth<'a> {
     pixel: Option<Vec<f64>>,
 }
 
-impl<'a> Worth<'a> {
+impl<'a> Contribution<'a> {
     fn new(stack: &'a Panel, diffuser: &'a Diffuser, view: Cone, light: Light) -> Self {
         let pixel = match &stack.base.reflector {
             Reflector::Specular(table) => Some(table.relative_reflectance()),

@@ -7,13 +7,13 @@
 //! factor `t^2 T^2` is applied at the end.
 //! below, R the base's. The factor `t^2 T^2` is applied at the end.
 
+mod blocks;
 mod escape;
 mod first_pass;
 mod first_pass_simd;
 mod ledger;
 mod numbers;
 mod sources;
-mod turns;
 
 use std::ops::Range;
 
@@ -26,12 +26,12 @@ use super::{PathNumbers, Strategy, base_density, base_direction, scale_rows};
 use crate::angular::Stencil;
 use crate::{Cone, Panel, Source};
 use crate::{Diffuser, Reflector};
+use blocks::Blocks;
 use escape::Escape;
 use first_pass::{First, Guided, SPLITS};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
 use numbers::PassNumbers;
-use turns::Turns;
 
 /// Largest probability with which a path continues.
 const MOST_SURVIVAL: f64 = 0.999;
@@ -51,7 +51,7 @@ pub(super) struct Diffused<'a> {
     view: Cone,
     sources: &'a [Source],
     /// Selects the paths that continue after the first pass.
-    turns: Turns,
+    blocks: Blocks,
     /// Probability with which light beyond a first pass is scattered by the lobe instead of passing
     /// unscattered.
     by_lobe: f64,
@@ -79,7 +79,7 @@ pub(super) struct Diffused<'a> {
 
 /// Light between the diffuser and the base.
 #[derive(Debug, Clone, Copy)]
-struct Below {
+struct LightBelow {
     beta: Beta,
     weight: f64,
     /// Density with which the path sampled `beta`, where sources may sample it as well; otherwise infinite.
@@ -88,8 +88,8 @@ struct Below {
 
 /// Light reflected by the base, and how its weight is stored.
 #[derive(Debug, Clone, Copy)]
-struct Met {
-    up: Below,
+struct ReflectedLight {
+    up: LightBelow,
     look_up: Option<Stencil>,
 }
 
@@ -110,7 +110,7 @@ impl<'a> Diffused<'a> {
         let wanted =
             if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
-        let turns = Turns::new(if survival > 0.0 { (1.0 / survival) as u64 } else { 0 });
+        let blocks = Blocks::new(if survival > 0.0 { (1.0 / survival) as u64 } else { 0 });
         let by_lobe = chance_of_lobe(diffuser.straight_through, left);
         let through =
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
@@ -124,7 +124,7 @@ impl<'a> Diffused<'a> {
             diffuser,
             view,
             sources,
-            turns,
+            blocks,
             by_lobe,
             survival,
             between_passes: sent_back.to_vec(),
@@ -142,7 +142,7 @@ impl<'a> Diffused<'a> {
 
     /// As [`Walk::rarest`](crate::walk::Walk::rarest).
     pub(super) fn rarest(&self) -> f64 {
-        self.turns.rarest()
+        self.blocks.rarest()
     }
 
     /// Traces these paths.
@@ -164,7 +164,7 @@ impl<'a> Diffused<'a> {
         // In a dispersive medium the disc of directions depends on wavelength: paths carry spectra from the
         // start.
         let carries = self.stack.medium.constant_index().is_none();
-        let light = Downward { beta, weight: 1.0, carries };
+        let light = LightAbove { beta, weight: 1.0, carries };
         let numbers = &PassNumbers::new(numbers, 0, self);
         let Accumulator { sums, workspace, .. } = tally;
         if carries {
@@ -175,7 +175,7 @@ impl<'a> Diffused<'a> {
             self.connect_before_base(light, numbers, sums, workspace);
             if self.backwards {
                 let chosen = |to: Beta| self.diffuser.lobe.density(beta, to);
-                let by_lobe = Downward { weight: 1.0 - self.straight(), ..light };
+                let by_lobe = LightAbove { weight: 1.0 - self.straight(), ..light };
                 self.sample_backwards(chosen, by_lobe, numbers, sums, workspace);
             }
         }
@@ -197,8 +197,8 @@ impl<'a> Diffused<'a> {
     /// Adds the sources that are visible to light that has come down through the diffuser.
     fn meet(
         &self,
-        light: Downward,
-        down: Below,
+        light: LightAbove,
+        down: LightBelow,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
@@ -212,10 +212,10 @@ impl<'a> Diffused<'a> {
     /// Traces the later passes of one path in each block, with random numbers of its own.
     fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
         let numbers = &numbers.apart();
-        for (number, stands_for) in self.turns.among(numbers, paths) {
+        for (number, stands_for) in self.blocks.continuing_among(numbers, paths) {
             let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
-            let light = Downward { beta, weight: stands_for, carries: false };
+            let light = LightAbove { beta, weight: stands_for, carries: false };
             if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.workspace) {
                 self.passes(light, &numbers, tally);
             }
@@ -225,19 +225,19 @@ impl<'a> Diffused<'a> {
     /// Returns the light after a first pass, without contributions of sources.
     fn through_first_pass(
         &self,
-        light: Downward,
+        light: LightAbove,
         numbers: &PathNumbers<'_>,
         workspace: &mut Workspace,
-    ) -> Option<Downward> {
+    ) -> Option<LightAbove> {
         let n = self.stack.medium.largest_index();
         let numbers = PassNumbers::new(numbers, 0, self);
         let (beta, drawn, _) = self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
-        let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
+        let down = LightBelow { beta, weight: light.weight * drawn, rival: f64::INFINITY };
         self.go_on(light, down, &numbers, workspace)
     }
 
     /// Traces all passes from the second on.
-    fn passes(&self, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+    fn passes(&self, mut light: LightAbove, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let Accumulator { sums, workspace, .. } = tally;
         for pass in 1.. {
             let numbers = PassNumbers::new(numbers, pass, self);
@@ -249,11 +249,11 @@ impl<'a> Diffused<'a> {
     /// Traces a later pass, from `beta` above the diffuser to above it again; `None` if the path ends.
     fn pass(
         &self,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
-    ) -> Option<Downward> {
+    ) -> Option<LightAbove> {
         sums.entering.add(light.carries.then_some(&workspace.carried), light.weight);
         if self.specular {
             self.connect_before_base(light, numbers, sums, workspace);
@@ -272,8 +272,8 @@ impl<'a> Diffused<'a> {
 
     /// Adds discs that the last scattering reaches by chance. (Light that passes unscattered from here is
     /// added elsewhere, or is a mirror image.)
-    fn run_into_discs(&self, met: Met, u: [f64; 2], sums: &mut Sums, workspace: &Workspace) {
-        let Met { up, look_up } = met;
+    fn run_into_discs(&self, met: ReflectedLight, u: [f64; 2], sums: &mut Sums, workspace: &Workspace) {
+        let ReflectedLight { up, look_up } = met;
         let through = self.through(&self.drawing, up.beta, 1.0, self.by_lobe_upwards(), u);
         if let Some((out, _, false)) = through {
             self.meet_discs(up, out, reflected(look_up, &workspace.reflected), sums);
@@ -285,11 +285,11 @@ impl<'a> Diffused<'a> {
     /// sources may be guided.
     fn go_on(
         &self,
-        light: Downward,
-        down: Below,
+        light: LightAbove,
+        down: LightBelow,
         numbers: &PassNumbers<'_>,
         workspace: &mut Workspace,
-    ) -> Option<Downward> {
+    ) -> Option<LightAbove> {
         let n = self.stack.medium.largest_index();
         let [u, v, base @ ..] = numbers.going_on();
         let (up, weight) =
@@ -309,26 +309,26 @@ impl<'a> Diffused<'a> {
         }
         scale_rows(reflected, &self.between_passes);
         std::mem::swap(carried, reflected);
-        Some(Downward { beta, weight: weight * drawn, carries: true })
+        Some(LightAbove { beta, weight: weight * drawn, carries: true })
     }
 
     /// Reflects light below the diffuser at the base and adds the sources that it then sees, as this
     /// fraction of a sample. `None` if the medium has no such direction.
     fn below(
         &self,
-        down: Below,
+        down: LightBelow,
         counts: f64,
         (carries, numbers): (bool, &PassNumbers<'_>),
         sums: &mut Sums,
         workspace: &mut Workspace,
-    ) -> Option<Met> {
+    ) -> Option<ReflectedLight> {
         if down.beta.length() >= self.stack.medium.largest_index() {
             return None;
         }
         if carries {
             self.keep_within_disc(down.beta, Spread::No, &mut workspace.carried);
         }
-        let mut up = Below { weight: counts * down.weight, ..down };
+        let mut up = LightBelow { weight: counts * down.weight, ..down };
         let weight = up.weight;
         sums.arriving.add(carries.then_some(&workspace.carried), weight);
         let look_up = self.meet_base(down.beta, carries, workspace);
@@ -347,21 +347,21 @@ impl<'a> Diffused<'a> {
         self.connect(up, light, carries.then_some(&workspace.carried), numbers, sums);
         // All light that leaves sees diffuse light: no direction has to be sampled.
         sums.leaving.add(light, self.leaves(weight, up));
-        Some(Met { up, look_up })
+        Some(ReflectedLight { up, look_up })
     }
 
     /// Samples several directions of a first pass at once.
     fn guided(
         &self,
         guided: &Guided,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) {
         for k in 0..SPLITS {
             let (beta, drawn) = guided.draw(self.diffuser, light.beta, k, numbers.down);
-            let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
+            let down = LightBelow { beta, weight: light.weight * drawn, rival: f64::INFINITY };
             if light.carries {
                 workspace.carried.fill(1.0);
             }
@@ -378,8 +378,8 @@ impl<'a> Diffused<'a> {
 
     /// Transmits light down through the diffuser, scattered by the lobe with this probability.
     #[inline]
-    fn down(&self, light: Downward, by_lobe: f64, numbers: &PassNumbers<'_>) -> Option<Below> {
-        let Downward { beta, weight, .. } = light;
+    fn down(&self, light: LightAbove, by_lobe: f64, numbers: &PassNumbers<'_>) -> Option<LightBelow> {
+        let LightAbove { beta, weight, .. } = light;
         let n = self.stack.medium.largest_index();
         let (drawing, balanced) = match &self.first {
             First::Kernel(kernel) if numbers.pass == 0 && self.specular => (kernel, true),
@@ -387,7 +387,7 @@ impl<'a> Diffused<'a> {
         };
         let (to, drawn, straight) = self.through(drawing, beta, n, by_lobe, numbers.down)?;
         let rival = if balanced && !straight { self.diffuser.lobe.density(beta, to) } else { f64::INFINITY };
-        Some(Below { beta: to, weight: weight * drawn, rival })
+        Some(LightBelow { beta: to, weight: weight * drawn, rival })
     }
 
     /// Returns the probability with which light on its way out to a disc is scattered, if it can be.
@@ -403,7 +403,7 @@ impl<'a> Diffused<'a> {
     /// numbers all replicates could count equally.
     /// not left to the path's own direction, for with uniform numbers all replicates may count alike.
     #[inline]
-    fn leaves(&self, weight: f64, up: Below) -> f64 {
+    fn leaves(&self, weight: f64, up: LightBelow) -> f64 {
         let offset = up.beta.length();
         let scattered =
             up.weight * (1.0 - self.straight()) * self.diffuser.lobe.fraction_in_disc(offset, 1.0);
@@ -485,16 +485,16 @@ impl<'a> Diffused<'a> {
 
     /// Samples a direction of the whole medium, as a Lambertian base reflects it.
     #[inline]
-    fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> Below {
+    fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> LightBelow {
         let n = self.stack.medium.largest_index();
         if let First::Guided(guided) = &self.first {
             let (beta, density) = guided.guide.draw(numbers.base);
             let weight = weight * warp::uniform_disc_density(n) / density;
-            return Below { beta, weight, rival: f64::INFINITY };
+            return LightBelow { beta, weight, rival: f64::INFINITY };
         }
         let (beta, weight) = self.off_base(weight, numbers.base);
         let rival = if self.backwards { base_density(n, beta) } else { f64::INFINITY };
-        Below { beta, weight, rival }
+        LightBelow { beta, weight, rival }
     }
 
     /// Samples a direction into which a Lambertian base reflects light; returns it and the weight of the
@@ -532,7 +532,7 @@ fn chance_of_lobe(straight: f64, left: f64) -> f64 {
 
 /// Light above the diffuser, on its way down.
 #[derive(Debug, Clone, Copy)]
-struct Downward {
+struct LightAbove {
     beta: Beta,
     weight: f64,
     /// Whether it carries spectra; otherwise all of them are one.

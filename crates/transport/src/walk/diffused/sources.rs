@@ -7,7 +7,7 @@ use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use super::ledger::{Sums, Workspace};
-use super::{Below, Diffused, Downward, PassNumbers, Spread, multiply, reflected};
+use super::{Diffused, LightAbove, LightBelow, PassNumbers, Spread, multiply, reflected};
 use crate::angular::Stencil;
 use crate::walk::accumulator::{Channel, Reflected};
 use crate::walk::{Target, base_density};
@@ -18,7 +18,7 @@ impl Diffused<'_> {
     /// down.
     pub(super) fn connect_before_base(
         &self,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
@@ -26,7 +26,7 @@ impl Diffused<'_> {
         if self.straight() == 0.0 {
             return;
         }
-        let Downward { beta, carries, .. } = light;
+        let LightAbove { beta, carries, .. } = light;
         for (i, source) in self.sources.iter().enumerate() {
             let Some(target) = Target::sample(source, numbers.on_source) else { continue };
             let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, target.beta);
@@ -66,7 +66,7 @@ impl Diffused<'_> {
     /// Connects directed sources to the underside of the diffuser: the last scattering towards the light.
     pub(super) fn connect(
         &self,
-        up: Below,
+        up: LightBelow,
         light: Reflected<'_>,
         carried: Option<&[f64]>,
         numbers: &PassNumbers<'_>,
@@ -114,7 +114,7 @@ impl Diffused<'_> {
     }
 
     /// Adds round sources that the path has reached by its last scattering.
-    pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
+    pub(super) fn meet_discs(&self, up: LightBelow, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::at(source, out) {
                 sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
@@ -141,7 +141,7 @@ impl Diffused<'_> {
     pub(super) fn sample_backwards(
         &self,
         chosen: impl Fn(Beta) -> f64,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,

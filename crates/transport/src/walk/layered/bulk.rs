@@ -20,7 +20,7 @@ use papilio_spectra::Spectrum;
 
 use super::ledger::{Sums, Workspace};
 use super::sources::Lamps;
-use super::{Draws, OutgoingRay};
+use super::{OutgoingRay, RandomNumbers};
 use crate::Medium;
 use crate::layers::Scattered;
 use crate::skeleton::{Propagation, Ray};
@@ -102,7 +102,7 @@ impl<'a> Bulk<'a> {
         &self,
         (beta, going): (Beta, Propagation),
         [first, mut angle, mut turn]: [f64; 3],
-        draws: &mut Draws<'_>,
+        draws: &mut RandomNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) -> Option<OutgoingRay> {

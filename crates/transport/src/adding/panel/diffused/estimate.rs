@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use super::super::super::images::ImagePoints;
 use super::super::super::quadrature::Point;
 use super::super::add_scaled;
-use super::super::first_pass::{Alone, Weights};
-use super::super::ledger::{Books, Sums};
+use super::super::first_pass::{SourceFreeView, Weights};
+use super::super::ledger::{LedgerRequest, Sums};
 use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
 use super::{Bundle, Kernel, Recycled, View, sent_back};
 use crate::specular::panel_image;
@@ -18,7 +18,7 @@ impl Kernel {
         let Some(seen) = self.views.get(view) else { return Estimate::default() };
         let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
         if self.recycling_serves(stack) {
-            let sums = self.sums(stack, diffuser, seen, &sources, Books::Kept);
+            let sums = self.sums(stack, diffuser, seen, &sources, LedgerRequest::Requested);
             let mut estimate = sums.estimate(stack, diffuser, &sources);
             add_images(stack, &seen.images, &mut estimate.rho);
             return estimate;
@@ -40,7 +40,7 @@ impl Kernel {
         match self.views.get(view) {
             Some(seen) if self.recycling_serves(stack) => {
                 let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
-                let sums = self.sums(stack, diffuser, seen, &sources, Books::NotKept);
+                let sums = self.sums(stack, diffuser, seen, &sources, LedgerRequest::Omitted);
                 let mut rho = sums.rho(stack, diffuser, &sources);
                 add_images(stack, &seen.images, &mut rho);
                 rho
@@ -61,13 +61,13 @@ impl Kernel {
         diffuser: &Diffuser,
         view: &View,
         sources: &[Source],
-        books: Books,
+        ledger: LedgerRequest,
     ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let sent_back = sent_back(stack, &diffuser.transmittance);
         let at = |index: usize| match &stack.base.reflector {
             Reflector::Specular(table) => {
-                self.over_mirror((stack, table), view, index, &sent_back, (sources, books))
+                self.over_mirror((stack, table), view, index, &sent_back, (sources, ledger))
             }
             Reflector::Lambertian(r) => self.over_lambertian(r, view, index, &sent_back, sources),
             // Such a base occurs only under general layers, never in a panel.
@@ -117,7 +117,7 @@ impl Kernel {
         view: &View,
         index: usize,
         sent_back: &[f64],
-        (sources, books): (&[Source], Books),
+        (sources, ledger): (&[Source], LedgerRequest),
     ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let medium = self.medium_at(stack, index);
@@ -135,7 +135,7 @@ impl Kernel {
                 let recycled = &at.recycled[g_number];
                 let mut orders = Sums::zeros(len, sources);
                 let seen = (recycling, recycled, &along);
-                self.recycle(seen, index, (r, &g), &of_sources, (&mut orders, books));
+                self.recycle(seen, index, (r, &g), &of_sources, (&mut orders, ledger));
                 self.narrow(&straight, group.axis, recycled, &mut orders);
                 sums.zip(&orders, |sums, orders| add_scaled(sums, orders, 1.0));
             }
@@ -195,7 +195,7 @@ impl Kernel {
         index: usize,
         (r, g): (&Reflectances, &[f64]),
         of_sources: &[Vec<Direction>],
-        (sums, books): (&mut Sums, Books),
+        (sums, ledger): (&mut Sums, LedgerRequest),
     ) {
         if recycling.sums_columns() {
             let sources: Vec<Vec<_>> = self
@@ -208,12 +208,12 @@ impl Kernel {
         }
         let alone = &recycled.alone;
         let between = recycled.between.iter().flatten().map(|(forms, _)| forms);
-        let of_books = (books == Books::Kept).then_some(&alone.reflected);
-        let forms: Vec<&Forms> = std::iter::once(&alone.leaving).chain(of_books).chain(between).collect();
+        let for_ledger = (ledger == LedgerRequest::Requested).then_some(&alone.reflected);
+        let forms: Vec<&Forms> = std::iter::once(&alone.leaving).chain(for_ledger).chain(between).collect();
         let values = recycling.values(&forms, false, r, g);
         let mut values = values.chunks_exact(g.len());
         add_scaled(&mut sums.leaving, values.next().unwrap_or_default(), 1.0);
-        if books == Books::Kept {
+        if ledger == LedgerRequest::Requested {
             add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
             add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
         }
@@ -229,7 +229,7 @@ impl Kernel {
 /// diffuser.
 fn first_pass(
     table: &AngularTable,
-    alone: &Alone,
+    alone: &SourceFreeView,
     pairs: &[Vec<(Weights, usize)>],
     of_sources: &[Vec<Direction>],
     sources: &[Source],

@@ -12,7 +12,7 @@ use papilio_optics::lobe::Lobe;
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
-use super::first_pass::{Alone, Pass, Weights};
+use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
 use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
@@ -35,12 +35,12 @@ pub(super) struct Kernel {
     /// For each index.
     shares: Vec<Shares>,
     recycling: Option<Vec<Recycling>>,
-    seen: Option<Seen>,
+    seen: Option<BaseData>,
 }
 
 /// Data computed from the base's table.
 #[derive(Debug, Clone)]
-struct Seen {
+struct BaseData {
     table: AngularTable,
     /// Largest value of the table's basis.
     largest: f64,
@@ -78,7 +78,7 @@ struct Bundle {
 /// One view at one index; empty over a Lambertian base. For each of its groups:
 #[derive(Debug, Clone, Default)]
 struct AtIndex {
-    alone: Vec<Alone>,
+    alone: Vec<SourceFreeView>,
     /// By group, source and the source's group, and the number of nodes used.
     pairs: Vec<Vec<Vec<(Weights, usize)>>>,
     recycled: Vec<Recycled>,
@@ -208,7 +208,7 @@ impl Kernel {
         }
         let same_basis = before.filter(|seen| Arc::ptr_eq(&seen.table.basis, &table.basis));
         let largest = same_basis.map_or_else(|| largest(&table.basis), |seen| seen.largest);
-        self.seen = Some(Seen { table: table.clone(), largest, at: Vec::new() });
+        self.seen = Some(BaseData { table: table.clone(), largest, at: Vec::new() });
     }
 
     /// Computes the reflectances of the base that recycling needs, unless they are known.

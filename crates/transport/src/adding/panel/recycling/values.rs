@@ -33,9 +33,9 @@ impl Values<'_> {
     /// Computes `FORMS` forms from this one on.
     #[inline(always)]
     fn rows<S: Simd, const FORMS: usize>(&mut self, simd: S, form: usize) {
-        let wide = WIDE * S::F64_LANES;
-        let whole = self.columns - self.columns % wide;
-        for at in (0..whole).step_by(wide) {
+        let columns_at_once = WIDE * S::F64_LANES;
+        let whole = self.columns - self.columns % columns_at_once;
+        for at in (0..whole).step_by(columns_at_once) {
             self.block::<S, FORMS, WIDE>(simd, form, at);
         }
         for at in (whole..self.columns).step_by(S::F64_LANES) {

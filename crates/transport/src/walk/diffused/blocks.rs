@@ -24,7 +24,7 @@ const GROWTH: u64 = 4;
 
 /// Blocks of paths, one path of each of which continues.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turns {
+pub(super) struct Blocks {
     /// Final number of paths of a block; 0: no path continues.
     every: u64,
     /// Number of shorter blocks, and the start of the first block of final length.
@@ -32,7 +32,7 @@ pub(super) struct Turns {
     grown: u64,
 }
 
-impl Turns {
+impl Blocks {
     pub(super) fn new(every: u64) -> Self {
         let every = every.min(MOST);
         let (mut growing, mut grown) = (0, 0_u64);
@@ -56,7 +56,11 @@ impl Turns {
 
     /// Returns the numbers of the blocks whose selected path is among these paths, and the number of paths
     /// that each represents.
-    pub(super) fn among(self, numbers: &Numbers, paths: Range<u64>) -> impl Iterator<Item = (u64, f64)> {
+    pub(super) fn continuing_among(
+        self,
+        numbers: &Numbers,
+        paths: Range<u64>,
+    ) -> impl Iterator<Item = (u64, f64)> {
         let growing = (0..self.growing).filter_map({
             let paths = paths.clone();
             move |number| {
@@ -84,9 +88,9 @@ mod tests {
 
     use super::*;
 
-    fn turns(every: u64, stream: u64, paths: Range<u64>) -> Vec<(u64, f64)> {
+    fn continuing(every: u64, stream: u64, paths: Range<u64>) -> Vec<(u64, f64)> {
         let numbers = Numbers::new(Sampler::Sobol, 7, stream).apart();
-        Turns::new(every).among(&numbers, paths).collect()
+        Blocks::new(every).continuing_among(&numbers, paths).collect()
     }
 
     /// After any number of paths, the blocks represent this number on average over replicates.
@@ -94,8 +98,9 @@ mod tests {
     fn blocks_represent_all_paths_on_average() {
         for (every, paths) in [(1, 10), (3, 64), (20, 64), (64, 64), (100, 100), (300, 700), (5000, 200)] {
             let streams = 4000;
-            let sums: Vec<f64> =
-                (0..streams).map(|s| turns(every, s, 0..paths).iter().map(|turn| turn.1).sum()).collect();
+            let sums: Vec<f64> = (0..streams)
+                .map(|s| continuing(every, s, 0..paths).iter().map(|turn| turn.1).sum())
+                .collect();
             let mean = sums.iter().sum::<f64>() / streams as f64;
             let variance = sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / (streams - 1) as f64;
             let error = (variance / streams as f64).sqrt();
@@ -107,21 +112,21 @@ mod tests {
     fn every_replicate_continues_a_path_in_its_first_round() {
         for every in [1, 5, 64, 65, 220, 10_000, u64::MAX] {
             for stream in 0..200 {
-                assert!(!turns(every, stream, 0..64).is_empty(), "{every} {stream}");
+                assert!(!continuing(every, stream, 0..64).is_empty(), "{every} {stream}");
                 // Four times as many paths contain at least one more.
-                assert!(turns(every, stream, 0..256).len() >= 2, "{every} {stream}");
+                assert!(continuing(every, stream, 0..256).len() >= 2, "{every} {stream}");
             }
         }
-        assert!(turns(0, 0, 0..1000).is_empty());
+        assert!(continuing(0, 0, 0..1000).is_empty());
     }
 
     #[test]
     fn selected_paths_do_not_depend_on_split() {
         for every in [1, 7, 64, 220, 3000] {
-            let whole = turns(every, 3, 0..5000);
+            let whole = continuing(every, 3, 0..5000);
             let cut: Vec<(u64, f64)> = [0..1, 1..63, 63..64, 64..300, 300..1024, 1024..1024, 1024..5000]
                 .into_iter()
-                .flat_map(|paths| turns(every, 3, paths))
+                .flat_map(|paths| continuing(every, 3, paths))
                 .collect();
             assert_eq!(cut, whole, "{every}");
             assert!(whole.iter().enumerate().all(|(k, turn)| turn.0 == k as u64), "{every}");
