@@ -440,7 +440,7 @@ fn what_is_quoted_never_reaches_the_terminal() {
         ("e5.toml", "`\\u001b[2J\\u001b[31mX` is not a number"),
         ("e3.toml", "\\u001b]0;x\\n\\u009bA\\u202e"),
         ("e\u{1b}]0;\u{9b}\u{202e}.toml", "e\\u001b]0;\\u009b\\u202e.toml:1"),
-        ("state.toml", "this is not a name"),
+        ("state.toml", "this name is not permitted"),
         ("none\u{1b}[2J.toml", "none\\u001b[2J.toml"),
     ];
     for (name, said) in cases {

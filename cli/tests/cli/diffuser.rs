@@ -214,7 +214,8 @@ fn steps_are_taken_out_one_by_one() {
     let words = ["as specified", "not normalised", "The true lobe of H78", "red", "black", "viewed at 8"];
     assert!(words.iter().all(|word| svg.contains(word)));
     assert!(folder.path("steps/about.json").is_file());
-    assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 9);
+    let figures = if papilio_figures::HAS_PNG { 8 } else { 4 };
+    assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 1 + figures);
     let shown = refused(&["steps", &shipped("measured-bare.toml"), "--out", &folder.name("none")]);
     assert!(shown.contains("model = \"measured\""), "{shown}");
     // Extrapolated tails are a step too.
@@ -284,6 +285,6 @@ fn numbers_beyond_any_bsdf_are_refused_and_nothing_is_written() {
     let done = papilio(&arguments);
     let said = String::from_utf8(done.stderr).unwrap();
     assert_eq!(done.status.code(), Some(2), "{said}");
-    assert!(said.contains("front reflection") && said.contains("no file may hold that"), "{said}");
+    assert!(said.contains("front reflection") && said.contains("which cannot be written"), "{said}");
     assert_eq!(fs::read_dir(folder.path(".")).unwrap().count(), 2, "the inputs alone");
 }

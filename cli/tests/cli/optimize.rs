@@ -311,6 +311,6 @@ fn a_damaged_journal_is_refused() {
     let other = if lines[2].as_bytes()[digit] == b'1' { "2" } else { "1" };
     let changed = [&lines[2][..digit], other, &lines[2][digit + 1..]].concat();
     let text = whole.replace(lines[2], &changed);
-    refused(&text, &["optimize.jsonl:3:1", "checksum", "take the line out"]);
+    refused(&text, &["optimize.jsonl:3:1", "checksum", "delete the line from the file"]);
     refused(&whole.replacen("papilio", "papilip", 1), &["optimize.jsonl:1:1", "the first line"]);
 }

@@ -235,9 +235,11 @@ fn a_damaged_line_is_found() {
         fs::remove_file(Path::new(&out).join("sweep.csv")).unwrap();
         let output = papilio(&arguments);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-        for words in
-            [&format!("{name}:3:1"), "this line of a journal is damaged", "= help: take the line out"]
-        {
+        for words in [
+            &format!("{name}:3:1"),
+            "this line of a journal is damaged",
+            "= help: delete the line from the file",
+        ] {
             assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
         }
         assert!(!Path::new(&out).join("sweep.csv").exists());

@@ -322,7 +322,9 @@ fn a_damaged_journal_is_refused() {
     fs::write(&journal, whole.replace(line, &changed)).unwrap();
     let output = papilio(&arguments);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    for words in ["tolerance.jsonl:5:1", "its checksum is that of another line", "take the line out"] {
+    for words in
+        ["tolerance.jsonl:5:1", "its checksum does not match its content", "delete the line from the file"]
+    {
         assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
     }
     assert!(!stderr(&output).contains("sweep"), "{}", stderr(&output));

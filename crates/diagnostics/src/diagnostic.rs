@@ -1,62 +1,62 @@
-//! A diagnostic: what is wrong, what was expected, and what to do.
+//! Diagnostics: what is wrong, what was expected and what to do.
 
 use std::fmt;
 
 use crate::place::Place;
 use crate::text::{in_one_line, visible};
 
-/// What is wrong with something that the user wrote. It is written where the mistake is found.
+/// Description of a mistake in the user's input. The code that finds the mistake creates it.
 ///
 /// ```
 /// use papilio_diagnostics::{Diagnostic, Place};
-/// let wrong = Diagnostic::new("-5 is out of range").expected("a number from 0 to 1").hint("fractions are of 1");
+/// let wrong = Diagnostic::new("-5 is out of range").expected("a number from 0 to 1").hint("write 5 % as 0.05");
 /// let shown = wrong.at(&Place::in_text("x.toml", "haze = -5", 7..9)).to_string();
 /// assert_eq!(
 ///     shown,
 ///     "error: -5 is out of range\n --> x.toml:1:8\n  |\n1 | haze = -5\n  |        ^^ expected a number from 0 to 1\n  \
-///      = help: fractions are of 1"
+///      = help: write 5 % as 0.05"
 /// );
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// What is wrong: a sentence without a final stop.
+    /// What is wrong: a sentence without a full stop.
     pub message: String,
-    /// What should stand there, in words that begin with "expected"; shown beside the caret.
+    /// What was expected at this place, beginning with the word "expected"; printed next to the caret.
     pub expected: Option<String>,
-    /// What else there is to know, such as where a file is asked for.
+    /// Further information, such as the key that refers to a file.
     pub note: Option<String>,
-    /// What to do.
+    /// What the user can do.
     pub hint: Option<String>,
 }
 
 impl Diagnostic {
-    /// What is wrong.
+    /// Creates a diagnostic with a message alone.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), expected: None, note: None, hint: None }
     }
 
-    /// With what should stand there: `a number from 0 to 1`.
+    /// Adds what was expected: `a number from 0 to 1`.
     #[must_use]
     pub fn expected(mut self, words: impl fmt::Display) -> Self {
         self.expected = Some(format!("expected {words}"));
         self
     }
 
-    /// With what to do.
+    /// Adds a hint: what the user can do.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
 
-    /// With what to do, if there is something.
+    /// Sets or clears the hint.
     #[must_use]
     pub fn hint_if(mut self, hint: Option<impl Into<String>>) -> Self {
         self.hint = hint.map(Into::into);
         self
     }
 
-    /// With what else there is to know; what was known before comes first.
+    /// Adds a note after those that the diagnostic already has.
     #[must_use]
     pub fn note(mut self, note: impl AsRef<str>) -> Self {
         self.note = Some(match self.note {
@@ -66,14 +66,15 @@ impl Diagnostic {
         self
     }
 
-    /// The diagnostic at a place, which prints as compilers do, with the line and a caret below it, without a final newline.
+    /// Returns the diagnostic with its place. It prints as a compiler's message: with the line of the text and a caret below it, and
+    /// without a final newline.
     pub fn at<'a>(&'a self, place: &'a Place) -> Placed<'a> {
         Placed { diagnostic: self, place }
     }
 }
 
 impl fmt::Display for Diagnostic {
-    /// The message alone.
+    /// Writes the message alone.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
     }
@@ -89,22 +90,22 @@ pub struct Placed<'a> {
 impl fmt::Display for Placed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { diagnostic: Diagnostic { message, expected, note, hint }, place } = self;
-        // What is quoted may hold anything.
+        // Quoted text may hold any character.
         write!(f, "error: {}", in_one_line(message))?;
         let margin = place.spot.as_ref().map_or(1, |spot| spot.line.to_string().len());
         write!(f, "\n{:margin$}--> {}", "", in_one_line(&place.to_string()))?;
         match &place.spot {
             Some(spot) => spot.show(margin, expected.as_deref(), f)?,
-            None => line("", expected.as_deref(), margin, f)?,
+            None => write_line("", expected.as_deref(), margin, f)?,
         }
-        line("note: ", note.as_deref(), margin, f)?;
-        line("help: ", hint.as_deref(), margin, f)
+        write_line("note: ", note.as_deref(), margin, f)?;
+        write_line("help: ", hint.as_deref(), margin, f)
     }
 }
 
-/// A line below the text.
-fn line(word: &str, text: Option<&str>, margin: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    text.map_or(Ok(()), |text| write!(f, "\n{:margin$} = {word}{}", "", visible(text)))
+/// Writes one line below the quoted text, if there is anything to write.
+fn write_line(prefix: &str, text: Option<&str>, margin: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    text.map_or(Ok(()), |text| write!(f, "\n{:margin$} = {prefix}{}", "", visible(text)))
 }
 
 #[cfg(test)]
@@ -112,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn diagnostic_at_a_place_prints_as_compilers_do() {
+    fn diagnostic_with_a_place_prints_as_a_compiler_message() {
         let text = "a = 1\r\nthickness_nm = -5\r\n";
         let place = Place::in_text("x.toml", text, 22..24);
         assert_eq!(place.line_column(), Some((2, 16)));

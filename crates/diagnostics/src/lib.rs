@@ -1,13 +1,13 @@
-//! What is wrong with a text of the user's, where, and what to do.
+//! Diagnostics about the user's input: what is wrong, where, and what to do.
 //!
-//! - [`Place`]: a file (or an option of the command line), and in it line, column and the text of the line.
-//! - [`Diagnostic`]: message, what was expected, a note, a hint. It is written where the mistake is found;
-//!   `diagnostic.at(&place)` prints it as compilers do.
-//! - [`nearest`] and [`suggestion`]: the name that was probably meant.
-//! - [`visible`]: a text without characters that a terminal would obey.
-//! - [`Warned`]: a value with the warnings that came with it.
+//! - [`Place`]: a file or an option of the command line, with line, column and the text of the line.
+//! - [`Diagnostic`]: a message, what was expected, a note and a hint. The code that finds a mistake creates it;
+//!   `diagnostic.at(&place)` prints it as a compiler's message.
+//! - [`nearest`] and [`suggestion`]: the known name that a misspelled one probably means.
+//! - [`visible`]: a text in which the characters that control a terminal are escaped.
+//! - [`Warned`]: a value with its warnings.
 //!
-//! **Out of scope**: which mistakes there are. A crate that finds mistakes says which of them code has to tell apart.
+//! **Out of scope**: the list of possible mistakes. Each crate that finds mistakes defines the cases that code has to distinguish.
 
 mod diagnostic;
 mod nearest;

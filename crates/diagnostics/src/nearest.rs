@@ -1,16 +1,17 @@
-//! The name that was probably meant.
+//! Suggestions for misspelled names.
 
-/// No more names than this are proposed at once.
+/// Largest number of names in one suggestion.
 const MOST_PROPOSED: usize = 8;
 
-/// What may have been meant by a wrong name, or else all names there are: "did you mean `haze`?", "the keys are haze, width".
+/// Returns a suggestion for an unknown name, or else the list of all known names: "did you mean `haze`?", "the keys are haze,
+/// width". `what` is the plural noun for the names: "keys".
 pub fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, what: &str) -> String {
     let known: Vec<&str> = known.into_iter().collect();
     did_you_mean(wrong, known.iter().copied())
         .unwrap_or_else(|| format!("the {what} are {}", known.join(", ")))
 }
 
-/// A question that proposes those of `names` that are equally close to `wrong`, if any is close.
+/// Returns a question that suggests the `names` closest to `wrong`, all that are equally close, or `None` if none is close.
 pub fn did_you_mean<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let names = all_nearest(wrong, names);
     let names: Vec<String> = names.iter().take(MOST_PROPOSED).map(|name| format!("`{name}`")).collect();
@@ -21,33 +22,34 @@ pub fn did_you_mean<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -
     })
 }
 
-/// Words in double quotes: `"ward" or "duer"`.
+/// Returns the words in double quotes, joined with "or": `"ward" or "duer"`.
 pub fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     words.into_iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ")
 }
 
-/// The one of `names` that is close to `wrong`, ignoring case, if there is one.
+/// Returns the first of the `names` closest to `wrong`, ignoring case, or `None` if none is close.
 pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     all_nearest(wrong, names).first().copied()
 }
 
-/// Those of `names` that are closest to `wrong`, ignoring case, if any is close.
+/// Returns all `names` that are closest to `wrong`, ignoring case; empty if none is close.
 fn all_nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
-    // A longer text is not a typing error, and would make the table of distances large.
+    // A longer text is not a misspelled name, and would need a large table of distances.
     if wrong.chars().count() > 64 {
         return Vec::new();
     }
     let wrong = wrong.to_lowercase();
     let allowed = (wrong.chars().count() * 2 / 5).clamp(1, 4);
     let scored = names.into_iter().map(|name| (distance(&wrong, &name.to_lowercase()), name));
-    // A name of which nothing is left is not a typing error.
+    // If every character differs, the name is not a misspelling.
     let close: Vec<_> =
         scored.filter(|(distance, _)| *distance <= allowed && *distance < wrong.chars().count()).collect();
     let least = close.iter().map(|(distance, _)| *distance).min();
     close.iter().filter(|(distance, _)| Some(*distance) == least).map(|(_, name)| *name).collect()
 }
 
-/// Insertions, deletions, replacements and swaps of neighbours that make `b` of `a`.
+/// Least number of insertions, deletions, substitutions and swaps of neighbouring characters that turn `a` into `b`
+/// (Damerau-Levenshtein distance).
 fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
@@ -71,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nearest_of_a_mistyped_name_is_that_name() {
+    fn misspelled_name_has_the_intended_name_as_nearest() {
         let names = ["thickness_nm", "material", "theta_deg", "phi_deg"];
         assert_eq!(nearest("thicknes_nm", names), Some("thickness_nm"));
         assert_eq!(nearest("Materail", names), Some("material"));
@@ -80,8 +82,11 @@ mod tests {
         assert_eq!(nearest("colour", names), None);
         assert_eq!(nearest("sio2", ["SiO2", "Si3N4"]), Some("SiO2"));
         assert_eq!(did_you_mean("fi_deg", names).as_deref(), Some("did you mean `phi_deg`?"));
-        let lamps = ["D65", "FL10", "FL11", "FL12"];
-        assert_eq!(did_you_mean("FL13", lamps).as_deref(), Some("did you mean `FL10`, `FL11` or `FL12`?"));
+        let illuminants = ["D65", "FL10", "FL11", "FL12"];
+        assert_eq!(
+            did_you_mean("FL13", illuminants).as_deref(),
+            Some("did you mean `FL10`, `FL11` or `FL12`?")
+        );
         assert_eq!((nearest("", names), nearest("", ["A"]), nearest("B", ["A"])), (None, None, None));
     }
 }

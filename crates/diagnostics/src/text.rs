@@ -1,27 +1,28 @@
-//! Texts of the user's, as a terminal may have them.
+//! Escaping of the user's texts for a terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// True of a character that a terminal obeys or that turns the order of what follows: a control character other than the end
-/// of a line and a tab, or one of Unicode's embeddings, overrides and isolates.
-fn is_obeyed(c: char) -> bool {
+/// Returns whether a character controls a terminal or the direction of the text after it: a control character other than a newline
+/// or tab, or one of Unicode's embeddings, overrides and isolates.
+fn is_control(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t') || is_override(c)
 }
 
-/// True of the characters that turn the direction of the text after them (Unicode, UAX #9): what is read is then not what stands there.
+/// Returns whether a character changes the direction of the text after it (Unicode, UAX #9), so that the displayed order differs from
+/// the stored one.
 pub fn is_override(c: char) -> bool {
     matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A text as a terminal may have it: in the place of a character that is obeyed stands `\u001b`, as JSON writes it.
+/// Returns a text that is safe to print on a terminal: each control character is replaced by its escape as in JSON, such as `\u001b`.
 pub fn visible(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(is_obeyed) {
+    if !text.chars().any(is_control) {
         return Cow::Borrowed(text);
     }
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
-        if is_obeyed(c) {
+        if is_control(c) {
             let _ = write!(shown, "\\u{:04x}", u32::from(c));
         } else {
             shown.push(c);
@@ -30,7 +31,7 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// [`visible`] text in one line.
+/// Returns the [`visible`] text on one line: newlines are escaped too.
 pub fn in_one_line(text: &str) -> Cow<'_, str> {
     match visible(text) {
         shown if shown.contains('\n') => Cow::Owned(shown.replace('\n', "\\n")),

@@ -1,10 +1,10 @@
 //! A value with its warnings.
 
-/// A value, and what its user should know about it.
+/// A value and the warnings about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warned<T> {
     /// The value.
     pub value: T,
-    /// Whole sentences without a final stop.
+    /// Complete sentences without a full stop.
     pub warnings: Vec<String>,
 }

@@ -1,9 +1,9 @@
-//! What `papilio diffuser inspect` and `fit` print with `--json`.
+//! JSON output of `papilio diffuser inspect` and `papilio diffuser fit` (`--json`).
 
 use papilio_goniometry::{Audit, Measurement, Part, Ranked};
 use serde::Serialize;
 
-/// A measurement and what was found in it; angles in degrees, values in 1/sr, shares of 1.
+/// A measurement and its audit: angles in degrees, values in 1/sr, fractions from 0 to 1.
 #[derive(Debug, Serialize)]
 pub struct AuditFile<'a> {
     format: &'a str,
@@ -59,10 +59,11 @@ struct IncidenceFile {
     theta_deg: f64,
     tis: Option<f64>,
     integral: f64,
-    /// Where measured cells end before the horizon: the least distance from the specular direction.
+    /// Angle from the specular direction at which the measured cells end, if they end before the horizon: the smallest one, degrees.
     measured_to_deg: Option<f64>,
-    /// With tails that go on beyond it; and their share of that.
+    /// Integral including tails extrapolated beyond that angle.
     integral_beyond: f64,
+    /// Fraction of `integral_beyond` that the extrapolated tails contribute.
     beyond_share: f64,
     integral_filled: f64,
     grid_error: f64,
@@ -72,7 +73,7 @@ struct IncidenceFile {
 }
 
 impl<'a> AuditFile<'a> {
-    /// Of a measurement, and for each part the audits of its channels.
+    /// Creates the output for a measurement, given the audits of the channels of each part.
     pub fn new(measurement: &'a Measurement, audits: &[(&Part, Vec<Audit>)]) -> Self {
         let provenance = &measurement.provenance;
         let part = |(part, audits): &(&Part, Vec<Audit>)| PartFile {
@@ -140,7 +141,7 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
     }
 }
 
-/// Lobes that were fitted, the best first.
+/// Fitted lobes, best first.
 #[derive(Debug, Serialize)]
 pub struct FitFile {
     way: &'static str,
@@ -174,7 +175,7 @@ struct OneParameter {
 }
 
 impl FitFile {
-    /// Of one channel of a part.
+    /// Creates the output for the fits of one channel of a part.
     pub fn new(part: &Part, channel: usize, fits: &[Ranked]) -> Self {
         let one = |Ranked { fit, score }: &Ranked| OneFit {
             model: fit.model.kind().name(),

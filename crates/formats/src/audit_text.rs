@@ -1,4 +1,4 @@
-//! What was found in a measurement, as lines to be read: what `papilio diffuser inspect` prints.
+//! Audits of measurements as text: the output of `papilio diffuser inspect`.
 
 use std::fmt::Write;
 
@@ -6,28 +6,28 @@ use papilio_goniometry::{Audit, Geometry, Measurement, Symmetry, Way};
 
 use crate::words::{channel, percent, span, table};
 
-/// Haze above this is outside the scope of ASTM D1003.
+/// Largest haze in the scope of ASTM D1003.
 const HAZE_SCOPE: f64 = 0.30;
-/// A total this much above 1 is no rounding.
+/// A larger integral or TIS cannot be explained by rounding.
 const ABOVE_ONE: f64 = 1.005;
-/// Light beyond what was measured that is more than this share is worth a warning.
+/// Largest fraction of the light beyond the measured angles without a warning.
 const MUCH_BEYOND: f64 = 0.005;
-/// A ratio of integral and TIS further from 1 than this is worth a word.
+/// Largest relative difference between integral and TIS, and largest grid error, without a warning.
 const TIS_TOLERANCE: f64 = 0.02;
 
-/// A measurement, and for each of its parts the audit of its luminous channel (`None`: its directions are on no grid);
-/// `name` is that of the file.
+/// Returns a description of a measurement with the audit of the luminous channel of each part (`None`: its directions do not form a
+/// grid). `name` is the name of the file.
 pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>]) -> String {
     let provenance = &measurement.provenance;
     let mut text = format!("{name}: {}\n", provenance.format);
-    for (what, said) in [("sample", &provenance.sample), ("source", &provenance.source)] {
-        if !said.is_empty() {
-            let _ = writeln!(text, "{what}: {said}");
+    for (label, value) in [("sample", &provenance.sample), ("source", &provenance.source)] {
+        if !value.is_empty() {
+            let _ = writeln!(text, "{label}: {value}");
         }
     }
     if measurement.media != [1.0, 1.0] {
         let [front, back] = measurement.media;
-        let _ = writeln!(text, "media: index {front} in front, {back} behind");
+        let _ = writeln!(text, "media: refractive index {front} in front, {back} behind");
     }
     for (part, audit) in measurement.parts.iter().zip(audits) {
         let channels: Vec<String> = part.channels.iter().map(channel).collect();
@@ -39,22 +39,22 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
             channels.join(", ")
         );
         let _ = writeln!(text, "\n  {}", geometry(&part.geometry));
-        // One channel in full: the luminous one.
+        // Details of the luminous channel only.
         match audit {
-            Some(audit) => text.push_str(&findings(audit)),
-            None => text.push_str("  directions on no grid: nothing is known of what is between them\n"),
+            Some(audit) => text.push_str(&audit_lines(audit)),
+            None => text.push_str("  the directions do not form a grid: values between them are unknown\n"),
         }
         if matches!(part.geometry, Geometry::Patches { .. }) {
             text.push_str(
-                "  integral: sum of value x projected solid angle over the patches, the mean over the ring that light comes \
-                 from; peak: of the patch straight on or in the mirror direction; nothing finer than a patch is known\n",
+                "  integral: sum of value x projected solid angle over the patches, averaged over the patches of the incident \
+                 ring; peak: value of the patch in the specular direction; the data do not resolve directions within a patch\n",
             );
         }
     }
     text
 }
 
-/// The side of the light.
+/// Returns the side from which the light comes.
 fn side(way: Way) -> &'static str {
     match way {
         Way::FrontReflection | Way::FrontTransmission => "front",
@@ -62,7 +62,7 @@ fn side(way: Way) -> &'static str {
     }
 }
 
-/// Reflection or transmission.
+/// Returns "transmission" or "reflection".
 fn kind(way: Way) -> &'static str {
     if way.is_transmission() { "transmission" } else { "reflection" }
 }
@@ -77,7 +77,7 @@ fn geometry(geometry: &Geometry) -> String {
         Geometry::Specular(grid) => {
             let symmetry = match grid.symmetry {
                 Symmetry::Plane => "mirrored in the plane of incidence",
-                Symmetry::None => "all around",
+                Symmetry::None => "full circle",
             };
             let turns = match grid.rotations_deg.len() {
                 0 | 1 => String::new(),
@@ -101,7 +101,7 @@ fn geometry(geometry: &Geometry) -> String {
     }
 }
 
-fn findings(audit: &Audit) -> String {
+fn audit_lines(audit: &Audit) -> String {
     let header = [
         "incidence",
         "TIS",
@@ -130,36 +130,43 @@ fn findings(audit: &Audit) -> String {
     }
     let mut text = table(&rows);
     text.push_str(
-        "  integral: of what was measured; beyond: share of the light that tails beyond the last measured angle would hold, not in \
-         the integral; half-widths: towards the normal, across, away from it; grid error: what the grid leaves unknown\n",
+        "  integral: over the measured directions; beyond: fraction of the light in tails beyond the last measured angle, not included \
+         in the integral; half-widths: towards the normal, across, away from the normal; grid error: uncertainty of the integral due \
+         to the grid\n",
     );
     text.push_str(&rotations(audit));
-    let mut line = |said: String| {
-        let _ = writeln!(text, "  {said}");
+    let mut line = |content: String| {
+        let _ = writeln!(text, "  {content}");
     };
     if let Some(haze) = audit.haze {
-        let scope =
-            if haze > HAZE_SCOPE { " (above 30 %: outside ASTM D1003's scope, see ASTM E2387)" } else { "" };
+        let scope = if haze > HAZE_SCOPE {
+            " (above 30 %: outside the scope of ASTM D1003, see ASTM E2387)"
+        } else {
+            ""
+        };
         let clarity =
             audit.clarity.map_or(String::new(), |clarity| format!(", clarity {}", percent(clarity)));
         line(format!("haze {}{clarity}{scope}", percent(haze)));
     }
     if let Some([rms, worst]) = audit.reciprocity {
         line(format!(
-            "reciprocity: f(i,o) and f(o,i) differ by {} rms, {} at worst",
+            "reciprocity: f(i,o) and f(o,i) differ by {} rms, at most by {}",
             percent(rms),
             percent(worst)
         ));
     }
-    let lit = format!("{} of {} cells in the hemisphere hold light", audit.lit, audit.cells);
-    line(format!("{lit}, up to {:.1} deg; holes below that: {}", audit.dark_beyond_deg, audit.holes));
+    let lit = format!("{} of {} cells in the hemisphere have values above 0", audit.lit, audit.cells);
     line(format!(
-        "values {:.3e} to {:.3e} 1/sr, noise {:.1e} 1/sr among the faint ones",
+        "{lit}, up to {:.1} deg; dark cells below that angle: {}",
+        audit.dark_beyond_deg, audit.holes
+    ));
+    line(format!(
+        "values {:.3e} to {:.3e} 1/sr, noise {:.1e} 1/sr of the smallest values",
         audit.range[0], audit.range[1], audit.noise
     ));
     if audit.asymmetry > 1e-9 {
         line(format!(
-            "mirrored and turned cells differ by {} rms; the display takes their mean",
+            "cells that symmetry makes equivalent (mirrored or rotated) differ by {} rms; displays use their mean",
             percent(audit.asymmetry)
         ));
     }
@@ -169,13 +176,13 @@ fn findings(audit: &Audit) -> String {
     text
 }
 
-/// How integral and TIS compare by rotation; nothing for a single one.
+/// Returns the ratios of integral and TIS by rotation; empty for a single rotation.
 fn rotations(audit: &Audit) -> String {
     if audit.rotations.is_empty() {
         return String::new();
     }
     let mut text =
-        "  TIS and integral are means over the rotations, as a display takes them; ratio of each rotation's own:\n".to_owned();
+        "  TIS and integral are means over the rotations, as displays use them; ratio of integral and TIS by rotation:\n".to_owned();
     for incidence in &audit.incidences {
         let of_theta = audit.rotations.iter().filter(|one| one.theta_deg == incidence.theta_deg);
         let ratios = of_theta.clone().filter_map(|one| Some((one.integral / one.tis?, one.rotation_deg)));
@@ -187,13 +194,13 @@ fn rotations(audit: &Audit) -> String {
                 "    {} deg: {least:.3} (rotation {at_least} deg) to {most:.3} (rotation {at_most} deg)",
                 incidence.theta_deg
             ),
-            None => writeln!(text, "    {} deg: the file gives no TIS", incidence.theta_deg),
+            None => writeln!(text, "    {} deg: the file has no TIS", incidence.theta_deg),
         };
     }
     text
 }
 
-/// What its user should not overlook.
+/// Returns the warnings of an audit.
 fn warnings(audit: &Audit) -> Vec<String> {
     let mut warnings = Vec::new();
     let at = |bad: &dyn Fn(&papilio_goniometry::Incidence) -> bool| -> Option<String> {
@@ -202,7 +209,7 @@ fn warnings(audit: &Audit) -> Vec<String> {
         (!bad.is_empty()).then(|| bad.join(", "))
     };
     if let Some(at) = at(&|i| i.integral > ABOVE_ONE || i.tis.is_some_and(|tis| tis > ABOVE_ONE)) {
-        warnings.push(format!("more light leaves than came, at {at} deg"));
+        warnings.push(format!("more light leaves than arrives (integral or TIS above 1) at {at} deg"));
     }
     if let Some(at) = at(&|i| i.tis.is_some_and(|tis| (i.integral / tis - 1.0).abs() > TIS_TOLERANCE)) {
         let all: Vec<f64> = audit.incidences.iter().filter_map(|i| i.tis).collect();
@@ -210,49 +217,50 @@ fn warnings(audit: &Audit) -> Vec<String> {
         warnings.push(format!(
             "integral and TIS differ by more than 2 % at {at} deg{}",
             match one {
-                true => "; TIS is the same at all incidences, as if it had been measured at one",
-                false => "; `normalise = \"tis\"` takes the file's TIS",
+                true => "; TIS is the same at all incidences: it may have been measured at only one",
+                false => "; use `normalise = \"tis\"` to scale the values to the TIS of the file",
             }
         ));
     }
     warnings.extend(beyond(audit));
     if let Some([first, last]) = audit.held_azimuths_deg {
         warnings.push(if first == last {
-            "values are of one azimuth: the lobe is taken to be the same all around the specular direction".to_owned()
+            "the file has a single azimuth: the lobe is assumed to be rotationally symmetric about the specular direction".to_owned()
         } else {
             format!(
-                "azimuths are {first:.0} to {last:.0} deg from the plane of incidence: beyond them the nearest one's values are \
-                 taken, up to 0 and 180 deg"
+                "azimuths are {first:.0} to {last:.0} deg from the plane of incidence: outside this range, down to 0 and up to 180 deg, \
+                 the values of the nearest azimuth are used"
             )
         });
     }
     if let Some(at) = at(&|i| i.grid_error - i.azimuth_error > TIS_TOLERANCE) {
-        warnings
-            .push(format!("the grid is too coarse for the lobe at {at} deg: a finer radial grid is needed"));
+        warnings.push(format!(
+            "the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"
+        ));
     }
     if let Some(at) = at(&|i| i.azimuth_error > TIS_TOLERANCE) {
         warnings.push(format!(
-            "the azimuth grid is too coarse for the lobe at {at} deg: how values are interpolated between azimuths changes \
-             the integral by up to {}; more azimuths are needed",
+            "the azimuth grid is too coarse for the lobe at {at} deg: the method of interpolation between azimuths changes \
+             the integral by up to {}; measure more azimuths",
             percent(audit.incidences.iter().map(|i| i.azimuth_error).fold(0.0, f64::max))
         ));
     }
     if audit.beam_holes > 0 {
         warnings.push(format!(
-            "{} cells are dark where the light comes from: the source hides them",
+            "{} cells around the direction of the source are dark: the source obstructs the detector there",
             audit.beam_holes
         ));
     }
     if audit.unmeasured > 0 {
-        warnings.push(format!("{} cells were not measured; they count as dark", audit.unmeasured));
+        warnings.push(format!("{} cells were not measured; they are treated as dark", audit.unmeasured));
     }
     if audit.negative > 0 {
-        warnings.push(format!("{} values are negative; they count as dark", audit.negative));
+        warnings.push(format!("{} values are negative; they are treated as dark", audit.negative));
     }
     warnings
 }
 
-/// Where measured cells end before the horizon, and what may be beyond.
+/// Returns a warning if measured cells end before the horizon and extrapolated tails would hold a significant fraction of the light.
 fn beyond(audit: &Audit) -> Option<String> {
     let open = || audit.incidences.iter().filter(|i| i.measured_to_deg.is_some());
     let worst = open().max_by(|a, b| a.beyond_share().total_cmp(&b.beyond_share()))?;
@@ -262,8 +270,8 @@ fn beyond(audit: &Audit) -> Option<String> {
     let at: Vec<String> = open().map(|i| i.theta_deg.to_string()).collect();
     let to_deg = open().filter_map(|i| i.measured_to_deg).fold(f64::INFINITY, f64::min);
     Some(format!(
-        "nothing was measured farther than {to_deg} deg from the specular direction, at {} deg of incidence; tails that go on \
-         there would hold up to {} of the light (at {} deg): a display takes them only with `extrapolate = \"hold\"` or \
+        "the measurement ends {to_deg} deg from the specular direction, at incidence {} deg; tails extrapolated beyond that angle \
+         would hold up to {} of the light (at {} deg); displays include them only with `extrapolate = \"hold\"` or \
          `extrapolate_tails = true`",
         at.join(", "),
         percent(worst.beyond_share()),

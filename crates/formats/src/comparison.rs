@@ -1,4 +1,4 @@
-//! What a comparison with a measured panel writes: `comparison.csv`, `comparison-spectra.csv`.
+//! Output files of a comparison with a measured panel: `comparison.csv`, `comparison-spectra.csv`.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use papilio_display::compare::{Colour, Comparison};
 
 use crate::result::cell;
 
-/// A column of a colour: its name and its number.
+/// A column of colour values: its name and its accessor.
 type Column = (&'static str, fn(&Colour) -> Option<f64>);
 
 const COLUMNS: [Column; 10] = [
@@ -22,7 +22,7 @@ const COLUMNS: [Column; 10] = [
     ("peak_nm", |c| c.peak_nm),
 ];
 
-/// Writes `comparison.csv`: a row for each state and direction; what is undefined is left empty.
+/// Writes `comparison.csv`: one row per state and direction. Cells of undefined values are empty.
 ///
 /// # Errors
 /// Those of `out`.
@@ -63,7 +63,8 @@ pub fn write_comparison(out: impl Write, all: &Comparison) -> io::Result<()> {
     csv.flush()
 }
 
-/// Writes `comparison-spectra.csv`: a row for each state, direction and wavelength that both have.
+/// Writes `comparison-spectra.csv`: one row per state, direction and wavelength at which both a simulated and a
+/// measured value exist.
 ///
 /// # Errors
 /// Those of `out`.

@@ -1,4 +1,4 @@
-//! What `papilio run --cone` writes: `cone.csv`, `cone.npy`, and `cone.json` that explains them.
+//! Output files of `papilio run --cone`: `cone.csv`, `cone.npy`, and `cone.json`, which describes them.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::npy::{Items, write_npy};
 
-/// The numbers of a direction and state, in the order of columns and of the array's last index.
+/// Quantities of a direction and state, in the order of the columns and of the array's last index.
 pub const CONE_QUANTITIES: [&str; 8] = [
     "Y",
     "luminance_cd_m2",
@@ -19,7 +19,7 @@ pub const CONE_QUANTITIES: [&str; 8] = [
     "gamut_percent_ebu",
 ];
 
-/// The whole of `cone.json`: what the array's axes are, and where it comes from.
+/// Content of `cone.json`: the axes of the array and its origin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ConeFile<'a> {
     papilio: &'a str,
@@ -49,7 +49,7 @@ struct Solver<'a> {
 }
 
 impl<'a> ConeFile<'a> {
-    /// Of this cone, computed by this version of the program from the scenario of this hash.
+    /// Creates the description of a conoscopic map. `papilio` is the version of the program, `hash` that of the scenario.
     pub fn new(papilio: &'a str, hash: &'a str, cone: &'a ConeResult) -> Self {
         let directed = cone.lights.iter().map(|light| Light {
             theta_deg: light.theta_deg,
@@ -72,7 +72,7 @@ impl<'a> ConeFile<'a> {
     }
 }
 
-/// Writes `cone.csv`: a row for each direction and state. What is undefined is left empty.
+/// Writes `cone.csv`: one row per direction and state. Cells of undefined values are empty.
 ///
 /// # Errors
 /// Those of `out`.
@@ -105,9 +105,9 @@ pub fn write_cone_npy(mut out: impl Write, cone: &ConeResult) -> io::Result<()> 
     let mut values = Vec::with_capacity(thetas * phis * cone.states.len() * quantity_count);
     for i in 0..thetas {
         for j in 0..phis {
-            let seen = cone.view(i, j);
+            let view = cone.view(i, j);
             for state in 0..cone.states.len() {
-                let numbers = seen.and_then(|view| Some(quantities(view, view.states.get(state)?)));
+                let numbers = view.and_then(|view| Some(quantities(view, view.states.get(state)?)));
                 values.extend(numbers.unwrap_or([f64::NAN; 8]).into_iter().chain(error(cone, [i, j, state])));
             }
         }
@@ -116,13 +116,14 @@ pub fn write_cone_npy(mut out: impl Write, cone: &ConeResult) -> io::Result<()> 
     write_npy(&mut out, &shape, Items::Double(&values))
 }
 
-/// The names of the numbers: [`CONE_QUANTITIES`], and `error` where one was allowed.
+/// Returns the names of the quantities: [`CONE_QUANTITIES`], and `error` if the user has permitted an error.
 fn columns(cone: &ConeResult) -> Vec<&'static str> {
     let error = cone.row_errors.allowed.map(|_| "error");
     CONE_QUANTITIES.into_iter().chain(error).collect()
 }
 
-/// The error of a state at these numbers of theta, phi and state, where one was allowed; NaN where nothing was measured.
+/// Returns the relative error at given indices of theta, phi and state, if the user has permitted an error; NaN where the map has no
+/// value.
 fn error(cone: &ConeResult, [theta, phi, state]: [usize; 3]) -> Option<f64> {
     cone.row_errors.allowed?;
     let direction = phi * cone.theta_deg.len() + theta;
@@ -131,7 +132,7 @@ fn error(cone: &ConeResult, [theta, phi, state]: [usize; 3]) -> Option<f64> {
     Some(error.filter(|_| is_known).unwrap_or(f64::NAN))
 }
 
-/// In the order of [`CONE_QUANTITIES`].
+/// Returns the quantities in the order of [`CONE_QUANTITIES`].
 fn quantities(view: &ConeView, state: &ConeState) -> [f64; 8] {
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     [

@@ -1,4 +1,4 @@
-//! What can be wrong with a data file, and where.
+//! Errors of data files, with their place.
 
 use std::fmt;
 
@@ -8,9 +8,9 @@ use papilio_spectra::SpectraError;
 use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
 
-/// A file that cannot be used: what is wrong, and where in it.
+/// Error of a data file: what is wrong, and where.
 ///
-/// Prints as compilers do, with the line and a caret below it.
+/// Prints as a compiler's message, with the line of the file and a caret below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormatError {
     /// The file, line and column.
@@ -19,58 +19,58 @@ pub struct FormatError {
     pub problem: Problem,
 }
 
-/// What can be wrong with a data file.
+/// The errors of a data file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Problem {
-    /// The system does not hand the file over.
+    /// The file cannot be read.
     Unreadable {
-        /// The system's words.
+        /// The operating system's message.
         reason: String,
     },
     /// The file cannot be written.
     Unwritable {
-        /// The system's words.
+        /// The operating system's message.
         reason: String,
     },
-    /// The file is a journal, and another program adds to it.
+    /// The file is a journal that another program is writing.
     Busy,
-    /// The file is a journal, but not of what it is to be joined with.
+    /// The file is a journal of a different computation.
     ForeignJournal,
-    /// Larger than any sensible table.
+    /// The file exceeds the size limit.
     TooLarge {
-        /// Its size.
+        /// Size in bytes.
         bytes: u64,
-        /// The largest size that is read.
+        /// Largest permitted size, bytes.
         limit: u64,
     },
     /// The bytes are not UTF-8.
     NotUtf8,
-    /// Fewer rows than a table needs.
+    /// A table has too few rows.
     TooFew {
-        /// How many there are.
+        /// Number of rows found.
         rows: usize,
     },
-    /// Fewer rows than a profile needs.
+    /// A profile has too few rows.
     TooFewAngles {
-        /// How many there are.
+        /// Number of rows found.
         rows: usize,
     },
     /// A row with the wrong number of columns.
     Columns {
-        /// How many there should be.
+        /// Required number of columns.
         count: usize,
-        /// What a row should look like.
+        /// Description of a correct row.
         expected: &'static str,
-        /// How many there are.
+        /// Number of columns found.
         found: usize,
     },
-    /// A quote that is not closed, or closed before the end of its cell.
+    /// A quotation mark that is not closed, or that is closed before the end of its cell.
     Quotes,
-    /// A name that would spoil the tables.
+    /// A name that is not permitted in tables.
     BadName,
-    /// The first row of a pixel table must name its columns.
+    /// The first row of a pixel table is not the required header.
     Header,
-    /// The first row of a measured panel must name its columns.
+    /// The first row of a measured panel lacks required columns.
     PanelHeader,
     /// A measured panel without rows.
     EmptyPanel,
@@ -83,21 +83,21 @@ pub enum Problem {
         /// Azimuth, degrees.
         phi_deg: f64,
     },
-    /// Not JSON, or not what a run writes.
+    /// The file is not JSON, or not a result of a run.
     NotAResult {
-        /// What is wrong with it.
+        /// What is wrong.
         message: String,
     },
-    /// Nothing where a number should be.
+    /// An empty cell instead of a number.
     EmptyCell,
     /// A cell that is not a number.
     NotANumber {
-        /// The cell.
+        /// Content of the cell.
         found: String,
     },
-    /// NaN or infinity, where only numbers make sense.
+    /// NaN or infinity instead of a finite number.
     NotFinite {
-        /// The cell.
+        /// Content of the cell.
         found: String,
     },
     /// A number outside its range.
@@ -106,26 +106,26 @@ pub enum Problem {
         what: &'static str,
         /// Its value.
         value: f64,
-        /// The range in words.
+        /// The permitted range in words.
         expected: &'static str,
     },
-    /// A line of a journal that is not as it was written.
+    /// A damaged line of a journal.
     BrokenLine {
-        /// What is wrong with it.
+        /// What is wrong.
         reason: String,
     },
-    /// The first line of a journal, which says what the others are of, is not as it was written.
+    /// The first line of a journal, which identifies the computation, is damaged.
     BrokenHead {
-        /// What is wrong with it.
+        /// What is wrong.
         reason: String,
     },
-    /// Wavelengths that look like micrometres.
+    /// Wavelengths that are probably in micrometres.
     Micrometres,
-    /// A wavelength that does not follow the one before.
+    /// A wavelength out of order.
     OutOfOrder {
         /// The wavelength.
         nm: f64,
-        /// The one on the row before.
+        /// The wavelength of the previous row.
         before: f64,
     },
     /// Two rows of a pixel table for the same point.
@@ -137,7 +137,7 @@ pub enum Problem {
         /// Wavelength, nm.
         nm: f64,
     },
-    /// A point that a pixel table lacks.
+    /// A missing point of a pixel table.
     Hole {
         /// The state.
         state: String,
@@ -146,33 +146,33 @@ pub enum Problem {
         /// Wavelength, nm.
         nm: f64,
     },
-    /// The angles of a pixel table begin above 0.
+    /// The smallest angle of a pixel table is not 0.
     NoNormal {
         /// The smallest angle, degrees.
         theta_deg: f64,
     },
-    /// Not YAML, or not in the layout of refractiveindex.info.
+    /// The file is not YAML, or not in the layout of refractiveindex.info.
     Yaml {
-        /// The parser's words.
+        /// What is wrong.
         message: String,
     },
-    /// A `DATA` entry of a kind that is not known.
+    /// A `DATA` entry of an unknown type.
     UnknownData {
-        /// Its `type`.
+        /// The value of its `type`.
         found: String,
     },
-    /// No entry gives the refractive index.
+    /// No entry holds the refractive index.
     NoIndex,
-    /// Something about a map of light.
+    /// An error of a light map.
     Map(Box<MapProblem>),
-    /// Something about a luminaire's file.
+    /// An error of a luminaire file.
     Ies {
         /// What is wrong.
         what: &'static str,
     },
-    /// Something about a BSDF.
+    /// An error of a BSDF file.
     Bsdf(Box<BsdfProblem>),
-    /// The table or formula makes no sense as optical data.
+    /// The table or formula is not valid optical data.
     Spectra(SpectraError),
 }
 
@@ -194,43 +194,46 @@ impl From<BsdfProblem> for Problem {
     }
 }
 
-/// What [`is_name`](crate::is_name) takes.
-const GOOD_NAME: &str = "1 to 64 characters, no control characters, no blanks at the ends, nothing that a spreadsheet takes for a formula \
-                         (`=` or `@` at the beginning)";
+/// Names that [`is_name`](crate::is_name) accepts.
+const GOOD_NAME: &str = "1 to 64 characters, no control characters, no blanks at the ends, nothing that a spreadsheet would read as a \
+                         formula (`=` or `@` at the beginning)";
 
-/// What a negative k usually means.
-const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
+/// Hint for a negative k.
+const SIGN_OF_K: &str =
+    "Papilio uses n + ik, with k positive in an absorber: change the sign of k in n - ik data";
 
-/// What to do about a table without rows.
+/// Hint for a table without rows.
 const WHOLE_FILE: &str =
-    "is this the file that was meant, and is it whole? Lines that begin with `#` are comments";
+    "check that this is the intended file and that it is complete; lines that begin with `#` are comments";
 
 impl Problem {
-    /// What is wrong, what was expected and what to do, in words.
+    /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::Unreadable { reason } => Diagnostic::new(format!("this file cannot be read: {reason}")),
             Self::Unwritable { reason } => Diagnostic::new(format!("this file cannot be written: {reason}")),
-            Self::Busy | Self::ForeignJournal | Self::BrokenLine { .. } | Self::BrokenHead { .. } => self.of_journal(),
+            Self::Busy | Self::ForeignJournal | Self::BrokenLine { .. } | Self::BrokenHead { .. } => self.journal_diagnostic(),
             Self::TooLarge { bytes, limit } => {
-                Diagnostic::new(format!("this file has {bytes} bytes, more than {limit}"))
-                    .hint("remove what is not needed: use fewer rows, or a coarser grid")
+                Diagnostic::new(format!("this file has {bytes} bytes"))
+                    .expected(format!("at most {limit} bytes"))
+                    .hint("remove unnecessary data: use fewer rows or a coarser grid")
             }
-            Self::NotUtf8 => Diagnostic::new("this is not a text file in UTF-8").hint("save it as plain text in UTF-8"),
-            Self::BadName => Diagnostic::new("this is not a name").expected(GOOD_NAME),
+            Self::NotUtf8 => Diagnostic::new("this file is not text in UTF-8").hint("save it as plain text in UTF-8"),
+            Self::BadName => Diagnostic::new("this name is not permitted").expected(GOOD_NAME),
             Self::Header => Diagnostic::new("this is not the header of a pixel table")
                 .expected("`state,theta_deg,wavelength_nm,reflectance`"),
             Self::PanelHeader => Diagnostic::new("this is not the header of a measured panel").expected(
                 "the columns `state`, `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z`",
             ),
             Self::NotAResult { message } => Diagnostic::new(format!("this is not a result.json: {message}"))
-                .hint("name a result.json that `papilio run` wrote, or the folder that holds it"),
+                .hint("specify a result.json that `papilio run` has written, or its folder"),
             Self::Yaml { message } => {
-                Diagnostic::new(format!("this is not a refractiveindex.info file: {message}"))
+                Diagnostic::new(format!("this page of refractiveindex.info cannot be read: {message}"))
             }
-            Self::UnknownData { found } => Diagnostic::new(format!("`{found}` is not a kind of optical data"))
+            Self::UnknownData { found } => Diagnostic::new(format!("`{found}` is not a known type of optical data"))
                 .expected("`tabulated nk`, `tabulated n`, `tabulated k` or `formula 1` to `formula 9`"),
-            Self::NoIndex => Diagnostic::new("no `DATA` entry gives the refractive index n"),
+            Self::NoIndex => Diagnostic::new("no entry of `DATA` holds the refractive index n")
+                .expected("an entry of type `tabulated nk`, `tabulated n` or `formula 1` to `formula 9`"),
             Self::Ies { what } => Diagnostic::new(format!("this IES LM-63 file cannot be used: {what}")),
             Self::Map(problem) => problem.diagnostic(),
             Self::Bsdf(problem) => problem.diagnostic(),
@@ -238,37 +241,39 @@ impl Problem {
                 let sign = matches!(error, SpectraError::NoIndex { k, .. } if *k < 0.0);
                 Diagnostic::new(error.to_string()).hint_if(sign.then_some(SIGN_OF_K))
             }
-            _ => self.of_rows(),
+            _ => self.row_diagnostic(),
         }
     }
 
-    /// Of a journal.
-    fn of_journal(&self) -> Diagnostic {
+    /// Diagnostics of journals.
+    fn journal_diagnostic(&self) -> Diagnostic {
         match self {
             Self::Busy => Diagnostic::new("another program is writing this journal")
-                .hint("wait for it, or choose another folder"),
+                .hint("wait until it has finished, or specify a different folder"),
             Self::ForeignJournal => {
-                Diagnostic::new("this journal belongs to another scenario, other files or another version")
-                    .hint("parts are computed from the same file with the same --set")
+                Diagnostic::new(
+                    "this journal belongs to a different scenario, different input files or a different version of Papilio",
+                )
+                .hint("compute all shards from the same scenario file with the same --set options")
             }
             Self::BrokenLine { reason } => {
                 Diagnostic::new(format!("this line of a journal is damaged: {reason}")).hint(
-                    "take the line out of the file (of a search, optimize.jsonl, all lines after it, too), and give the same \
-                     command again: what was in it is computed again, all else is kept",
+                    "delete the line from the file (in the journal of a search, optimize.jsonl, also all lines after it) and run the same \
+                     command again: the deleted results are computed again, all others are used",
                 )
             }
             Self::BrokenHead { reason } => {
                 Diagnostic::new(format!("the first line of this journal is damaged: {reason}")).hint(
-                    "it says what all others are of: put it back from a copy, or move the file to another place, and all is \
-                     computed again",
+                    "the first line identifies the computation: restore it from a copy, or move the file to another folder to \
+                     compute everything again",
                 )
             }
-            _ => Diagnostic::new("this is not a journal"),
+            _ => Diagnostic::new("this file is not a journal"),
         }
     }
 
-    /// Of rows and cells.
-    fn of_rows(&self) -> Diagnostic {
+    /// Diagnostics of rows and cells.
+    fn row_diagnostic(&self) -> Diagnostic {
         let too_few = |rows: usize| match rows {
             0 => Diagnostic::new("there are no rows of data"),
             _ => Diagnostic::new("there are too few rows of data"),
@@ -278,8 +283,8 @@ impl Problem {
             Self::TooFewAngles { rows } => too_few(*rows).expected("at least two angles").hint(WHOLE_FILE),
             Self::EmptyPanel => too_few(0)
                 .expected(
-                    "a first row with the names of the columns, and a row for each state and direction (of spectra: for \
-                     each wavelength, too)",
+                    "a first row with the names of the columns, and a row for each state and direction (for spectra, a row \
+                     for each state, direction and wavelength)",
                 )
                 .hint(WHOLE_FILE),
             Self::Columns { count, expected, found } => {
@@ -288,57 +293,61 @@ impl Problem {
                 wrong.hint(if found < count {
                     "separate the columns with commas, semicolons, tabs or blanks"
                 } else {
-                    "remove what is too much; write decimals with a point, and names that hold separators in double quotes"
+                    "remove the additional columns; write decimals with a point, and names that contain separators in double quotes"
                 })
             }
-            Self::Quotes => Diagnostic::new("the quotes of this cell do not match")
-                .hint("a quoted cell begins and ends with a double quote; a quote inside it is doubled"),
+            Self::Quotes => Diagnostic::new("the quotation marks of this cell do not match")
+                .hint("begin and end a quoted cell with a double quote; write a double quote inside it twice"),
             Self::MeasuredTwice { state, theta_deg, phi_deg } => Diagnostic::new(format!(
-                "state `{state}` at theta {theta_deg} deg, phi {phi_deg} deg is given twice"
+                "state `{state}` at theta {theta_deg} deg, phi {phi_deg} deg has two rows"
             ))
             .hint("remove one of the two rows"),
             Self::Duplicate { state, theta_deg, nm } => {
-                Diagnostic::new(format!("state `{state}` at {theta_deg} deg and {nm} nm is given twice"))
+                Diagnostic::new(format!("state `{state}` at {theta_deg} deg and {nm} nm has two rows"))
                     .hint("remove one of the two rows")
             }
             Self::Hole { state, theta_deg, nm } => {
                 Diagnostic::new(format!("state `{state}` has no row for {theta_deg} deg and {nm} nm"))
-                    .expected("every wavelength at every angle of every state")
+                    .expected("a row for every wavelength at every angle of every state")
                     .hint("add the row, or remove the wavelength or the angle from all states")
             }
-            Self::NoNormal { theta_deg } => Diagnostic::new(format!("the angles begin at {theta_deg} deg"))
-                .expected("0 deg to be the first angle"),
-            Self::Micrometres => Diagnostic::new("these wavelengths look like micrometres")
-                .hint("give wavelengths in nm: multiply them by 1000"),
+            Self::NoNormal { theta_deg } => Diagnostic::new(format!("the smallest angle is {theta_deg} deg"))
+                .expected("0 deg as the smallest angle")
+                .hint("add rows for 0 deg, the normal of the display"),
+            Self::Micrometres => Diagnostic::new("the wavelengths are probably in micrometres")
+                .expected("wavelengths in nm")
+                .hint("multiply the wavelengths by 1000"),
             Self::OutOfOrder { nm, before } => {
-                Diagnostic::new(format!("wavelength {nm} nm does not follow {before} nm"))
-                    .expected("wavelengths that rise, or fall, from row to row")
-                    .hint("sort the rows by wavelength and leave one row for each")
+                Diagnostic::new(format!("wavelength {nm} nm is out of order after {before} nm"))
+                    .expected("wavelengths that all increase, or all decrease, from row to row")
+                    .hint("sort the rows by wavelength and keep one row for each wavelength")
             }
-            _ => self.of_number(),
+            _ => self.number_diagnostic(),
         }
     }
 
-    /// Of a number.
-    fn of_number(&self) -> Diagnostic {
+    /// Diagnostics of numbers.
+    fn number_diagnostic(&self) -> Diagnostic {
         match self {
             Self::EmptyCell => Diagnostic::new("this cell is empty")
                 .expected("a number")
-                .hint("give its value, or remove the row"),
+                .hint("enter the value, or remove the row"),
             Self::NotANumber { found } => {
                 let wrong = Diagnostic::new(format!("`{found}` is not a number")).expected("a number");
                 wrong.hint(if found.contains([',', ';', ' ', '\t']) {
-                    "decimal commas are not read: write decimals with a point, and use the same separator in all rows"
+                    "decimal commas are not supported: write decimals with a point, and use the same separator in all rows"
                 } else {
-                    "numbers are written as 0.5 or 1.2e-3; a line that begins with `#` is a comment"
+                    "write numbers as 0.5 or 1.2e-3; a line that begins with `#` is a comment"
                 })
             }
             Self::NotFinite { found } => Diagnostic::new(format!("`{found}` is not a finite number"))
-                .expected("a number")
-                .hint("remove the row, or give its value"),
+                .expected("a finite number")
+                .hint("remove the row, or enter its value"),
             Self::OutOfRange { what, value, expected } => {
                 let hint = match *what {
-                    "reflectance" | "the share" if *value > 1.0 => Some("fractions are of 1, not percent"),
+                    "reflectance" | "the fraction" if *value > 1.0 => {
+                        Some("write fractions as numbers from 0 to 1, not in percent")
+                    }
                     "k" => Some(SIGN_OF_K),
                     _ => None,
                 };

@@ -1,4 +1,4 @@
-//! Files in and out: read whole and bounded, written whole or not at all.
+//! Input files, read whole up to a size limit, and output files, written completely or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
@@ -8,35 +8,35 @@ use papilio_diagnostics::Place;
 
 use crate::error::{FormatError, Problem};
 
-/// No input file may be larger, in bytes, save for those of measured scattering.
+/// Largest size of an input file, bytes; files of measured scattering have a limit of their own.
 pub const LARGEST_FILE: u64 = 64 << 20;
 
-/// A file of the user's, read into memory.
+/// An input file in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DataFile {
-    /// Its name as the user wrote it.
+    /// Name as the user wrote it.
     pub name: String,
-    /// Its bytes.
+    /// Content.
     pub bytes: Vec<u8>,
 }
 
 impl DataFile {
-    /// Reads `path`; errors call it `name`.
+    /// Reads the file at `path`; errors refer to it as `name`.
     ///
     /// # Errors
-    /// If it cannot be read or holds more than [`LARGEST_FILE`] bytes.
+    /// If the file cannot be read or is larger than [`LARGEST_FILE`].
     pub fn open(path: &Path, name: &str) -> Result<Self, FormatError> {
         Self::open_within(path, name, LARGEST_FILE)
     }
 
-    /// As [`DataFile::open`], for a file of `limit` bytes at most.
+    /// Reads a file as [`DataFile::open`], with a limit of `limit` bytes.
     ///
     /// # Errors
-    /// If it cannot be read or is larger.
+    /// If the file cannot be read or is larger than `limit`.
     pub fn open_within(path: &Path, name: &str, limit: u64) -> Result<Self, FormatError> {
         let error = |problem| FormatError { place: Place::whole(name), problem };
-        let unreadable = |e: io::Error| error(Problem::Unreadable { reason: in_words(&e) });
-        // Looked at before it is opened: opening a pipe waits for its other end.
+        let unreadable = |e: io::Error| error(Problem::Unreadable { reason: io_message(&e) });
+        // The type is checked before the file is opened, because opening a pipe waits for its other end.
         let kind = fs::metadata(path).map_err(unreadable)?;
         if !kind.is_file() {
             return Err(error(Problem::Unreadable { reason: "it is not a regular file".to_owned() }));
@@ -50,32 +50,32 @@ impl DataFile {
         Ok(Self { name: name.to_owned(), bytes })
     }
 
-    /// Its text, without a byte order mark.
+    /// Returns the content as text, without a byte order mark.
     ///
     /// # Errors
-    /// If it is not UTF-8; the error names the first bad byte's place.
+    /// If the content is not UTF-8; the error has the place of the first invalid byte.
     pub fn text(&self) -> Result<&str, FormatError> {
         let bytes = self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&self.bytes);
         std::str::from_utf8(bytes).map_err(|e| {
             let text = String::from_utf8_lossy(bytes);
-            // Everything before the first bad byte is as long in `text` as in the file.
+            // Up to the first invalid byte, `text` and the file are equal.
             let at = e.valid_up_to();
             FormatError { place: Place::in_text(&self.name, &text, at..at + 1), problem: Problem::NotUtf8 }
         })
     }
 }
 
-/// Writes a file whole or not at all: under a temporary name beside it first.
+/// Writes a file completely or not at all: first under a temporary name in the same folder, which is then renamed.
 ///
 /// # Errors
-/// Those of the system and of `write`; nothing is left behind then.
+/// If the system or `write` reports an error. No partial file remains, and a previous file of this name is not changed.
 pub fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FormatError> {
     write_and_rename(path, write).map_err(|e| FormatError {
         place: Place::whole(&path.display().to_string()),
-        problem: Problem::Unwritable { reason: in_words(&e) },
+        problem: Problem::Unwritable { reason: io_message(&e) },
     })
 }
 
@@ -89,17 +89,17 @@ fn write_and_rename(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
     });
     let done = written.and_then(|()| fs::rename(&temporary, path));
     if done.is_err() {
-        // The first error is the one to report; the leftover may not even exist.
+        // The first error is reported; the temporary file may not exist.
         let _ = fs::remove_file(&temporary);
     }
     done
 }
 
-fn in_words(error: &io::Error) -> String {
+fn io_message(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
-        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        io::ErrorKind::IsADirectory => "this is a folder, not a file".to_owned(),
         _ => error.to_string(),
     }
 }
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failed_write_leaves_nothing_and_keeps_the_old_file() {
+    fn failed_write_keeps_the_old_file_and_removes_the_temporary_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.csv");
         write_file(&path, |w| w.write_all(b"old")).unwrap();
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_an_error() {
+    fn missing_file_or_folder_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let missing = DataFile::open(&folder.path().join("none"), "none").unwrap_err();
         assert_eq!(missing.problem, Problem::Unreadable { reason: "there is no such file".to_owned() });
@@ -132,7 +132,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_pipe_is_refused_and_not_waited_for() {
+    fn pipe_is_refused_without_waiting() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_not_text_have_a_place() {
+    fn invalid_utf_8_is_an_error_with_its_place() {
         let file = DataFile { name: "x".to_owned(), bytes: b"ab\ncd\xFF".to_vec() };
         let error = file.text().unwrap_err();
         assert_eq!((error.place.line_column(), error.problem), (Some((2, 3)), Problem::NotUtf8));

@@ -1,15 +1,15 @@
-//! JSON with its objects indented and its arrays of numbers on one line.
+//! JSON output with indented objects, and arrays of numbers on one line.
 
 use std::io::{self, Write};
 
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-/// Writes `value` as JSON, readable and deterministic: objects are indented,
-/// arrays of plain values stay on one line. What is not finite becomes null.
+/// Writes `value` as readable, deterministic JSON: objects are indented, and
+/// arrays of plain values are on one line. Numbers that are not finite become null.
 ///
 /// # Errors
-/// Those of `out`, and of values that JSON cannot hold.
+/// Those of `out`, and for values that JSON cannot represent.
 pub fn write_json(out: impl Write, value: &impl Serialize) -> io::Result<()> {
     let mut serializer = serde_json::Serializer::with_formatter(out, Lines::default());
     value.serialize(&mut serializer)?;
@@ -19,7 +19,7 @@ pub fn write_json(out: impl Write, value: &impl Serialize) -> io::Result<()> {
 #[derive(Default)]
 struct Lines {
     depth: usize,
-    /// Whether the object at hand has a member.
+    /// Whether the current object has a member.
     filled: bool,
 }
 
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrays_stay_on_one_line_and_everything_reads_back() {
+    fn json_with_nested_values_has_arrays_on_one_line_and_reads_back() {
         let value =
             serde_json::json!({"a": [1, 2.5, null], "b": {"c": [{"d": {}}, {"e": [1e-300]}]}, "f": []});
         let mut text = Vec::new();

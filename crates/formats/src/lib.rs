@@ -1,35 +1,35 @@
-//! Readers and writers: what comes in from files, and what goes out to them.
+//! Readers of input files and writers of output files.
 //!
-//! | in | from |
+//! | reader | input |
 //! |---|---|
 //! | [`read_spectrum`] | two columns: wavelength in nm, value |
-//! | [`read_shares`], [`read_light`] | the same, with the range of shares, or of a light |
+//! | [`read_shares`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
-//! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (told apart by content) |
+//! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
 //! | [`read_ies`] | luminaires, IES LM-63 type C |
-//! | [`read_index`] | n-k in nm, or a refractiveindex.info page (told apart by content) |
+//! | [`read_index`] | n-k in nm, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
-//! | [`read_measured_panel`] | spectra or X, Y, Z of a panel's states |
+//! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_result`] | `result.json` |
-//! | [`read_bsdf`] | measured scattering in any of many formats (told apart by content) |
+//! | [`read_bsdf`] | measured scattering in several formats (detected from the content) |
 //!
-//! | out | to |
+//! | writer | output |
 //! |---|---|
 //! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
 //! | [`write_states`], [`write_spectra`], [`write_reflection`] | `states.csv`, `spectra.csv`, `reflection.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
-//! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; what they are: [`ConeFile`] with [`write_json`] |
+//! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
-//! | [`AuditFile`], [`FitFile`] with [`write_json`] | what was found in a measurement |
+//! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
-//! | [`write_measurement`] | measured scattering as a [`BsdfFormat`] |
+//! | [`write_measurement`] | measured scattering in a [`BsdfFormat`] |
 //!
-//! A file is read whole, at most [`LARGEST_FILE`] bytes, as a [`DataFile`]; a
-//! [`FormatError`] names the file, line and column and prints as compilers do. A
-//! file is written whole or not at all by [`write_file`]. Numbers are written so
-//! that they read back as they were, bit for bit.
+//! A [`DataFile`] is an input file in memory, of at most [`LARGEST_FILE`] bytes. A
+//! [`FormatError`] has the file, line and column, and prints as a compiler's message.
+//! [`write_file`] writes a file completely or not at all. Numbers are written such
+//! that reading them returns the same bits.
 //!
-//! **Out of scope**: what a file is for. Readers check what it says: whether a spectrum covers a grid is the caller's question.
+//! **Out of scope**: the purpose of a file. Readers check its content; the caller checks, for example, whether a spectrum covers a grid.
 //!
 //! ```
 //! use papilio_formats::{DataFile, read_index};
@@ -107,9 +107,9 @@ pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
 
-/// Whether tables can be written as Parquet: the feature `parquet`, which builds of the program have unless it is turned off.
+/// Whether this build can write tables as Parquet: the feature `parquet`, which is on by default in builds of the program.
 pub const HAS_PARQUET: bool = cfg!(feature = "parquet");
 
-/// What to say where they cannot.
+/// Message of a build without Parquet.
 pub const NO_PARQUET: &str = "this papilio was built without Parquet; \
-    `cargo build --release --package papilio` builds it with the feature `parquet` on";
+    build it with the feature `parquet`: `cargo build --release --package papilio`";

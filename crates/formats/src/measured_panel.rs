@@ -1,9 +1,9 @@
-//! A measured panel: what a meter said of each state from each direction.
+//! Measured panels: spectra or colours of each state from each direction.
 //!
-//! The first row names the columns, in any order: `state`, `theta_deg`, optionally `phi_deg`, and either
-//! `wavelength_nm` and `reflectance_factor`, a row for each wavelength, or `X`, `Y` and `Z`, a row for each state
-//! and direction, relative to a perfect white (Y = 1). Other columns are not looked at, so `spectra.csv` and
-//! `states.csv` of a run can be read as measurements, too. Lines that begin with `#` are comments.
+//! The first row holds the names of the columns, in any order: `state`, `theta_deg`, optionally `phi_deg`, and either
+//! `wavelength_nm` and `reflectance_factor`, with one row per wavelength, or `X`, `Y` and `Z`, with one row per state
+//! and direction, relative to a perfect white (Y = 1). Other columns are ignored, so that `spectra.csv` and
+//! `states.csv` of a run can also be read as measurements. Lines that begin with `#` are comments.
 
 use std::collections::HashMap;
 
@@ -17,7 +17,7 @@ use crate::is_name;
 use crate::pixel_table::in_range;
 use crate::rows::{Row, Table};
 
-/// Where the columns stand.
+/// Indices of the columns.
 struct Columns {
     count: usize,
     state: usize,
@@ -33,11 +33,11 @@ enum Values {
     Xyz([usize; 3]),
 }
 
-/// Reads what was measured of a panel, in the order of its first rows.
+/// Reads the measurements of a panel, in the order of their first rows.
 ///
 /// # Errors
-/// With line and column: a header without the columns, cells that are not numbers or out of range, a
-/// point given twice, a spectrum of one wavelength.
+/// With line and column: a header without the required columns, cells that are not numbers or out of range, two
+/// rows for the same point, a spectrum with a single wavelength.
 pub fn read_measured_panel(file: &DataFile) -> Result<Vec<Measured>, FormatError> {
     let table = Table::new(file)?;
     let mut rows = table.rows().filter(|row| !row.begins_with_hash());
@@ -68,30 +68,32 @@ impl Columns {
     }
 }
 
-/// The rows as they come.
+/// The measurements of the rows read so far.
 #[derive(Default)]
 struct Panel {
     measured: Vec<Measured>,
-    /// Wavelengths, values and the places of their rows, of each that is a spectrum.
+    /// Wavelengths, values and places of the rows of each spectrum.
     spectra: Vec<Vec<(f64, f64, usize)>>,
     by_direction: HashMap<(String, u64, u64), usize>,
 }
 
 impl Panel {
     fn push(&mut self, columns: &Columns, row: &Row<'_>) -> Result<(), FormatError> {
-        row.expect_cells(columns.count, "as many as in the first row")?;
+        row.expect_cells(columns.count, "as many columns as the first row")?;
         let state = row.cells[columns.state].text.to_string();
         if !is_name(&state) {
             return Err(row.cell_error(columns.state, Problem::BadName));
         }
-        let theta_deg = in_range(row, columns.theta, "an angle", -90.0, 90.0, "-90 to 90 deg")?;
+        let theta_deg = in_range(row, columns.theta, "an angle", -90.0, 90.0, "an angle from -90 to 90 deg")?;
         let phi_deg = match columns.phi {
-            Some(phi) => in_range(row, phi, "an azimuth", -360.0, 360.0, "-360 to 360 deg")?,
+            Some(phi) => in_range(row, phi, "an azimuth", -360.0, 360.0, "an azimuth from -360 to 360 deg")?,
             None => 0.0,
         };
         let key = (state.clone(), (theta_deg + 0.0).to_bits(), (phi_deg + 0.0).to_bits());
         let known = self.by_direction.get(&key).copied();
-        let value = |cell| in_range(row, cell, "the value", -1.0, 1e4, "-1 to 1e4, 1 for a perfect white");
+        let value = |cell| {
+            in_range(row, cell, "the value", -1.0, 1e4, "a value from -1 to 1e4, where 1 is a perfect white")
+        };
         let mut measured = |quantity| {
             self.by_direction.insert(key.clone(), self.measured.len());
             self.measured.push(Measured { state: state.clone(), theta_deg, phi_deg, quantity });
@@ -107,11 +109,11 @@ impl Panel {
                 measured(Quantity::Xyz(xyz));
             }
             Values::Spectrum([nm, factor]) => {
-                let nm = in_range(row, nm, "a wavelength", 30.0, 1e6, "a wavelength in nm")?;
+                let nm = in_range(row, nm, "a wavelength", 30.0, 1e6, "a wavelength in nm, 30 to 1e6")?;
                 let point = (nm, value(factor)?, row.cells[0].start());
-                // The spectrum itself is made when all its rows are there.
-                let nothing = || Quantity::Xyz(Xyz { x: 0.0, y: 0.0, z: 0.0 });
-                let at = known.unwrap_or_else(|| measured(nothing()));
+                // A placeholder; `finish` creates the spectrum from all of its rows.
+                let placeholder = || Quantity::Xyz(Xyz { x: 0.0, y: 0.0, z: 0.0 });
+                let at = known.unwrap_or_else(|| measured(placeholder()));
                 self.spectra[at].push(point);
             }
         }
@@ -148,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn spectra_may_come_in_any_order_and_colours_a_row_each() {
+    fn panel_with_unsorted_spectra_or_with_colours_is_read() {
         let text = "# a panel\ntheta_deg,state,note,wavelength_nm,reflectance_factor\n8,white,x,700,0.3\n8,white,x,400,0.2\n8,black,,400,0.01\n8,black,,700,-0.001\n";
         let panel = read(text).unwrap();
         assert_eq!(panel.len(), 2);
@@ -160,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_have_their_place() {
+    fn malformed_panel_is_an_error_with_its_place() {
         for (text, place) in [
             ("", None),
             ("state,theta_deg,X,Y,Z\n", None),
@@ -182,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_panics() {
+    fn arbitrary_text_never_panics() {
         let characters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_,;0123456789.\n# \"-";
         papilio_testing::laws(
             300,

@@ -1,9 +1,9 @@
-//! In place of `sweep_parquet`, where the feature `parquet` is off: it says so.
+//! Replacement of `sweep_parquet` in builds without the feature `parquet`: every function returns an error.
 
 use crate::NO_PARQUET;
 use crate::sweep::{SweepHead, SweepPoint};
 
-/// An error that says how to get it.
+/// Returns an error that explains how to build with Parquet.
 ///
 /// # Errors
 /// Always.
@@ -11,7 +11,7 @@ pub fn sweep_parquet(_: &SweepHead, _: &[&SweepPoint]) -> Result<Vec<u8>, std::i
     Err(std::io::Error::other(NO_PARQUET))
 }
 
-/// An error that says how to get it.
+/// Returns an error that explains how to build with Parquet.
 ///
 /// # Errors
 /// Always.

@@ -1,4 +1,4 @@
-//! Arrays of NumPy: the format `.npy`, version 1.0 (numpy.lib.format).
+//! NumPy arrays: the format `.npy`, version 1.0 (numpy.lib.format).
 //!
 //! A magic word, the length of a header, the header (a Python dictionary of type, order and
 //! shape, padded so that the data begin at a multiple of 64 bytes), and the data, little-endian,
@@ -11,13 +11,13 @@ use std::io::{self, Write};
 pub(crate) enum Items<'a> {
     /// `<f8`.
     Double(&'a [f64]),
-    /// `<f4`, in pieces.
+    /// `<f4`, in several slices.
     Single(&'a [&'a [f32]]),
     /// `<U...`: text, padded with zeros to the longest.
     Text(&'a [&'a str]),
 }
 
-/// Writes an array of this shape (empty: a single item).
+/// Writes an array of a given shape; an empty shape means a single item.
 pub(crate) fn write_npy(out: &mut dyn Write, shape: &[usize], items: Items<'_>) -> io::Result<()> {
     let count: usize = shape.iter().product();
     if items.count() != count {
@@ -27,7 +27,7 @@ pub(crate) fn write_npy(out: &mut dyn Write, shape: &[usize], items: Items<'_>) 
     let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let descr = items.descr();
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}", shape.trim_end());
-    // Magic word, version and length take 10 bytes; a new line ends the header.
+    // Magic word, version and length take 10 bytes; a newline ends the header.
     let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
     let length = u16::try_from(padded).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     out.write_all(b"\x93NUMPY\x01\x00")?;
@@ -70,7 +70,7 @@ impl Items<'_> {
     }
 }
 
-/// Characters of the longest text, at least 1.
+/// Returns the number of characters of the longest text, at least 1.
 fn longest(texts: &[&str]) -> usize {
     texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1)
 }

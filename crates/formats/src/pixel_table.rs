@@ -1,6 +1,6 @@
-//! Pixel tables: reflectance against state, angle and wavelength, as `pixel.csv`.
+//! Pixel tables: reflectance by state, angle and wavelength, as `pixel.csv`.
 //!
-//! This is how any other pixel tool plugs in: complete states (areas and fill
+//! Other programs for pixels provide their results in this format: complete states (areas and fill
 //! factor included), every angle at every wavelength, rows in any order.
 
 use std::collections::HashMap;
@@ -17,34 +17,34 @@ use crate::words::{is_formula, is_override};
 /// The columns of `pixel.csv`.
 pub const PIXEL_COLUMNS: [&str; 4] = ["state", "theta_deg", "wavelength_nm", "reflectance"];
 
-/// Reflectances of complete states on a rectangle of angles and wavelengths.
+/// Reflectances of complete states on a rectangular grid of angles and wavelengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelTable {
     /// Angles, degrees, ascending from 0, at most 90.
     pub theta_deg: Vec<f64>,
     /// Wavelengths, nm, ascending.
     pub wavelength_nm: Vec<f64>,
-    /// Each state with its reflectances (0 to 1): wavelengths within angles.
+    /// Name and reflectances (0 to 1) of each state, `[angle][wavelength]`.
     pub states: Vec<(String, Vec<f64>)>,
 }
 
 impl PixelTable {
-    /// The reflectance spectra of state `state` on `grid`, one for each angle; linear in wavelength.
+    /// Returns the reflectance spectra of state number `state` on `grid`, one for each angle, interpolated linearly in wavelength.
     ///
     /// # Errors
-    /// If the table does not cover the grid, or is not of the shape it says.
+    /// If the table does not cover the grid, or its lengths are inconsistent.
     pub fn spectra(&self, state: usize, grid: &Grid) -> Result<Vec<Spectrum>, SpectraError> {
         let values = self.states.get(state).map_or(&[][..], |(_, values)| values);
         let spectra = values.chunks(self.wavelength_nm.len().max(1));
         spectra.map(|row| Tabulated::new(self.wavelength_nm.clone(), row.to_vec())?.on(grid)).collect()
     }
 
-    /// Writes `state,theta_deg,wavelength_nm,reflectance`; the numbers read back as they are.
+    /// Writes `state,theta_deg,wavelength_nm,reflectance`. Reading the numbers returns the same bits.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
-        // Unquoted, blanks around a name would be lost, and semicolons would part columns.
+        // Without quotes, a reader would drop blanks around a name and split it at semicolons.
         let needs_quotes = self.states.iter().any(|(name, _)| name.trim() != name || name.contains(';'));
         let style = if needs_quotes { QuoteStyle::NonNumeric } else { QuoteStyle::Necessary };
         let mut csv = csv::WriterBuilder::new().quote_style(style).from_writer(out);
@@ -60,13 +60,13 @@ impl PixelTable {
     }
 }
 
-/// Reads a pixel table; its first row names the columns, as [`PIXEL_COLUMNS`].
+/// Reads a pixel table. Its first row holds the names of the columns, [`PIXEL_COLUMNS`].
 ///
 /// # Errors
 /// With line and column: cells that are not numbers, reflectances outside 0 to
-/// 1, angles outside 0 to 90 deg, a point given twice or not at all (every
-/// state has the same angles and wavelengths), angles that do not begin at 0,
-/// states whose names are not [names](is_name).
+/// 1, angles outside 0 to 90 deg, two rows or none for a point (every
+/// state has the same angles and wavelengths), a smallest angle other than 0,
+/// states whose names are not [permitted](is_name).
 pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
     let table = Table::new(file)?;
     let mut rows = table.rows().filter(|row| !is_comment(row));
@@ -81,27 +81,27 @@ pub fn read_pixel_table(file: &DataFile) -> Result<PixelTable, FormatError> {
     points.into_table(table)
 }
 
-/// True if a state or sub-pixel may be called so: 1 to 64 characters, none of them
-/// control characters or ones that turn the direction of a text, no blanks at the ends, nothing that a spreadsheet takes for a formula.
+/// Returns whether a state or sub-pixel may have this name: 1 to 64 characters without control characters or characters that change
+/// the direction of a text, without blanks at the ends, and nothing that a spreadsheet would read as a formula.
 pub fn is_name(text: &str) -> bool {
     let length = text.chars().count();
-    let spoils = |c: char| c.is_control() || is_override(c);
-    (1..=64).contains(&length) && text.trim() == text && !text.chars().any(spoils) && !is_formula(text)
+    let is_forbidden = |c: char| c.is_control() || is_override(c);
+    (1..=64).contains(&length) && text.trim() == text && !text.chars().any(is_forbidden) && !is_formula(text)
 }
 
-/// A state may be called `#1`: a row that begins so is a comment unless it could be a point.
+/// Returns whether a row is a comment. A state may be called `#1`: a row that begins with `#` is a comment unless it could be a point.
 fn is_comment(row: &Row<'_>) -> bool {
     row.begins_with_hash()
         && !(row.cells.len() == PIXEL_COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
 }
 
-/// The rows as they come.
+/// The points of the rows read so far.
 #[derive(Default)]
 struct Points {
     names: Vec<String>,
     by_name: HashMap<String, usize>,
     points: Vec<Point>,
-    /// Line of each point, for errors about pairs of rows.
+    /// Start of each point's row, bytes, for errors about pairs of rows.
     places: Vec<usize>,
 }
 
@@ -111,13 +111,13 @@ struct Point {
     theta_deg: f64,
     nm: f64,
     reflectance: f64,
-    /// Its row, counted from 0 below the header.
+    /// Index of the row, from 0 below the header.
     row: usize,
 }
 
 impl Points {
     fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
-        row.expect_cells(4, "four: state, theta_deg, wavelength_nm, reflectance")?;
+        row.expect_cells(4, "four columns: state, theta_deg, wavelength_nm, reflectance")?;
         let name: &str = &row.cells[0].text;
         let state = match self.by_name.get(name) {
             Some(&state) => state,
@@ -128,9 +128,9 @@ impl Points {
                 self.names.len() - 1
             }
         };
-        let theta_deg = in_range(row, 1, "an angle", 0.0, 90.0, "0 to 90 deg")?;
-        let nm = in_range(row, 2, "a wavelength", 30.0, 1e6, "a wavelength in nm")?;
-        let reflectance = in_range(row, 3, "reflectance", 0.0, 1.0, "0 to 1")?;
+        let theta_deg = in_range(row, 1, "an angle", 0.0, 90.0, "an angle from 0 to 90 deg")?;
+        let nm = in_range(row, 2, "a wavelength", 30.0, 1e6, "a wavelength in nm, 30 to 1e6")?;
+        let reflectance = in_range(row, 3, "reflectance", 0.0, 1.0, "a reflectance from 0 to 1")?;
         self.points.push(Point { state, theta_deg, nm, reflectance, row: self.places.len() });
         self.places.push(row.cells[0].start());
         Ok(())
@@ -144,7 +144,7 @@ impl Points {
         self.check_duplicates(table)?;
         let theta_deg = axis(self.points.iter().map(|p| p.theta_deg));
         let wavelength_nm = axis(self.points.iter().map(|p| p.nm));
-        self.check_holes(table, &theta_deg, &wavelength_nm)?;
+        self.check_missing(table, &theta_deg, &wavelength_nm)?;
         match theta_deg.first() {
             Some(&first) if first == 0.0 && wavelength_nm.len() > 1 => {}
             Some(&first) if first > 0.0 => {
@@ -170,8 +170,9 @@ impl Points {
         Ok(())
     }
 
-    /// The points are sorted and unlike: the first that differs from the rectangle is a hole.
-    fn check_holes(
+    /// Fails if a point is missing. The points are sorted and distinct: the first one that differs from the rectangular grid follows a
+    /// missing point.
+    fn check_missing(
         &self,
         table: Table<'_>,
         theta_deg: &[f64],
@@ -201,7 +202,7 @@ pub(crate) fn in_range(
     most: f64,
     expected: &'static str,
 ) -> Result<f64, FormatError> {
-    // Adding 0 makes -0 a 0, which then equals and sorts alike.
+    // Adding 0 turns -0 into 0, so that both compare and sort as equal.
     let value = row.number(cell)? + 0.0;
     if (least..=most).contains(&value) {
         return Ok(value);
@@ -209,7 +210,7 @@ pub(crate) fn in_range(
     Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected }))
 }
 
-/// The distinct values, ascending.
+/// Returns the distinct values in ascending order.
 fn axis(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What a run writes: `result.json`, `states.csv`, `spectra.csv`.
+//! Output files of a run: `result.json`, `states.csv`, `spectra.csv`, `reflection.csv`.
 
 use std::io::{self, Write};
 
@@ -7,12 +7,12 @@ use papilio_display::result::{Cam16, Ledger, LedgerError, RunResult, State, Stat
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The JSON Schema of `result.json`.
+/// Returns the JSON Schema of `result.json`.
 pub fn result_schema() -> serde_json::Value {
     schemars::schema_for!(ResultFile<'_>).to_value()
 }
 
-/// The whole of `result.json`: what was asked, and the answer.
+/// Content of `result.json`: the scenario and its result.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ResultFile<'a> {
     /// Version of the program.
@@ -21,18 +21,17 @@ pub struct ResultFile<'a> {
     pub scenario: &'a serde_json::Value,
     /// SHA-256 of the scenario and the bytes of its files.
     pub hash: &'a str,
-    /// Seed of the walk.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// How the scenario was understood.
+    /// Notes on how the scenario was interpreted.
     pub notes: &'a [String],
-    /// The answer.
+    /// The result.
     #[serde(flatten)]
     pub result: &'a RunResult,
 }
 
-/// Writes `states.csv`: a row for each view and state, every scalar metric
-/// beside its standard error and, of adding, its discretisation error (`Y`, `Y_se`, `Y_de`). What
-/// is undefined is left empty.
+/// Writes `states.csv`: one row per view and state. Each scalar metric is followed by its standard error and, for results of
+/// adding, its discretisation error (`Y`, `Y_se`, `Y_de`). Cells of undefined values are empty.
 ///
 /// # Errors
 /// Those of `out`.
@@ -44,7 +43,7 @@ pub fn write_states(out: impl Write, result: &RunResult) -> io::Result<()> {
     csv.flush()
 }
 
-/// The columns of `states.csv`, and its rows.
+/// Returns the column titles and the rows of `states.csv`.
 pub(crate) fn state_table(result: &RunResult) -> (Vec<String>, Vec<Vec<String>>) {
     let (mut titles, mut rows) = (Vec::new(), Vec::new());
     for view in &result.views {
@@ -57,21 +56,21 @@ pub(crate) fn state_table(result: &RunResult) -> (Vec<String>, Vec<Vec<String>>)
     (titles, rows)
 }
 
-/// Writes `spectra.csv`: a row for each view, state and wavelength.
+/// Writes `spectra.csv`: one row per view, state and wavelength.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    let mut header_is_there = false;
+    let mut has_header = false;
     for view in &result.views {
         let angles = [view.theta_deg.to_string(), view.phi_deg.to_string()];
         for (name, state) in view.states.iter() {
             let columns = spectra(state);
-            if !header_is_there {
+            if !has_header {
                 let places = ["theta_deg", "phi_deg", "state", "wavelength_nm"].map(str::to_owned);
                 csv.write_record(places.iter().chain(columns.iter().map(|(title, _)| title)))?;
-                header_is_there = true;
+                has_header = true;
             }
             for (i, nm) in result.wavelength_nm.iter().enumerate() {
                 let numbers = columns.iter().map(|(_, column)| cell(column.get(i).copied()));
@@ -83,7 +82,7 @@ pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
     csv.flush()
 }
 
-/// Spectra of a state, each followed by its errors: `radiance`, `radiance_se`, ...
+/// Returns the spectra of a state, each followed by its errors: `radiance`, `radiance_se`, ...
 fn spectra(state: &State) -> Vec<(String, &[f64])> {
     let all = [
         ("", Some(&state.value)),
@@ -113,7 +112,7 @@ fn spectra_of(values: &StateValues) -> Vec<(String, &[f64])> {
     all
 }
 
-/// Writes `reflection.csv`: how each state reflects a beam, by inclination.
+/// Writes `reflection.csv`: the reflection of a beam by each state, by inclination of the beam.
 ///
 /// # Errors
 /// Those of `out`.
@@ -130,7 +129,7 @@ pub fn write_reflection(out: impl Write, all: &[Reflection]) -> io::Result<()> {
     csv.flush()
 }
 
-/// A number that reads back as it is; nothing where there is none.
+/// Formats a number such that reading it returns the same bits; empty for a number that is undefined or not finite.
 pub(crate) fn cell(value: Option<f64>) -> String {
     value.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
 }
@@ -143,15 +142,16 @@ fn scalars(view: &View, name: &str, state: &State) -> Columns {
         ("phi_deg".to_owned(), view.phi_deg.to_string()),
         ("state".to_owned(), name.to_owned()),
     ];
-    let errors = [Some(&state.standard_error), state.discretisation_error.as_ref()].map(|e| e.map(of_state));
+    let errors =
+        [Some(&state.standard_error), state.discretisation_error.as_ref()].map(|e| e.map(state_metrics));
     let error = |which: usize, k: usize| errors[which].as_ref()?.get(k)?.1;
-    let mut numbers: Vec<(String, [Option<f64>; 3])> = of_state(&state.value)
+    let mut numbers: Vec<(String, [Option<f64>; 3])> = state_metrics(&state.value)
         .into_iter()
         .enumerate()
         .map(|(k, (title, value))| (title, [value, error(0, k), error(1, k)]))
         .collect();
-    numbers.extend(together(view));
-    numbers.extend(view.ledger.get(name).into_iter().flat_map(of_ledger));
+    numbers.extend(view_metrics(view));
+    numbers.extend(view.ledger.get(name).into_iter().flat_map(ledger_fractions));
     for (title, [value, standard, discretisation]) in numbers {
         columns.push((title.clone(), cell(value)));
         columns.push((format!("{title}_se"), cell(standard)));
@@ -162,22 +162,22 @@ fn scalars(view: &View, name: &str, state: &State) -> Columns {
     columns
 }
 
-/// The metrics of the states together, and their errors.
-fn together(view: &View) -> impl Iterator<Item = (String, [Option<f64>; 3])> + use<> {
+/// Returns the metrics of a view (those that combine states) and their errors.
+fn view_metrics(view: &View) -> impl Iterator<Item = (String, [Option<f64>; 3])> + use<> {
     let discretisation = view.discretisation_error.unwrap_or_default();
     let errors = view.standard_error.named().zip(discretisation.named());
     let all = view.metrics.named().zip(errors);
     all.map(|((title, value), ((_, standard), (_, coarse)))| (title.to_owned(), [value, standard, coarse]))
 }
 
-/// A share of a ledger: its name, and where it is.
-type Share = (&'static str, fn(&LedgerError) -> f64);
+/// A fraction of the energy balance: its name and its accessor.
+type Fraction = (&'static str, fn(&LedgerError) -> f64);
 
-/// A ledger's shares, and their errors.
-fn of_ledger(ledger: &Ledger) -> [(String, [Option<f64>; 3]); 7] {
+/// Returns the fractions of an energy balance and their errors.
+fn ledger_fractions(ledger: &Ledger) -> [(String, [Option<f64>; 3]); 7] {
     let Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error } = ledger;
     let value = LedgerError { returned: *returned, absorbed: absorbed.clone(), unaccounted: *unaccounted };
-    let shares: [Share; 7] = [
+    let fractions: [Fraction; 7] = [
         ("returned", |l| l.returned),
         ("front", |l| l.absorbed.front),
         ("diffuser", |l| l.absorbed.diffuser),
@@ -186,13 +186,13 @@ fn of_ledger(ledger: &Ledger) -> [(String, [Option<f64>; 3]); 7] {
         ("inactive", |l| l.absorbed.inactive),
         ("unaccounted", |l| l.unaccounted),
     ];
-    shares.map(|(title, of)| {
+    fractions.map(|(title, of)| {
         let all = [Some(&value), Some(standard_error), discretisation_error.as_ref()];
         (format!("ledger_{title}"), all.map(|one| one.map(of)))
     })
 }
 
-fn of_state(v: &StateValues) -> Vec<(String, Option<f64>)> {
+fn state_metrics(v: &StateValues) -> Vec<(String, Option<f64>)> {
     let fixed = [
         ("X", Some(v.X)),
         ("Y", Some(v.Y)),

@@ -1,4 +1,4 @@
-//! `result.json` read back, as far as it can be compared with a measurement.
+//! Reader of `result.json`, for the parts that can be compared with a measurement.
 
 use std::collections::BTreeMap;
 
@@ -11,14 +11,14 @@ use serde::Deserialize;
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// A run's result and its title.
+/// Result of a run, with its title.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadResult {
-    /// The scenario's title, if it has one.
+    /// Title of the scenario, if it has one.
     pub title: Option<String>,
-    /// SHA-256 of the scenario and its files; none in what another program wrote.
+    /// SHA-256 of the scenario and its input files; `None` in a file that another program has written.
     pub hash: Option<String>,
-    /// What can be compared.
+    /// The quantities that can be compared.
     pub simulated: Simulated,
 }
 
@@ -68,7 +68,7 @@ struct State {
 /// Reads a `result.json`.
 ///
 /// # Errors
-/// If it is no JSON, no result, or one whose parts do not fit together.
+/// If the file is not JSON or not a result, or if its parts are inconsistent.
 pub fn read_result(file: &DataFile) -> Result<ReadResult, FormatError> {
     let text = file.text()?;
     let read: File = serde_json::from_str(text).map_err(|error| {
@@ -78,7 +78,7 @@ pub fn read_result(file: &DataFile) -> Result<ReadResult, FormatError> {
             _ => usize::saturating_add(line_start, error.column().saturating_sub(1)),
         };
         let place = Place::in_text(&file.name, text, at..at + 1);
-        FormatError { place, problem: Problem::NotAResult { message: in_words(&error) } }
+        FormatError { place, problem: Problem::NotAResult { message: parser_message(&error) } }
     })?;
     simulated(read).map_err(|message| FormatError {
         place: Place::whole(&file.name),
@@ -86,35 +86,40 @@ pub fn read_result(file: &DataFile) -> Result<ReadResult, FormatError> {
     })
 }
 
-/// The parser's words, without the place that stands above them anyway.
-fn in_words(error: &serde_json::Error) -> String {
+/// Returns the parser's message without the place, which the diagnostic prints separately.
+fn parser_message(error: &serde_json::Error) -> String {
     let text = error.to_string();
     text.rsplit_once(" at line ").map_or(text.clone(), |(words, _)| words.to_owned())
 }
 
+/// Message for wavelengths that are not a [`Grid`].
+const NOT_UNIFORM: &str = "the wavelengths in `wavelength_nm` are not a uniform grid that increases";
+
 fn simulated(read: File) -> Result<ReadResult, &'static str> {
     let nm = &read.wavelength_nm;
-    let (Some(first), Some(last)) = (nm.first(), nm.last()) else { return Err("it has no wavelengths") };
+    let (Some(first), Some(last)) = (nm.first(), nm.last()) else { return Err("`wavelength_nm` is empty") };
     let step = (last - first) / (nm.len().saturating_sub(1)) as f64;
-    let grid = Grid::new(*first, *last, step).map_err(|_| "its wavelengths are no even grid")?;
-    let even = nm.iter().enumerate().all(|(i, nm)| (grid.wavelength_nm(i) - nm).abs() < 1e-6 * step);
-    if grid.len() != nm.len() || !even {
-        return Err("its wavelengths are no even grid");
+    let grid = Grid::new(*first, *last, step).map_err(|_| NOT_UNIFORM)?;
+    let is_uniform = nm.iter().enumerate().all(|(i, nm)| (grid.wavelength_nm(i) - nm).abs() < 1e-6 * step);
+    if grid.len() != nm.len() || !is_uniform {
+        return Err(NOT_UNIFORM);
     }
     let fits = |spectrum: &[f64]| spectrum.len() == nm.len();
     let spectra = read.views.iter().flat_map(|view| view.states.values());
     let factors: Option<Vec<&[f64]>> = spectra.map(|state| state.reflectance_factor.as_deref()).collect();
     let Some(factors) = factors else {
-        return Err("its front light is all its light, so that it has no reflectance factors to compare");
+        return Err(
+            "all of its light comes from the front light, so it has no reflectance factors to compare",
+        );
     };
     if !fits(&read.illuminant.radiance_of_white) || !factors.into_iter().all(fits) {
-        return Err("its spectra have not as many values as there are wavelengths");
+        return Err("a spectrum does not have one value for each wavelength of `wavelength_nm`");
     }
     if !read.illuminant.radiance_of_white.iter().any(|value| *value > 0.0) {
-        return Err("its white is dark");
+        return Err("`illuminant.radiance_of_white` is zero at all wavelengths");
     }
     if read.views.is_empty() {
-        return Err("it has no views");
+        return Err("`views` is empty");
     }
     let state = |(name, state): (String, State)| {
         (name, state.reflectance_factor.unwrap_or_default(), Xyz { x: state.X, y: state.Y, z: state.Z })
@@ -150,14 +155,14 @@ mod tests {
 "views": [{"theta_deg": 8, "phi_deg": 0, "states": {"white": {"reflectance_factor": [0.1, 0.2, 0.3], "X": 0.2, "Y": 0.2, "Z": 0.1, "peak_nm": null}}}]}"#;
 
     #[test]
-    fn what_a_run_writes_is_read() {
+    fn result_of_a_run_is_read() {
         let result = read(GOOD).unwrap();
         assert_eq!((result.title.as_deref(), result.simulated.observer), (Some("A"), Standard::Cie1964));
         assert_eq!(result.simulated.views[0].states[0].1, [0.1, 0.2, 0.3]);
     }
 
     #[test]
-    fn what_is_no_result_is_an_error_with_its_place() {
+    fn malformed_result_is_an_error_with_its_place() {
         let place = |text: &str| read(text).unwrap_err().place.line_column();
         assert_eq!(place("{\n\"views\": [},"), Some((2, 11)));
         assert!(place("").is_some() && place("[]").is_some() && place("{}").is_some());
@@ -178,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_panics() {
+    fn changed_result_never_panics() {
         let characters = "0123456789[]{},:\"abcdefghijklmnopqrstuvwxyz.-";
         papilio_testing::laws(
             300,

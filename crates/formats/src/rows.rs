@@ -1,7 +1,7 @@
-//! Rows and cells of a text table, each with its place.
+//! Rows and cells of a text table, with their places.
 //!
-//! A line is a row. A cell may stand in double quotes, where separators part
-//! nothing, blanks count and `""` is a quote, as CSV writers have it.
+//! A line is a row. A cell may be in double quotes, as in CSV: separators and
+//! blanks inside the quotes belong to the cell, and `""` is a quote.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -11,27 +11,27 @@ use papilio_diagnostics::Place;
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// A text whose lines are rows; blank lines are no rows.
+/// A text whose lines are rows; blank lines are skipped.
 #[derive(Clone, Copy)]
 pub(crate) struct Table<'a> {
     pub(crate) name: &'a str,
     pub(crate) text: &'a str,
 }
 
-/// A row's cells.
+/// A row of cells.
 pub(crate) struct Row<'a> {
     pub(crate) table: Table<'a>,
     pub(crate) cells: Vec<Cell<'a>>,
 }
 
-/// A cell: what it says, and where it stands.
+/// A cell: its text and its place.
 pub(crate) struct Cell<'a> {
-    /// Without quotes; without blanks around it where it has no quotes.
+    /// Text without its quotes or, if it has none, without blanks around it.
     pub(crate) text: Cow<'a, str>,
-    /// Bytes of the file.
+    /// Place in the file, bytes.
     place: Range<usize>,
-    /// A quote was opened and not closed, or something follows the closing one.
-    spoilt: bool,
+    /// Whether a quote is not closed, or text follows the closing quote.
+    has_bad_quotes: bool,
 }
 
 impl<'a> Table<'a> {
@@ -39,7 +39,7 @@ impl<'a> Table<'a> {
         Ok(Self { name: &file.name, text: file.text()? })
     }
 
-    /// The rows, comments included; their cells parted by semicolons, or else commas, or else blanks.
+    /// Returns the rows, comments included. Cells are separated by semicolons, or else by commas, or else by blanks.
     pub(crate) fn rows(self) -> impl Iterator<Item = Row<'a>> {
         let lines = self.text.split_inclusive('\n').scan(0, |next, line| {
             let start = *next;
@@ -50,12 +50,12 @@ impl<'a> Table<'a> {
         lines.map(move |(start, line)| Row { table: self, cells: cells(start, line) })
     }
 
-    /// An error about the whole file.
+    /// Returns an error about the whole file.
     pub(crate) fn error(&self, problem: Problem) -> FormatError {
         FormatError { place: Place::whole(self.name), problem }
     }
 
-    /// An error about the line that holds the byte `at`, from there on.
+    /// Returns an error about the line that holds the byte `at`, from that byte to the end of the line.
     pub(crate) fn error_at_line(&self, at: usize, problem: Problem) -> FormatError {
         FormatError { place: Place::in_text(self.name, self.text, at..self.text.len()), problem }
     }
@@ -66,21 +66,21 @@ impl Cell<'_> {
         self.text.parse::<f64>().is_ok()
     }
 
-    /// Where it begins in the file, in bytes.
+    /// Returns the start of the cell in the file, bytes.
     pub(crate) fn start(&self) -> usize {
         self.place.start
     }
 }
 
 impl Row<'_> {
-    /// An error about the whole row.
+    /// Returns an error about the whole row.
     pub(crate) fn error(&self, problem: Problem) -> FormatError {
         let start = self.cells.first().map_or(0, |cell| cell.place.start);
         let end = self.cells.last().map_or(0, |cell| cell.place.end);
         FormatError { place: Place::in_text(self.table.name, self.table.text, start..end), problem }
     }
 
-    /// An error about cell `i`.
+    /// Returns an error about cell `i`.
     pub(crate) fn cell_error(&self, i: usize, problem: Problem) -> FormatError {
         match self.cells.get(i) {
             Some(cell) => {
@@ -91,7 +91,7 @@ impl Row<'_> {
         }
     }
 
-    /// The finite number in cell `i`.
+    /// Returns the finite number in cell `i`.
     pub(crate) fn number(&self, i: usize) -> Result<f64, FormatError> {
         let text = self.cells.get(i).map_or("", |cell| &cell.text);
         let problem = match text.parse::<f64>() {
@@ -103,19 +103,19 @@ impl Row<'_> {
         Err(self.cell_error(i, problem))
     }
 
-    /// True if no cell is a number: the names of the columns.
+    /// Returns whether the row is a header: no cell is a number.
     pub(crate) fn is_header(&self) -> bool {
         !self.cells.iter().any(Cell::is_number)
     }
 
-    /// True if the row begins with `#`. Where names may begin so, that does not make it a comment.
+    /// Returns whether the row begins with `#`. Where names may begin with `#`, this is not sufficient for a comment.
     pub(crate) fn begins_with_hash(&self) -> bool {
         self.cells.first().is_some_and(|cell| self.table.text[cell.place.clone()].starts_with('#'))
     }
 
-    /// Fails unless there are exactly `count` cells, with all their quotes closed.
+    /// Fails unless the row has exactly `count` cells, all with matching quotes.
     pub(crate) fn expect_cells(&self, count: usize, expected: &'static str) -> Result<(), FormatError> {
-        if let Some(i) = self.cells.iter().position(|cell| cell.spoilt) {
+        if let Some(i) = self.cells.iter().position(|cell| cell.has_bad_quotes) {
             return Err(self.cell_error(i, Problem::Quotes));
         }
         if self.cells.len() == count {
@@ -125,7 +125,7 @@ impl Row<'_> {
     }
 }
 
-/// A cell as an error quotes it.
+/// Returns the text of a cell for a message, shortened to 40 characters.
 fn clip(text: &str) -> String {
     match text.char_indices().nth(40) {
         Some((end, _)) => format!("{}...", &text[..end]),
@@ -133,7 +133,7 @@ fn clip(text: &str) -> String {
     }
 }
 
-/// No row that is read has as many cells; what lies beyond is not split.
+/// Largest number of cells of a row, far above that of any valid table; the rest of the row is not split.
 const MOST_CELLS: usize = 1000;
 
 fn cells(line_start: usize, line: &str) -> Vec<Cell<'_>> {
@@ -154,7 +154,7 @@ fn cells(line_start: usize, line: &str) -> Vec<Cell<'_>> {
     }
 }
 
-/// What parts the cells: semicolons if there are any, or else commas; `None`: blanks.
+/// Returns the separator of the cells: a semicolon if the line has any, or else a comma; `None` means blanks.
 fn separator(line: &str) -> Option<char> {
     let (mut at_start, mut is_quoted, mut inside) = (true, false, false);
     let mut found = None;
@@ -163,7 +163,7 @@ fn separator(line: &str) -> Option<char> {
         inside ^= is_quoted && c == '"';
         at_start &= c.is_whitespace();
         match c {
-            // A comma beside semicolons is a decimal one.
+            // In a line with semicolons, a comma is a decimal comma.
             ';' if !inside => return Some(';'),
             ',' if !inside => (found, at_start, is_quoted) = (Some(','), true, false),
             _ => {}
@@ -172,7 +172,7 @@ fn separator(line: &str) -> Option<char> {
     found
 }
 
-/// Where the cell from `start` ends: at the first separator outside quotes.
+/// Returns the end of the cell that begins at `start`: the first separator outside quotes.
 fn cell_end(line: &str, start: usize, separator: Option<char>) -> usize {
     let rest = &line[start..];
     let begins = if separator.is_some() { rest.trim_start() } else { rest };
@@ -180,14 +180,14 @@ fn cell_end(line: &str, start: usize, separator: Option<char>) -> usize {
     let ends = |c: char| separator.map_or(c.is_whitespace(), |s| c == s);
     let mut inside = false;
     let end = rest.char_indices().find(|&(_, c)| {
-        // A doubled quote closes and opens again.
+        // A doubled quote closes and reopens the quotes.
         inside ^= is_quoted && c == '"';
         !inside && ends(c)
     });
     end.map_or(line.len(), |(i, _)| start + i)
 }
 
-/// A range of `line` without the blanks at its ends.
+/// Returns a range of `line` without blanks at its ends.
 fn trimmed(line: &str, range: Range<usize>) -> Range<usize> {
     let text = &line[range.clone()];
     let start = range.end - text.trim_start().len();
@@ -198,15 +198,15 @@ fn cell(line_start: usize, line: &str, range: Range<usize>) -> Cell<'_> {
     let text = &line[range.clone()];
     let place = line_start + range.start..line_start + range.end;
     let Some(rest) = text.strip_prefix('"') else {
-        return Cell { text: text.into(), place, spoilt: false };
+        return Cell { text: text.into(), place, has_bad_quotes: false };
     };
     match rest.strip_suffix('"') {
         Some(inner) => {
-            let spoilt = inner.replace("\"\"", "").contains('"');
+            let has_bad_quotes = inner.replace("\"\"", "").contains('"');
             let text = if inner.contains('"') { inner.replace("\"\"", "\"").into() } else { inner.into() };
-            Cell { text, place: place.start + 1..place.end - 1, spoilt }
+            Cell { text, place: place.start + 1..place.end - 1, has_bad_quotes }
         }
-        None => Cell { text: rest.into(), place, spoilt: true },
+        None => Cell { text: rest.into(), place, has_bad_quotes: true },
     }
 }
 
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn separators() {
+    fn row_with_any_separator_is_split_into_cells() {
         assert_eq!(
             split("1, 2\r\n\n3;4\n5\t6\n 7   8 \n\"9\" 10"),
             [["1", "2"], ["3", "4"], ["5", "6"], ["7", "8"], ["9", "10"]]
@@ -231,18 +231,19 @@ mod tests {
     }
 
     #[test]
-    fn quotes() {
+    fn cell_in_quotes_keeps_separators_and_unmatched_quotes_are_refused() {
         assert_eq!(split("\"q\"\"x\"\"\",\" a \", b "), [["q\"x\"", " a ", "b"]]);
         assert_eq!(split("5\" glass,1"), [["5\" glass", "1"]]);
-        let spoilt = |text| Table { name: "t", text }.rows().any(|row| row.expect_cells(2, "two").is_err());
-        assert!(!spoilt("\"\"\"\",1"));
+        let has_bad_quotes =
+            |text| Table { name: "t", text }.rows().any(|row| row.expect_cells(2, "two").is_err());
+        assert!(!has_bad_quotes("\"\"\"\",1"));
         for text in ["\"a,1", "\"a\"b\",1", "\"a\"b,1", "\",1", "1,\"2"] {
-            assert!(spoilt(text), "{text}");
+            assert!(has_bad_quotes(text), "{text}");
         }
     }
 
     #[test]
-    fn a_cell_knows_its_place() {
+    fn error_about_a_cell_has_its_place() {
         let table = Table { name: "t", text: "# c\n550,  \"nan\"\n" };
         let row = table.rows().nth(1).unwrap();
         assert_eq!(row.number(1).unwrap_err().place.line_column(), Some((2, 8)));

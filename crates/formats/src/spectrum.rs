@@ -8,18 +8,18 @@ use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::rows::{Row, Table};
 
-/// What the largest value of a light's spectrum may be: its scale means nothing, but
-/// the squares of its values must remain numbers.
-const LIGHT: RangeInclusive<f64> = 1e-30..=1e30;
+/// Range of the largest value of a source's spectrum. The scale has no meaning, but
+/// the squares of the values must remain finite.
+const SOURCE_MAXIMUM: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// Reads a two-column spectrum: wavelength in nm, value.
 ///
-/// One header row (no cell of it a number) and `#` comments may stand there; columns are parted by
-/// commas, semicolons, tabs or blanks; wavelengths rise or fall.
+/// A header row (without a number) and `#` comments are permitted. Columns are separated by
+/// commas, semicolons, tabs or blanks. Wavelengths increase or decrease.
 ///
 /// # Errors
 /// With line and column: cells that are not finite numbers, rows without two
-/// columns, wavelengths out of order or that look like micrometres.
+/// columns, wavelengths out of order or probably in micrometres.
 ///
 /// ```
 /// # use papilio_formats::{DataFile, read_spectrum};
@@ -31,27 +31,32 @@ pub fn read_spectrum(file: &DataFile) -> Result<Tabulated, FormatError> {
     read_checked(file, |_, _| Ok(()))
 }
 
-/// Reads a spectrum of shares of the light, each 0 to 1: a reflectance, an absorptance, a transmittance.
+/// Reads a spectrum of fractions, each from 0 to 1: a reflectance, an absorptance or a transmittance.
 ///
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
 pub fn read_shares(file: &DataFile) -> Result<Tabulated, FormatError> {
-    read_checked(file, |row, value| within(row, value, 0.0..=1.0, "the share", "0 to 1"))
+    read_checked(file, |row, value| within(row, value, 0.0..=1.0, "the fraction", "a number from 0 to 1"))
 }
 
-/// Reads the relative spectrum of a light: values of 0 or more, the largest between 1e-30 and 1e30.
+/// Reads the relative spectrum of a light source: values of 0 or more, the largest between 1e-30 and 1e30.
 ///
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
 pub fn read_light(file: &DataFile) -> Result<Tabulated, FormatError> {
-    let light =
-        read_checked(file, |row, value| within(row, value, 0.0..=*LIGHT.end(), "the light", "0 to 1e30"))?;
+    let light = read_checked(file, |row, value| {
+        within(row, value, 0.0..=*SOURCE_MAXIMUM.end(), "the spectral value", "a number from 0 to 1e30")
+    })?;
     let largest = light.values().iter().copied().fold(0.0, f64::max);
-    if LIGHT.contains(&largest) {
+    if SOURCE_MAXIMUM.contains(&largest) {
         return Ok(light);
     }
     let expected = "a largest value between 1e-30 and 1e30";
-    Err(Table::new(file)?.error(Problem::OutOfRange { what: "the largest value", value: largest, expected }))
+    Err(Table::new(file)?.error(Problem::OutOfRange {
+        what: "the largest value of the spectrum",
+        value: largest,
+        expected,
+    }))
 }
 
 fn read_checked(
@@ -61,7 +66,7 @@ fn read_checked(
     let table = Table::new(file)?;
     let mut columns = Columns::default();
     for row in data_rows(table) {
-        row.expect_cells(2, "two: wavelength in nm, value")?;
+        row.expect_cells(2, "two columns: wavelength in nm, value")?;
         columns.push(&row)?;
         check(&row, row.number(1)?)?;
     }
@@ -69,7 +74,7 @@ fn read_checked(
     Ok(value)
 }
 
-/// Fails, at the second cell, on a value outside `range`.
+/// Fails, with the place of the second cell, if a value is outside `range`.
 fn within(
     row: &Row<'_>,
     value: f64,
@@ -83,7 +88,7 @@ fn within(
     Err(row.cell_error(1, Problem::OutOfRange { what, value, expected }))
 }
 
-/// The rows of numbers: no comments, nor the header, if there is one.
+/// Returns the rows of numbers, without comments and header.
 pub(crate) fn data_rows(table: Table<'_>) -> impl Iterator<Item = Row<'_>> {
     let rows = table.rows().filter(|row| !row.begins_with_hash());
     rows.enumerate().filter(|(i, row)| *i > 0 || !row.is_header()).map(|(_, row)| row)
@@ -102,7 +107,7 @@ impl<const N: usize> Default for Columns<N> {
 }
 
 impl<const N: usize> Columns<N> {
-    /// Takes a row of wavelength in nm and values.
+    /// Adds a row: wavelength in nm and values.
     pub(crate) fn push(&mut self, row: &Row<'_>) -> Result<(), FormatError> {
         let nm = row.number(0)?;
         let mut values = [0.0; N];
@@ -112,15 +117,15 @@ impl<const N: usize> Columns<N> {
         self.add(nm, values).map_err(|problem| row.cell_error(0, problem))
     }
 
-    /// Takes a wavelength, which must go on in the direction of the first two, and its values.
+    /// Adds a wavelength and its values. All wavelengths must increase, or all decrease, as the first two do.
     pub(crate) fn add(&mut self, nm: f64, values: [f64; N]) -> Result<(), Problem> {
         if nm <= 0.0 {
             let expected = "a wavelength above 0";
             return Err(Problem::OutOfRange { what: "a wavelength", value: nm, expected });
         }
         if let Some(&before) = self.nm.last() {
-            let turns = self.nm.len() > 1 && (nm < before) != self.falls();
-            if nm == before || turns {
+            let reverses = self.nm.len() > 1 && (nm < before) != self.is_descending();
+            if nm == before || reverses {
                 return Err(Problem::OutOfOrder { nm, before });
             }
         }
@@ -131,22 +136,22 @@ impl<const N: usize> Columns<N> {
         Ok(())
     }
 
-    fn falls(&self) -> bool {
+    fn is_descending(&self) -> bool {
         self.nm.len() > 1 && self.nm[1] < self.nm[0]
     }
 
-    /// The columns of a file as tables.
+    /// Returns the columns of a file as tables.
     pub(crate) fn finish(self, table: Table<'_>) -> Result<[Tabulated; N], FormatError> {
-        // No table of a display's optics ends at 30 nm; tables in um often end at 2.
+        // Optical data of displays do not end at 30 nm; tables in um often end at 2 um.
         if !self.nm.is_empty() && self.nm.iter().all(|nm| *nm < 30.0) {
             return Err(table.error(Problem::Micrometres));
         }
         self.into_tables().map_err(|problem| table.error(problem))
     }
 
-    /// The columns as tables, wavelengths ascending.
+    /// Returns the columns as tables with ascending wavelengths.
     pub(crate) fn into_tables(mut self) -> Result<[Tabulated; N], Problem> {
-        if self.falls() {
+        if self.is_descending() {
             self.nm.reverse();
             self.values.iter_mut().for_each(|column| column.reverse());
         }

@@ -1,10 +1,10 @@
-//! What `papilio study sampling` writes: `study.csv`.
+//! Output of `papilio study sampling`: `study.csv`.
 
 use std::io::{self, Write};
 
 use papilio_display::StudyCurve;
 
-/// Writes `study.csv`: a row for each sampler, strategy and number of paths.
+/// Writes `study.csv`: one row per sampler, strategy and number of paths.
 ///
 /// # Errors
 /// Those of `out`.

@@ -1,8 +1,8 @@
-//! What a sweep keeps and writes: its journal, `sweep.jsonl`, and its table, `sweep.csv`.
+//! Journal (`sweep.jsonl`) and table (`sweep.csv`) of a sweep.
 //!
-//! The journal is JSON, a line each: first what the sweep is ([`SweepHead`]), then every point as it is done
-//! ([`SweepPoint`]). A point is known by the hash of its scenario and of its files, so that a journal serves a
-//! sweep that was changed, too.
+//! The journal holds one JSON value per line: first a description of the sweep ([`SweepHead`]), then each finished point
+//! ([`SweepPoint`]). A point is identified by the hash of its scenario and input files, so that the journal is also valid for
+//! a sweep that has been edited.
 
 use std::io::{self, Write};
 
@@ -14,67 +14,67 @@ use crate::journal::Journal;
 use crate::result::state_table;
 use crate::words::text_cell;
 
-/// What a sweep is: the first line of its journal.
+/// Description of a sweep: the first line of its journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepHead {
     /// Version of the program.
     pub papilio: String,
-    /// The scenario's title.
+    /// Title of the scenario.
     pub title: Option<String>,
     /// The axes, the slowest first.
     pub axes: Vec<SweepHeadAxis>,
-    /// Metrics to draw.
+    /// Metrics of the figures.
     pub figures: Vec<String>,
-    /// What a light sweep keeps, and what its numbers depend on; none of an ordinary one, which keeps all.
+    /// For a light sweep, the quantities that it saves and the hash of its inputs; `None` for an ordinary sweep, which saves all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light: Option<LightHead>,
 }
 
-/// What a light sweep keeps.
+/// The quantities that a light sweep saves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LightHead {
-    /// Metrics: the numbers of a row, those of the first view before those of the others.
+    /// Metrics, in the order of the numbers of a row: those of the first view precede those of the others.
     pub metrics: Vec<String>,
-    /// Angles theta and phi of the views, degrees; empty if they differ from point to point.
+    /// Angles theta and phi of the views, degrees; empty if they differ between points.
     #[serde(default)]
     pub views: Vec<[f64; 2]>,
-    /// SHA-256 of the scenario, of all files and of what is swept.
+    /// SHA-256 of the scenario, all input files and the swept values.
     pub hash: String,
 }
 
-/// An axis: keys that move together.
+/// An axis: keys that vary together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepHeadAxis {
     /// Dotted paths.
     pub keys: Vec<String>,
-    /// For each point the value of each key.
+    /// Values, `[point][key]`.
     pub values: Vec<Vec<Value>>,
 }
 
-/// A point that is done.
+/// A finished point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepPoint {
-    /// Its number in the sweep that the journal begins with; none in a journal of an earlier form of the sweep.
+    /// Index in the sweep of the journal's head; `None` in journals of an earlier format.
     pub point: Option<usize>,
-    /// SHA-256 of its scenario and files.
+    /// SHA-256 of its scenario and input files.
     pub hash: String,
     /// Version of the program that computed it.
     pub papilio: String,
-    /// What may be wrong with it.
+    /// Warnings of the run.
     pub warnings: Vec<String>,
-    /// The columns of `states.csv`.
+    /// Column titles, as in `states.csv`.
     pub columns: Vec<String>,
-    /// Its rows: for each view and state the cells as they are written.
+    /// Rows, one per view and state: the cells as they are written.
     pub rows: Vec<Vec<String>>,
 }
 
 impl SweepHead {
-    /// How many points there are.
+    /// Returns the number of points.
     pub fn points(&self) -> usize {
         self.axes.iter().map(|axis| axis.values.len()).product()
     }
 
-    /// Every key with its value at a point.
+    /// Returns every key with its value at a point.
     pub fn swept(&self, point: usize) -> impl Iterator<Item = (&str, &Value)> {
         let lengths: Vec<usize> = self.axes.iter().map(|axis| axis.values.len()).collect();
         let at = self.axes.iter().zip(sweep_place(&lengths, point));
@@ -84,7 +84,7 @@ impl SweepHead {
     }
 }
 
-/// Where a point of a sweep lies on each of its axes of these lengths: the last one is the fastest.
+/// Returns the index of a point on each axis, given the lengths of the axes. The last axis varies fastest.
 pub fn sweep_place(lengths: &[usize], point: usize) -> Vec<usize> {
     let mut rest = point;
     let on = |length: &usize| {
@@ -98,7 +98,7 @@ pub fn sweep_place(lengths: &[usize], point: usize) -> Vec<usize> {
 }
 
 impl SweepPoint {
-    /// A point's result.
+    /// Creates the record of a point from its result.
     pub fn new(point: usize, hash: String, papilio: &str, result: &RunResult) -> Self {
         let table = state_table(result);
         let warnings = result.warnings.clone();
@@ -112,7 +112,7 @@ impl SweepPoint {
         }
     }
 
-    /// The metrics that it has: columns that hold numbers, and those of a state as `white.Y`.
+    /// Returns the names of the point's metrics: each column of numbers, and each column of a state, such as `white.Y`.
     pub fn metrics(&self) -> Vec<String> {
         const PLACES: [&str; 3] = ["theta_deg", "phi_deg", "state"];
         let columns = || self.columns.iter().filter(|name| !PLACES.contains(&name.as_str()));
@@ -126,7 +126,7 @@ impl SweepPoint {
         columns().cloned().chain(of_states).collect()
     }
 
-    /// Inclination and azimuth of each view, as they are written.
+    /// Returns inclination and azimuth of each view, as they are written.
     pub fn views(&self) -> Vec<[&str; 2]> {
         let mut views = Vec::new();
         for row in &self.rows {
@@ -138,9 +138,9 @@ impl SweepPoint {
         views
     }
 
-    /// A metric of one of its [`views`](Self::views), if it is defined: one of [`metrics`](Self::metrics).
+    /// Returns one of the [`metrics`](Self::metrics) at one of the [`views`](Self::views), if it is defined.
     pub fn metric(&self, view: [&str; 2], name: &str) -> Option<f64> {
-        // A light sweep has metrics of states as columns of their own.
+        // In a light sweep, metrics of states are columns of their own.
         let of_state = name.split_once('.').filter(|_| !self.columns.iter().any(|own| own == name));
         let (state, column) = of_state.map_or((None, name), |(state, column)| (Some(state), column));
         let is_it = |row: &&Vec<String>| {
@@ -159,11 +159,11 @@ impl SweepPoint {
     }
 }
 
-/// A sweep's journal as it was found.
+/// Content of a sweep's journal.
 pub type SweepJournal = Journal<SweepHead, SweepPoint>;
 
-/// Writes `sweep.csv`: for every point, view and state a row; the swept keys first, then the columns of `states.csv`.
-/// `points` are all of them, in order. A column that a point does not have is empty there.
+/// Writes `sweep.csv`: one row per point, view and state, with the swept keys followed by the columns of `states.csv`.
+/// `points` holds all points in order. Columns that a point does not have are empty in its rows.
 ///
 /// # Errors
 /// Those of `out`.
@@ -186,11 +186,11 @@ pub fn write_sweep_csv(out: impl Write, head: &SweepHead, points: &[&SweepPoint]
     csv.flush()
 }
 
-/// The columns of all points, in the order in which they first come.
+/// Returns the columns of all points, in the order of their first occurrence.
 pub(crate) fn columns<'a>(points: &[&'a SweepPoint]) -> Vec<&'a str> {
     let mut columns: Vec<&str> = Vec::new();
     for point in points {
-        // Points have the same columns, mostly.
+        // In most sweeps, all points have the same columns.
         if !point.columns.iter().map(String::as_str).eq(columns.iter().copied()) {
             for name in &point.columns {
                 if !columns.contains(&name.as_str()) {
@@ -202,7 +202,7 @@ pub(crate) fn columns<'a>(points: &[&'a SweepPoint]) -> Vec<&'a str> {
     columns
 }
 
-/// A swept value as it stands in a cell: a string as it is, everything else as JSON.
+/// Returns a swept value as a cell: a string unchanged, everything else as JSON.
 pub fn sweep_value(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -246,9 +246,9 @@ pub(crate) mod tests {
         }
     }
 
-    /// However a journal is cut off, what is whole is read, and what is added behind it is read as well.
+    /// Wherever a journal is cut off, all complete lines are read, and their length is known.
     #[test]
-    fn a_journal_may_end_anywhere() {
+    fn journal_cut_off_anywhere_keeps_its_complete_lines() {
         let mut bytes = Vec::new();
         write_journal_line(&mut bytes, &head()).unwrap();
         (0..3).for_each(|number| write_journal_line(&mut bytes, &point(number)).unwrap());
@@ -263,7 +263,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_line_that_is_wrong_has_its_number() {
+    fn malformed_line_is_an_error_with_its_line_number() {
         let mut bytes = Vec::new();
         write_journal_line(&mut bytes, &head()).unwrap();
         bytes.extend(b"{\"point\": 1}\n");
@@ -274,14 +274,14 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_last_axis_is_the_fastest() {
+    fn last_axis_of_a_sweep_varies_fastest() {
         let swept: Vec<String> = head().swept(4).map(|(key, value)| format!("{key}={value}")).collect();
         assert_eq!(swept, ["a=2.0", "b=0.2"]);
         assert_eq!(head().points(), 6);
     }
 
     #[test]
-    fn metrics_of_a_point() {
+    fn metric_of_a_point_is_found_by_name_and_view() {
         let point = point(0);
         let [view] = point.views()[..] else { panic!("one view") };
         assert_eq!(point.metric(view, "contrast_ratio"), Some(10.0));
@@ -292,7 +292,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn columns_that_a_point_does_not_have_are_empty() {
+    fn column_that_a_point_lacks_is_empty() {
         let mut other = point(1);
         other.columns[1] = "Z".to_owned();
         let points: Vec<SweepPoint> = [point(0), other].into_iter().collect();

@@ -1,4 +1,4 @@
-//! A finished sweep as JSON: what `papilio sweep --json` prints.
+//! Finished sweeps as JSON: the output of `papilio sweep --json`.
 
 use std::io::{self, Write};
 
@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use crate::json::write_json;
 use crate::sweep::{SweepHead, SweepPoint};
 
-/// What it is, and every point in order.
+/// Description of the sweep and all points in order.
 #[derive(Serialize)]
 struct Whole<'a> {
     #[serde(flatten)]
@@ -20,14 +20,14 @@ struct Whole<'a> {
 struct Point<'a> {
     point: usize,
     hash: &'a str,
-    /// Every key with its value.
+    /// Every swept key with its value.
     swept: Map<String, Value>,
     warnings: &'a [String],
-    /// One for each view and state, under the names of the columns of `states.csv`.
+    /// One entry per view and state, with the column titles of `states.csv` as keys.
     rows: Vec<Map<String, Value>>,
 }
 
-/// Writes a sweep as JSON; `points` are all of them, in order.
+/// Writes a sweep as JSON. `points` holds all points in order.
 ///
 /// # Errors
 /// Those of `out`.
@@ -46,7 +46,7 @@ fn named(columns: &[String], row: &[String]) -> Map<String, Value> {
     columns.iter().zip(row).map(|(name, cell)| (name.clone(), value(name, cell))).collect()
 }
 
-/// Numbers are numbers, what is not defined is null, names stay texts.
+/// Returns a cell as a JSON value: numbers as numbers, undefined values as null, names of states as strings.
 fn value(name: &str, cell: &str) -> Value {
     if name == "state" {
         return Value::from(cell);
@@ -60,7 +60,7 @@ mod tests {
     use crate::sweep::tests::{head, point};
 
     #[test]
-    fn it_reads_back() {
+    fn sweep_written_as_json_reads_back() {
         let mut points: Vec<SweepPoint> = (0..6).map(point).collect();
         points[1].rows[0][1].clear();
         let refs: Vec<&SweepPoint> = points.iter().collect();

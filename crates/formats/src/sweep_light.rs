@@ -1,4 +1,4 @@
-//! What a light sweep writes: a row of numbers for each point.
+//! Output of light sweeps: one row of numbers per point.
 
 use std::io::{self, Write};
 
@@ -10,8 +10,8 @@ use crate::sweep::{SweepHead, SweepPoint, sweep_value};
 use crate::tolerance::write_table;
 use crate::words::text_cell;
 
-/// Writes `sweep.csv` of a light sweep: for every point the swept keys, then its metrics, empty where undefined.
-/// `rows` are those of all points, in order.
+/// Writes `sweep.csv` of a light sweep: for each point the swept keys, then its metrics, empty where undefined.
+/// `rows` holds those of all points in order.
 ///
 /// # Errors
 /// Those of `out`.
@@ -26,13 +26,13 @@ pub fn write_light_csv(out: impl Write, head: &SweepHead, rows: &[&[f64]]) -> io
     write_table(out, &columns, rows.iter().enumerate().map(row))
 }
 
-/// A number as it stands in a cell; empty where there is none.
+/// Formats a number as a cell; empty if it is not finite.
 fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// The first points of a light sweep as points of an ordinary one, for figures and the terminal: a row for each view, or
-/// for the first alone if views differ from point to point.
+/// Returns the points of a light sweep as points of an ordinary one, for figures and the terminal: with one row per view, or a
+/// single row for the first view if the views differ between points.
 pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     let Some(light) = &head.light else { return Vec::new() };
     let several = light.views.len() > 1;
@@ -55,7 +55,7 @@ pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     rows.iter().enumerate().map(point).collect()
 }
 
-/// Writes a light sweep as JSON; `rows` are those of all points, in order.
+/// Writes a light sweep as JSON. `rows` holds those of all points in order.
 ///
 /// # Errors
 /// Those of `out`.
@@ -70,7 +70,7 @@ struct Whole<'a> {
     points: Points<'a>,
 }
 
-/// All points, made one by one.
+/// All points, serialised one after the other.
 struct Points<'a> {
     head: &'a SweepHead,
     rows: &'a [&'a [f64]],
@@ -79,9 +79,9 @@ struct Points<'a> {
 #[derive(Serialize)]
 struct Point<'a> {
     point: usize,
-    /// Every key with its value.
+    /// Every swept key with its value.
     swept: Map<String, Value>,
-    /// The metrics, in the order of the head; null where undefined.
+    /// Metrics in the order of the head; null where undefined.
     values: &'a [f64],
 }
 

@@ -1,7 +1,7 @@
-//! `sweep.parquet`: what `sweep.csv` holds, in typed columns.
+//! `sweep.parquet`: the content of `sweep.csv` in typed columns.
 //!
-//! Apache Parquet, one row group, not compressed. `point` is a 64-bit integer, `state` a string; a swept key is a
-//! double if all its values are numbers, otherwise a string; every other column is a double, null where the CSV
+//! Apache Parquet with one row group, not compressed. `point` is a 64-bit integer, `state` a string. A swept key is a
+//! double if all its values are numbers, otherwise a string. Every other column is a double, null where the CSV
 //! is empty.
 
 use std::sync::Arc;
@@ -16,29 +16,29 @@ use serde_json::Value;
 
 use crate::sweep::{SweepHead, SweepPoint, columns, sweep_place, sweep_value};
 
-/// A column and what it holds.
+/// Values of a column.
 enum Column {
     Integers(Vec<i64>),
     Numbers(Vec<Option<f64>>),
     Texts(Vec<String>),
 }
 
-/// The bytes of `sweep.parquet`; `points` are all of them, in order.
+/// Returns the bytes of `sweep.parquet`. `points` holds all points in order.
 ///
 /// # Errors
-/// If a table cannot be in this format: two columns of one name.
+/// If the format cannot represent the table, for example one with two columns of the same name.
 pub fn sweep_parquet(head: &SweepHead, points: &[&SweepPoint]) -> Result<Vec<u8>, std::io::Error> {
     let table = table(head, points);
     written(&table).map_err(std::io::Error::other)
 }
 
-/// The bytes of `sweep.parquet` of a light sweep; `rows` are those of all points, in order.
+/// Returns the bytes of `sweep.parquet` of a light sweep. `rows` holds those of all points in order.
 ///
 /// # Errors
 /// As [`sweep_parquet`].
 pub fn light_parquet(head: &SweepHead, rows: &[&[f64]]) -> Result<Vec<u8>, std::io::Error> {
     let all: Vec<usize> = (0..rows.len()).collect();
-    let mut table = places(head, &all);
+    let mut table = swept_columns(head, &all);
     for (k, name) in head.light.iter().flat_map(|light| &light.metrics).enumerate() {
         let values = rows.iter().map(|row| row.get(k).copied().filter(|value| value.is_finite()));
         table.push((name.clone(), Column::Numbers(values.collect())));
@@ -46,8 +46,8 @@ pub fn light_parquet(head: &SweepHead, rows: &[&[f64]]) -> Result<Vec<u8>, std::
     written(&table).map_err(std::io::Error::other)
 }
 
-/// The points of rows, and the swept keys.
-fn places(head: &SweepHead, points: &[usize]) -> Vec<(String, Column)> {
+/// Returns the columns of the point numbers and of the swept keys.
+fn swept_columns(head: &SweepHead, points: &[usize]) -> Vec<(String, Column)> {
     let numbers = points.iter().map(|point| *point as i64).collect();
     let mut table = vec![("point".to_owned(), Column::Integers(numbers))];
     let lengths: Vec<usize> = head.axes.iter().map(|axis| axis.values.len()).collect();
@@ -67,13 +67,13 @@ fn places(head: &SweepHead, points: &[usize]) -> Vec<(String, Column)> {
     table
 }
 
-/// The columns of `sweep.csv`.
+/// Returns the columns of `sweep.csv`.
 fn table(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, Column)> {
     let rows = || {
         points.iter().enumerate().flat_map(|(k, point)| point.rows.iter().map(move |row| (k, *point, row)))
     };
     let all: Vec<usize> = rows().map(|(k, ..)| k).collect();
-    let mut table = places(head, &all);
+    let mut table = swept_columns(head, &all);
     for name in columns(points) {
         let cells = rows().map(|(_, point, row)| {
             let at = point.columns.iter().position(|own| own == name);
@@ -107,9 +107,9 @@ fn written(table: &[(String, Column)]) -> Result<Vec<u8>, ParquetError> {
                 out.typed::<ByteArrayType>().write_batch(&values, None, None)?;
             }
             Column::Numbers(values) => {
-                let there: Vec<f64> = values.iter().copied().flatten().collect();
+                let present: Vec<f64> = values.iter().copied().flatten().collect();
                 let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
-                out.typed::<DoubleType>().write_batch(&there, Some(&levels), None)?;
+                out.typed::<DoubleType>().write_batch(&present, Some(&levels), None)?;
             }
         }
         out.close()?;
@@ -139,9 +139,9 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::{Field, RowAccessor};
 
-    /// Two roads: what is read back is what the journal holds.
+    /// An independent reader returns the content of the journal.
     #[test]
-    fn it_reads_back() {
+    fn sweep_written_as_parquet_reads_back() {
         let points: Vec<SweepPoint> = (0..6).map(point).collect();
         let refs: Vec<&SweepPoint> = points.iter().collect();
         let bytes = sweep_parquet(&head(), &refs).unwrap();

@@ -1,30 +1,30 @@
-//! What tolerances and searches keep and write: the heads of their journals, and tables.
+//! Heads of the journals of tolerance analyses and searches, and tables.
 
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 
-/// What the rows of a tolerance's journal are of: its first line.
+/// First line of the journal of a tolerance analysis: identifies the analysis to which the rows belong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ToleranceHead {
     /// Version of the program.
     pub papilio: String,
-    /// SHA-256 of all that a row depends on besides its number.
+    /// SHA-256 of everything that a row depends on besides its number.
     pub hash: String,
-    /// The metrics of a display, in order.
+    /// Metrics, in the order of a row's numbers.
     pub metrics: Vec<String>,
 }
 
-/// What the records of a search's journal, `optimize.jsonl`, are of: its first line.
+/// First line of the journal of a search, `optimize.jsonl`: identifies the search to which the records belong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SearchHead {
     /// Version of the program.
     pub papilio: String,
-    /// SHA-256 of the search, its scenarios and their files.
+    /// SHA-256 of the search, its scenarios and their input files.
     pub search: String,
 }
 
-/// Writes a table: names of columns, then rows of cells; a cell without a value is empty.
+/// Writes a table as CSV: a row of column names, then rows of cells. A cell without a value is empty.
 ///
 /// # Errors
 /// Those of `out`.

@@ -1,11 +1,11 @@
-//! Numbers and names as lines of text have them.
+//! Numbers, names and tables as text.
 
 use std::fmt::Write;
 
 pub use papilio_diagnostics::{is_override, visible};
 use papilio_goniometry::Channel;
 
-/// Left-aligned first column, right-aligned numbers.
+/// Returns rows as an aligned table: the first column to the left, all others to the right.
 pub fn table(rows: &[Vec<String>]) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(width).collect();
@@ -20,9 +20,9 @@ pub fn table(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// A share in per cent: one decimal, or two below 10 %.
-pub fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
+/// Formats a fraction in percent: with one decimal, or with two below 10 %.
+pub fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
     if percent.abs() >= 10.0 || percent == 0.0 {
         format!("{percent:.1} %")
     } else {
@@ -30,7 +30,7 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// Values that rise: how many, and from where to where.
+/// Describes ascending values by their number, the first and the last: `5 from 0 to 80`.
 pub fn span(values: &[f64]) -> String {
     match values {
         [] => "none".to_owned(),
@@ -39,13 +39,13 @@ pub fn span(values: &[f64]) -> String {
     }
 }
 
-/// A channel's name; of a wavelength, with its unit.
-pub fn channel(of: &Channel) -> String {
-    if matches!(of, Channel::Wavelength(_)) { format!("{of} nm") } else { of.to_string() }
+/// Returns the name of a channel; a wavelength has its unit.
+pub fn channel(channel: &Channel) -> String {
+    if matches!(channel, Channel::Wavelength(_)) { format!("{channel} nm") } else { channel.to_string() }
 }
 
-/// True of a text that a spreadsheet takes for a formula: `=...`, `@...`; `+...` and `-...` with more than letters, digits, blanks and
-/// what names and numbers have (a state may be called `-5 V`).
+/// Returns whether a spreadsheet would read a text as a formula: `=...` and `@...`, and `+...` and `-...` if more follows than letters,
+/// digits, blanks and the characters of names and numbers (a state may be called `-5 V`).
 pub fn is_formula(text: &str) -> bool {
     let harmless = |c: char| c.is_alphanumeric() || " ._-+%\u{b0}\u{b5}".contains(c);
     let mut rest = text.trim_start().chars();
@@ -56,7 +56,7 @@ pub fn is_formula(text: &str) -> bool {
     }
 }
 
-/// A text that the user wrote as a cell of a table: of what a spreadsheet would take for a formula an apostrophe says that it is none.
+/// Returns a user's text as a cell of a table. An apostrophe precedes a text that a spreadsheet would read as a formula.
 pub fn text_cell(text: String) -> String {
     if is_formula(&text) { format!("'{text}") } else { text }
 }
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formulas_are_told_from_names() {
+    fn formulas_are_distinguished_from_names() {
         for formula in
             ["=HYPERLINK(\"http://x\")", "@SUM(1)", "+1+cmd|' /C calc'!A0", "-(1)", " =1", "\u{ff1d}1"]
         {

@@ -45,7 +45,6 @@ impl Beta {
 ///
 /// From 89.9999994 deg on the nearest number is 1, and `|beta|^2`, a sum of two rounded squares, may be
 /// above it: such light would not exist in its medium. It is treated as light at 89.9999983 deg.
-/// it: such light would not be in the medium that it is in. It is taken for light at 89.9999983 deg.
 pub fn sine_of_inclination(theta_deg: f64) -> f64 {
     const LARGEST: f64 = 1.0 - 2.0 * f64::EPSILON;
     theta_deg.to_radians().sin().clamp(-LARGEST, LARGEST)

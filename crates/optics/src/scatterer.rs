@@ -7,14 +7,14 @@
 //!
 //! | kind | model | direction | domain |
 //! |---|---|---|---|
-//! | [`Lobe`](crate::lobe::Lobe) | k-correlation, Lambertian | [`Beta`] | the whole plane; the disc of air |
-//! | [`Scatter`](crate::scatter::Scatter) | Ward, tabulated | [`Beta`] | its [`discs`](crate::scatter::Scatter::discs) |
+//! | [`Lobe`](crate::lobe::Lobe) | k-correlation, Lambertian | [`Beta`](crate::Beta) | the whole plane; the disc of air |
+//! | [`Scatter`](crate::scatter::Scatter) | Ward, tabulated | [`Beta`](crate::Beta) | its [`discs`](crate::scatter::Scatter::discs) |
 //! | [`Rough`](crate::rough::Rough) | GGX, Beckmann | [`OnSide`](crate::rough::OnSide) | `\|beta\| < n` on each side |
 //! | [`HenyeyGreenstein`](crate::phase::HenyeyGreenstein) | phase function | unit vector | the sphere |
 //!
 //! # Directions
-//! All directions are directions of propagation, before and after. [`Beta`] describes light in one mode,
-//! either through an interface or back from it; the caller knows which, and which disc the medium there
+//! All directions are directions of propagation, before and after. [`Beta`](crate::Beta) describes light in one
+//! mode, either through an interface or back from it; the caller knows which, and which disc the medium there
 //! carries: `|beta| <= 1` in air, `|beta| < n` in a medium of index n, so `|beta| > 1` occurs below an
 //! interface only. A kind that scatters to both sides takes the side as part of the direction. In direction
 //! cosines reflection and transmission have the same form, and `to = from` is the regular direction of both.

@@ -154,19 +154,6 @@ impl Scenario {
 
 impl Resolved {
     /// An error of the scene as one of the scenario, with its place in the text; `None` if no key is at fault.
-    ///
-    /// ```
-    /// use papilio_display::pixel::scan;
-    /// use papilio_scenario::{Scenario, new_scenario};
-    ///
-    /// let text = new_scenario("indoor").unwrap();
-    /// let thick = ["display.pixel.film.2.thickness_nm=1e6".to_owned()];
-    /// let resolved = Scenario::from_text(&text, "thick.toml", std::path::Path::new(""), &thick)?.resolve()?;
-    /// let error = scan(&resolved.scene, &[0.0]).unwrap_err();
-    /// let errors = resolved.located(&error).unwrap();
-    /// assert_eq!(errors.iter().next().unwrap().place.to_string(), "--set #1:1:34");
-    /// # Ok::<(), papilio_scenario::ScenarioErrors>(())
-    /// ```
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } = error else { return None };
         let wrong = Diagnostic::new(format!(

@@ -35,7 +35,7 @@
 //! walk.trace(&mut replicate, &Numbers::new(Sampler::Sobol, 0, 0), 1 << 14);
 //! let rho = &walk.estimate(&replicate).rho[0];
 //! // r + (1 - r)^2 0.5 / (1 - 0.5 r) with r = 0.04.
-//! assert!((rho.base[0] + rho.front[0] - 0.510204).abs() < 1e-3);
+//! assert!((rho.via_pixel[0] + rho.front[0] - 0.510204).abs() < 1e-3);
 //! ```
 //!
 //! **Limits.** Layers are parallel and uniform; light is unpolarised between them; a

@@ -3,7 +3,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::search::{Chosen, Course, FEASIBLE, Found, Kept, Record, Search};
+use papilio_design::search::{
+    FEASIBLE, Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign,
+};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::scene::{Method, Stop};
 use papilio_scenario::Optimisation;
@@ -12,16 +14,16 @@ use papilio_validation::{run, scenario};
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// The search of scenarios/optimize.toml, with changes.
-fn search(overrides: &[String]) -> (Arc<Search>, Vec<Found>, Chosen) {
+fn search(overrides: &[String]) -> (Arc<Search>, Vec<SearchResult>, SelectedDesign) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/optimize.toml");
     let said = Optimisation::load(&file, overrides).unwrap();
     let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
     let search = Arc::new(Search::new(said, &mut evaluator).unwrap());
-    let mut tell = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
-    let mut course = Course::new(Arc::clone(&search), Kept::default(), 2);
-    course.run(&evaluator, 2, &mut tell).unwrap();
-    let found = course.found();
-    let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
+    let mut on_record = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut schedule = SearchSchedule::new(Arc::clone(&search), SearchRecords::default(), 2);
+    schedule.run(&evaluator, 2, &mut on_record).unwrap();
+    let found = schedule.results();
+    let best = search.selected(&found, &mut evaluator).unwrap().remove(0);
     (search, found, best)
 }
 
@@ -29,7 +31,7 @@ fn search(overrides: &[String]) -> (Arc<Search>, Vec<Found>, Chosen) {
 const FEW: [&str; 2] = ["optimize.starts=3", "optimize.evaluations=900"];
 
 /// Gamut, luminous reflectance factor of white, contrast.
-fn worth(chosen: &Chosen) -> [f64; 3] {
+fn worth(chosen: &SelectedDesign) -> [f64; 3] {
     [0, 1, 2].map(|at| chosen.values[at].unwrap())
 }
 
@@ -87,7 +89,7 @@ fn descents_find_what_populations_find() {
     for seed in 1..=seeds {
         let (search, found, _) = self::search(&[format!("optimize.seed={seed}")]);
         let evaluations: usize = found.iter().map(|one| one.evaluations).sum();
-        let sound = |one: &&Found| one.task > 0 && search.aims().missed(&one.values) <= FEASIBLE;
+        let sound = |one: &&SearchResult| one.task > 0 && search.aims().missed(&one.values) <= FEASIBLE;
         near.push(found.iter().filter(sound).filter_map(|one| one.values[0]).fold(0.0, f64::max));
         // A population takes as long as a hundred searches: two of them say what there is to find.
         if by_population && seed <= 2 {

@@ -350,3 +350,53 @@ fn every_scenario_agrees() {
         }
     }
 }
+
+/// A thin slab on absorbing glass, seen near the critical angle: it traps much of the light that it scatters once. A stop
+/// at 4096 paths was up to ten standard errors too low.
+const TRAPPING: &str = r#"
+[spectrum]
+range_nm = [400, 700]
+step_nm = 50
+[[display.front]]
+reflectance = 0.0625
+absorptance = 0.0226
+[display.glass]
+index = 1.3
+internal_transmittance = 0.7926
+[display.diffuser]
+model = "slab"
+optical_thickness = 0.0314
+anisotropy = 0.881
+albedo = 0.8914
+index = 1.5
+[display.pixel]
+model = "uniform"
+kind = "mirror"
+reflectance = { white = 0.3891, black = 0.0778 }
+[lighting]
+diffuse = 1
+[viewer]
+theta_deg = 75.5652
+"#;
+
+#[test]
+fn monte_carlo_stopped_at_a_target_has_honest_errors_of_light_that_a_thin_slab_traps() {
+    let by = |overrides: &[String]| {
+        let scenario = papilio_scenario::Scenario::from_text(
+            TRAPPING,
+            "trapping.toml",
+            std::path::Path::new(""),
+            overrides,
+        );
+        run(&scenario.unwrap().resolve().unwrap().scene).unwrap()
+    };
+    let exact = by(&["solver.relative_error=1e-5".to_owned()]);
+    for seed in 1..=4 {
+        let set = ["method=monte-carlo", "relative_error=0.001", &format!("seed={seed}")];
+        let found = by(&set.map(|set| format!("solver.{set}")));
+        for ((name, exact), (_, found)) in exact.views[0].states.iter().zip(found.views[0].states.iter()) {
+            let z = (found.value.Y - exact.value.Y) / found.standard_error.Y;
+            assert!(z.abs() < 4.5, "{name}, seed {seed}: z {z}");
+        }
+    }
+}

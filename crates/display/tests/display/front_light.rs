@@ -189,9 +189,9 @@ fn what_is_refused() {
     let dark = Scenario::from_text(&dark, "light.toml", Path::new(""), &[]).unwrap().resolve().unwrap_err();
     assert!(dark.to_string().contains("only beside a front light"), "{dark}");
     for (display, lighting, wanted) in [
-        ("", guide, "needs a panel whose diffuser is a lobe"),
+        ("", guide, "needs a panel with a diffuser given by a lobe"),
         (LOBE, "illuminance_lx = 0", "out of range"),
-        (LOBE, "illuminance_lx = 100\nupward_leak = 1", "expected a number from 0 to .99"),
+        (LOBE, "illuminance_lx = 100\nupward_leak = 1", "expected a number from 0 to 0.99"),
         (LOBE, "spectrum = \"D65\"", "`illuminance_lx` is missing"),
     ] {
         let error = errors(display, lighting);

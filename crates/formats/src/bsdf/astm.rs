@@ -1,4 +1,4 @@
-//! Reads ASTM E1392 (and its successor E2387): a header of keywords, `VARS` with the columns' names, and
+//! Reader of ASTM E1392 (and its successor E2387): a header of keywords, a line `VARS` with the names of the columns, and
 //! rows of angles in radians and values.
 
 use std::f64::consts::PI;
@@ -12,19 +12,19 @@ use super::{BsdfProblem, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// How the format is called.
+/// Name of the format.
 const NAME: &str = "ASTM E1392";
 
-/// No header is longer, in lines.
+/// Longest header, lines.
 const LONGEST_HEADER: usize = 1000;
 
-/// No row has more values than this.
+/// Largest number of values in a row.
 const MOST_CHANNELS: usize = 1000;
 
-/// The columns of angles, in the file's order.
+/// Columns of angles, in the order of the file.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
 
-/// Whether a file has the header of this format.
+/// Returns whether a file has the header of this format.
 pub(super) fn is_astm(file: &DataFile) -> bool {
     let text = Text::new(file);
     let mut lines = Lines::new(text);
@@ -48,20 +48,20 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
     let (mut points, mut channels) = (None, Vec::new());
     while channels.is_empty() {
-        let line = lines.expect("its line `VARS`")?;
+        let line = lines.expect("the line `VARS`")?;
         let mut words = text.words(line.clone());
         let Some(key) = words.next() else { continue };
-        let said = text.quote(key.end..line.end);
+        let value = text.quote(key.end..line.end);
         match text.quote(key).to_ascii_uppercase().as_str() {
             "VARS" => channels = columns(text, &line)?,
             "NUM_POINTS" => {
                 points = words.next().map(|word| Ok((word.clone(), text.number(word)?))).transpose()?
             }
             "SAMPLE" | "SAMPLE_ID" | "SAMPLE_NAME" | "MATERIAL" if provenance.sample.is_empty() => {
-                provenance.sample = said;
+                provenance.sample = value;
             }
             "INSTRUMENT" | "LABORATORY" | "SOURCE" if provenance.source.is_empty() => {
-                provenance.source = said
+                provenance.source = value
             }
             _ if provenance.remarks.len() < LONGEST_HEADER => provenance.remarks.push(text.quote(line)),
             _ => {}
@@ -74,7 +74,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         count += 1;
     }
     if count == 0 {
-        return Err(text.ends("its first row"));
+        return Err(text.ends("the first row of data"));
     }
     match points {
         Some((place, points)) if points != f64::from(count) => {
@@ -91,13 +91,13 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     }
 }
 
-/// The channels of the line `VARS`.
+/// Reads the channels of the line `VARS`.
 fn columns(text: Text<'_>, line: &Range<usize>) -> Result<Vec<Channel>, FormatError> {
     let mut words = text.words(line.clone()).skip(1);
     for angle in ANGLES {
         let word = words.next().unwrap_or(line.end..line.end);
         if !text.is(&word, angle) {
-            let expected = "`VARS theta_i,phi_i,theta_s,phi_s` and names of values";
+            let expected = "`VARS theta_i,phi_i,theta_s,phi_s`, followed by the names of the value columns";
             return Err(
                 text.error(word.clone(), BsdfProblem::Unexpected { found: text.quote(word), expected })
             );
@@ -146,7 +146,7 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
     let count = ANGLES.len() + channels.len();
     let found = text.words(line.clone()).take(count + 1).count();
     if found != count {
-        let expected = "as many columns as `VARS` names";
+        let expected = "as many columns as the line `VARS`";
         return Err(text.error(line, Problem::Columns { count, expected, found }));
     }
     let mut words = text.words(line.clone());
@@ -154,10 +154,10 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
         let value = text.number(word.clone())?;
         let range = if k % 2 == 0 { 0.0..=PI + 1e-6 } else { -TURN..=TURN };
         if !range.contains(&value) {
-            let expected = "radians: 0 to pi from the front's normal, -2 pi to 2 pi around";
+            let expected = "radians: inclinations from 0 to pi from the normal of the front, azimuths from -2 pi to 2 pi";
             return Err(text.error(word, Problem::OutOfRange { what: ANGLES[k], value, expected }));
         }
-        // A right angle that radians of a few digits overshoot is still on the front.
+        // A right angle in rounded radians may be slightly larger than pi/2, but still belongs to the front.
         *angle = if k % 2 == 0 && (value - PI / 2.0).abs() < 1e-6 {
             90.0
         } else {
@@ -172,5 +172,5 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
     Ok(())
 }
 
-/// A full turn, and what rounding adds.
+/// A full turn, plus a tolerance for rounding.
 const TURN: f64 = 2.0 * PI + 1e-6;

@@ -1,6 +1,6 @@
-//! The display's BSDF as `display-bsdf.npz`, format "papilio-bsdf 1": NumPy arrays in a zip.
+//! Writer of the display's BSDF, `display-bsdf.npz`, format "papilio-bsdf 1": NumPy arrays in a zip archive.
 //!
-//! `docs/brdf.md` describes the file for its readers.
+//! `docs/brdf.md` describes the format.
 
 use std::io::{self, Write};
 
@@ -10,7 +10,7 @@ use zip::write::{SimpleFileOptions, ZipWriter};
 
 use crate::npy::{Items, write_npy};
 
-/// Where a BSDF comes from.
+/// Origin of a BSDF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BsdfSource<'a> {
     /// Version of the program.
@@ -21,7 +21,7 @@ pub struct BsdfSource<'a> {
     pub hash: &'a str,
 }
 
-/// The text `about`, as JSON.
+/// Content of the array `about`, as JSON.
 #[derive(Serialize)]
 struct About<'a> {
     format: &'a str,
@@ -46,9 +46,9 @@ struct Conventions {
 
 const CONVENTIONS: Conventions = Conventions {
     brdf: "dL_o/dE_i in 1/sr of the scattered light, per wavelength, without a cosine; axes state, theta_i, theta_o, dphi, wavelength",
-    specular: "share of a beam that leaves in the mirror direction (theta_o = theta_i, dphi = 180); axes state, theta_i, wavelength",
-    directional_hemispherical: "share of a beam that leaves, scattered and mirrored; axes state, theta_i, wavelength",
-    directions: "theta_i (light) and theta_o (viewer) from the normal, both pointing away from the display; dphi = phi_o - phi_i, alike for -dphi; degrees",
+    specular: "fraction of a beam that leaves in the mirror direction (theta_o = theta_i, dphi = 180); axes state, theta_i, wavelength",
+    directional_hemispherical: "fraction of a beam that leaves, scattered and mirrored; axes state, theta_i, wavelength",
+    directions: "theta_i (light) and theta_o (viewer) from the normal, both pointing away from the display; dphi = phi_o - phi_i, the same values for -dphi; degrees",
     medium: "air (index 1) on the side of light and viewer",
     transmission: "none: the display is opaque",
     polarisation: "unpolarised",
@@ -64,11 +64,11 @@ struct Solver {
 /// Writes `display-bsdf.npz`.
 ///
 /// # Errors
-/// Those of `out`, and of a table whose arrays have other lengths than its grid says.
+/// Those of `out`, and if the lengths of the table's arrays do not match its grid.
 pub fn write_bsdf(out: impl Write, source: &BsdfSource<'_>, table: &BrdfTable) -> io::Result<()> {
     let mut archive = ZipWriter::new_stream(out);
     let mut array = |name: &str, shape: &[usize], items: Items<'_>| {
-        // Stored, without a date: the same table gives the same bytes.
+        // Not compressed and without a date: equal tables give equal bytes.
         archive.start_file(format!("{name}.npy"), SimpleFileOptions::default())?;
         write_npy(&mut archive, shape, items)
     };

@@ -1,4 +1,4 @@
-//! Reads the display's own BSDF, `display-bsdf.npz` ("papilio-bsdf 1"), as a measurement of its first state.
+//! Reader of the display's BSDF, `display-bsdf.npz` ("papilio-bsdf 1"), as a measurement of its first state.
 
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, SphericalGrid, Way};
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use super::npz::{Array, Npz};
 use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 
-/// What `about` calls the format.
+/// Name of the format in `about`.
 pub(super) const FORMAT: &str = "papilio-bsdf";
 
 #[derive(Deserialize)]
@@ -25,10 +25,16 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     }
     let states = arrays.texts("state")?;
     let part = first_state(&mut arrays, states.len())?;
-    let mut warnings =
-        vec!["the mirror part of the display is left out: it is not finite per steradian".to_owned()];
+    let mut warnings = vec![
+        "the specular reflection of the display was not read: it has no finite value per steradian"
+            .to_owned(),
+    ];
     if states.len() > 1 {
-        warnings.push(format!("the state `{}` is read, {} others are left out", states[0], states.len() - 1));
+        warnings.push(format!(
+            "only the state `{}` was read; {} other states were ignored",
+            states[0],
+            states.len() - 1
+        ));
     }
     let provenance = Provenance {
         format: "display-bsdf.npz".to_owned(),
@@ -39,13 +45,13 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts: vec![part] }, warnings })
 }
 
-/// The first of so many states.
+/// Reads the first of `states` states.
 fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError> {
     let mut axis = |name: &str, least: f64, most: f64| {
         let values = arrays.numbers(name)?.values;
-        let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
-        if values.is_empty() || !rises || !values.iter().all(|value| (least..=most).contains(value)) {
-            return Err(arrays.unsound(name, "expected values that rise"));
+        let ascends = values.windows(2).all(|pair| pair[0] < pair[1]);
+        if values.is_empty() || !ascends || !values.iter().all(|value| (least..=most).contains(value)) {
+            return Err(arrays.unsound(name, &format!("expected ascending values from {least} to {most}")));
         }
         Ok(values)
     };
@@ -59,7 +65,7 @@ fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError>
     let Array { shape, values } = arrays.numbers("brdf")?;
     let lengths = [&grid.theta_i_deg, &grid.theta_o_deg, &grid.phi_o_deg, &wavelengths].map(Vec::len);
     if shape.get(1..) != Some(&lengths[..]) || shape[0] != states || states == 0 {
-        return Err(arrays.unsound("brdf", "its shape is not that of the axes"));
+        return Err(arrays.unsound("brdf", "its shape does not match the axes"));
     }
     let (cells, channels) = (grid.cells(), wavelengths.len());
     let of_first = &values[..cells * channels];
@@ -67,7 +73,7 @@ fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError>
         let expected = VALUE_RANGE;
         return Err(arrays.error(Problem::OutOfRange { what: "a value of the BSDF", value, expected }));
     }
-    // Wavelengths are last in the file, first in a part.
+    // The wavelength is the last index in the file, and the first one in a part.
     let values = (0..channels).flat_map(|c| (0..cells).map(move |cell| of_first[cell * channels + c]));
     Ok(Part {
         way: Way::FrontReflection,

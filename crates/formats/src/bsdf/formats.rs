@@ -1,9 +1,9 @@
-//! The formats of measured scattering: help, hints and documentation name them from here.
+//! List of the formats of measured scattering, for help, messages and documentation.
 
-/// A format, as documentation describes it.
+/// Description of a format.
 #[derive(Debug, Clone, Copy)]
 struct Format {
-    /// In a list: `MERL`.
+    /// Short name for lists: `MERL`.
     short: &'static str,
     name: &'static str,
     read: &'static str,
@@ -13,7 +13,7 @@ struct Format {
     geometry: &'static str,
 }
 
-/// All of them.
+/// All formats.
 #[rustfmt::skip]
 const FORMATS: [Format; 9] = [
     Format { short: "Radiant/Zemax", name: "Radiant/Zemax tabular BSDF", read: "yes", written: "yes", ways: "one: BRDF or BTDF from the front", channels: "monochrome or XYZ", geometry: "about the specular direction" },
@@ -27,9 +27,9 @@ const FORMATS: [Format; 9] = [
     Format { short: "display-bsdf.npz", name: "`display-bsdf.npz` ([brdf.md](brdf.md))", read: "first state", written: "by `papilio brdf`", ways: "front reflection", channels: "wavelengths", geometry: "grid" },
 ];
 
-/// The formats that are read, in a sentence: "Radiant/Zemax, CSV, ... and Papilio".
+/// Returns the input formats for use in a sentence: "Radiant/Zemax, CSV, ... and Papilio".
 pub fn bsdf_formats() -> String {
-    // What `papilio brdf` writes is rarely what someone has.
+    // The last format, the output of `papilio brdf`, is rarely the input of a user.
     let names: Vec<&str> = FORMATS[..FORMATS.len() - 1].iter().map(|format| format.short).collect();
     match names.split_last() {
         Some((last, others)) => format!("{} and {last}", others.join(", ")),
@@ -37,7 +37,7 @@ pub fn bsdf_formats() -> String {
     }
 }
 
-/// A table of the formats in Markdown, for `docs/bsdf-files.md`.
+/// Returns a table of the formats in Markdown, for `docs/bsdf-files.md`.
 pub fn bsdf_format_table() -> String {
     let mut table =
         "| format | read | written | ways | channels | geometry |\n|---|---|---|---|---|---|\n".to_owned();

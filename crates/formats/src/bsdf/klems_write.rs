@@ -1,4 +1,4 @@
-//! Writes Klems matrices as XML: patches are copied, grids averaged over the patches of the full basis.
+//! Writer of Klems matrices as XML. Patches are copied; grids are averaged over the patches of the full basis.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -15,7 +15,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     let mut lost = Vec::new();
     lost_media(measurement, &mut lost);
     if !measurement.provenance.remarks.is_empty() {
-        lost.push("remarks are left out".to_owned());
+        lost.push("the remarks were not written".to_owned());
     }
     let parts: Vec<Averaged<'_>> =
         measurement.parts.iter().map(|part| Averaged::of(part, &mut lost)).collect::<Result<_, _>>()?;
@@ -33,10 +33,10 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     Ok(lost)
 }
 
-/// A part as it will stand in the file: `[channel][in][out]`.
+/// A part as the file will hold it: `[channel][in][out]`.
 struct Averaged<'a> {
     part: &'a Part,
-    /// What the file will call each channel.
+    /// Channels in the file.
     channels: Vec<Channel>,
     incoming: &'a [Ring],
     outgoing: &'a [Ring],
@@ -47,7 +47,7 @@ impl<'a> Averaged<'a> {
     fn of(part: &'a Part, lost: &mut Vec<String>) -> Result<Self, WriteError> {
         let (channels, numbers) = choose_channels(part, lost)?;
         if !part.tis.is_empty() {
-            lost.push(format!("TIS of {} is left out", part.way.name()));
+            lost.push(format!("the TIS of the {} was not written", part.way.name()));
         }
         if let Geometry::Patches { incoming, outgoing } = &part.geometry {
             let copy =
@@ -61,7 +61,7 @@ impl<'a> Averaged<'a> {
         if let Geometry::Pairs(_) = part.geometry {
             return Err(WriteError::CannotHold { format: KLEMS, what: "single pairs of directions" });
         }
-        lost.push(format!("{} is averaged over the patches of the full Klems basis", part.way.name()));
+        lost.push(format!("the {} was averaged over the patches of the full Klems basis", part.way.name()));
         let mut values = Vec::new();
         for number in numbers {
             let averages = averages(part, number, lost);
@@ -80,9 +80,9 @@ impl<'a> Averaged<'a> {
     }
 }
 
-const UNMEASURED: &str = "patches without any value are written as 0";
+const UNMEASURED: &str = "patches without any value were written as 0";
 
-/// The channels that the file can hold, and their numbers.
+/// Selects the channels that the file can hold, and their indices in the part.
 fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<(Vec<Channel>, Vec<usize>), WriteError> {
     let fits =
         |channel: &Channel| CHANNELS.iter().any(|(_, known)| known == channel) || *channel == Channel::Y;
@@ -97,23 +97,23 @@ fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<(Vec<Channel>,
             return Err(WriteError::CannotHold { format: KLEMS, what: "a part without channels" });
         }
         let only = part.luminous();
-        lost.push(format!("the channel {} is written as the visible spectrum", part.channels[only]));
+        lost.push(format!("the channel {} was written as the visible spectrum", part.channels[only]));
         chosen.push((Channel::Monochrome, only));
     }
     for (k, channel) in part.channels.iter().enumerate() {
         if !chosen.iter().any(|(_, number)| *number == k) {
-            lost.push(format!("the channel {channel} is left out"));
+            lost.push(format!("the channel {channel} was not written"));
         }
     }
     Ok(chosen.into_iter().unzip())
 }
 
-/// Points of each patch from which light comes, along theta and around.
+/// Number of integration points of each incident patch, in theta and in azimuth.
 const POINTS_IN: [usize; 2] = [2, 2];
-/// Points of each patch to which it goes.
+/// Number of integration points of each outgoing patch, in theta and in azimuth.
 const POINTS_OUT: [usize; 2] = [6, 6];
 
-/// Mean f of each pair of patches, weighted with both cosines.
+/// Returns the mean of f for each pair of patches, weighted with both cosines.
 fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
     let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| patches(&KLEMS_FULL, counts));
     let mean = |light: &Patch, viewer: &Patch| {
@@ -129,8 +129,8 @@ fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
     let mut values = Vec::with_capacity(from.len() * to.len());
     for light in &from {
         for viewer in &to {
-            let alike = light.alike(viewer, &part.geometry);
-            let f: &mut Option<f64> = known.entry(alike).or_insert_with(|| mean(light, viewer));
+            let class = light.equivalence_class(viewer, &part.geometry);
+            let f: &mut Option<f64> = known.entry(class).or_insert_with(|| mean(light, viewer));
             empty |= f.is_none();
             values.push(f.unwrap_or(0.0));
         }
@@ -143,18 +143,19 @@ fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
 
 /// A patch of a basis.
 struct Patch {
-    /// Its ring, its number there, and how many there are.
+    /// Ring, index within the ring, and number of patches of the ring.
     ring: usize,
     number: usize,
     count: usize,
-    /// Points that share its projected solid angle evenly.
+    /// Points with equal fractions of the patch's projected solid angle.
     points: Vec<Direction>,
 }
 
 impl Patch {
-    /// What tells pairs of patches apart: two pairs that are alike have one mean. Where the sample is isotropic they are if their rings and
-    /// the turn between them are the same, which is counted in parts of 360 deg that both rings have.
-    fn alike(&self, viewer: &Self, geometry: &Geometry) -> [usize; 4] {
+    /// Returns the equivalence class of a pair of patches; equivalent pairs have the same mean. For an isotropic sample, pairs are
+    /// equivalent if their rings and the azimuth between them are equal. The azimuth is counted in multiples of a fraction of 360 deg
+    /// that divides the patches of both rings.
+    fn equivalence_class(&self, viewer: &Self, geometry: &Geometry) -> [usize; 4] {
         if !geometry.is_isotropic() {
             return [self.ring, self.number, viewer.ring, viewer.number];
         }
@@ -165,17 +166,17 @@ impl Patch {
     }
 }
 
-/// The patches of a basis, with so many points along theta and around.
+/// Returns the patches of a basis, with the given numbers of points in theta and in azimuth.
 fn patches(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Patch> {
     let mut patches = Vec::with_capacity(patch_count(rings));
     for (k, ring) in rings.iter().enumerate() {
         let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
         let [low, high] = [ring.from_deg, to_deg].map(|theta| theta.to_radians().sin().powi(2));
         for number in 0..ring.patches {
-            let point = |at: usize| {
-                let share = (at / around) as f64 + 0.5;
-                let sin2 = low + (high - low) * share / along as f64;
-                let turn = number as f64 - 0.5 + ((at % around) as f64 + 0.5) / around as f64;
+            let point = |index: usize| {
+                let step = (index / around) as f64 + 0.5;
+                let sin2 = low + (high - low) * step / along as f64;
+                let turn = number as f64 - 0.5 + ((index % around) as f64 + 0.5) / around as f64;
                 Direction::new(sin2.sqrt().asin().to_degrees(), 360.0 * turn / ring.patches as f64)
             };
             let points = (0..along * around).map(point).collect();
@@ -185,7 +186,7 @@ fn patches(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Patch> {
     patches
 }
 
-/// What the file calls a basis: one with a name, or the file's own.
+/// Returns the name of a basis in the file: a standard name, or one for a basis that the file defines.
 fn basis_name(rings: &[Ring], is_incoming: bool) -> &'static str {
     let known = BASES.iter().find(|(_, known)| *known == rings);
     known.map_or(if is_incoming { "Incoming" } else { "Outgoing" }, |(name, _)| name)
@@ -209,7 +210,7 @@ fn head(out: &mut dyn Write, measurement: &Measurement, parts: &[Averaged<'_>]) 
                 }
                 Some((_, other)) if *other == rings => {}
                 Some(_) => {
-                    let what = "parts with different bases of their own";
+                    let what = "parts that define different angle bases";
                     return Err(WriteError::CannotHold { format: KLEMS, what });
                 }
             }
@@ -250,7 +251,7 @@ fn block(out: &mut dyn Write, part: &Averaged<'_>, values: &[f64]) -> Result<(),
     Ok(writeln!(out, "</ScatteringData>\n</WavelengthDataBlock>")?)
 }
 
-/// A text without what XML reads as something else.
+/// Returns a text in which blanks replace the characters that have a meaning in XML.
 fn escaped(text: &str) -> String {
     one_line(text).replace(['<', '>', '&'], " ")
 }

@@ -1,4 +1,4 @@
-//! Reads the BRDFs of the MERL database: three numbers of cells, then planes of red, green and blue.
+//! Reader of the BRDFs of the MERL database: three numbers of cells, then planes of red, green and blue.
 
 use papilio_diagnostics::Place;
 use papilio_goniometry::{Channel, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Way};
@@ -7,12 +7,12 @@ use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// What the planes' numbers are multiplied with (the database's reference code).
+/// Factors of the numbers of each plane (reference code of the database).
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 const HEADER: usize = 12;
 
-/// Whether a file begins with the numbers of cells that all files of the database have.
+/// Returns whether a file begins with the numbers of cells that all files of the database have.
 pub(super) fn is_merl(file: &DataFile) -> bool {
     let header = HalfAngleGrid::SHAPE.map(|length| (length as u32).to_le_bytes());
     file.bytes.starts_with(header.as_flattened())
@@ -23,7 +23,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     let cells = HalfAngleGrid.cells();
     let data = &file.bytes[HEADER.min(file.bytes.len())..];
     if data.len() < 3 * cells * 8 {
-        return Err(error(BsdfProblem::Ends { what: "its three planes" }.into()));
+        return Err(error(BsdfProblem::Ends { what: "the end of its three planes" }.into()));
     }
     if data.len() > 3 * cells * 8 {
         let problem =
@@ -42,7 +42,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
             let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
             return Err(error(problem));
         }
-        // The database marks what was not measured, as below the horizon, by negative numbers.
+        // In the database, negative numbers mark cells that were not measured, such as those below the horizon.
         values.push(if value < 0.0 { f64::NAN } else { value * SCALES[number / cells] });
     }
     let part = Part {

@@ -1,8 +1,7 @@
-//! Files of measured scattering, in and out. `docs/bsdf-files.md` describes each of them.
+//! Readers and writers of measured scattering. `docs/bsdf-files.md` describes the formats.
 //!
-//! A file is recognised by its content, never by its name. What a reader takes is bounded, so that no
-//! file can exhaust memory: memory grows with the size of the file, and beyond [`MOST_CELLS`] values it
-//! is refused.
+//! The format is detected from the content of a file, never from its name. The memory of a reader is
+//! proportional to the size of the file, and a file with more than [`MOST_CELLS`] values is refused.
 
 mod astm;
 mod display;
@@ -36,35 +35,35 @@ use papilio_goniometry::{Channel, Measurement};
 use crate::error::FormatError;
 use crate::file::DataFile;
 
-/// No channel of light has a shorter wavelength, nm; tables in um end far below.
+/// Shortest wavelength of a channel, nm; wavelengths in um are far below it.
 const SHORTEST_NM: f64 = 30.0;
 
-/// The channel of a wavelength in nm, if it is one.
+/// Returns the channel of a wavelength in nm, or `None` if the number cannot be one.
 fn wavelength(nm: f64) -> Option<Channel> {
     (nm.is_finite() && nm >= SHORTEST_NM).then_some(Channel::Wavelength(nm))
 }
 
-/// No file of measured scattering may be larger, in bytes: what to give [`DataFile::open_within`].
+/// Largest size of a file of measured scattering, bytes: the limit for [`DataFile::open_within`].
 pub const LARGEST_BSDF_FILE: u64 = 256 << 20;
 
-/// No measurement may have more values, all channels of a part together.
+/// Largest number of values of a part, all channels together.
 pub const MOST_CELLS: usize = 50_000_000;
 
-/// No value of a BSDF may be larger, 1/sr: a mirror seen through an aperture of a microradian has 1e12. Sums and products of
-/// values, and of their integrals, stay numbers.
+/// Largest value of a BSDF, 1/sr; a mirror measured through an aperture of one microradian has 1e12. Sums and products of
+/// values, and of their integrals, remain finite.
 pub(crate) const LARGEST_VALUE: f64 = 1e15;
 
-/// What is expected of a value, in words.
-const VALUE_RANGE: &str = "0 to 1e15 per sr";
+/// Range of a value, in words.
+const VALUE_RANGE: &str = "a number from 0 to 1e15 per sr";
 
-/// No line of a text may be longer, in bytes.
+/// Longest line of a text file, bytes.
 const LONGEST_LINE: usize = 1 << 20;
 
-/// Reads a BSDF in any format that is known.
+/// Reads a BSDF file in any of the supported formats.
 ///
 /// # Errors
-/// With line and column where there are any: what is malformed, cut off, out of order, negative or too
-/// large, and a file that is none of the formats.
+/// If the format is unknown, or the file is malformed or cut off, or values are out of order, negative or too
+/// large; with line and column for text files.
 ///
 /// ```
 /// use papilio_formats::{DataFile, read_bsdf};
@@ -93,7 +92,7 @@ pub fn read_bsdf(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
     }
 }
 
-/// Reads one of the archives that Papilio itself writes.
+/// Reads one of Papilio's own archives.
 fn read_archive(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
     let mut arrays = npz::Npz::new(file)?;
     if !arrays.has("about") {
@@ -108,7 +107,7 @@ fn read_archive(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
     }
 }
 
-/// What an archive calls its format.
+/// Format name in an archive.
 #[derive(serde::Deserialize)]
 struct Named {
     format: String,

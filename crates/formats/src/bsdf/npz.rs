@@ -1,4 +1,4 @@
-//! Arrays of NumPy in a zip, to be read: `.npz`, not compressed.
+//! Reader of NumPy arrays in an uncompressed zip archive: `.npz`.
 
 use std::io::{Cursor, Read};
 
@@ -10,14 +10,14 @@ use super::{BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// No archive has more arrays.
+/// Largest number of arrays.
 const MOST_ARRAYS: usize = 1000;
 
 /// An archive of arrays.
 pub(super) struct Npz<'a> {
     name: &'a str,
     archive: ZipArchive<Cursor<&'a [u8]>>,
-    /// How many bytes may still be read: what the file has, though entries may overlap.
+    /// Number of bytes that may still be read: at first the size of the file. Overlapping entries cannot exceed it.
     budget: usize,
 }
 
@@ -48,12 +48,12 @@ impl<'a> Npz<'a> {
         FormatError { place: Place::whole(self.name), problem: problem.into() }
     }
 
-    /// An error about the contents of an array.
+    /// Returns an error about the content of an array.
     pub(super) fn unsound(&self, array: &str, what: &str) -> FormatError {
         self.error(BsdfProblem::Damaged { what: "archive", message: format!("array `{array}`: {what}") })
     }
 
-    /// Whether there is an array of this name.
+    /// Returns whether the archive has an array of this name.
     pub(super) fn has(&self, array: &str) -> bool {
         self.archive.index_for_name(&format!("{array}.npy")).is_some()
     }
@@ -65,16 +65,17 @@ impl<'a> Npz<'a> {
             Ok(entry) => entry.take(budget as u64 + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()),
             Err(ZipError::FileNotFound) => Err("it is missing".to_owned()),
             Err(ZipError::UnsupportedArchive(_)) => {
-                Err("it is compressed: save the archive with numpy.savez".to_owned())
+                Err("it is compressed, which is not supported: save the archive with numpy.savez".to_owned())
             }
             Err(problem) => Err(problem.to_string()),
         };
         let read = read.map_err(|what| self.unsound(array, &what))?;
-        self.budget = budget.checked_sub(read).ok_or_else(|| self.unsound(array, "it overlaps others"))?;
+        self.budget =
+            budget.checked_sub(read).ok_or_else(|| self.unsound(array, "it overlaps other entries"))?;
         Ok(bytes)
     }
 
-    /// An array of numbers.
+    /// Reads an array of numbers.
     pub(super) fn numbers(&mut self, array: &str) -> Result<Array, FormatError> {
         let bytes = self.bytes(array)?;
         let sound = Header::of(&bytes).and_then(|(header, data)| {
@@ -88,14 +89,14 @@ impl<'a> Npz<'a> {
                 .then_some(Array { shape: header.shape, values })
         });
         let array_values =
-            sound.ok_or_else(|| self.unsound(array, "this is no array of float32 or float64"))?;
+            sound.ok_or_else(|| self.unsound(array, "it is not a C-ordered array of float32 or float64"))?;
         if array_values.values.len() > MOST_CELLS {
             return Err(self.error(BsdfProblem::TooManyCells { limit: MOST_CELLS }));
         }
         Ok(array_values)
     }
 
-    /// An array of texts.
+    /// Reads an array of strings.
     pub(super) fn texts(&mut self, array: &str) -> Result<Vec<String>, FormatError> {
         let bytes = self.bytes(array)?;
         let sound = Header::of(&bytes).and_then(|(header, data)| {
@@ -110,7 +111,7 @@ impl<'a> Npz<'a> {
             };
             data.chunks_exact(size).map(text).collect()
         });
-        sound.ok_or_else(|| self.unsound(array, "this is no array of text"))
+        sound.ok_or_else(|| self.unsound(array, "it is not a C-ordered array of strings"))
     }
 }
 
@@ -121,7 +122,7 @@ struct Header {
 }
 
 impl Header {
-    /// The header and the data behind it.
+    /// Returns the header and the data after it.
     fn of(bytes: &[u8]) -> Option<(Self, &[u8])> {
         let rest = bytes.strip_prefix(b"\x93NUMPY")?;
         let (length, begins) = match *rest.first()? {

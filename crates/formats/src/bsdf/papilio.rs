@@ -1,6 +1,6 @@
-//! Papilio's own file of a measurement, "papilio-measurement 1": NumPy arrays in a zip, that keep everything.
+//! Reader of Papilio's own format of a measurement, "papilio-measurement 1": NumPy arrays in a zip archive, without any loss.
 //!
-//! `docs/bsdf-files.md` describes it for its readers.
+//! `docs/bsdf-files.md` describes the format.
 
 use std::collections::HashSet;
 
@@ -15,10 +15,10 @@ use super::table_read::{channel_named, way_named};
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
 
-/// What `about` calls the format.
+/// Name of the format in `about`.
 pub(super) const FORMAT: &str = "papilio-measurement";
 
-/// The text `about`, as JSON.
+/// Content of the array `about`, as JSON.
 #[derive(Serialize, Deserialize)]
 pub(super) struct About {
     pub(super) format: String,
@@ -46,7 +46,7 @@ pub(super) struct AboutPart {
     pub(super) geometry: Kind,
 }
 
-/// The geometry, as far as it is no array.
+/// The geometry, except its arrays.
 #[derive(Serialize, Deserialize, Clone, Copy)]
 #[serde(tag = "geometry", rename_all = "snake_case")]
 pub(super) enum Kind {
@@ -59,14 +59,17 @@ pub(super) enum Kind {
     Warped { jacobian: bool },
 }
 
-/// What `about` says of values and directions.
+/// Conventions of values and directions in `about`.
 pub(super) const CONVENTIONS: &str = "f in 1/sr without the cosine, NaN where nothing was measured; directions point \
-away from the sample, theta from the normal of their side, phi alike on both sides, degrees; values [channel][cell ...]";
+away from the sample, theta from the normal of their side, phi the same on both sides, degrees; values [channel][cell ...]";
 
-/// The prefix of a part's arrays.
+/// Returns the prefix of the names of a part's arrays.
 pub(super) fn prefix(way: Way) -> String {
     way.name().replace(' ', "_")
 }
+
+/// Names of the parts, in words.
+const WAYS: &str = "`front reflection`, `front transmission`, `back transmission` or `back reflection`";
 
 pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measurement>, FormatError> {
     let about: About = serde_json::from_str(about).map_err(|e| arrays.unsound("about", &e.to_string()))?;
@@ -75,7 +78,7 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
         return Err(arrays.error(BsdfProblem::Unsupported { what, expected: "version 1" }));
     }
     if let Some(&value) = about.media.iter().find(|n| !(n.is_finite() && **n >= 1.0)) {
-        let expected = "an index of 1 or more";
+        let expected = "a finite index of 1 or more";
         return Err(arrays.error(Problem::OutOfRange { what: "the index of a medium", value, expected }));
     }
     let mut parts: Vec<Part> = Vec::new();
@@ -95,19 +98,23 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
 }
 
 fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatError> {
-    let way = way_named(&about.way).ok_or_else(|| arrays.unsound("about", "this is no way of light"))?;
+    let way = way_named(&about.way).ok_or_else(|| {
+        arrays.unsound("about", &format!("`{}` is not the name of a part; expected {WAYS}", about.way))
+    })?;
     let channels: Option<Vec<Channel>> = about.channels.iter().map(|name| channel_named(name)).collect();
     let channels = channels.filter(|channels| {
         let mut seen = HashSet::new();
         !channels.is_empty() && channels.iter().all(|channel| seen.insert(channel.to_string()))
     });
-    let channels = channels.ok_or_else(|| arrays.unsound("about", "these are no channels"))?;
+    let channels = channels.ok_or_else(|| {
+        arrays.unsound("about", "the list of channels is empty, has an unknown name or has a name twice")
+    })?;
     let prefix = prefix(way);
     let values_name = format!("{prefix}_values");
     let Array { shape, values } = arrays.numbers(&values_name)?;
     let geometry = Reader { arrays, prefix: &prefix, shape: &shape }.geometry(about.geometry)?;
     if channels.len().checked_mul(geometry.cells()) != Some(values.len()) {
-        return Err(arrays.unsound(&values_name, "it does not have a value for each channel and cell"));
+        return Err(arrays.unsound(&values_name, "it does not have one value for each channel and cell"));
     }
     if let Some(&value) = values.iter().find(|value| **value < 0.0 || **value > LARGEST_VALUE) {
         let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
@@ -118,7 +125,8 @@ fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatErro
     if !tis.iter().all(|tis| (0.0..=LARGEST_VALUE).contains(tis))
         || !fits_tis(&geometry, channels.len(), tis.len())
     {
-        return Err(arrays.unsound(&tis_name, "expected a share for each channel, rotation and incidence"));
+        return Err(arrays
+            .unsound(&tis_name, "expected a number of 0 or more for each channel, rotation and incidence"));
     }
     Ok(Part { way, channels, geometry, values, tis })
 }
@@ -132,11 +140,11 @@ fn fits_tis(geometry: &Geometry, channels: usize, count: usize) -> bool {
     }
 }
 
-/// Reads the arrays of a part's geometry.
+/// Reader of the arrays of a part's geometry.
 struct Reader<'a, 'b> {
     arrays: &'a mut Npz<'b>,
     prefix: &'a str,
-    /// Of the values.
+    /// Shape of the array of values.
     shape: &'a [usize],
 }
 
@@ -188,19 +196,20 @@ impl Reader<'_, '_> {
 
     fn axis(&mut self, name: &str, range: std::ops::RangeInclusive<f64>) -> Result<Vec<f64>, FormatError> {
         let values = self.array(name)?.values;
-        let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
-        if values.is_empty() || !rises || !values.iter().all(|value| range.contains(value)) {
-            return Err(self.unsound(name, "expected degrees that rise"));
+        let ascends = values.windows(2).all(|pair| pair[0] < pair[1]);
+        if values.is_empty() || !ascends || !values.iter().all(|value| range.contains(value)) {
+            let (least, most) = range.into_inner();
+            return Err(self.unsound(name, &format!("expected ascending angles from {least} to {most} deg")));
         }
         Ok(values)
     }
 
-    /// The lengths of axes are those of the values' array.
+    /// Fails unless the lengths of the axes match the array of values.
     fn check(&self, lengths: &[usize]) -> Result<(), FormatError> {
         if self.shape.get(1..) == Some(lengths) {
             return Ok(());
         }
-        Err(self.unsound("values", "its shape is not that of the axes"))
+        Err(self.unsound("values", "its shape does not match the axes"))
     }
 
     fn pairs(&mut self) -> Result<Vec<[Direction; 2]>, FormatError> {
@@ -221,16 +230,16 @@ impl Reader<'_, '_> {
         let values = self.array(name)?.values;
         let rows = values.as_chunks::<2>().0;
         let whole = |n: f64| (1.0..=5000.0).contains(&n) && n.fract() == 0.0;
-        let rises = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+        let ascends = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let begins = rows.first().is_some_and(|row| row[0] == 0.0) && rows.iter().all(|row| row[0] < 90.0);
         let count: f64 = rows.iter().map(|row| row[1]).sum();
         if count > 5000.0
             || !begins
-            || !rises
+            || !ascends
             || !values.len().is_multiple_of(2)
             || !rows.iter().all(|row| whole(row[1]))
         {
-            return Err(self.unsound(name, "expected rows of a ring's beginning and its number of patches"));
+            return Err(self.unsound(name, "expected rows of the lower angle of a ring, ascending from 0 to below 90 deg, and its number of patches"));
         }
         Ok(rows.iter().map(|row| Ring { from_deg: row[0], patches: row[1] as usize }).collect())
     }
@@ -249,7 +258,7 @@ impl Reader<'_, '_> {
         };
         let nodes: Option<Vec<TreeNode>> = values.as_chunks().0.iter().map(node).collect();
         let tree = nodes.and_then(|nodes| TensorTree::new(rank, nodes));
-        tree.map(Geometry::Tree).ok_or_else(|| self.unsound("nodes", "these nodes are no tree"))
+        tree.map(Geometry::Tree).ok_or_else(|| self.unsound("nodes", "the nodes do not form a tree"))
     }
 
     fn warped(&mut self, jacobian: bool) -> Result<Geometry, FormatError> {
@@ -267,11 +276,11 @@ impl Reader<'_, '_> {
         let (phi_i, theta_i) = (self.array("phi_i_rad")?.values, self.array("theta_i_rad")?.values);
         let lights = phi_i.len().saturating_mul(theta_i.len());
         if lights.saturating_mul(rows.saturating_mul(columns)) > MOST_CELLS {
-            return Err(self.unsound("values", "it is too large"));
+            return Err(self.unsound("values", "it has too many values"));
         }
         let fields = WarpFields { phi_i, theta_i, ndf, sigma, vndf, shape: [rows, columns], jacobian };
         let grid = WarpedGrid::new(fields);
         grid.map(|grid| Geometry::Warped(Box::new(grid)))
-            .ok_or_else(|| self.unsound("vndf", "the arrays of this grid do not fit each other"))
+            .ok_or_else(|| self.unsound("vndf", "the arrays of this grid are inconsistent"))
     }
 }

@@ -1,4 +1,4 @@
-//! Writes Papilio's own file of a measurement.
+//! Writer of Papilio's own format of a measurement.
 
 use std::io::{self, Write};
 
@@ -54,7 +54,7 @@ struct Archive<'a> {
 
 impl Archive<'_> {
     fn array(&mut self, name: &str, shape: &[usize], items: Items<'_>) -> io::Result<()> {
-        // Stored, without a date: the same measurement gives the same bytes.
+        // Not compressed and without a date: equal measurements give equal bytes.
         self.zip.start_file(format!("{name}.npy"), SimpleFileOptions::default().large_file(true))?;
         write_npy(&mut self.zip, shape, items)
     }
@@ -76,7 +76,7 @@ impl Archive<'_> {
         self.axes(&prefix, &[("tis", &part.tis)])
     }
 
-    /// Writes the arrays of a geometry; what comes back is the shape of a channel.
+    /// Writes the arrays of a geometry, and returns the shape of a channel's values.
     fn geometry(&mut self, prefix: &str, geometry: &Geometry) -> io::Result<Vec<usize>> {
         match geometry {
             Geometry::Specular(grid) => self.specular(prefix, grid),

@@ -1,118 +1,121 @@
-//! What can be wrong with a BSDF file in particular.
+//! Errors of BSDF files.
 
 use papilio_diagnostics::Diagnostic;
 
-/// What can be wrong with a BSDF file, beside what can be wrong with any.
+/// The errors of a BSDF file, in addition to those of any data file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BsdfProblem {
-    /// Its content is none of the formats.
+    /// The content has none of the supported formats.
     Unknown,
-    /// A version of a format, or a feature of it, that is not read.
+    /// An unsupported version or feature of a format.
     Unsupported {
-        /// What it is.
+        /// The version or feature.
         what: String,
-        /// What is read instead.
+        /// What is supported.
         expected: &'static str,
     },
-    /// Something that must be there is not.
+    /// A required item is missing.
     Missing {
-        /// What it is.
+        /// The item.
         what: &'static str,
     },
-    /// Something else than what must stand here.
+    /// A different item than the expected one.
     Unexpected {
-        /// What stands here.
+        /// The item found.
         found: String,
-        /// What should.
+        /// The item expected.
         expected: &'static str,
     },
-    /// Something that may be there once is there again.
+    /// An item that may occur only once is repeated.
     Twice {
-        /// What it is.
+        /// The item.
         what: String,
     },
-    /// The file ends too early.
+    /// The file is cut off.
     Ends {
-        /// What is still to come.
+        /// The next expected item, or the condition that is not yet met.
         what: &'static str,
     },
     /// A list with the wrong number of items.
     Count {
-        /// What is counted.
+        /// The items that are counted.
         what: &'static str,
-        /// How many there are.
+        /// Number of items found.
         found: usize,
-        /// How many there should be.
+        /// Required number of items.
         count: usize,
     },
-    /// An axis that does not rise.
+    /// The values of an axis are not ascending.
     Order {
-        /// What the axis is.
+        /// The axis.
         what: &'static str,
         /// The value.
         value: f64,
-        /// The one before.
+        /// The previous value.
         before: f64,
     },
-    /// More cells than any sensible measurement has.
+    /// The measurement exceeds the limit of cells.
     TooManyCells {
-        /// The most that are read.
+        /// Largest number of cells.
         limit: usize,
     },
-    /// A line longer than any sensible one.
+    /// A line exceeds the limit of length.
     LongLine {
-        /// The most that are read.
+        /// Largest number of bytes.
         limit: usize,
     },
-    /// Nesting deeper than any sensible one.
+    /// Elements are nested too deeply.
     TooDeep {
-        /// The most that is read.
+        /// Largest number of levels.
         limit: usize,
     },
-    /// Not well-formed.
+    /// The file is not well-formed.
     Damaged {
-        /// What it is: XML, an archive.
+        /// Kind of file: XML, an archive.
         what: &'static str,
-        /// What its parser says.
+        /// The parser's message.
         message: String,
     },
 }
 
 impl BsdfProblem {
-    /// What is wrong, what was expected and what to do, in words.
+    /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::Unknown => Diagnostic::new("this is not a BSDF file in any known format").hint(format!(
-                "the formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value",
+            Self::Unknown => Diagnostic::new("this is not a BSDF file in a supported format").hint(format!(
+                "the supported formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value",
                 super::bsdf_formats()
             )),
             Self::Unsupported { what, expected } => {
-                Diagnostic::new(format!("{what} is not read")).expected(expected)
+                Diagnostic::new(format!("{what} is not supported")).expected(expected)
             }
             Self::Missing { what } => Diagnostic::new(format!("there is no {what}")),
             Self::Unexpected { found, expected } => {
-                Diagnostic::new(format!("`{found}` does not belong here")).expected(expected)
+                Diagnostic::new(format!("`{found}` is not permitted here")).expected(expected)
             }
-            Self::Twice { what } => Diagnostic::new(format!("{what} is given twice")),
+            Self::Twice { what } => Diagnostic::new(format!("{what} occurs twice")).hint("remove one of the two"),
             Self::Ends { what } => Diagnostic::new(format!("the file ends before {what}"))
-                .hint("the file seems to be cut off: copy it again"),
+                .hint("the file is probably cut off: copy or export it again"),
             Self::Count { what, found, count } => {
-                Diagnostic::new(format!("there are {found} {what}, not {count}"))
+                Diagnostic::new(format!("the number of {what} is {found}")).expected(count)
             }
             Self::Order { what, value, before } => {
-                Diagnostic::new(format!("{what} {value} does not follow {before}"))
-                    .expected("values that rise")
+                Diagnostic::new(format!("{what} {value} is out of order after {before}"))
+                    .expected("ascending values")
             }
             Self::TooManyCells { limit } => {
-                Diagnostic::new(format!("this table would have more than {limit} cells"))
+                Diagnostic::new(format!("this measurement has more than {limit} cells"))
+                    .hint("use a coarser grid or fewer wavelengths")
             }
-            Self::LongLine { limit } => Diagnostic::new(format!("this line has more than {limit} bytes")),
-            Self::TooDeep { limit } => Diagnostic::new(format!("this is nested deeper than {limit} times")),
+            Self::LongLine { limit } => Diagnostic::new(format!("this line is longer than {limit} bytes")),
+            Self::TooDeep { limit } => {
+                Diagnostic::new(format!("this is nested more than {limit} levels deep"))
+            }
             Self::Damaged { what, message } => {
                 let hint = match *what {
                     "archive" => {
                         "copy the file again, or write it again: `papilio diffuser convert` and numpy.savez (not \
-                         numpy.savez_compressed) write archives that can be read"
+                         numpy.savez_compressed) write supported archives"
                     }
                     _ => "copy the file again, or export it again from the program that wrote it",
                 };

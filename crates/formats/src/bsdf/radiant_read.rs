@@ -1,7 +1,7 @@
-//! Reads the tabular BSDF of Radiant Imaging and Zemax.
+//! Reader of the tabular BSDF of Radiant Imaging and Zemax.
 //!
-//! A header of keywords and axes; then, for each channel, its name and between `DataBegin` and
-//! `DataEnd` for each rotation and incidence a line `TIS` and a row for each azimuth.
+//! The file has a header of keywords and axes. For each channel follow its name and, between `DataBegin` and
+//! `DataEnd`, for each rotation and incidence a line `TIS` and one row per azimuth.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// How the format is called.
+/// Name of the format.
 pub(super) const NAME: &str = "Radiant/Zemax tabular BSDF";
-/// What a remark that names the sample begins with.
+/// Beginning of a remark that holds the name of the sample.
 pub(super) const SAMPLE: &str = "sample: ";
 
-/// The axes' keywords, in the file's order, with the range of their angles.
+/// Keywords of the axes, in the order of the file, with the ranges of their angles, degrees.
 pub(super) const AXES: [(&str, f64, f64); 4] = [
     ("SampleRotation", -360.0, 360.0),
     ("AngleOfIncidence", 0.0, 90.0),
@@ -25,7 +25,7 @@ pub(super) const AXES: [(&str, f64, f64); 4] = [
     ("ScatterRadial", 0.0, 180.0),
 ];
 
-/// Whether a file begins as this format does: with one of its keywords.
+/// Returns whether a file begins with one of the keywords of this format.
 pub(super) fn is_radiant(file: &DataFile) -> bool {
     let text = Text::new(file);
     let mut lines = Lines::new(text);
@@ -43,7 +43,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     let mut grid = header.grid(&lines, symmetry)?;
     let mut data = Data::new(&lines, &grid, channels.len())?;
     for (k, &channel) in channels.iter().enumerate() {
-        let line = if k == 0 { first.clone() } else { lines.expect("all channels are read")? };
+        let line = if k == 0 { first.clone() } else { lines.expect("the last channel")? };
         expect_word(lines.text, line, block_name(channel))?;
         data.block(&mut lines, &grid)?;
     }
@@ -54,7 +54,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     grid.symmetry = symmetry;
     let part = Part { way, channels, geometry: Geometry::Specular(grid), values: data.values, tis: data.tis };
     let source = header.source.unwrap_or_default();
-    // The writer's own remark.
+    // Papilio's writer stores the name of the sample in a remark.
     let (samples, remarks): (Vec<_>, Vec<_>) =
         lines.comments.into_iter().partition(|remark| remark.starts_with(SAMPLE));
     let sample =
@@ -63,7 +63,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts: vec![part] }, warnings })
 }
 
-/// What a channel's block begins with.
+/// Returns the keyword at the beginning of a channel's block.
 pub(super) fn block_name(channel: Channel) -> &'static str {
     match channel {
         Channel::X => "TristimulusX",
@@ -73,7 +73,7 @@ pub(super) fn block_name(channel: Channel) -> &'static str {
     }
 }
 
-/// The keywords, as far as they have been met: where their word stands.
+/// The keywords read so far, with the places of their values.
 #[derive(Default)]
 struct Header {
     source: Option<String>,
@@ -85,10 +85,10 @@ struct Header {
 }
 
 impl Header {
-    /// Reads to the first line that is no keyword, the name of the first block.
+    /// Reads up to the first line that is not a keyword of the header, and returns it: the name of the first block.
     fn read(&mut self, lines: &mut Lines<'_>) -> Result<Range<usize>, FormatError> {
         loop {
-            let line = lines.expect("its data begin")?;
+            let line = lines.expect("the first block of data")?;
             let text = lines.text;
             let mut words = text.words(line.clone());
             let Some(key) = words.next() else { continue };
@@ -108,7 +108,11 @@ impl Header {
             } else if text.bytes[key.start].is_ascii_alphabetic() && !text.is(&key, "DataBegin") {
                 self.skipped.push(text.quote(line));
             } else {
-                return Err(unexpected(text, line, "a keyword, as `ScatterType`, or `Monochrome`"));
+                return Err(unexpected(
+                    text,
+                    line,
+                    "a keyword such as `ScatterType`, or `Monochrome` or `TristimulusX`",
+                ));
             }
         }
     }
@@ -142,7 +146,11 @@ impl Header {
         for word in text.words(line.clone()) {
             let value = text.number(word.clone())?;
             if !(least..=most).contains(&value) {
-                let expected = "an angle in degrees";
+                let expected = match axis {
+                    1 => "an angle from 0 to 90 deg",
+                    3 => "an angle from 0 to 180 deg",
+                    _ => "an angle from -360 to 360 deg",
+                };
                 return Err(text.error(word, Problem::OutOfRange { what, value, expected }));
             }
             if let Some(&before) = values.last().filter(|before| **before >= value) {
@@ -185,7 +193,7 @@ impl Header {
         let missing = |what| lines.text.whole(BsdfProblem::Missing { what });
         let [rotations, incidences, azimuths, radials] = &mut self.axes;
         let grid = SpecularGrid {
-            // Some writers leave out what they do not turn.
+            // Some programs omit the rotations if the sample was not rotated.
             rotations_deg: rotations.take().unwrap_or_else(|| vec![0.0]),
             incidences_deg: incidences.take().ok_or_else(|| missing("line `AngleOfIncidence`"))?,
             azimuths_deg: azimuths.take().ok_or_else(|| missing("line `ScatterAzimuth`"))?,
@@ -194,7 +202,7 @@ impl Header {
         };
         let outside = grid.azimuths_deg.iter().find(|a| !(0.0..=180.0).contains(*a));
         if let (Symmetry::Plane, Some(&value)) = (symmetry, outside) {
-            let expected = "0 to 180 deg, as the table is PlaneSymmetrical";
+            let expected = "0 to 180 deg, because the table is PlaneSymmetrical";
             return Err(lines.text.whole(Problem::OutOfRange { what: "ScatterAzimuth", value, expected }));
         }
         Ok(grid)
@@ -204,39 +212,42 @@ impl Header {
         let mut warnings: Vec<String> = self
             .skipped
             .iter()
-            .map(|line| format!("the line `{line}` was not understood and left out"))
+            .map(|line| format!("the line `{line}` has an unknown keyword and was ignored"))
             .collect();
         if way.is_transmission() && symmetry == Symmetry::None {
             warnings.push(
-                "which way ScatterAzimuth turns in an asymmetrical BTDF is not settled: it is read as in reflection, \
-                 seen from the side of the light; check it against the sample"
+                "the sense of ScatterAzimuth in an asymmetrical BTDF is not documented: it was read as in reflection, \
+                 seen from the side of the light; check it with the sample"
                     .to_owned(),
             );
         }
         if grid.rotations_deg.len() > 1 {
             warnings.push(
-                "which way SampleRotation turns is not settled: the sample is taken to turn counter-clockwise seen from the front"
+                "the sense of SampleRotation is not documented: a counter-clockwise rotation of the sample, seen from the \
+                 front, is assumed"
                     .to_owned(),
             );
         }
         if data.tis.iter().any(|tis| *tis > 1.0) {
-            warnings.push("a TIS is above 1: more light than came in, or percent".to_owned());
+            warnings.push(
+                "a TIS is above 1: more light leaves than arrives, or the TIS is in percent".to_owned(),
+            );
         }
         warnings
     }
 }
 
-/// A count that is written in a text: a whole number of 1 or more.
+/// Reads a count: an integer of 1 or more.
 pub(super) fn count_of(text: Text<'_>, word: Range<usize>) -> Result<usize, FormatError> {
     let value = text.number(word.clone())?;
     if value >= 1.0 && value <= MOST_CELLS as f64 && value.fract() == 0.0 {
         return Ok(value as usize);
     }
-    let expected = "a whole number, 1 or more";
+    let expected = "an integer of 1 or more";
     Err(text.error(word, Problem::OutOfRange { what: "the number of angles", value, expected }))
 }
 
-/// What the blocks hold.
+/// Content of the blocks.
 struct Data {
     values: Vec<f64>,
     tis: Vec<f64>,
@@ -248,7 +259,7 @@ impl Data {
         let cells = axes.iter().try_fold(channels, |cells, axis| cells.checked_mul(axis.len()));
         let cells = cells.filter(|cells| *cells <= MOST_CELLS);
         let cells = cells.ok_or_else(|| lines.text.whole(BsdfProblem::TooManyCells { limit: MOST_CELLS }))?;
-        // A value takes two bytes at least: never more memory than the file warrants.
+        // A value takes at least two bytes of the file, which limits the memory.
         Ok(Self { values: Vec::with_capacity(cells.min(lines.text.bytes.len() / 2)), tis: Vec::new() })
     }
 
@@ -258,7 +269,7 @@ impl Data {
         for _ in 0..grid.rotations_deg.len() * grid.incidences_deg.len() {
             self.tis(lines)?;
             for _ in 0..grid.azimuths_deg.len() {
-                let line = lines.expect("all its rows are read")?;
+                let line = lines.expect("the last row of data")?;
                 self.row(text, line, grid.radials_deg.len())?;
             }
         }
@@ -266,17 +277,21 @@ impl Data {
     }
 
     fn tis(&mut self, lines: &mut Lines<'_>) -> Result<(), FormatError> {
-        let line = lines.expect("all its rows are read")?;
+        let line = lines.expect("the last row of data")?;
         let text = lines.text;
         let mut words = text.words(line.clone());
         let is_tis = words.next().is_some_and(|word| text.is(&word, "TIS"));
         let (true, Some(word)) = (is_tis, words.next()) else {
-            return Err(unexpected(text, line, "`TIS` and its value: each incidence begins so"));
+            return Err(unexpected(
+                text,
+                line,
+                "a line `TIS` with its value, at the beginning of each incidence",
+            ));
         };
         let value = text.number(word.clone())?;
-        // Some writers give percent, and some totals are above 1.
+        // Some programs write percent, and some measured TIS are above 1.
         if !(0.0..=LARGEST_VALUE).contains(&value) {
-            let problem = Problem::OutOfRange { what: "TIS", value, expected: "a share, 0 to 1" };
+            let problem = Problem::OutOfRange { what: "TIS", value, expected: "a fraction from 0 to 1" };
             return Err(text.error(word, problem));
         }
         self.tis.push(value);
@@ -301,11 +316,11 @@ fn expect_word(text: Text<'_>, line: Range<usize>, word: &'static str) -> Result
     }
     let expected = match word {
         "DataBegin" => "`DataBegin`",
-        "DataEnd" => "`DataEnd`: the data have more rows than the axes say",
-        "TristimulusX" => "`TristimulusX`, as SpectralContent says",
+        "DataEnd" => "`DataEnd`, because the axes define no further rows",
+        "TristimulusX" => "`TristimulusX`, because SpectralContent is XYZ",
         "TristimulusY" => "`TristimulusY`",
         "TristimulusZ" => "`TristimulusZ`",
-        _ => "`Monochrome`, as SpectralContent says",
+        _ => "`Monochrome`, because SpectralContent is Monochrome",
     };
     Err(unexpected(text, line, expected))
 }

@@ -1,4 +1,4 @@
-//! Writes the tabular BSDF of Radiant Imaging and Zemax.
+//! Writer of the tabular BSDF of Radiant Imaging and Zemax.
 
 use std::io::Write;
 
@@ -24,7 +24,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
         }
     };
     let Geometry::Specular(grid) = &part.geometry else {
-        return Err(WriteError::CannotHold { format: NAME, what: "these cells" });
+        return Err(WriteError::CannotHold { format: NAME, what: "this geometry" });
     };
     if grid.cells() == 0 {
         return Err(WriteError::CannotHold { format: NAME, what: "a part without cells" });
@@ -36,24 +36,26 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
         writeln!(out, "DataEnd")?;
     }
     if part.values.iter().any(|value| value.is_nan()) {
-        lost.push("cells without a value are written as 0".to_owned());
+        lost.push("cells without a value were written as 0".to_owned());
     }
     if part.tis.is_empty() {
-        lost.push("TIS is written as 0: the measurement gives none".to_owned());
+        lost.push("the TIS was written as 0: the measurement has none".to_owned());
     }
     Ok(lost)
 }
 
-/// A part on a grid as imaging spheres have it, with its own totals.
+/// Interpolates a part onto a grid as that of imaging spheres; the TIS are the integrals of the values.
 fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) -> Result<Part, WriteError> {
     let (names, numbers): (Vec<Channel>, Vec<usize>) = channels.iter().copied().unzip();
     let (grid, values) = on_specular_grid(part, &numbers)
         .ok_or(WriteError::CannotHold { format: NAME, what: "single pairs of directions, or no light" })?;
     lost.push(
         match part.geometry {
-            Geometry::Pairs(_) => "TIS is the integral of the values",
+            Geometry::Pairs(_) => "the TIS is the integral of the values",
             _ => {
-                "the values are interpolated for light from one azimuth, at azimuths by 10 deg and radial distances by 0.5 to 2 deg                  (and incidences 0 to 85 by 5 deg, where the cells have none of their own); TIS is their integral"
+                "the values were interpolated for light from one azimuth, at azimuths in steps of 10 deg and radial distances in steps \
+                 of 0.5 to 2 deg (and at incidences from 0 to 85 deg in steps of 5 deg, where the cells define none); the TIS is \
+                 their integral"
             }
         }
         .to_owned(),
@@ -66,21 +68,21 @@ fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) 
     Ok(Part { way: part.way, channels: names, geometry: Geometry::Specular(grid), values, tis })
 }
 
-/// The one way that the file will hold.
+/// Selects the part that the file will hold.
 fn choose_part<'a>(measurement: &'a Measurement, lost: &mut Vec<String>) -> Result<&'a Part, WriteError> {
     let order = [Way::FrontTransmission, Way::FrontReflection, Way::BackTransmission, Way::BackReflection];
     let part = order.iter().find_map(|way| measurement.parts.iter().find(|part| part.way == *way));
     let part = part.ok_or(WriteError::CannotHold { format: NAME, what: "a measurement without values" })?;
     for other in measurement.parts.iter().filter(|other| other.way != part.way) {
-        lost.push(format!("{} is left out: the format holds one way of light", other.way.name()));
+        lost.push(format!("the {} was not written: the format holds a single part", other.way.name()));
     }
     if matches!(part.way, Way::BackTransmission | Way::BackReflection) {
-        lost.push(format!("that it is {} is left out", part.way.name()));
+        lost.push(format!("the format cannot state that the values are of {}", part.way.name()));
     }
     Ok(part)
 }
 
-/// The channels that the file will hold: what they are called, and their numbers.
+/// Selects the channels that the file will hold: their names in the file, and their indices in the part.
 fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, usize)>, WriteError> {
     let at = |channel| part.channels.iter().position(|c| *c == channel).map(|k| (channel, k));
     let xyz: Option<Vec<_>> = [Channel::X, Channel::Y, Channel::Z].into_iter().map(at).collect();
@@ -90,9 +92,9 @@ fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, 
     let chosen = xyz.unwrap_or_else(|| vec![(Channel::Monochrome, part.luminous())]);
     for (k, channel) in part.channels.iter().enumerate() {
         if !chosen.iter().any(|(_, number)| *number == k) {
-            lost.push(format!("the channel {channel} is left out"));
+            lost.push(format!("the channel {channel} was not written"));
         } else if chosen.len() == 1 && *channel != Channel::Monochrome {
-            lost.push(format!("that the values are of the channel {channel} is left out"));
+            lost.push(format!("the format cannot state that the values are of the channel {channel}"));
         }
     }
     Ok(chosen)
@@ -149,7 +151,7 @@ fn block(out: &mut dyn Write, part: &Part, grid: &SpecularGrid, channel: usize) 
     Ok(())
 }
 
-/// Numbers on a line; what is none is 0.
+/// Writes a line of numbers, with 0 for missing values.
 fn row(out: &mut dyn Write, values: &[f64]) -> Result<(), WriteError> {
     for (k, value) in values.iter().enumerate() {
         let value = if value.is_nan() { 0.0 } else { *value };

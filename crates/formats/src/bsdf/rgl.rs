@@ -1,7 +1,7 @@
-//! Reads the tensor files of the RGL material database (`.bsdf`, also Mitsuba's).
+//! Reader of the tensor files of the RGL material database (`.bsdf`, also of Mitsuba).
 //!
-//! `tensor_file`, a zero, two bytes of version, and for each field its name, shape, type and place in
-//! the file; all little-endian.
+//! The file begins with `tensor_file`, a zero byte and two bytes of version. For each field follow its name, type, offset in
+//! the file and shape; all numbers are little-endian.
 
 use papilio_diagnostics::Place;
 use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpFields, WarpedGrid, Way};
@@ -12,7 +12,7 @@ use crate::file::DataFile;
 
 const MAGIC: &[u8] = b"tensor_file\0";
 
-/// The database's files have about a dozen fields.
+/// Largest number of fields; files of the database have about a dozen.
 const MOST_FIELDS: u32 = 100;
 
 pub(super) fn is_rgl(file: &DataFile) -> bool {
@@ -27,7 +27,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     let unsound = || {
         tensors.error(BsdfProblem::Damaged {
             what: "tensor file",
-            message: "its arrays do not fit each other, or a density is negative".to_owned(),
+            message: "its arrays are inconsistent, or a density is negative".to_owned(),
         })
     };
     let grid = WarpedGrid::new(fields).ok_or_else(unsound)?;
@@ -42,20 +42,20 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         values,
         tis: Vec::new(),
     };
-    let sample = tensors.find("description").map(|field| tensors.say(field)).unwrap_or_default();
+    let sample = tensors.find("description").map(|field| tensors.text(field)).unwrap_or_default();
     let provenance = Provenance { format: "RGL tensor file".to_owned(), sample, ..Provenance::default() };
     let value = Measurement { provenance, media: [1.0, 1.0], parts: vec![part] };
     Ok(Warned { value, warnings: Vec::new() })
 }
 
-/// From `[light][channel][cell]` to `[channel][light][cell]`.
+/// Transposes values from `[light][channel][cell]` to `[channel][light][cell]`.
 fn transposed(values: &[f64], lights: usize, channels: usize, [rows, columns]: [usize; 2]) -> Vec<f64> {
     let cells = rows * columns;
     let block = |channel, light| &values[(light * channels + channel) * cells..][..cells];
     (0..channels).flat_map(|c| (0..lights).flat_map(move |l| block(c, l).iter().copied())).collect()
 }
 
-/// A field's entry in the header.
+/// Entry of a field in the header.
 #[derive(Clone)]
 struct Field<'a> {
     name: &'a [u8],
@@ -74,7 +74,7 @@ impl<'a> Tensors<'a> {
     fn new(file: &'a DataFile) -> Result<Self, FormatError> {
         let mut tensors = Self { file, fields: Vec::new() };
         let mut bytes = Bytes { bytes: file.bytes.get(MAGIC.len()..).unwrap_or_default() };
-        let cut = || tensors_error(file, BsdfProblem::Ends { what: "the end of its header" });
+        let cut = || tensors_error(file, BsdfProblem::Ends { what: "the end of the header" });
         let version = bytes.take(2).ok_or_else(cut)?;
         if version[0] != 1 {
             let what = format!("version {}.{} of the tensor files", version[0], version[1]);
@@ -82,10 +82,10 @@ impl<'a> Tensors<'a> {
         }
         let count = bytes.number(4).ok_or_else(cut)?;
         if count > u64::from(MOST_FIELDS) {
-            let problem = BsdfProblem::Count { what: "fields", found: count as usize, count: 10 };
-            return Err(tensors.error(problem));
+            let what = format!("a header with {count} fields");
+            return Err(tensors.error(BsdfProblem::Unsupported { what, expected: "at most 100 fields" }));
         }
-        // Arrays may not overlap: what is read is no more than the file.
+        // The arrays together may not exceed the size of the file, so that overlapping arrays cannot exhaust memory.
         let mut rest = file.bytes.len();
         for _ in 0..count {
             let field = bytes.field().ok_or_else(cut)?;
@@ -114,7 +114,7 @@ impl<'a> Tensors<'a> {
         self.fields.iter().find(|field| field.name == name.as_bytes())
     }
 
-    /// A field of this many dimensions.
+    /// Returns the field of this name, which must have `dimensions` dimensions.
     fn expect(&self, name: &'static str, dimensions: usize) -> Result<Field<'a>, FormatError> {
         let field = self.find(name).ok_or_else(|| self.error(BsdfProblem::Missing { what: name }))?;
         if field.shape.len() != dimensions {
@@ -128,13 +128,14 @@ impl<'a> Tensors<'a> {
         Ok(field.clone())
     }
 
-    fn say(&self, field: &Field<'_>) -> String {
+    /// Returns the text of a field, at most 500 bytes.
+    fn text(&self, field: &Field<'_>) -> String {
         let end = (field.offset + field.count.min(500)).min(self.file.bytes.len());
         let text = String::from_utf8_lossy(&self.file.bytes[field.offset.min(end)..end]);
         text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().trim().to_owned()
     }
 
-    /// The numbers of a field, all finite.
+    /// Returns the numbers of a field, which must be finite.
     fn numbers(&self, field: &Field<'_>) -> Result<Vec<f64>, FormatError> {
         if field.count > MOST_CELLS {
             return Err(self.error(BsdfProblem::TooManyCells { limit: MOST_CELLS }));
@@ -150,8 +151,8 @@ impl<'a> Tensors<'a> {
                 .collect(),
             11 => bytes.as_chunks().0.iter().take(field.count).map(|b| f64::from_le_bytes(*b)).collect(),
             kind => {
-                let what = format!("the type {kind} of an array");
-                let expected = "numbers of 32 or 64 bits with a floating point";
+                let what = format!("the element type {kind} of an array");
+                let expected = "floating-point numbers of 32 or 64 bits";
                 return Err(self.error(BsdfProblem::Unsupported { what, expected }));
             }
         };
@@ -161,7 +162,7 @@ impl<'a> Tensors<'a> {
         }
     }
 
-    /// The channels, and the field of values `[phi_i][theta_i][channel][row][column]`.
+    /// Returns the channels and the field of values, `[phi_i][theta_i][channel][row][column]`.
     fn spectra(&self) -> Result<(Vec<Channel>, Field<'a>), FormatError> {
         let (channels, field) = if self.find("spectra").is_some() {
             let wavelengths = self.numbers(&self.expect("wavelengths", 1)?)?;
@@ -170,7 +171,7 @@ impl<'a> Tensors<'a> {
                 return Err(self.error(BsdfProblem::Order { what: "wavelength", value, before }));
             }
             if let Some(&value) = wavelengths.first().filter(|first| **first < super::SHORTEST_NM) {
-                let expected = "a wavelength in nm";
+                let expected = "a wavelength in nm, 30 or more";
                 return Err(self.error(Problem::OutOfRange { what: "a wavelength", value, expected }));
             }
             let channels = wavelengths.into_iter().map(Channel::Wavelength).collect();
@@ -186,7 +187,7 @@ impl<'a> Tensors<'a> {
         Ok((channels, field))
     }
 
-    /// All but the values, and how many directions of light there are.
+    /// Returns all fields except the values, and the number of directions of light.
     fn fields(&self, spectra: &Field<'_>) -> Result<(WarpFields, usize), FormatError> {
         let grid = |name, dimensions: usize| {
             let field = self.expect(name, dimensions)?;
@@ -221,7 +222,7 @@ fn tensors_error(file: &DataFile, problem: impl Into<Problem>) -> FormatError {
     FormatError { place: Place::whole(&file.name), problem: problem.into() }
 }
 
-/// The header, as far as it is not yet read.
+/// The unread rest of the header.
 struct Bytes<'a> {
     bytes: &'a [u8],
 }
@@ -233,7 +234,7 @@ impl<'a> Bytes<'a> {
         Some(taken)
     }
 
-    /// A whole number of this many bytes, 8 at most.
+    /// Reads an unsigned integer of `count` bytes, at most 8.
     fn number(&mut self, count: usize) -> Option<u64> {
         self.take(count)
             .map(|bytes| bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))

@@ -1,7 +1,7 @@
-//! Reads a CSV of `theta_i,phi_i,theta_o,phi_o[,wavelength],value`.
+//! Reader of CSV files with the columns `theta_i,phi_i,theta_o,phi_o[,wavelength],value`.
 //!
-//! Without a column `way`, inclinations are from the front's normal to 180 deg: above 90 deg light
-//! comes from, or goes to, the back. Where the rows are all pairs of some axes they are a grid.
+//! Without a column `way`, inclinations are from 0 to 180 deg from the normal of the front: above 90 deg, light
+//! comes from, or goes to, the back. If the rows are all combinations of values of four axes, they form a grid.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,23 +13,23 @@ use super::{BsdfProblem, MOST_CELLS, Warned};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// How the format is called.
+/// Name of the format.
 pub(super) const NAME: &str = "CSV";
 
-/// No table has more values: sorting them into pairs takes some hundred bytes for each.
+/// Largest number of values; sorting them into pairs of directions takes some hundred bytes each.
 const MOST_ROWS: usize = 10_000_000;
 
-/// What a column holds.
+/// Quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     Way,
-    /// An angle: of the row's four.
+    /// One of the four angles of a row.
     Angle(usize),
     Channel,
     Value,
 }
 
-/// The angles' names.
+/// Names of the angles.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_o", "phi_o"];
 
 impl Column {
@@ -45,7 +45,7 @@ impl Column {
     }
 }
 
-/// How the lines are to be parted.
+/// Layout of the rows.
 struct Layout {
     separator: Option<u8>,
     columns: Vec<Column>,
@@ -58,7 +58,7 @@ pub(super) fn is_table(file: &DataFile) -> bool {
 }
 
 impl Layout {
-    /// What the first line says, or `None` if it cannot be the first line of such a table.
+    /// Detects the layout from the first line; `None` if the line cannot begin such a table.
     fn of(text: Text<'_>, line: Range<usize>) -> Option<Self> {
         use Column::{Angle, Channel, Value};
         let bytes = &text.bytes[line.clone()];
@@ -83,7 +83,7 @@ impl Layout {
     }
 }
 
-/// The cells of a line, without blanks around them.
+/// Returns the cells of a line, without blanks around them.
 fn cells(text: Text<'_>, line: Range<usize>, separator: Option<u8>) -> impl Iterator<Item = Range<usize>> {
     let bytes = text.bytes;
     let blanks = move |range: Range<usize>| {
@@ -108,7 +108,7 @@ fn cells(text: Text<'_>, line: Range<usize>, separator: Option<u8>) -> impl Iter
 pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
     let text = Text::new(file);
     let mut lines = Lines::new(text);
-    let first = lines.expect("its first row")?;
+    let first = lines.expect("the first row of data")?;
     let layout = Layout::of(text, first.clone()).ok_or_else(|| text.whole(BsdfProblem::Unknown))?;
     let mut rows = Rows::default();
     if !layout.has_header {
@@ -118,7 +118,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         rows.take(text, &layout, line)?;
     }
     if rows.count == 0 {
-        return Err(text.ends("its first row"));
+        return Err(text.ends("the first row of data"));
     }
     let parts = rows.parts(text)?;
     let provenance = provenance(lines.comments);
@@ -141,7 +141,7 @@ fn provenance(comments: Vec<String>) -> Provenance {
     provenance
 }
 
-/// All rows, sorted by way.
+/// All rows, sorted by part.
 #[derive(Default)]
 pub(super) struct Rows {
     pub(super) count: usize,
@@ -150,12 +150,12 @@ pub(super) struct Rows {
     ways: [Pairs; 4],
 }
 
-/// The rows of one way.
+/// The rows of one part.
 #[derive(Default)]
 struct Pairs {
     pairs: Vec<[f64; 4]>,
     numbers: HashMap<[u64; 4], u32>,
-    /// Pair, channel, value and where the row begins.
+    /// Pair, channel, value and start of the row, bytes.
     entries: Vec<(u32, u32, f64, usize)>,
 }
 
@@ -167,7 +167,8 @@ impl Rows {
         let count = layout.columns.len();
         let found = cells(text, line.clone(), layout.separator).take(count + 1).count();
         if found != count {
-            let expected = "theta_i,phi_i,theta_o,phi_o[,wavelength],value, or the columns of the header";
+            let expected =
+                "the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value, or those of the header";
             return Err(text.error(line, Problem::Columns { count, expected, found }));
         }
         let mut angles = [0.0; 4];
@@ -178,7 +179,7 @@ impl Rows {
                 Column::Angle(k) => angles[k] = angle(text, cell, k, most)?,
                 Column::Way => way = Some(way_of(text, cell)?),
                 Column::Channel => channel = channel_of(text, cell)?,
-                // A cell without a value was not measured.
+                // An empty cell was not measured.
                 Column::Value if cell.is_empty() => {}
                 Column::Value => value = text.value(cell)?,
             }
@@ -187,7 +188,7 @@ impl Rows {
         self.add(text, line, way, angles, (channel, value))
     }
 
-    /// Takes a value that stands in a line.
+    /// Adds the value of a row.
     pub(super) fn add(
         &mut self,
         text: Text<'_>,
@@ -238,7 +239,7 @@ impl Rows {
     }
 }
 
-/// The channels that have names.
+/// The channels with a name.
 const NAMED: [Channel; 8] = [
     Channel::Monochrome,
     Channel::X,
@@ -254,23 +255,23 @@ fn angle(text: Text<'_>, cell: Range<usize>, k: usize, most: f64) -> Result<f64,
     let value = text.number(cell.clone())?;
     let (least, most) = if k.is_multiple_of(2) { (0.0, most) } else { (-360.0, 720.0) };
     if (least..=most).contains(&value) {
-        // A negative zero is a zero.
+        // Turns -0 into 0.
         return Ok(value + 0.0);
     }
     let expected = match (k % 2, most) {
-        (0, 90.0) => "degrees from the normal of its side, 0 to 90",
-        (0, _) => "degrees from the front's normal, 0 to 180",
-        _ => "degrees, -360 to 720",
+        (0, 90.0) => "an inclination from 0 to 90 deg, from the normal of its side",
+        (0, _) => "an inclination from 0 to 180 deg, from the normal of the front",
+        _ => "an azimuth from -360 to 720 deg",
     };
     Err(text.error(cell, Problem::OutOfRange { what: ANGLES[k], value, expected }))
 }
 
-/// The way that is called so.
+/// Returns the part with this name.
 pub(super) fn way_named(name: &str) -> Option<Way> {
     WAYS.into_iter().find(|way| way.name() == name)
 }
 
-/// The channel that is called so: a name, or a wavelength's number.
+/// Returns the channel with this name, or of this wavelength in nm.
 pub(super) fn channel_named(name: &str) -> Option<Channel> {
     let named = NAMED.iter().find(|named| named.to_string().eq_ignore_ascii_case(name));
     named.copied().or_else(|| super::wavelength(name.parse().ok()?))
@@ -292,13 +293,14 @@ fn channel_of(text: Text<'_>, cell: Range<usize>) -> Result<Channel, FormatError
     }
     let value = text.number(cell.clone())?;
     super::wavelength(value).ok_or_else(|| {
-        let expected = "a wavelength in nm";
+        let expected = "the name of a channel, or a wavelength in nm of 30 or more";
         let out_of_range = Problem::OutOfRange { what: "a wavelength", value, expected };
         text.error(cell, if value > 0.0 { Problem::Micrometres } else { out_of_range })
     })
 }
 
-/// The way of angles that are from the front's normal, made angles from their own sides' normals.
+/// Converts inclinations from the normal of the front to inclinations from the normals of their own sides, and returns the index of the
+/// part in [`WAYS`].
 pub(super) fn unfold(angles: &mut [f64; 4]) -> usize {
     let from_back = angles[0] > 90.0;
     let to_back = angles[2] > 90.0;
@@ -341,7 +343,9 @@ impl Pairs {
         let all = cells.checked_mul(present.len()).filter(|all| *all <= MOST_CELLS);
         let all = all.ok_or_else(|| text.whole(BsdfProblem::TooManyCells { limit: MOST_CELLS }))?;
         if all > 4 * self.entries.len() + 1000 {
-            return Err(text.whole(BsdfProblem::Missing { what: "value for most pairs and wavelengths" }));
+            return Err(text.whole(BsdfProblem::Missing {
+                what: "value for most combinations of directions and wavelengths",
+            }));
         }
         let (geometry, place) = self.geometry();
         let mut place_of_channel = vec![0; channels.len()];
@@ -351,9 +355,10 @@ impl Pairs {
         for &(pair, channel, value, at) in &self.entries {
             let cell = place_of_channel[channel as usize] * cells + place[pair as usize];
             if std::mem::replace(&mut taken[cell], true) {
-                return Err(
-                    text.error(at..text.bytes.len(), BsdfProblem::Twice { what: "this pair".to_owned() })
-                );
+                return Err(text.error(
+                    at..text.bytes.len(),
+                    BsdfProblem::Twice { what: "this pair of directions".to_owned() },
+                ));
             }
             values[cell] = value;
         }
@@ -361,7 +366,7 @@ impl Pairs {
         Ok(Part { way, channels, geometry, values, tis: Vec::new() })
     }
 
-    /// A grid if the pairs are one, and the cell of each pair.
+    /// Returns a grid if the pairs form one, otherwise the pairs, and the cell of each pair.
     fn geometry(&self) -> (Geometry, Vec<usize>) {
         let axes: [Vec<f64>; 4] = std::array::from_fn(|k| {
             let mut axis: Vec<f64> = self.pairs.iter().map(|pair| pair[k]).collect();

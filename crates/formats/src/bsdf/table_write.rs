@@ -1,4 +1,4 @@
-//! Writes a CSV: a row for each pair of directions and channel.
+//! Writer of CSV files: one row per pair of directions and channel.
 
 use std::collections::HashSet;
 use std::io::Write;
@@ -25,7 +25,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     writeln!(out, "way,theta_i,phi_i,theta_o,phi_o,{channel}value")?;
     for part in &measurement.parts {
         if !part.tis.is_empty() {
-            lost.push(format!("TIS of {} is left out", part.way.name()));
+            lost.push(format!("the TIS of the {} was not written", part.way.name()));
         }
         write_part(out, part, monochrome, &mut lost)?;
     }
@@ -43,7 +43,7 @@ fn write_part(
     }
     let rows = rows(&part.geometry);
     if !matches!(part.geometry, Geometry::Spherical(_) | Geometry::Pairs(_)) {
-        lost.push("the grid is left out: its cells are written as pairs of directions".to_owned());
+        lost.push("the grid was not written: its cells were written as pairs of directions".to_owned());
     }
     for (k, channel) in part.channels.iter().enumerate() {
         let values = part.channel(k);
@@ -63,14 +63,14 @@ fn write_part(
     Ok(())
 }
 
-/// The cells that lie in the hemisphere, each direction once, and mirrored ones where they are implied.
+/// Returns the cells in the hemisphere with their directions, each pair once, including the mirror images that a symmetry implies.
 fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     let mirrored = matches!(geometry, Geometry::Specular(grid) if grid.symmetry == Symmetry::Plane);
     let mut seen = HashSet::new();
     let mut rows = Vec::new();
     for cell in 0..geometry.cells() {
         let Some([i, o]) = geometry.directions(cell) else { continue };
-        // A turned sample has azimuths of more than one turn, which no reader expects.
+        // A rotated sample may have azimuths beyond 360 deg, which readers do not expect.
         let within_a_turn = |d: Direction| Direction { phi_deg: d.phi_deg % 360.0, ..d };
         let pair = [within_a_turn(i), within_a_turn(o)];
         let image = [pair[0], Direction { phi_deg: (2.0 * i.phi_deg - o.phi_deg) % 360.0, ..o }];
@@ -87,10 +87,10 @@ fn rows(geometry: &Geometry) -> Vec<(usize, [Direction; 2])> {
     rows
 }
 
-/// Directions that differ by rounding alone have one key. Along the normal, too, each turn of the sample is a measurement of
-/// its own: light is told apart by its azimuth.
+/// Returns a key that is equal for directions that differ only by rounding. The azimuth of the light counts also along the normal,
+/// because each rotation of the sample is a separate measurement.
 fn key([i, o]: &[Direction; 2]) -> [i64; 6] {
-    let turn = i.phi_deg.to_radians().sin_cos();
+    let azimuth = i.phi_deg.to_radians().sin_cos();
     let [x, y, z] = o.vector();
-    [i.theta_deg, turn.0, turn.1, x, y, z].map(|x| (x * 1e10).round() as i64)
+    [i.theta_deg, azimuth.0, azimuth.1, x, y, z].map(|x| (x * 1e10).round() as i64)
 }

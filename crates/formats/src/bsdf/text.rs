@@ -1,4 +1,4 @@
-//! Lines and numbers of a text file, fast, with their places.
+//! Fast reader of the lines and numbers of a text file, with their places.
 
 use std::ops::Range;
 
@@ -8,14 +8,14 @@ use super::{BsdfProblem, LARGEST_VALUE, LONGEST_LINE, VALUE_RANGE};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// The bytes of a text. Comments and names may be in any encoding; what is read is ASCII.
+/// The bytes of a text. Comments and names may have any encoding; keywords and numbers are ASCII.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a> {
     name: &'a str,
     pub(super) bytes: &'a [u8],
 }
 
-/// How much of a line is shown beyond the spot.
+/// Number of bytes of a line that a message shows after the place.
 const SHOWN_BEYOND: usize = 200;
 
 impl<'a> Text<'a> {
@@ -24,7 +24,7 @@ impl<'a> Text<'a> {
         Self { name: &file.name, bytes }
     }
 
-    /// An error about the bytes `range`.
+    /// Returns an error about the bytes `range`.
     pub(super) fn error(&self, range: Range<usize>, problem: impl Into<Problem>) -> FormatError {
         let start = range.start.min(self.bytes.len());
         let line_start = self.bytes[..start].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
@@ -42,25 +42,25 @@ impl<'a> Text<'a> {
         FormatError { place: Place { name: self.name.to_owned(), spot: Some(spot) }, problem: problem.into() }
     }
 
-    /// An error about the file as a whole.
+    /// Returns an error about the file as a whole.
     pub(super) fn whole(&self, problem: impl Into<Problem>) -> FormatError {
         FormatError { place: Place::whole(self.name), problem: problem.into() }
     }
 
-    /// An error about its end.
+    /// Returns an error about the end of the file.
     pub(super) fn ends(&self, what: &'static str) -> FormatError {
         let end = self.bytes.trim_ascii_end().len();
         self.error(end..end, BsdfProblem::Ends { what })
     }
 
-    /// A stretch of the text, as an error or a remark quotes it.
+    /// Returns a part of the text for a message or a remark, at most 200 bytes.
     pub(super) fn quote(&self, range: Range<usize>) -> String {
         const LONGEST: usize = 200;
         let text = String::from_utf8_lossy(&self.bytes[range.start..range.end.min(range.start + LONGEST)]);
         text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().trim().to_owned()
     }
 
-    /// The finite number that stands there.
+    /// Reads a finite number.
     pub(super) fn number(&self, range: Range<usize>) -> Result<f64, FormatError> {
         let parsed = std::str::from_utf8(&self.bytes[range.clone()]).ok().and_then(|text| text.parse().ok());
         match parsed {
@@ -71,7 +71,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The value of a BSDF that stands there: a number from 0 to [`LARGEST_VALUE`].
+    /// Reads a value of a BSDF: a number from 0 to [`LARGEST_VALUE`].
     pub(super) fn value(&self, range: Range<usize>) -> Result<f64, FormatError> {
         match self.number(range.clone())? {
             value if (0.0..=LARGEST_VALUE).contains(&value) => Ok(value),
@@ -82,12 +82,12 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The words of a line: what blanks, tabs and commas part.
+    /// Returns the words of a line, which are separated by blanks, tabs and commas.
     pub(super) fn words(&self, line: Range<usize>) -> Words<'a> {
         Words { bytes: self.bytes, at: line.start, end: line.end }
     }
 
-    /// Whether a word is this one, in any case.
+    /// Returns whether two words are equal, ignoring case.
     pub(super) fn is(&self, word: &Range<usize>, what: &str) -> bool {
         self.bytes[word.clone()].eq_ignore_ascii_case(what.as_bytes())
     }
@@ -97,7 +97,7 @@ fn count_lines(bytes: &[u8]) -> usize {
     bytes.iter().filter(|&&b| b == b'\n').count()
 }
 
-/// The words of a line, one after another.
+/// Iterator over the words of a line.
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -108,25 +108,25 @@ impl Iterator for Words<'_> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
-        let parts = |b: &u8| matches!(b, b' ' | b'\t' | b',' | b'\r' | b'\n' | 0x0B | 0x0C);
+        let separates = |b: &u8| matches!(b, b' ' | b'\t' | b',' | b'\r' | b'\n' | 0x0B | 0x0C);
         let line = &self.bytes[self.at..self.end];
-        let start = self.at + line.iter().position(|b| !parts(b))?;
+        let start = self.at + line.iter().position(|b| !separates(b))?;
         let rest = &self.bytes[start..self.end];
-        let end = start + rest.iter().position(parts).unwrap_or(rest.len());
+        let end = start + rest.iter().position(separates).unwrap_or(rest.len());
         self.at = end;
         Some(start..end)
     }
 }
 
-/// Lines of a text; blank ones and comments are left out.
+/// Iterator over the lines of a text, except blank lines and comments.
 pub(super) struct Lines<'a> {
     pub(super) text: Text<'a>,
     at: usize,
-    /// The comments so far, without their `#`.
+    /// Comments read so far, without their `#`.
     pub(super) comments: Vec<String>,
 }
 
-/// No more comments than this are kept.
+/// Largest number of comments that are stored.
 const MOST_COMMENTS: usize = 200;
 
 impl<'a> Lines<'a> {
@@ -134,21 +134,21 @@ impl<'a> Lines<'a> {
         Self { text, at: 0, comments: Vec::new() }
     }
 
-    /// The next line that says something, or `None` at the end.
+    /// Returns the next line with content, or `None` at the end.
     pub(super) fn next(&mut self) -> Result<Option<Range<usize>>, FormatError> {
         while self.at < self.text.bytes.len() {
             let line = self.line()?;
-            let said = self.text.bytes[line.clone()].trim_ascii_start();
-            match said.first() {
+            let content = self.text.bytes[line.clone()].trim_ascii_start();
+            match content.first() {
                 None => {}
-                Some(b'#') => self.comment(line.end - said.len() + 1..line.end),
-                Some(_) => return Ok(Some(line.end - said.len()..line.end)),
+                Some(b'#') => self.comment(line.end - content.len() + 1..line.end),
+                Some(_) => return Ok(Some(line.end - content.len()..line.end)),
             }
         }
         Ok(None)
     }
 
-    /// The next line that says something; it must be there.
+    /// Returns the next line with content. At the end, fails with "the file ends before `what`".
     pub(super) fn expect(&mut self, what: &'static str) -> Result<Range<usize>, FormatError> {
         self.next()?.ok_or_else(|| self.text.ends(what))
     }

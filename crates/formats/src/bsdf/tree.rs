@@ -1,4 +1,4 @@
-//! Reads the nested braces of a tensor tree, and joins trees of several spectra into one.
+//! Reader of tensor trees, which are nested braces; it also joins the trees of several spectra.
 
 use std::ops::Range;
 
@@ -9,10 +9,10 @@ use super::text::Text;
 use super::xml::Node;
 use crate::error::FormatError;
 
-/// No tree may be deeper: a cell would be far smaller than any instrument's aperture.
+/// Largest depth of a tree; deeper cells would be far smaller than the aperture of any instrument.
 const DEEPEST: usize = 16;
 
-/// A tree of one spectrum.
+/// Tree of one spectrum.
 pub(super) struct Values {
     rank: usize,
     nodes: Vec<TreeNode>,
@@ -25,10 +25,10 @@ impl Values {
     }
 }
 
-/// Reads a block; no more than `limit` cells.
+/// Reads a block of at most `limit` cells.
 pub(super) fn read(text: Text<'_>, node: Node<'_>, rank: usize, limit: usize) -> Result<Values, FormatError> {
     let end = node.place();
-    let words = node.stretches().iter().flat_map(|range| text.words(range.clone()));
+    let words = node.text_ranges().iter().flat_map(|range| text.words(range.clone()));
     let tokens = Tokens { bytes: text.bytes, rest: 0..0, words };
     let tree = Values { rank, nodes: vec![TreeNode::Grid { log2: 0, cell: 0 }], values: Vec::new() };
     let mut reader = Reader { text, tokens: tokens.peekable(), end, limit, tree };
@@ -40,7 +40,7 @@ pub(super) fn read(text: Text<'_>, node: Node<'_>, rank: usize, limit: usize) ->
     }
 }
 
-/// Braces and numbers: words, parted at braces.
+/// Iterator over braces and numbers: words, split at braces.
 struct Tokens<'a, W> {
     bytes: &'a [u8],
     rest: Range<usize>,
@@ -65,7 +65,7 @@ impl<W: Iterator<Item = Range<usize>>> Iterator for Tokens<'_, W> {
 struct Reader<'a, T: Iterator<Item = Range<usize>>> {
     text: Text<'a>,
     tokens: std::iter::Peekable<T>,
-    /// The last token that was read.
+    /// Last token read.
     end: Range<usize>,
     limit: usize,
     tree: Values,
@@ -78,7 +78,7 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
                 self.end = token.clone();
                 Ok(token)
             }
-            None => Err(self.unexpected(self.end.clone(), "more behind: braces are not closed")),
+            None => Err(self.unexpected(self.end.clone(), "a closing brace `}` or more values after it")),
         }
     }
 
@@ -93,7 +93,7 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
         }
     }
 
-    /// Reads a node behind its opening brace, to its closing one.
+    /// Reads a node from after its opening brace through its closing one.
     fn node(&mut self, at: usize, depth: usize) -> Result<(), FormatError> {
         if depth > DEEPEST {
             return Err(self.text.error(self.end.clone(), BsdfProblem::TooDeep { limit: DEEPEST }));
@@ -115,11 +115,11 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
         }
         match self.next()? {
             token if self.text.is(&token, "}") => Ok(()),
-            token => Err(self.unexpected(token, "`}`: a branch has 2^rank children")),
+            token => Err(self.unexpected(token, "`}`, because a branch has 2^rank children")),
         }
     }
 
-    /// Reads a grid's values and closing brace.
+    /// Reads the values and the closing brace of a grid.
     fn grid(&mut self) -> Result<u8, FormatError> {
         let before = self.tree.values.len();
         loop {
@@ -135,23 +135,23 @@ impl<T: Iterator<Item = Range<usize>>> Reader<'_, T> {
         let found = self.tree.values.len() - before;
         let log2 = (0..=12).find(|log2| found == 1 << (self.tree.rank * log2));
         log2.map(|log2| log2 as u8).ok_or_else(|| {
-            let expected = "1, 2^rank, 4^rank ... values in a grid";
+            let expected = "a grid of 1, 2^rank, 4^rank, ... values";
             let found = format!("a grid of {found} values");
             self.text.error(self.end.clone(), BsdfProblem::Unexpected { found, expected })
         })
     }
 }
 
-/// A piece of one of several trees: a node, or a block of a grid.
+/// A part of one of several trees: a node, or a block of a grid.
 #[derive(Clone, Copy)]
 struct Piece {
     node: usize,
-    /// Of a grid: its first corner in cells, and its cells a side, as a power of two.
+    /// For a grid: its first corner in cells, and the base-2 logarithm of its cells per side.
     corner: [usize; 4],
     log2: u8,
 }
 
-/// Trees over the same directions as one tree that is as fine as each of them, with `[tree][cell]` values; `None`
+/// Joins trees over the same directions into one tree that is as fine as each of them, with values `[tree][cell]`. Returns `None`
 /// for more than `limit` values.
 pub(super) fn join(trees: &[Values], limit: usize) -> Option<(TensorTree, Vec<f64>)> {
     let rank = trees.first()?.rank;
@@ -175,7 +175,7 @@ impl Values {
         Piece { node, corner: [0; 4], log2 }
     }
 
-    /// A child of a piece: of a grid, the block of that half of each side.
+    /// Returns a child of a piece: for a grid, the block of the corresponding half of each side.
     fn child(&self, piece: Piece, child: usize) -> Piece {
         match self.nodes[piece.node] {
             TreeNode::Branch { children, .. } => self.piece(children as usize + child),
@@ -188,7 +188,7 @@ impl Values {
         }
     }
 
-    /// The value of a grid's piece at a cell of a grid of `log2` over it.
+    /// Returns the value of a grid's piece at a cell of a finer grid with 2^`log2` cells per side.
     fn value(&self, piece: Piece, log2: u8, cell: [usize; 4]) -> f64 {
         let TreeNode::Grid { log2: whole, cell: first } = self.nodes[piece.node] else { return f64::NAN };
         let finer = log2 - piece.log2;

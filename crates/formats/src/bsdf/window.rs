@@ -1,6 +1,6 @@
-//! Reads the XML of WINDOW and Radiance: matrices of Klems patches, and tensor trees.
+//! Reader of the XML files of WINDOW and Radiance: matrices of Klems patches, and tensor trees.
 //!
-//! Blocks of values for a spectrum and a way; the values of a block are a matrix over two angle bases,
+//! Each block of values belongs to a spectrum and a part. Its values are a matrix over two angle bases,
 //! or nested braces.
 
 use std::ops::Range;
@@ -16,25 +16,25 @@ use super::{BsdfProblem, MOST_CELLS, Warned, tree};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// How the formats are called.
+/// Names of the formats.
 pub(super) const KLEMS: &str = "Klems matrix XML";
 const TREE: &str = "tensor-tree XML";
 
-/// No basis may have more patches: a matrix of it would pass all limits.
+/// Largest number of patches of a basis; a matrix of more would exceed all limits.
 const MOST_PATCHES: usize = 5000;
 
-/// Nor may there be more blocks, or bases of the file's own.
+/// Largest numbers of blocks, and of bases that the file defines.
 const MOST_BLOCKS: usize = 4096;
 const MOST_BASES: usize = 64;
 
-/// The bases that have names.
+/// The bases with a standard name.
 pub(super) const BASES: [(&str, &[Ring]); 3] = [
     ("LBNL/Klems Full", &KLEMS_FULL),
     ("LBNL/Klems Half", &KLEMS_HALF),
     ("LBNL/Klems Quarter", &KLEMS_QUARTER),
 ];
 
-/// What the blocks' directions are called.
+/// Names of the directions of blocks.
 pub(super) const WAYS: [(&str, Way); 4] = [
     ("Transmission Front", Way::FrontTransmission),
     ("Transmission Back", Way::BackTransmission),
@@ -42,24 +42,24 @@ pub(super) const WAYS: [(&str, Way); 4] = [
     ("Reflection Back", Way::BackReflection),
 ];
 
-/// Whether a file is XML that holds scattering data.
+/// Returns whether a file is XML with scattering data.
 pub(super) fn is_window(file: &DataFile) -> bool {
     let text = Text::new(file);
     is_xml(text) && text.bytes.windows(13).take(1 << 20).any(|window| window == b"WindowElement")
 }
 
-/// How a block's values are laid out.
+/// Order of the values of a block.
 #[derive(Clone, Copy, PartialEq)]
 enum Structure {
     /// `value[outgoing][incident]`.
     Columns,
     /// `value[incident][outgoing]`.
     Rows,
-    /// Braces of this rank.
+    /// Nested braces of this rank.
     Tree(usize),
 }
 
-/// A block as it was read.
+/// A block of values.
 struct Block {
     way: Way,
     channel: Channel,
@@ -94,18 +94,18 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
 }
 
 fn provenance(layer: Node<'_>, format: &str) -> Provenance {
-    let say = |name| layer.first("Material").and_then(|material| material.first(name)).map(Node::say);
+    let text_of = |name| layer.first("Material").and_then(|material| material.first(name)).map(Node::text);
     Provenance {
         format: format.to_owned(),
-        sample: say("Name").unwrap_or_default(),
-        source: say("Manufacturer").unwrap_or_default(),
+        sample: text_of("Name").unwrap_or_default(),
+        source: text_of("Manufacturer").unwrap_or_default(),
         remarks: Vec::new(),
     }
 }
 
 fn structure(text: Text<'_>, layer: Node<'_>) -> Result<Structure, FormatError> {
     let node = layer.expect("IncidentDataStructure")?;
-    Ok(match node.say().as_str() {
+    Ok(match node.text().as_str() {
         "Columns" => Structure::Columns,
         "Rows" => Structure::Rows,
         "TensorTree3" => Structure::Tree(3),
@@ -118,9 +118,9 @@ fn structure(text: Text<'_>, layer: Node<'_>) -> Result<Structure, FormatError> 
     })
 }
 
-/// A basis that the file defines.
+/// Reads a basis that the file defines.
 fn basis(text: Text<'_>, node: Node<'_>) -> Result<(String, Vec<Ring>), FormatError> {
-    let name = node.expect("AngleBasisName")?.say();
+    let name = node.expect("AngleBasisName")?.text();
     let (mut rings, mut end, mut count): (Vec<Ring>, f64, usize) = (Vec::new(), 0.0, 0);
     for block in node.all("AngleBasisBlock") {
         let [lower, upper] = [block.expect("LowerTheta")?, block.expect("UpperTheta")?];
@@ -133,7 +133,7 @@ fn basis(text: Text<'_>, node: Node<'_>) -> Result<(String, Vec<Ring>), FormatEr
         let at = block.expect("nPhis")?.word();
         let patches = text.number(at.clone())?;
         if !(patches >= 1.0 && patches <= MOST_PATCHES as f64 && patches.fract() == 0.0) {
-            let expected = "a whole number, 1 or more";
+            let expected = "an integer from 1 to 5000";
             return Err(text.error(at, Problem::OutOfRange { what: "nPhis", value: patches, expected }));
         }
         rings.push(Ring { from_deg: end, patches: patches as usize });
@@ -162,26 +162,27 @@ struct Reading<'a> {
 impl Reading<'_> {
     fn spectrum(&mut self, data: Node<'_>) -> Result<(), FormatError> {
         let wavelength = data.expect("Wavelength")?;
-        let Some(channel) = channel_of(&wavelength.say()) else {
-            self.warn(format!("values of the spectrum `{}` are left out: it is not known", wavelength.say()));
+        let Some(channel) = channel_of(&wavelength.text()) else {
+            self.warn(format!("the values of the unknown spectrum `{}` were ignored", wavelength.text()));
             return Ok(());
         };
         for block in data.all("WavelengthDataBlock") {
             let direction = block.expect("WavelengthDataDirection")?;
-            let said = direction.say();
-            let Some((_, way)) = WAYS.iter().find(|(name, _)| name.eq_ignore_ascii_case(&said)) else {
-                let expected = "`Transmission Front`, `Reflection Back` and so on";
-                let problem = BsdfProblem::Unexpected { found: said, expected };
+            let name = direction.text();
+            let Some((_, way)) = WAYS.iter().find(|(known, _)| known.eq_ignore_ascii_case(&name)) else {
+                let expected =
+                    "`Transmission Front`, `Transmission Back`, `Reflection Front` or `Reflection Back`";
+                let problem = BsdfProblem::Unexpected { found: name, expected };
                 return Err(self.text.error(direction.word(), problem));
             };
             if self.blocks.iter().any(|other| other.way == *way && other.channel == channel) {
-                let problem = BsdfProblem::Twice { what: format!("{said}, {}", wavelength.say()) };
+                let problem = BsdfProblem::Twice { what: format!("the block {name}, {}", wavelength.text()) };
                 return Err(self.text.error(direction.word(), problem));
             }
-            let kind = block.first("ScatteringDataType").map(Node::say).unwrap_or_default();
+            let kind = block.first("ScatteringDataType").map(Node::text).unwrap_or_default();
             if kind.eq_ignore_ascii_case("BTDF") && !way.is_transmission() {
                 self.warn(
-                    "blocks of reflection are called BTDF, as WINDOW does: they are taken for reflection"
+                    "blocks of reflection have the type BTDF, as WINDOW writes it: they were read as reflection"
                         .into(),
                 );
             }
@@ -204,8 +205,8 @@ impl Reading<'_> {
         let values = block.expect("ScatteringData")?;
         if let Structure::Tree(rank) = self.structure {
             let basis = block.expect("AngleBasis")?;
-            if !basis.say().eq_ignore_ascii_case("LBNL/Shirley-Chiu") {
-                let problem = BsdfProblem::Unexpected { found: basis.say(), expected: "LBNL/Shirley-Chiu" };
+            if !basis.text().eq_ignore_ascii_case("LBNL/Shirley-Chiu") {
+                let problem = BsdfProblem::Unexpected { found: basis.text(), expected: "LBNL/Shirley-Chiu" };
                 return Err(self.text.error(basis.word(), problem));
             }
             let read = tree::read(self.text, values, rank, MOST_CELLS - self.cells)?;
@@ -219,18 +220,18 @@ impl Reading<'_> {
     }
 
     fn basis(&self, node: Node<'_>) -> Result<Vec<Ring>, FormatError> {
-        let name = node.say();
+        let name = node.text();
         let known = BASES.iter().map(|(name, rings)| (*name, *rings));
         let own = self.bases.iter().map(|(name, rings)| (name.as_str(), rings.as_slice()));
-        // The file's own definition goes before what the name usually means.
+        // A definition in the file takes precedence over the standard meaning of the name.
         let found = own.chain(known).find(|(other, _)| other.eq_ignore_ascii_case(&name));
         found.map(|(_, rings)| rings.to_vec()).ok_or_else(|| {
-            let expected = "a Klems basis, or the name of an AngleBasis of this file";
+            let expected = "`LBNL/Klems Full`, `LBNL/Klems Half`, `LBNL/Klems Quarter` or the name of an AngleBasis of this file";
             self.text.error(node.word(), BsdfProblem::Unexpected { found: name, expected })
         })
     }
 
-    /// The values of a matrix as `[in][out]`.
+    /// Reads the values of a matrix as `[in][out]`.
     fn matrix(&mut self, node: Node<'_>, incoming: usize, outgoing: usize) -> Result<Vec<f64>, FormatError> {
         let count = incoming * outgoing;
         self.cells += count;
@@ -239,10 +240,10 @@ impl Reading<'_> {
         }
         let mut read = Vec::new();
         let mut last = node.place();
-        for word in node.stretches().iter().flat_map(|range| self.text.words(range.clone())) {
+        for word in node.text_ranges().iter().flat_map(|range| self.text.words(range.clone())) {
             last = word.clone();
             if read.len() == count {
-                let problem = BsdfProblem::Count { what: "values or more", found: count + 1, count };
+                let problem = BsdfProblem::Count { what: "values up to here", found: count + 1, count };
                 return Err(self.text.error(word, problem));
             }
             read.push(self.text.value(word)?);
@@ -258,7 +259,7 @@ impl Reading<'_> {
         Ok((0..count).map(|k| read[k % outgoing * incoming + k / outgoing]).collect())
     }
 
-    /// Blocks of a way become channels of a part.
+    /// Combines the blocks of each part as its channels.
     fn parts(&mut self) -> Result<Vec<Part>, FormatError> {
         let mut parts = Vec::new();
         for way in [Way::FrontReflection, Way::FrontTransmission, Way::BackTransmission, Way::BackReflection]
@@ -272,7 +273,7 @@ impl Reading<'_> {
             of_way.sort_by_key(|block| CHANNELS.iter().position(|(_, channel)| *channel == block.channel));
             let has = |channel| of_way.iter().any(|block| block.channel == channel);
             let tristimulus = has(Channel::X) || has(Channel::Z);
-            // The visible spectrum is Y where X and Z stand beside it.
+            // With X or Z, the visible spectrum is Y.
             let name =
                 |channel| if tristimulus && channel == Channel::Monochrome { Channel::Y } else { channel };
             let channels = of_way.iter().map(|block| name(block.channel)).collect();
@@ -289,7 +290,7 @@ impl Reading<'_> {
                 Data::Tree(values) => trees.push(values),
                 Data::Matrix { bases, values } => {
                     if *shared.get_or_insert_with(|| bases.clone()) != bases {
-                        let expected = "the bases of the other spectra of this direction";
+                        let expected = "the same bases as the other spectra of this direction";
                         let problem = BsdfProblem::Unexpected { found: "this basis".to_owned(), expected };
                         return Err(self.text.error(block.place, problem));
                     }
@@ -306,7 +307,7 @@ impl Reading<'_> {
     }
 }
 
-/// What the spectra are called; in the order of the channels of a part.
+/// Names of the spectra, in the order of the channels of a part.
 pub(super) const CHANNELS: [(&str, Channel); 4] = [
     ("CIE-X", Channel::X),
     ("Visible", Channel::Monochrome),
@@ -318,7 +319,7 @@ fn channel_of(name: &str) -> Option<Channel> {
     if let Some((_, channel)) = CHANNELS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
         return Some(*channel);
     }
-    // One wavelength: in nm, or in um.
+    // A single wavelength, in nm or in um.
     let number: f64 = name.parse().ok()?;
     super::wavelength(number).or_else(|| super::wavelength(1000.0 * number))
 }

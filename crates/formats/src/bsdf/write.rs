@@ -1,4 +1,4 @@
-//! What a measurement is written as.
+//! Output formats of measured scattering.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -7,36 +7,36 @@ use papilio_goniometry::{Measurement, Part};
 
 use super::{LARGEST_VALUE, klems_write, papilio_write, radiant_write, table_write};
 
-/// The formats that are written.
+/// The output formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BsdfFormat {
-    /// Tabular BSDF of Radiant Imaging and Zemax: one way, monochrome or XYZ.
+    /// Tabular BSDF of Radiant Imaging and Zemax: a single part, monochrome or XYZ.
     Radiant,
-    /// A row for each pair of directions and channel.
+    /// CSV with one row per pair of directions and channel.
     Csv,
     /// Klems matrices as the XML of WINDOW and Radiance; grids are averaged over the patches.
     Klems,
-    /// Papilio's own: everything.
+    /// Papilio's own format, without any loss.
     Papilio,
 }
 
 /// Why a measurement cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The system's words.
+    /// An error of the operating system.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// A number that no reader takes.
-    #[error("{what} of the {way} is {value:e}, and no file may hold that (expected {})", LIMITS)]
+    /// A number that the readers refuse.
+    #[error("{what} of the {way} is {value:e}, which cannot be written (expected {})", LIMITS)]
     Number {
-        /// A value or a TIS, and where.
+        /// The value or TIS, with its place.
         what: String,
-        /// Of which way of light.
+        /// Name of the part.
         way: &'static str,
-        /// What it is.
+        /// The number.
         value: f64,
     },
-    /// The format cannot hold it.
+    /// The format cannot represent the measurement.
     #[error("{format} cannot hold {what}")]
     CannotHold {
         /// The format.
@@ -46,11 +46,11 @@ pub enum WriteError {
     },
 }
 
-/// What the readers take.
+/// Numbers that the readers accept.
 const LIMITS: &str =
-    "0 to 1e15: is a calibration reference all but dark there, or a value of the file wrong?";
+    "0 to 1e15; check whether a calibration reference is nearly dark there, or a value of the file is wrong";
 
-/// Fails on numbers of a part that its reader would refuse.
+/// Fails if the readers would refuse a number of a part.
 pub(super) fn check(part: &Part) -> Result<(), WriteError> {
     let fits = |value: &f64| (0.0..=LARGEST_VALUE).contains(value);
     if let Some(at) = part.values.iter().position(|value| !fits(value) && !value.is_nan()) {
@@ -68,10 +68,10 @@ pub(super) fn check(part: &Part) -> Result<(), WriteError> {
     }
 }
 
-/// Writes a measurement; what comes back are whole sentences on what the format could not keep.
+/// Writes a measurement, and returns complete sentences on the information that the format cannot represent.
 ///
 /// # Errors
-/// Those of `out`; a measurement that the format cannot hold at all, or with numbers that its reader would refuse.
+/// Those of `out`; if the format cannot represent the measurement at all, or the readers would refuse a number.
 pub fn write_measurement(
     mut out: impl Write,
     format: BsdfFormat,
@@ -89,7 +89,7 @@ pub fn write_measurement(
     Ok(lost)
 }
 
-/// A number as short as it reads back bit for bit.
+/// A number, printed with the fewest digits from which the same bits are read.
 pub(super) struct Number(pub(super) f64);
 
 impl fmt::Display for Number {
@@ -101,15 +101,15 @@ impl fmt::Display for Number {
     }
 }
 
-/// A text that stays on its line.
+/// Returns a text without line breaks and other control characters.
 pub(super) fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().trim().to_owned()
 }
 
-/// What becomes of the media where a format has no place for them.
+/// Reports the media in `lost` if they are not air, for a format that cannot represent them.
 pub(super) fn lost_media(measurement: &Measurement, lost: &mut Vec<String>) {
     let [front, back] = measurement.media;
     if measurement.media != [1.0, 1.0] {
-        lost.push(format!("the media on both sides (n = {front} and {back}) are left out"));
+        lost.push(format!("the media on both sides (n = {front} and {back}) were not written"));
     }
 }

@@ -1,5 +1,5 @@
-//! As much of XML as BSDF files need: elements and their text. Attributes and comments are skipped; document
-//! types and entities are not read.
+//! Reader of the subset of XML that BSDF files use: elements and their text. Attributes and comments are skipped; document
+//! types and CDATA are refused, and entities are not replaced.
 
 use std::ops::Range;
 
@@ -7,11 +7,11 @@ use super::BsdfProblem;
 use super::text::Text;
 use crate::error::FormatError;
 
-/// No more elements than this are read, nor deeper ones.
+/// Largest number and depth of elements.
 const MOST_ELEMENTS: usize = 200_000;
 const DEEPEST: usize = 32;
 
-/// A document: its elements in the order of their beginnings, the outermost first.
+/// A document: its elements in the order of their start tags, the root first.
 pub(super) struct Document<'a> {
     pub(super) text: Text<'a>,
     elements: Vec<Element>,
@@ -20,7 +20,7 @@ pub(super) struct Document<'a> {
 struct Element {
     name: Range<usize>,
     parent: usize,
-    /// The stretches of text directly within.
+    /// Places of the text directly within the element.
     text: Vec<Range<usize>>,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Node<'a> {
     number: usize,
 }
 
-/// Whether a file begins as XML does.
+/// Returns whether a file begins as XML.
 pub(super) fn is_xml(text: Text<'_>) -> bool {
     let bytes = text.bytes.trim_ascii_start();
     bytes.first() == Some(&b'<') && bytes.get(1).is_some_and(|b| b.is_ascii_alphabetic() || b"?!".contains(b))
@@ -51,12 +51,12 @@ impl<'a> Document<'a> {
             at = if tag < text.bytes.len() { document.tag(&mut open, tag)? } else { tag };
         }
         if !open.is_empty() || document.elements.is_empty() {
-            return Err(text.ends("its elements are closed"));
+            return Err(text.ends("all elements are closed"));
         }
         Ok(document)
     }
 
-    /// Outside of elements there may be blanks only.
+    /// Fails unless a range, outside of all elements, is blank.
     fn blank(&self, range: Range<usize>) -> Result<(), FormatError> {
         let stray = self.text.bytes[range.clone()].trim_ascii_start();
         if stray.is_empty() {
@@ -65,20 +65,20 @@ impl<'a> Document<'a> {
         Err(self.damaged(range.end - stray.len(), "text outside of all elements"))
     }
 
-    /// Reads what begins with `<`, and says where it ends.
+    /// Reads a tag or comment that begins at `at`, and returns its end.
     fn tag(&mut self, open: &mut Vec<usize>, at: usize) -> Result<usize, FormatError> {
         let bytes = self.text.bytes;
         let rest = &bytes[at..];
         for (begins, ends) in [("<!--", "-->"), ("<?", "?>")] {
             if rest.starts_with(begins.as_bytes()) {
                 let end = find(bytes, at + begins.len(), ends.as_bytes());
-                return end.map(|end| end + ends.len()).ok_or_else(|| self.text.ends("a comment's end"));
+                return end.map(|end| end + ends.len()).ok_or_else(|| self.text.ends("the end of a comment"));
             }
         }
         if rest.starts_with(b"<!") {
-            return Err(self.damaged(at, "document types and CDATA are not read"));
+            return Err(self.damaged(at, "document types and CDATA are not supported"));
         }
-        let end = tag_end(bytes, at).ok_or_else(|| self.text.ends("a tag's end"))?;
+        let end = tag_end(bytes, at).ok_or_else(|| self.text.ends("the end of a tag"))?;
         let (closes, name_at) = if rest.starts_with(b"</") { (true, at + 2) } else { (false, at + 1) };
         let is_part = |b: &u8| b.is_ascii_alphanumeric() || b"_-.:".contains(b);
         let length = bytes[name_at..end].iter().take_while(|b| is_part(b)).count();
@@ -89,12 +89,12 @@ impl<'a> Document<'a> {
         if closes {
             let opened = open.pop().map(|number| &bytes[self.elements[number].name.clone()]);
             if opened != Some(&bytes[name]) {
-                return Err(self.damaged(at, "this tag closes another element than the one that is open"));
+                return Err(self.damaged(at, "this end tag does not match the open element"));
             }
             return Ok(end + 1);
         }
         if open.is_empty() && !self.elements.is_empty() {
-            return Err(self.damaged(at, "there is more than one outermost element"));
+            return Err(self.damaged(at, "there is more than one root element"));
         }
         self.open(open, name, bytes[end - 1] == b'/')?;
         Ok(end + 1)
@@ -120,7 +120,7 @@ impl<'a> Document<'a> {
         self.text.error(at..at + 1, problem)
     }
 
-    /// The outermost element.
+    /// Returns the root element.
     pub(super) fn root(&'a self) -> Node<'a> {
         Node { document: self, number: 0 }
     }
@@ -138,7 +138,7 @@ fn find(bytes: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     }
 }
 
-/// Where the `>` of a tag stands, outside of quotes.
+/// Returns the place of the `>` of a tag, outside of quotes.
 fn tag_end(bytes: &[u8], at: usize) -> Option<usize> {
     let mut quote = None;
     let end = bytes[at..].iter().position(|&b| match quote {
@@ -165,12 +165,12 @@ impl<'a> Node<'a> {
         self.document.text.bytes[self.element().name.clone()] == *name.as_bytes()
     }
 
-    /// Where its name stands.
+    /// Returns the place of the element's name.
     pub(super) fn place(self) -> Range<usize> {
         self.element().name.clone()
     }
 
-    /// The elements anywhere within it that have this name.
+    /// Returns all descendants with this name.
     pub(super) fn all(self, name: &'static str) -> impl Iterator<Item = Node<'a>> {
         let (document, own) = (self.document, self.number);
         let within = move |mut number: usize| {
@@ -185,33 +185,33 @@ impl<'a> Node<'a> {
             .filter(move |node| node.is(name))
     }
 
-    /// The first of them.
+    /// Returns the first descendant with this name.
     pub(super) fn first(self, name: &'static str) -> Option<Node<'a>> {
         self.all(name).next()
     }
 
-    /// The first of them; it must be there.
+    /// Returns the first descendant with this name; fails if there is none.
     pub(super) fn expect(self, name: &'static str) -> Result<Node<'a>, FormatError> {
         self.first(name)
             .ok_or_else(|| self.document.text.error(self.place(), BsdfProblem::Missing { what: name }))
     }
 
-    /// Where its text stands.
-    pub(super) fn stretches(self) -> &'a [Range<usize>] {
+    /// Returns the places of the element's text.
+    pub(super) fn text_ranges(self) -> &'a [Range<usize>] {
         &self.element().text
     }
 
-    /// Where its text stands, of one that says a word or a number: without blanks.
+    /// Returns the place of the element's text without blanks, for an element that holds a word or a number.
     pub(super) fn word(self) -> Range<usize> {
         let bytes = self.document.text.bytes;
-        let said = self.stretches().iter().find(|range| !bytes[(*range).clone()].trim_ascii().is_empty());
-        let Some(range) = said.cloned() else { return self.place().end..self.place().end };
+        let filled = self.text_ranges().iter().find(|range| !bytes[(*range).clone()].trim_ascii().is_empty());
+        let Some(range) = filled.cloned() else { return self.place().end..self.place().end };
         let start = range.end - bytes[range.clone()].trim_ascii_start().len();
         start..start + bytes[range].trim_ascii().len()
     }
 
-    /// Its text, in part if it is long.
-    pub(super) fn say(self) -> String {
+    /// Returns the element's text, at most 200 bytes.
+    pub(super) fn text(self) -> String {
         self.document.text.quote(self.word())
     }
 }

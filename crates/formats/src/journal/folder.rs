@@ -1,4 +1,4 @@
-//! Journals in a folder: what is done already.
+//! The journals in a folder.
 
 use std::fs;
 use std::io;
@@ -11,19 +11,19 @@ use super::{Journal, LARGEST_JOURNAL, Lines, read_journal};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// The name of a journal: that of the whole, or of part K of N.
-pub fn journal_name(stem: &str, part: Option<(usize, usize)>) -> String {
-    part.map_or(format!("{stem}.jsonl"), |(k, n)| format!("{stem}.{k}-of-{n}.jsonl"))
+/// Returns the file name of a journal: of the whole computation, or of shard K of N.
+pub fn journal_name(stem: &str, shard: Option<(usize, usize)>) -> String {
+    shard.map_or(format!("{stem}.jsonl"), |(k, n)| format!("{stem}.{k}-of-{n}.jsonl"))
 }
 
-/// Journals, and where they are.
+/// Journals with their paths.
 pub type Journals<H, L> = Vec<(PathBuf, Journal<H, L>)>;
 
-/// All journals of this stem in a folder, in the order of their names, and where they are; without lines where the
-/// head is not `wanted`.
+/// Reads all journals with a given stem in a folder, in the order of their names. The lines of a journal whose head is not `wanted`
+/// are not read.
 ///
 /// # Errors
-/// If the folder or one of them cannot be read, or is none.
+/// If the folder or a journal cannot be read, or a file is not a journal.
 pub fn read_journals<H: DeserializeOwned, L: DeserializeOwned>(
     folder: &Path,
     stem: &str,
@@ -33,7 +33,7 @@ pub fn read_journals<H: DeserializeOwned, L: DeserializeOwned>(
     paths.map(|path| open_journal(&path, &wanted).map(|journal| (path, journal))).collect()
 }
 
-/// Where the journals of this stem are in a folder, in the order of their names.
+/// Returns the paths of the journals with a given stem in a folder, in the order of their names.
 ///
 /// # Errors
 /// If the folder cannot be read.
@@ -54,10 +54,10 @@ pub fn journal_paths(folder: &Path, stem: &str) -> Result<Vec<PathBuf>, FormatEr
     Ok(paths)
 }
 
-/// A journal of this path; without lines where the head is not `wanted`.
+/// Reads the journal at a path. Its lines are not read if its head is not `wanted`.
 ///
 /// # Errors
-/// As [`read_journal`], and if there is none.
+/// As [`read_journal`], and if there is no such file.
 pub fn open_journal<H: DeserializeOwned, L: DeserializeOwned>(
     path: &Path,
     wanted: impl Fn(&H) -> bool,
@@ -66,29 +66,30 @@ pub fn open_journal<H: DeserializeOwned, L: DeserializeOwned>(
         .and_then(|file| read_journal(&file, wanted))
 }
 
-/// Takes away what a program that was killed had begun to write in the place of its journal, table and figures (names
-/// that begin with one of these): the lock says that it does so no more.
+/// Deletes the temporary files that a killed program has left in place of its journal, table and figures: those whose names begin
+/// with one of `beginnings`. The caller holds the lock of the journal, so that no program is still writing them.
 pub fn tidy_journals(folder: &Path, beginnings: &[&str]) {
-    let begun = |file: &str| {
-        let of = file.strip_prefix('.').filter(|_| file.ends_with(".tmp"));
-        of.is_some_and(|of| beginnings.iter().any(|beginning| of.starts_with(beginning)))
+    let is_temporary = |file: &str| {
+        let name = file.strip_prefix('.').filter(|_| file.ends_with(".tmp"));
+        name.is_some_and(|name| beginnings.iter().any(|beginning| name.starts_with(beginning)))
     };
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(begun)) {
-        // What cannot be taken away does no harm.
+    for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(is_temporary)) {
+        // A file that cannot be deleted does no harm.
         let _ = fs::remove_file(entry.path());
     }
 }
 
-/// A journal that is of something else.
+/// Returns the error for a journal of a different computation.
 pub fn foreign(path: &Path) -> FormatError {
     FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::ForeignJournal }
 }
 
-/// Hands the lines of a journal to `take` if it has this head; the bytes of its whole lines, its head included, or 0.
+/// Passes each line of a journal to `take` if the journal has this head. Returns the bytes of its complete lines, head included, or 0
+/// if the head differs.
 ///
 /// # Errors
-/// If it cannot be read; a line that is not as it was written, or that `take` refuses.
+/// If the journal cannot be read, a line is damaged, or `take` returns `false`.
 pub fn trusted_lines<H: PartialEq + DeserializeOwned>(
     path: &Path,
     head: &H,
@@ -104,7 +105,7 @@ pub fn trusted_lines<H: PartialEq + DeserializeOwned>(
         } else {
             line.check()?;
             if !take(&String::from_utf8_lossy(line.bytes)) {
-                return Err(line.broken("it is no record of what was done".to_owned()));
+                return Err(line.damaged("it is not a record of a finished result".to_owned()));
             }
         }
         whole += line.bytes.len();
@@ -112,10 +113,10 @@ pub fn trusted_lines<H: PartialEq + DeserializeOwned>(
     Ok(whole)
 }
 
-/// Whether a journal has this head.
+/// Returns whether a journal has this head.
 ///
 /// # Errors
-/// If it cannot be read.
+/// If the journal cannot be read.
 pub(super) fn has_head<H: PartialEq + DeserializeOwned>(path: &Path, head: &H) -> Result<bool, FormatError> {
     let read = DataFile::open_within(path, &path.display().to_string(), LARGEST_JOURNAL)?;
     Lines::of(&read).next().map_or(Ok(false), |line| Ok(line.read::<H>()? == *head))

@@ -1,8 +1,8 @@
-//! A journal that one program holds at a time.
+//! Journals that a single program writes at a time.
 //!
-//! A lock belongs to a file, not to its name. So a file that takes a journal's place is locked *before* it gets the name, and who has
-//! locked a file looks whether it still has the name: of several programs that begin at once, one has the journal, and the others
-//! are told.
+//! A lock belongs to a file, not to its name. A file that replaces a journal is therefore locked *before* it gets the name, and a
+//! program that has locked a file checks whether the file still has the name. Of several programs that start at the same time, one
+//! gets the journal, and the others get [`Problem::Busy`].
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
@@ -16,7 +16,7 @@ use super::folder::has_head;
 use super::{trusted_lines, write_journal_line};
 use crate::error::{FormatError, Problem};
 
-/// A journal that no other program can add to until it is closed.
+/// A locked journal: no other program can write it until it is closed.
 #[derive(Debug)]
 pub struct HeldJournal {
     path: PathBuf,
@@ -25,19 +25,19 @@ pub struct HeldJournal {
 }
 
 impl HeldJournal {
-    /// Holds a journal, or an empty file if there is none.
+    /// Locks a journal; creates an empty file if there is none.
     ///
     /// # Errors
-    /// [`Problem::Busy`] if another program has it; those of the system.
+    /// [`Problem::Busy`] if another program has locked it; errors of the system.
     pub fn hold(path: PathBuf) -> Result<Self, FormatError> {
         Ok(Self { file: lock(&path)?, path, set_aside: None })
     }
 
-    /// Holds a journal that goes on, or begins anew if it has another head; one that has is set aside
-    /// ([`set_aside`](Self::set_aside)). `take` gets every whole line after the head.
+    /// Locks a journal to resume it. A journal with a different head is set aside ([`set_aside`](Self::set_aside)), and a new one is
+    /// created. `take` gets every complete line after the head.
     ///
     /// # Errors
-    /// As [`hold`](Self::hold), and if it cannot be read; a line that is not as it was written, or that `take` refuses.
+    /// As [`hold`](Self::hold), and if the journal cannot be read, a line is damaged, or `take` returns `false`.
     pub fn open<H: PartialEq + Serialize + DeserializeOwned>(
         path: PathBuf,
         head: &H,
@@ -53,14 +53,15 @@ impl HeldJournal {
         Ok(held)
     }
 
-    /// Makes way for a journal that `is_ours`. One of something else is set aside if anything is done in it: it changes its name, from
-    /// `NAME` to `NAME.before`, where one is kept. That one comes back if it is ours: a change that is taken back costs nothing.
+    /// Makes room for a journal that `is_ours`. A journal of a different computation is set aside if it has results: it is renamed from
+    /// `NAME` to `NAME.before`, of which there is at most one. If the previous `NAME.before` is ours, it becomes `NAME` again: undoing a
+    /// change of the scenario loses no results.
     pub(super) fn make_way(
         &mut self,
         is_ours: impl Fn(&Path) -> Result<bool, FormatError>,
     ) -> Result<(), FormatError> {
-        let [before, aside] = ["before", "aside"].map(|end| with_end(&self.path, end));
-        // A program was killed below, between two names.
+        let [before, aside] = ["before", "aside"].map(|suffix| with_suffix(&self.path, suffix));
+        // A program was killed between the two renamings below.
         if aside.is_file() && !before.exists() {
             fs::rename(&aside, &before).map_err(|error| unwritable(&aside, &error))?;
         }
@@ -69,16 +70,16 @@ impl HeldJournal {
         if lines == 0 || is_ours(&self.path)? {
             return Ok(());
         }
-        // What cannot be read there is not ours.
-        let comes_back = before.is_file() && is_ours(&before).unwrap_or(false);
+        // A journal that cannot be read is not ours.
+        let is_restored = before.is_file() && is_ours(&before).unwrap_or(false);
         if lines > 1 {
-            // A second name: the first one is never without a file, which another program would make and lock.
+            // A second name for the same file: the first name always has a file. Otherwise another program could create and lock one.
             let _ = fs::remove_file(&aside);
             fs::hard_link(&self.path, &aside)
                 .or_else(|_| fs::copy(&self.path, &aside).map(drop))
                 .map_err(failed)?;
         }
-        if comes_back {
+        if is_restored {
             let file = locked(&before, OpenOptions::new().append(true))?;
             fs::rename(&before, &self.path).map_err(failed)?;
             self.file = file;
@@ -87,24 +88,24 @@ impl HeldJournal {
             fs::rename(&aside, &before).map_err(failed)?;
             self.set_aside = Some(before);
         }
-        if !comes_back {
-            // A file of its own: the old one has the other name.
+        if !is_restored {
+            // A new file: the old one has the other name.
             self.replace(|_| Ok(()))?;
         }
         Ok(())
     }
 
-    /// Where the journal of something else is now that was here.
+    /// Returns the path to which a journal of a different computation was moved, if there was one.
     pub fn set_aside(&self) -> Option<&Path> {
         self.set_aside.as_deref()
     }
 
-    /// Where it is.
+    /// Returns the path of the journal.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Cuts off what comes after so many bytes.
+    /// Truncates the journal to a number of bytes.
     ///
     /// # Errors
     /// Those of the system.
@@ -112,7 +113,7 @@ impl HeldJournal {
         self.file.set_len(bytes as u64).map_err(|error| unwritable(&self.path, &error))
     }
 
-    /// Keeps a line: with the system before this returns.
+    /// Appends a line. The operating system has it before this function returns.
     ///
     /// # Errors
     /// Those of the system.
@@ -120,10 +121,10 @@ impl HeldJournal {
         write_journal_line(&mut self.file, line).map_err(|error| unwritable(&self.path, &error))
     }
 
-    /// Puts these lines in the place of all that is there: to go on from, or in order at the end.
+    /// Replaces the content of the journal by a head and lines, to continue from them, or to sort the journal at the end.
     ///
     /// # Errors
-    /// Those of the system; the old ones stay then.
+    /// Those of the system; the previous content remains.
     pub fn put<L: Serialize>(
         &mut self,
         head: &impl Serialize,
@@ -135,11 +136,11 @@ impl HeldJournal {
         })
     }
 
-    /// Puts a new file in the place of the old one, locked before it is there.
+    /// Replaces the file by a new one, which is locked before it gets the name.
     fn replace(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FormatError> {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let new = self.path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-        // One that a killed program left; what cannot be removed is found below.
+        // A killed program may have left one; if it cannot be deleted, `create_new` reports the error.
         let _ = fs::remove_file(&new);
         let file = locked(&new, OpenOptions::new().create_new(true).append(true))?;
         let mut out = BufWriter::new(&file);
@@ -154,10 +155,10 @@ impl HeldJournal {
     }
 }
 
-/// How often a file may change under its name while it is locked.
+/// How often other programs may replace the file while it is being locked.
 const MOST_CHANGES: usize = 1000;
 
-/// The file of this name, locked; made if there is none.
+/// Opens and locks the file of a name; creates it if there is none.
 fn lock(path: &Path) -> Result<File, FormatError> {
     for _ in 0..MOST_CHANGES {
         let file = locked(path, OpenOptions::new().create(true).append(true))?;
@@ -177,28 +178,28 @@ fn locked(path: &Path, options: &OpenOptions) -> Result<File, FormatError> {
     }
 }
 
-/// Whether a file is still the one of this name: another program may have put a new one there before it was locked.
+/// Returns whether a file is still the one with this name: another program may have replaced it before it was locked.
 #[cfg(unix)]
 fn has_name(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
-    let one = |of: fs::Metadata| (of.dev(), of.ino());
+    let identity = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
     file.metadata()
         .ok()
-        .map(one)
-        .zip(fs::metadata(path).ok().map(one))
+        .map(identity)
+        .zip(fs::metadata(path).ok().map(identity))
         .is_some_and(|(own, named)| own == named)
 }
 
-/// There, a file that is open is not replaced.
+/// Always true: on these systems, an open file cannot be replaced.
 #[cfg(not(unix))]
 fn has_name(_: &File, _: &Path) -> bool {
     true
 }
 
-fn with_end(path: &Path, end: &str) -> PathBuf {
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.to_owned().into_os_string();
     name.push(".");
-    name.push(end);
+    name.push(suffix);
     PathBuf::from(name)
 }
 
@@ -229,17 +230,18 @@ mod tests {
         line: usize,
     }
 
-    /// Many at once, with two heads that set each other aside: one has the journal at a time, all others are told so, and no line is lost.
+    /// Several threads with two heads set each other's journal aside: one holds the journal at a time, all others get an error, and no
+    /// line is lost.
     #[test]
-    fn one_of_many_has_the_journal_and_no_line_is_lost() {
-        const AT_ONCE: usize = 4;
+    fn journal_used_by_several_threads_has_one_holder_and_loses_no_line() {
+        const THREADS: usize = 4;
         const ROUNDS: usize = 150;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sweep.jsonl");
-        let (held, kept) = (AtomicBool::new(false), [const { AtomicUsize::new(0) }; 2]);
+        let (held, counts) = (AtomicBool::new(false), [const { AtomicUsize::new(0) }; 2]);
         std::thread::scope(|scope| {
-            for thread in 0..AT_ONCE {
-                let (path, held, kept) = (&path, &held, &kept);
+            for thread in 0..THREADS {
+                let (path, held, counts) = (&path, &held, &counts);
                 scope.spawn(move || {
                     for round in 0..ROUNDS {
                         let of = (thread + round / 2) % 2;
@@ -251,8 +253,8 @@ mod tests {
                         });
                         match opened {
                             Ok(mut journal) => {
-                                assert!(!held.swap(true, Ordering::SeqCst), "two have it");
-                                let number = kept[of].fetch_add(1, Ordering::SeqCst);
+                                assert!(!held.swap(true, Ordering::SeqCst), "two threads hold the journal");
+                                let number = counts[of].fetch_add(1, Ordering::SeqCst);
                                 assert_eq!(lines.len(), number, "lines were lost");
                                 journal.add(&Line { line: number }).unwrap();
                                 if number % 3 == 0 {
@@ -266,7 +268,7 @@ mod tests {
                 });
             }
         });
-        assert!(kept.iter().all(|kept| kept.load(Ordering::SeqCst) > 10), "{kept:?}");
+        assert!(counts.iter().all(|count| count.load(Ordering::SeqCst) > 10), "{counts:?}");
         let names: Vec<_> =
             fs::read_dir(folder.path()).unwrap().map(|one| one.unwrap().file_name()).collect();
         assert_eq!(names.len(), 2, "{names:?}");

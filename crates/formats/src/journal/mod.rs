@@ -1,7 +1,8 @@
-//! What is done, kept line by line: a journal is JSON, a line each, first its head and then what is done as it is done.
+//! Journals: files in which a study saves each finished result, so that it can be resumed.
 //!
-//! A line without its end was cut off when the program was killed, and counts for nothing. Any other line that is not as it was
-//! written is an error: see [`seal`].
+//! A journal holds one JSON value per line: first its head, which identifies the computation, then one line per finished result.
+//! A last line without a newline was cut off when the program was killed, and is ignored. Any other damaged line is an error: see
+//! [`seal`].
 
 mod folder;
 mod held;
@@ -24,26 +25,26 @@ pub use folder::{
 pub use held::HeldJournal;
 pub use rows::{JournalRows, RowsHead};
 
-use seal::Seal;
+use seal::Checksum;
 
-/// No journal may be larger, in bytes.
+/// Largest size of a journal, bytes.
 pub const LARGEST_JOURNAL: u64 = 4 << 30;
 
-/// A journal as it was found.
+/// Content of a journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Journal<H, L> {
-    /// What it is of; `None` if even that was cut off.
+    /// Head: identifies the computation; `None` if the file ends within its first line.
     pub head: Option<H>,
-    /// What is done.
+    /// The finished results.
     pub lines: Vec<L>,
-    /// Bytes up to the end of the last whole line.
+    /// Bytes up to the end of the last complete line.
     pub whole: usize,
 }
 
-/// Reads a journal; a last line without its end is left out, and all lines of a journal whose head is not `wanted`.
+/// Reads a journal. A last line without a newline is ignored. If the head is not `wanted`, no further line is read.
 ///
 /// # Errors
-/// A whole line that is not what it should be, with its number.
+/// If a complete line is malformed or damaged, with its place.
 pub fn read_journal<H: DeserializeOwned, L: DeserializeOwned>(
     file: &DataFile,
     wanted: impl Fn(&H) -> bool,
@@ -60,26 +61,26 @@ pub fn read_journal<H: DeserializeOwned, L: DeserializeOwned>(
     Ok(journal)
 }
 
-/// The whole lines of a journal, one after the other.
+/// Iterator over the complete lines of a journal.
 struct Lines<'a> {
     file: &'a DataFile,
     next: usize,
-    /// Whether the first line has a checksum: then all have one.
-    sealed: bool,
+    /// Whether the first line has a checksum; then all lines must have one.
+    has_checksums: bool,
 }
 
-/// A whole line of a journal, its end included.
+/// A complete line of a journal, newline included.
 struct Line<'a> {
     file: &'a DataFile,
     bytes: &'a [u8],
     from: usize,
-    /// Whether it has to have a checksum.
-    sealed: bool,
+    /// Whether the line must have a checksum.
+    must_have_checksum: bool,
 }
 
 impl<'a> Lines<'a> {
     fn of(file: &'a DataFile) -> Self {
-        Self { file, next: 0, sealed: false }
+        Self { file, next: 0, has_checksums: false }
     }
 }
 
@@ -92,34 +93,34 @@ impl<'a> Iterator for Lines<'a> {
         let bytes = &self.file.bytes[from..from + length];
         self.next += length;
         if from == 0 {
-            self.sealed = seal::seal(bytes) != Seal::None;
+            self.has_checksums = seal::verify(bytes) != Checksum::Absent;
         }
-        Some(Line { file: self.file, bytes, from, sealed: self.sealed })
+        Some(Line { file: self.file, bytes, from, must_have_checksum: self.has_checksums })
     }
 }
 
 impl Line<'_> {
-    /// What it holds.
+    /// Checks the line and parses it.
     fn read<T: DeserializeOwned>(&self) -> Result<T, FormatError> {
         self.check()?;
-        serde_json::from_slice(self.bytes).map_err(|error| self.broken(error.to_string()))
+        serde_json::from_slice(self.bytes).map_err(|error| self.damaged(error.to_string()))
     }
 
-    /// Nothing, if it is as it was written.
+    /// Fails if the checksum is wrong, or missing although the first line has one.
     fn check(&self) -> Result<(), FormatError> {
-        match seal::seal(self.bytes) {
-            Seal::Broken => Err(self.broken("its checksum is that of another line".to_owned())),
-            Seal::None if self.sealed => {
-                Err(self.broken("it has no checksum, as the first line has".to_owned()))
+        match seal::verify(self.bytes) {
+            Checksum::Wrong => Err(self.damaged("its checksum does not match its content".to_owned())),
+            Checksum::Absent if self.must_have_checksum => {
+                Err(self.damaged("it has no checksum, although the first line has one".to_owned()))
             }
-            Seal::Good | Seal::None => Ok(()),
+            Checksum::Correct | Checksum::Absent => Ok(()),
         }
     }
 
-    /// What is wrong with it, and where it is.
-    fn broken(&self, reason: String) -> FormatError {
+    /// Returns an error about this line.
+    fn damaged(&self, reason: String) -> FormatError {
         let text = String::from_utf8_lossy(&self.file.bytes[..self.from + self.bytes.len()]);
-        // What is not UTF-8 is longer as text: the line is the last one of it.
+        // Replacement characters for invalid UTF-8 change the length of the text: the line is found as its last one.
         let from = text.trim_end_matches('\n').rfind('\n').map_or(0, |end| end + 1);
         let problem =
             if self.from == 0 { Problem::BrokenHead { reason } } else { Problem::BrokenLine { reason } };
@@ -127,34 +128,34 @@ impl Line<'_> {
     }
 }
 
-/// Writes a line of a journal, its checksum and its end included.
+/// Writes a line of a journal, with its checksum and a newline.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_journal_line(mut out: impl Write, line: &impl Serialize) -> io::Result<()> {
-    // In one piece: another program's reader sees all of a line or nothing.
-    let mut text = seal::sealed(serde_json::to_vec(line)?);
+    // One write: a concurrent reader sees the complete line or nothing.
+    let mut text = seal::with_checksum(serde_json::to_vec(line)?);
     text.push(b'\n');
     out.write_all(&text)
 }
 
-/// Numbers that are done, known by the number of their row: a line of a light journal.
+/// Line of a light journal: the finished numbers of one row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JournalRow {
-    /// Which row.
+    /// Index of the row.
     pub row: usize,
-    /// Its numbers.
+    /// Numbers of the row.
     pub values: Vec<JournalNumber>,
 }
 
 impl JournalRow {
-    /// As it was kept.
+    /// Returns the index and the numbers of the row.
     pub fn into_numbers(self) -> (usize, Vec<f64>) {
         (self.row, self.values.into_iter().map(|one| one.0).collect())
     }
 }
 
-/// A number of a journal: what is read is what was written, to the last bit; null is NaN.
+/// A number of a journal. Reading it returns the same bits as were written; null is NaN.
 #[derive(Debug, Clone, Copy)]
 pub struct JournalNumber(pub f64);
 
@@ -172,7 +173,7 @@ impl Serialize for JournalNumber {
 
 impl<'de> Deserialize<'de> for JournalNumber {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        // Serde's own reading of numbers is fast, and a bit off.
+        // Serde's own parser of numbers is fast, but may be wrong in the last bit.
         let text = <&RawValue>::deserialize(deserializer)?.get();
         let number = if text == "null" { Ok(f64::NAN) } else { text.parse() };
         number.map(Self).map_err(|_| serde::de::Error::custom("expected a number or null"))
@@ -184,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_kept_to_the_last_bit() {
+    fn numbers_of_a_row_read_back_bit_for_bit() {
         let mut dice = papilio_testing::Dice::new(1, 0);
         let mut values = vec![0.1 + 0.2, -0.0, 5e-324, f64::MAX, 27.123_456_789_012_345, f64::NAN];
         for _ in 0..2000 {
@@ -204,9 +205,9 @@ mod tests {
         read_journal(&DataFile { name: "j".to_owned(), bytes: text.as_bytes().to_vec() }, |_| true)
     }
 
-    /// A digit that was changed in a line that stays JSON is found, with its line; a line that was cut off is not missed.
+    /// A changed digit is found, with its line, even if the line is still JSON; a last line that was cut off is ignored.
     #[test]
-    fn a_changed_line_is_found_and_a_cut_one_left_out() {
+    fn changed_line_is_an_error_and_cut_off_line_is_ignored() {
         let mut bytes = Vec::new();
         write_journal_line(&mut bytes, &serde_json::json!({ "of": "this" })).unwrap();
         for row in 0..3 {
@@ -219,19 +220,19 @@ mod tests {
         let error = read(&text.replace("[1.5]", "[1.7]")).unwrap_err();
         assert_eq!(error.place.line_column(), Some((3, 1)));
         assert!(matches!(error.problem, Problem::BrokenLine { .. }), "{error}");
-        assert!(error.to_string().contains("take the line out"), "{error}");
+        assert!(error.to_string().contains("delete the line from the file"), "{error}");
         let error = read(&text.replace("this", "that")).unwrap_err();
         assert!(matches!(error.problem, Problem::BrokenHead { .. }), "{error}");
-        // A line that lost its checksum with what it held.
+        // A line without its checksum and with a changed value.
         let from = text.find("\"values\":[1.5]").unwrap();
         let end = from + text[from..].find('\n').unwrap();
         let error = read(&[&text[..from], "\"values\":[9]}", &text[end..]].concat()).unwrap_err();
         assert_eq!(error.place.line_column(), Some((3, 1)));
     }
 
-    /// A journal of a version that wrote no checksums is read, and may go on with lines that have one.
+    /// A journal of an earlier version, without checksums, can be read and extended by lines with checksums.
     #[test]
-    fn a_journal_without_checksums_goes_on() {
+    fn journal_without_checksums_can_be_extended() {
         let old = "{\"of\":\"this\"}\n{\"row\":0,\"values\":[1]}\n";
         let mut bytes = old.as_bytes().to_vec();
         write_journal_line(&mut bytes, &JournalRow { row: 1, values: vec![JournalNumber(2.0)] }).unwrap();

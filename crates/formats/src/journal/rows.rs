@@ -1,4 +1,4 @@
-//! Light journals: rows of numbers by their number, all of one head.
+//! Light journals: rows of numbers by index, with a common head.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::error::FormatError;
 use crate::sweep::SweepHead;
 use crate::tolerance::ToleranceHead;
 
-/// A light journal: rows of numbers by their number, all of one head; a journal of another head is set aside.
+/// A light journal: rows of numbers by index, with a common head. A journal with a different head is set aside.
 #[derive(Debug)]
 pub struct JournalRows<H> {
     journal: HeldJournal,
@@ -20,9 +20,9 @@ pub struct JournalRows<H> {
     known: BTreeMap<usize, Vec<f64>>,
 }
 
-/// What the rows of a light journal are of.
+/// Head of a light journal: identifies the computation to which its rows belong.
 pub trait RowsHead: PartialEq + Serialize + DeserializeOwned {
-    /// Whether rows of one are rows of the other.
+    /// Returns whether rows of one head are valid for the other.
     fn is_of(&self, other: &Self) -> bool;
 }
 
@@ -39,19 +39,20 @@ impl RowsHead for SweepHead {
 }
 
 impl<H: RowsHead> JournalRows<H> {
-    /// Opens or begins it: that of the whole, or of part K of N. Rows of other journals of the same head are known, too: of those in
-    /// its folder, and in these.
+    /// Opens or creates the journal of the whole computation, or of shard K of N. The rows of other journals with the same head, in the
+    /// same folder and in the folders `others`, are also loaded.
     ///
     /// # Errors
-    /// If a journal cannot be read or written, or another program has it; if a folder of others has none of this head.
+    /// If a journal cannot be read or written, or another program has locked it; if one of `others` has journals, but none with this
+    /// head.
     pub fn open(
         folder: &Path,
         stem: &str,
-        part: Option<(usize, usize)>,
+        shard: Option<(usize, usize)>,
         head: H,
         others: &[PathBuf],
     ) -> Result<Self, FormatError> {
-        let name = journal_name(stem, part);
+        let name = journal_name(stem, shard);
         let mut journal = HeldJournal::hold(folder.join(&name))?;
         tidy_journals(folder, &[&name, &format!("{stem}.csv."), &format!("{stem}_")]);
         journal.make_way(|path| {
@@ -82,17 +83,17 @@ impl<H: RowsHead> JournalRows<H> {
         Ok(Self { journal, head, known })
     }
 
-    /// Where the journal of something else is now that was in its place.
+    /// Returns the path to which a journal of a different computation was moved, if there was one.
     pub fn set_aside(&self) -> Option<&Path> {
         self.journal.set_aside()
     }
 
-    /// The numbers of a row, if they are known.
+    /// Returns the numbers of a row, if they are known.
     pub fn get(&self, row: usize) -> Option<&[f64]> {
         self.known.get(&row).map(Vec::as_slice)
     }
 
-    /// Keeps a row: with the system before this returns.
+    /// Saves a row. The operating system has it before this function returns.
     ///
     /// # Errors
     /// Those of the system.
@@ -102,10 +103,10 @@ impl<H: RowsHead> JournalRows<H> {
         Ok(())
     }
 
-    /// Puts the journal in order: these rows, and nothing else.
+    /// Rewrites the journal with these rows, in this order, and no others.
     ///
     /// # Errors
-    /// Those of the system; the old one stays then.
+    /// Those of the system; the previous journal remains.
     pub fn finish(&mut self, rows: impl Iterator<Item = usize>) -> Result<(), FormatError> {
         let known = &self.known;
         let lines = rows.filter_map(|row| known.get(&row).map(|values| line(row, values)));

@@ -1,26 +1,27 @@
-//! The checksum of a journal's line: what became of a disk, a copy or a careless edit is found, and not taken for results.
+//! Checksums of the lines of a journal. They detect lines that a disk, a copy or an edit has damaged, so that these are not used as
+//! results.
 //!
-//! A line is a JSON object whose last member is `"crc"`: the CRC-32 (ISO-HDLC, as of zip and PNG), in eight hexadecimal digits, of
-//! the line without that member. Lines of earlier versions have none; a journal that begins with such a line may
-//! go on with either.
+//! A line is a JSON object whose last member is `"crc"`: the CRC-32 (ISO-HDLC, as in zip and PNG), in eight hexadecimal digits, of
+//! the line without that member. Lines of earlier versions have no checksum. A journal whose first line has none may contain lines
+//! of both kinds.
 
 const MARK: &[u8] = b",\"crc\":\"";
 const DIGITS: usize = 8;
 const END: &[u8] = b"\"}";
 
-/// What a line's checksum says.
+/// Result of the verification of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Seal {
-    /// It has none.
-    None,
-    /// It is that of the line.
-    Good,
-    /// It is that of another line.
-    Broken,
+pub(super) enum Checksum {
+    /// The line has no checksum.
+    Absent,
+    /// The checksum matches the line.
+    Correct,
+    /// The checksum does not match the line.
+    Wrong,
 }
 
-/// An object's text with its checksum; any other text as it is.
-pub(super) fn sealed(mut text: Vec<u8>) -> Vec<u8> {
+/// Returns the text of a JSON object with its checksum; any other text is returned unchanged.
+pub(super) fn with_checksum(mut text: Vec<u8>) -> Vec<u8> {
     if text.len() > 2 && text.starts_with(b"{") && text.ends_with(b"}") {
         let sum = format!("{:08x}", crc_32(&text));
         text.pop();
@@ -31,16 +32,16 @@ pub(super) fn sealed(mut text: Vec<u8>) -> Vec<u8> {
     text
 }
 
-/// What the checksum of a line says, which may have its end.
-pub(super) fn seal(line: &[u8]) -> Seal {
+/// Verifies the checksum of a line, with or without its newline.
+pub(super) fn verify(line: &[u8]) -> Checksum {
     let line = line.trim_ascii_end();
     let at = line.len().saturating_sub(MARK.len() + DIGITS + END.len());
-    let (own, rest) = line.split_at(at);
+    let (content, rest) = line.split_at(at);
     let Some(sum) = rest.strip_prefix(MARK).and_then(|rest| rest.strip_suffix(END)) else {
-        return Seal::None;
+        return Checksum::Absent;
     };
-    let whole = [own, b"}"].concat();
-    if format!("{:08x}", crc_32(&whole)).as_bytes() == sum { Seal::Good } else { Seal::Broken }
+    let object = [content, b"}"].concat();
+    if format!("{:08x}", crc_32(&object)).as_bytes() == sum { Checksum::Correct } else { Checksum::Wrong }
 }
 
 const TABLE: [u32; 256] = {
@@ -66,31 +67,31 @@ fn crc_32(bytes: &[u8]) -> u32 {
 mod tests {
     use super::*;
 
-    /// The check value of the catalogue of CRCs.
+    /// Check value of the CRC catalogue.
     #[test]
-    fn the_checksum_is_crc_32() {
+    fn crc_32_of_the_check_string_is_the_check_value() {
         assert_eq!(crc_32(b"123456789"), 0xCBF4_3926);
     }
 
     #[test]
-    fn any_change_of_a_line_is_found() {
-        let line = sealed(br#"{"row":3,"values":[1.5,null]}"#.to_vec());
-        assert_eq!(seal(&line), Seal::Good);
-        assert_eq!(seal(&[&line[..], b"\n"].concat()), Seal::Good);
+    fn line_with_any_changed_bit_is_not_correct() {
+        let line = with_checksum(br#"{"row":3,"values":[1.5,null]}"#.to_vec());
+        assert_eq!(verify(&line), Checksum::Correct);
+        assert_eq!(verify(&[&line[..], b"\n"].concat()), Checksum::Correct);
         for at in 0..line.len() - MARK.len() - DIGITS - END.len() {
             for bit in 0..8 {
                 let mut other = line.clone();
                 other[at] ^= 1 << bit;
-                assert_eq!(seal(&other), Seal::Broken, "{at} {bit}");
+                assert_eq!(verify(&other), Checksum::Wrong, "{at} {bit}");
             }
         }
-        // In the checksum itself a change makes it another's, or none at all.
+        // A change of the checksum itself makes it wrong or unrecognisable.
         for at in line.len() - MARK.len() - DIGITS - END.len()..line.len() {
             let mut other = line.clone();
             other[at] ^= 1;
-            assert_ne!(seal(&other), Seal::Good, "{at}");
+            assert_ne!(verify(&other), Checksum::Correct, "{at}");
         }
-        assert_eq!(seal(br#"{"row":3,"values":[1.5,null]}"#), Seal::None);
-        assert_eq!(sealed(b"\"head\"".to_vec()), b"\"head\"");
+        assert_eq!(verify(br#"{"row":3,"values":[1.5,null]}"#), Checksum::Absent);
+        assert_eq!(with_checksum(b"\"head\"".to_vec()), b"\"head\"");
     }
 }

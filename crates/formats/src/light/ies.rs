@@ -1,8 +1,8 @@
-//! Luminaires as IES LM-63 files (.ies), 1986 to 2019: intensity by direction, type C photometry.
+//! Luminaires in IES LM-63 files (.ies), 1986 to 2019: intensity by direction, type C photometry.
 //!
 //! ANSI/IES LM-63-19, *IES standard file format for the electronic transfer of photometric data*. Vertical angles
-//! count from the luminaire's nadir, horizontal ones around it; files that end at 0, 90 or 180 deg around are
-//! symmetric, as the standard has it.
+//! are measured from the luminaire's nadir, horizontal angles around it. Luminaires whose horizontal angles end at 0, 90 or
+//! 180 deg are symmetric, as the standard defines it.
 
 use std::ops::Range;
 
@@ -11,27 +11,27 @@ use papilio_diagnostics::Place;
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
-/// The most angles of either kind.
+/// Largest number of vertical, and of horizontal, angles.
 const MOST_ANGLES: usize = 2000;
 
-/// A luminaire's far field.
+/// Far field of a luminaire.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Luminaire {
-    /// From the nadir, degrees, rising.
+    /// Angles from the nadir, degrees, ascending.
     vertical_deg: Vec<f64>,
-    /// Around it, degrees, rising.
+    /// Angles around the nadir, degrees, ascending.
     horizontal_deg: Vec<f64>,
-    /// Candela by `[horizontal][vertical]`, ballast and multiplier included.
+    /// Intensity, cd, `[horizontal][vertical]`, ballast factor and multiplier included.
     candela: Vec<f64>,
-    /// Sides of the opening, m; 0 by 0 is a point.
+    /// Sides of the luminous opening, m; 0 by 0 is a point source.
     pub opening_m: [f64; 2],
-    /// True if the opening is round (an ellipse of these diameters).
+    /// Whether the opening is round: an ellipse with these diameters.
     pub is_round: bool,
 }
 
 impl Luminaire {
-    /// Intensity, cd, in a direction: degrees from the nadir, and around it. Linear between angles, 0 beyond the
-    /// last vertical one.
+    /// Returns the intensity, cd, in a direction given by the angles from the nadir and around it, degrees. It is interpolated
+    /// linearly, and is 0 beyond the last vertical angle.
     pub fn intensity(&self, vertical_deg: f64, horizontal_deg: f64) -> f64 {
         let last = self.horizontal_deg.last().copied().unwrap_or_default();
         let turn = horizontal_deg.rem_euclid(360.0);
@@ -54,8 +54,8 @@ impl Luminaire {
         (1.0 - around) * on(h) + around * on(h + 1)
     }
 
-    /// Angles between which intensity is smooth, degrees: from the nadir, and around it (or opposite to that), those that
-    /// symmetry adds among them.
+    /// Returns the angles between which the intensity is smooth, degrees: from the nadir, and around it modulo 180 deg. Angles that
+    /// follow from the symmetry are included.
     pub fn angles_deg(&self) -> [Vec<f64>; 2] {
         let symmetric = self.horizontal_deg.last().is_none_or(|last| *last <= 180.0);
         let turns = self.horizontal_deg.iter().flat_map(|turn| [Some(*turn), symmetric.then_some(-turn)]);
@@ -68,14 +68,15 @@ impl Luminaire {
         [self.vertical_deg.clone(), turns]
     }
 
-    /// Area of the opening, m2.
+    /// Returns the area of the opening, m2.
     pub fn opening_m2(&self) -> f64 {
         let [a, b] = self.opening_m;
         a * b * if self.is_round { 0.25 * std::f64::consts::PI } else { 1.0 }
     }
 }
 
-/// The last angle that is no larger, and how far it is to the next one.
+/// Returns the index of the last of the `angles` that is not larger than `angle`, and the relative position between it and the next
+/// one; `None` outside the angles.
 fn between(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
     let (first, last) = (*angles.first()?, *angles.last()?);
     if !(first - 1e-9..=last + 1e-9).contains(&angle) {
@@ -89,23 +90,25 @@ fn between(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
 /// Reads an IES LM-63 file.
 ///
 /// # Errors
-/// With line and column: what is no number, angles out of order, negative candela; photometry of type A or B, a
+/// With line and column: cells that are not numbers, angles out of order, negative intensities, photometry of type A or B, a
 /// tilt, too few numbers.
 pub fn read_ies(file: &DataFile) -> Result<Luminaire, FormatError> {
     let text = file.text()?;
     let whole = |what| FormatError { place: Place::whole(&file.name), problem: Problem::Ies { what } };
-    let (tilt, after) = tilt_line(text).ok_or(whole("it has no line TILT=NONE"))?;
+    let (tilt, after) = tilt_line(text).ok_or(whole("there is no line `TILT=NONE`"))?;
     if text[tilt.clone()].trim() != "NONE" {
         let place = Place::in_text(&file.name, text, tilt);
         return Err(FormatError {
             place,
-            problem: Problem::Ies { what: "luminaires whose light depends on tilt are not read" },
+            problem: Problem::Ies {
+                what: "luminaires whose light depends on the tilt are not supported; expected `TILT=NONE`",
+            },
         });
     }
     Numbers { name: &file.name, text, at: after }.luminaire()
 }
 
-/// What follows `TILT=`, and where the numbers begin.
+/// Returns the place of the value of `TILT=`, and the start of the numbers.
 fn tilt_line(text: &str) -> Option<(Range<usize>, usize)> {
     let mut at = 0;
     for line in text.split_inclusive('\n') {
@@ -118,7 +121,7 @@ fn tilt_line(text: &str) -> Option<(Range<usize>, usize)> {
     None
 }
 
-/// Numbers parted by blanks, commas and ends of lines.
+/// Reader of numbers that are separated by blanks, commas and newlines.
 struct Numbers<'a> {
     name: &'a str,
     text: &'a str,
@@ -131,15 +134,17 @@ impl Numbers<'_> {
     }
 
     fn next(&mut self) -> Result<(f64, Range<usize>), FormatError> {
-        let parts = |c: char| c.is_whitespace() || c == ',';
+        let separates = |c: char| c.is_whitespace() || c == ',';
         let rest = &self.text[self.at..];
-        let start = self.at + rest.find(|c| !parts(c)).unwrap_or(rest.len());
+        let start = self.at + rest.find(|c| !separates(c)).unwrap_or(rest.len());
         let rest = &self.text[start..];
-        let word = &rest[..rest.find(parts).unwrap_or(rest.len())];
+        let word = &rest[..rest.find(separates).unwrap_or(rest.len())];
         let place = start..start + word.len();
         self.at = place.end;
         if word.is_empty() {
-            let problem = Problem::Ies { what: "it ends before all its numbers are there" };
+            let problem = Problem::Ies {
+                what: "the file ends before its last number; it may be cut off, or a count of angles may be wrong",
+            };
             return Err(FormatError { place: Place::whole(self.name), problem });
         }
         match word.parse::<f64>() {
@@ -167,16 +172,16 @@ impl Numbers<'_> {
         if value.fract() == 0.0 && (1.0..=MOST_ANGLES as f64).contains(&value) {
             return Ok(value as usize);
         }
-        Err(self.error(place, Problem::OutOfRange { what, value, expected: "a whole number from 1 to 2000" }))
+        Err(self.error(place, Problem::OutOfRange { what, value, expected: "an integer from 1 to 2000" }))
     }
 
     fn angles(&mut self, count: usize, what: &'static str, most: f64) -> Result<Vec<f64>, FormatError> {
         let mut angles: Vec<f64> = Vec::with_capacity(count);
         for _ in 0..count {
             let (value, place) = self.next()?;
-            let rises = angles.last().is_none_or(|last| *last < value);
-            if !rises || !(0.0..=most).contains(&value) {
-                let expected = "angles that rise, from 0 to 180 deg (vertical) or 360 deg (horizontal)";
+            let ascends = angles.last().is_none_or(|last| *last < value);
+            if !ascends || !(0.0..=most).contains(&value) {
+                let expected = "ascending angles, from 0 to 180 deg (vertical) or 0 to 360 deg (horizontal)";
                 return Err(self.error(place, Problem::OutOfRange { what, value, expected }));
             }
             angles.push(value);
@@ -189,24 +194,25 @@ impl Numbers<'_> {
         self.within("the number of lamps", any, "")?;
         self.within("lumens per lamp", any, "")?;
         let positive = (1e-9, 1e9);
-        let multiplier = self.within("the multiplier", positive, "a number above 0")?;
+        let multiplier = self.within("the multiplier", positive, "a number from 1e-9 to 1e9")?;
         let (rows, columns) =
             (self.count("the number of vertical angles")?, self.count("the number of horizontal angles")?);
-        self.within("the photometric type", (1.0, 1.0), "1, type C")?;
+        self.within("the photometric type", (1.0, 1.0), "1 (type C)")?;
         let unit = self.within("the unit", (1.0, 2.0), "1 (feet) or 2 (metres)")?;
         let metres = if unit == 1.0 { 0.3048 } else { 1.0 };
         let mut sides = [0.0; 3];
         for side in &mut sides {
-            *side = metres * self.within("a side of the opening", (-1e4, 1e4), "a length")?;
+            *side =
+                metres * self.within("a side of the opening", (-1e4, 1e4), "a length from -1e4 to 1e4")?;
         }
-        let ballast = self.within("the ballast factor", positive, "a number above 0")?;
-        self.within("what follows the ballast factor", any, "")?;
-        self.within("the watts", any, "")?;
+        let ballast = self.within("the ballast factor", positive, "a number from 1e-9 to 1e9")?;
+        self.within("the number after the ballast factor", any, "")?;
+        self.within("the input power", any, "")?;
         let vertical_deg = self.angles(rows, "the vertical angle", 180.0)?;
         let horizontal_deg = self.angles(columns, "the horizontal angle", 360.0)?;
         let mut candela = Vec::new();
         for _ in 0..rows * columns {
-            let value = self.within("the intensity", (0.0, 1e12), "0 or more candela")?;
+            let value = self.within("the intensity", (0.0, 1e12), "an intensity from 0 to 1e12 cd")?;
             candela.push(value * multiplier * ballast);
         }
         Ok(Luminaire {
@@ -224,40 +230,40 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Luminaire, FormatError> {
-        read_ies(&DataFile { name: "lamp.ies".into(), bytes: text.as_bytes().to_vec() })
+        read_ies(&DataFile { name: "luminaire.ies".into(), bytes: text.as_bytes().to_vec() })
     }
 
-    const LAMP: &str = "IESNA:LM-63-2002\n[TEST] synthetic\nTILT=NONE\n1 1000 2 3 2 1 2 0.6 0.6 0\n0.5 1 30\n\
+    const LUMINAIRE: &str = "IESNA:LM-63-2002\n[TEST] synthetic\nTILT=NONE\n1 1000 2 3 2 1 2 0.6 0.6 0\n0.5 1 30\n\
         0 45 90\n0 90\n100 80 0\n100 40 0\n";
 
     #[test]
-    fn intensity_is_linear_between_angles() {
-        let lamp = read(LAMP).unwrap();
-        assert_eq!(lamp.intensity(0.0, 12.0), 100.0);
-        assert_eq!(lamp.intensity(45.0, 0.0), 80.0);
-        // A quarter is given: it is mirrored into the others.
+    fn intensity_between_angles_is_linear_and_symmetric() {
+        let luminaire = read(LUMINAIRE).unwrap();
+        assert_eq!(luminaire.intensity(0.0, 12.0), 100.0);
+        assert_eq!(luminaire.intensity(45.0, 0.0), 80.0);
+        // The file holds one quadrant, which is mirrored into the others.
         for turn in [45.0, 135.0, 225.0, 315.0, -45.0] {
-            assert!((lamp.intensity(22.5, turn) - 80.0).abs() < 1e-12, "{turn}");
+            assert!((luminaire.intensity(22.5, turn) - 80.0).abs() < 1e-12, "{turn}");
         }
-        assert_eq!(lamp.intensity(91.0, 0.0), 0.0);
-        assert_eq!((lamp.opening_m, lamp.is_round), ([0.6, 0.6], false));
+        assert_eq!(luminaire.intensity(91.0, 0.0), 0.0);
+        assert_eq!((luminaire.opening_m, luminaire.is_round), ([0.6, 0.6], false));
     }
 
     #[test]
-    fn bad_files_say_where() {
+    fn malformed_luminaire_is_an_error_with_its_reason() {
         for (from, to, wanted) in [
-            ("TILT=NONE", "TILT=INCLUDE", "depends on tilt"),
-            ("TILT=NONE\n", "", "no line TILT=NONE"),
-            ("2 3 2 1 2", "2 3 2 2 2", "expected 1, type C"),
-            ("2 3 2 1 2", "2 3e9 2 1 2", "expected a whole number from 1 to 2000"),
-            ("0 45 90", "0 95 90", "angles that rise"),
-            ("100 40 0", "100 -40 0", "0 or more candela"),
-            ("100 40 0\n", "100", "ends before all its numbers"),
+            ("TILT=NONE", "TILT=INCLUDE", "expected `TILT=NONE`"),
+            ("TILT=NONE\n", "", "there is no line `TILT=NONE`"),
+            ("2 3 2 1 2", "2 3 2 2 2", "expected 1 (type C)"),
+            ("2 3 2 1 2", "2 3e9 2 1 2", "expected an integer from 1 to 2000"),
+            ("0 45 90", "0 95 90", "expected ascending angles"),
+            ("100 40 0", "100 -40 0", "expected an intensity from 0 to 1e12 cd"),
+            ("100 40 0\n", "100", "ends before its last number"),
             ("100 40 0", "100 forty 0", "`forty` is not a number"),
         ] {
-            assert!(LAMP.contains(from));
-            let error = read(&LAMP.replace(from, to)).unwrap_err().to_string();
-            assert!(error.contains(wanted) && error.contains("lamp.ies"), "{error}");
+            assert!(LUMINAIRE.contains(from));
+            let error = read(&LUMINAIRE.replace(from, to)).unwrap_err().to_string();
+            assert!(error.contains(wanted) && error.contains("luminaire.ies"), "{error}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Maps of light: radiance by direction as a picture of the whole sphere, in equirectangular projection.
+//! Light maps: radiance by direction, as an image of the whole sphere in equirectangular projection.
 
 use papilio_diagnostics::Place;
 
@@ -7,31 +7,31 @@ use super::{openexr, radiance};
 use crate::error::FormatError;
 use crate::file::DataFile;
 
-/// The widest map that is read.
+/// Largest width of a map, pixels.
 pub(super) const MOST_WIDTH: usize = 4096;
 
-/// A picture of the whole sphere: the first row looks at the zenith, the last one at the nadir; columns go to the
+/// An image of the whole sphere. The first row is at the zenith, the last one at the nadir; columns run to the
 /// right as seen from inside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightMap {
-    /// Pixels in a row: twice the rows.
+    /// Pixels in a row: twice the number of rows.
     pub width: usize,
-    /// Rows; even.
+    /// Number of rows, a multiple of 2.
     pub height: usize,
     /// The channels.
     pub channels: Vec<MapChannel>,
 }
 
-/// Radiances of one kind.
+/// Radiances of one colour or wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapChannel {
-    /// What they are of.
+    /// The colour or wavelength.
     pub colour: MapColour,
-    /// W/(m2 sr), 0 or more, by rows; of a wavelength for each nm. Divided by what the file says of its exposure.
+    /// Radiances by rows, W/(m2 sr), for a wavelength W/(m2 sr nm); 0 or more, and divided by the exposure that the file specifies.
     pub radiance: Vec<f32>,
 }
 
-/// What a channel is of.
+/// Colour of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MapColour {
     /// Linear sRGB red.
@@ -40,17 +40,17 @@ pub enum MapColour {
     Green,
     /// Linear sRGB blue.
     Blue,
-    /// All colours alike.
+    /// The same value for all colours.
     Grey,
     /// One wavelength, nm.
     Wavelength(f64),
 }
 
-/// Reads a map of light, a Radiance picture (.hdr) or an OpenEXR file (.exr); told by content.
+/// Reads a light map: a Radiance picture (.hdr) or an OpenEXR file (.exr), detected from the content.
 ///
 /// # Errors
-/// For another size or projection, and for pixels that are negative or no numbers, with row and column. Sizes are
-/// looked at before anything is allocated.
+/// If the size or projection is not supported; if a pixel is negative or not finite, with its row and column. Sizes are
+/// checked before memory is allocated.
 pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
     let map = if file.bytes.starts_with(&openexr::MAGIC) {
         openexr::read(&file.bytes)
@@ -63,7 +63,7 @@ pub fn read_light_map(file: &DataFile) -> Result<LightMap, FormatError> {
         .map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
 }
 
-/// Fails if this is no size of a map.
+/// Fails unless this is the size of an equirectangular map.
 pub(super) fn check_size(width: usize, height: usize) -> Result<(), MapProblem> {
     let fits = height >= 2
         && height.is_multiple_of(2)

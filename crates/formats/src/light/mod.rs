@@ -1,4 +1,4 @@
-//! Where light comes from: profiles over inclination, maps of the whole sphere, luminaires.
+//! Input files of light sources: profiles over inclination, maps of the whole sphere, luminaires.
 
 mod ies;
 mod map;

@@ -1,4 +1,4 @@
-//! OpenEXR maps: R, G and B, or one luminance, or a channel for each wavelength.
+//! OpenEXR maps with R, G and B, or one luminance, or a channel for each wavelength.
 //!
 //! Spectral channels are named as in A. Fichet et al., *An OpenEXR layout for spectral images*, JCGT 10(3), 2021
 //! (`S0.550,000000nm`), or by the wavelength alone (`550nm`).
@@ -14,7 +14,7 @@ use super::problem::MapProblem;
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// The most values of all channels.
+/// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
 
 pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
@@ -58,7 +58,7 @@ fn values(samples: &FlatSamples) -> Vec<f32> {
     }
 }
 
-/// All wavelengths, or R, G and B, or Y.
+/// Selects all wavelengths, or R, G and B, or Y.
 fn chosen(mut named: Vec<(String, Vec<f32>)>) -> Option<Vec<MapChannel>> {
     let mut spectral: Vec<(f64, usize)> =
         named.iter().enumerate().filter_map(|(k, (name, _))| Some((wavelength_nm(name)?, k))).collect();
@@ -87,7 +87,7 @@ fn chosen(mut named: Vec<(String, Vec<f32>)>) -> Option<Vec<MapChannel>> {
     )
 }
 
-/// The wavelength in a channel's name; only emitted light counts (Stokes' first component).
+/// Returns the wavelength in the name of a channel, nm; only for emitted light, the first Stokes component.
 fn wavelength_nm(name: &str) -> Option<f64> {
     let number = name.strip_suffix("nm")?;
     let number = number.strip_prefix("S0.").unwrap_or(number).replace(',', ".");

@@ -1,98 +1,98 @@
-//! What can be wrong with a map of light.
+//! Errors of light maps.
 
 use papilio_diagnostics::Diagnostic;
 
-/// What can be wrong with a map of light.
+/// The errors of a light map.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MapProblem {
-    /// Neither Radiance's nor OpenEXR's first bytes.
+    /// The file does not begin as a Radiance picture or an OpenEXR file.
     NotAMap,
-    /// A header that cannot be read.
+    /// A malformed header.
     Header {
-        /// Which line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// What is wrong.
         what: &'static str,
     },
-    /// Scanlines in another order.
+    /// An unsupported order of scanlines.
     Orientation {
         /// The resolution line.
         found: String,
     },
-    /// Not twice as wide as high.
+    /// An unsupported size.
     Size {
         /// Pixels in a row.
         width: usize,
-        /// Rows.
+        /// Number of rows.
         height: usize,
     },
-    /// The file ends before the map does.
+    /// The file ends before the last row.
     Truncated {
         /// The row, from 1.
         row: usize,
-        /// Rows that there should be.
+        /// Number of rows according to the header.
         height: usize,
     },
-    /// A run that is longer than its row, or an empty one.
+    /// A run that is empty or longer than its row.
     Run {
         /// The row, from 1.
         row: usize,
     },
-    /// A pixel that is no radiance.
+    /// A pixel whose value is not a radiance.
     Pixel {
-        /// Its name.
+        /// Name of the channel.
         channel: String,
-        /// From 1.
+        /// Column, from 1.
         column: usize,
-        /// From 1.
+        /// Row, from 1.
         row: usize,
-        /// What stands there.
+        /// Value of the pixel.
         value: f32,
     },
-    /// No colours.
+    /// The channels do not form a supported set.
     Channels {
-        /// Their names.
+        /// Names of the channels.
         found: String,
     },
-    /// Something that the decoder says.
+    /// An error of the OpenEXR decoder.
     Exr {
-        /// Its words.
+        /// The decoder's message.
         message: String,
     },
 }
 
 impl MapProblem {
-    /// What is wrong, what was expected and what to do, in words.
+    /// Returns what is wrong, what was expected and what to do, in words.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::NotAMap => {
                 Diagnostic::new("this is neither a Radiance picture (.hdr) nor an OpenEXR file (.exr)")
             }
             Self::Header { line, what } => Diagnostic::new(format!("line {line} of the header: {what}")),
-            Self::Orientation { found } => Diagnostic::new(format!("this map's scanlines run as `{found}`"))
+            Self::Orientation { found } => Diagnostic::new(format!("the scanlines of this map have the order `{found}`"))
                 .expected("`-Y height +X width`")
-                .hint("turn the picture upright with the tool that made it"),
+                .hint("save the picture upright in the program that created it"),
             Self::Size { width, height } => Diagnostic::new(format!("this map has {width} x {height} pixels"))
                 .expected(
-                    "an equirectangular map, twice as wide as high, of 2 x 2 to 4096 x 2048 pixels, its height even",
+                    "an equirectangular map, twice as wide as high, of 4 x 2 to 4096 x 2048 pixels, with an even number of rows",
                 )
-                .hint("resize or reproject the map: other projections and parts of the sphere are not read"),
+                .hint("resize or reproject the map: other projections and parts of the sphere are not supported"),
             Self::Truncated { row, height } => {
                 Diagnostic::new(format!("the file ends in row {row} of {height}")).hint(DAMAGED)
             }
             Self::Run { row } => {
-                Diagnostic::new(format!("row {row} does not hold as many pixels as it should")).hint(DAMAGED)
+                Diagnostic::new(format!("the data of row {row} do not match the width in the header")).hint(DAMAGED)
             }
             Self::Pixel { channel, column, row, value } => {
                 let pixel = format!("channel {channel} of pixel {column} in row {row} is {value}");
                 Diagnostic::new(pixel).expected("a radiance of 0 or more")
             }
             Self::Channels { found } => Diagnostic::new(format!("this map has the channels {found}"))
-                .expected("R, G and B, or Y, or wavelengths such as `S0.550,0nm`; all in one part"),
+                .expected("R, G and B, or Y, or wavelengths such as `S0.550,0nm`, all in one part of the file"),
             Self::Exr { message } => Diagnostic::new(format!("this OpenEXR file cannot be read: {message}")),
         }
     }
 }
 
-/// What to do about a file that does not hold what its header says.
-const DAMAGED: &str = "the file is damaged: download or copy it again";
+/// Hint for a file whose data do not match its header.
+const DAMAGED: &str = "the file is damaged or incomplete: download or copy it again";

@@ -1,17 +1,17 @@
-//! Two-column profiles: angle in degrees, relative radiance.
+//! Light profiles in two columns: angle in degrees, relative radiance.
 
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::rows::Table;
 use crate::spectrum::data_rows;
 
-/// The largest relative radiance: its scale means nothing, but it must stay a number.
+/// Largest relative radiance. The scale has no meaning, but computed values must remain finite.
 const LARGEST: f64 = 1e30;
 
-/// Reads a profile of light: angles in degrees from 0 to 90 that rise from row to row, and relative radiances of
+/// Reads a light profile: ascending angles in degrees from 0 to 90, and relative radiances of
 /// 0 or more.
 ///
-/// A header row and `#` comments may stand there; columns are parted as in
+/// A header row and `#` comments are permitted. Columns are separated as in
 /// [`read_spectrum`](crate::read_spectrum).
 ///
 /// # Errors
@@ -28,19 +28,19 @@ pub fn read_profile(file: &DataFile) -> Result<Vec<(f64, f64)>, FormatError> {
     let table = Table::new(file)?;
     let mut points: Vec<(f64, f64)> = Vec::new();
     for row in data_rows(table) {
-        row.expect_cells(2, "two: angle in degrees, relative radiance")?;
+        row.expect_cells(2, "two columns: angle in degrees, relative radiance")?;
         let (angle, radiance) = (row.number(0)?, row.number(1)?);
         let out_of_range = |cell, what, value, expected| {
             Err(row.cell_error(cell, Problem::OutOfRange { what, value, expected }))
         };
         if !(0.0..=90.0).contains(&angle) {
-            return out_of_range(0, "the angle", angle, "0 to 90 deg");
+            return out_of_range(0, "the angle", angle, "an angle from 0 to 90 deg");
         }
         if points.last().is_some_and(|last| last.0 >= angle) {
-            return out_of_range(0, "the angle", angle, "angles that rise from row to row");
+            return out_of_range(0, "the angle", angle, "angles that increase from row to row");
         }
         if !(0.0..=LARGEST).contains(&radiance) {
-            return out_of_range(1, "the radiance", radiance, "0 to 1e30");
+            return out_of_range(1, "the radiance", radiance, "a relative radiance from 0 to 1e30");
         }
         points.push((angle, radiance));
     }

@@ -1,7 +1,7 @@
-//! Radiance pictures (.hdr, .pic): four bytes a pixel, three mantissas and an exponent, in runs.
+//! Radiance pictures (.hdr, .pic): four bytes per pixel, three mantissas and an exponent, with run-length encoding.
 //!
-//! G. Ward, *Real pixels*, Graphics Gems II (1991); the file format in Radiance's own manual. `EXPOSURE` and
-//! `COLORCORR` lines multiply; pixels are divided by them.
+//! G. Ward, *Real pixels*, Graphics Gems II (1991); the file format is described in Radiance's manual. The factors of all
+//! `EXPOSURE` and `COLORCORR` lines are multiplied, and the pixels are divided by the product.
 
 use super::map::{LightMap, MapChannel, MapColour, check_size};
 use super::problem::MapProblem;
@@ -13,9 +13,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
     let mut channels: [Vec<f32>; 3] = Default::default();
     let mut row = vec![[0_u8; 4]; width];
     for number in 1..=height {
-        scanline(&mut input, &mut row).map_err(|stop| match stop {
-            Stop::End => MapProblem::Truncated { row: number, height },
-            Stop::Run => MapProblem::Run { row: number },
+        scanline(&mut input, &mut row).map_err(|error| match error {
+            ScanlineError::End => MapProblem::Truncated { row: number, height },
+            ScanlineError::Run => MapProblem::Run { row: number },
         })?;
         for (channel, (values, scale)) in channels.iter_mut().zip(scale).enumerate() {
             values.extend(row.iter().map(|pixel| (value(pixel[channel], pixel[3]) / scale) as f32));
@@ -27,7 +27,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LightMap, MapProblem> {
     Ok(LightMap { width, height, channels })
 }
 
-/// The middle of the mantissa's step, as Radiance has it.
+/// Returns the value at the middle of the mantissa's step, as Radiance does.
 fn value(mantissa: u8, exponent: u8) -> f64 {
     if exponent == 0 { 0.0 } else { (f64::from(mantissa) + 0.5) * 2.0_f64.powi(i32::from(exponent) - 136) }
 }
@@ -35,9 +35,9 @@ fn value(mantissa: u8, exponent: u8) -> f64 {
 struct Header {
     width: usize,
     height: usize,
-    /// Where the pixels begin.
+    /// Start of the pixels, bytes.
     start: usize,
-    /// What the pixels were multiplied by.
+    /// Factors by which the pixels were multiplied.
     scale: [f64; 3],
 }
 
@@ -48,11 +48,11 @@ impl Header {
         let mut in_lines = true;
         for number in 1_usize.. {
             let rest = bytes.get(at..).unwrap_or_default();
-            // No line of a header is longer than this.
+            // Longest line of a header: 2048 bytes.
             let end = rest.iter().take(2048).position(|byte| *byte == b'\n');
             let wrong = |what| MapProblem::Header { line: number, what };
-            let line = end.map(|end| &rest[..end]).ok_or(wrong("it has no end"))?;
-            let line = str::from_utf8(line).map_err(|_| wrong("it is no text"))?.trim_end();
+            let line = end.map(|end| &rest[..end]).ok_or(wrong("it has no newline"))?;
+            let line = str::from_utf8(line).map_err(|_| wrong("it is not text"))?.trim_end();
             at += end.unwrap_or_default() + 1;
             if !in_lines {
                 let (width, height) = size(line)?;
@@ -63,14 +63,15 @@ impl Header {
                 in_lines = false;
             } else if let Some(format) = line.strip_prefix("FORMAT=") {
                 if format.trim() != "32-bit_rle_rgbe" {
-                    return Err(wrong("its FORMAT is not 32-bit_rle_rgbe"));
+                    return Err(wrong("its FORMAT is not supported; expected 32-bit_rle_rgbe"));
                 }
             } else if let Some(exposure) = line.strip_prefix("EXPOSURE=") {
-                let factor = factors::<1>(exposure).ok_or(wrong("its EXPOSURE is no number above 0"))?;
+                let factor =
+                    factors::<1>(exposure).ok_or(wrong("its EXPOSURE is not a number from 1e-12 to 1e12"))?;
                 scale.iter_mut().for_each(|scale| *scale *= factor[0]);
             } else if let Some(correction) = line.strip_prefix("COLORCORR=") {
-                let by =
-                    factors::<3>(correction).ok_or(wrong("its COLORCORR is not three numbers above 0"))?;
+                let by = factors::<3>(correction)
+                    .ok_or(wrong("its COLORCORR is not three numbers from 1e-12 to 1e12"))?;
                 scale.iter_mut().zip(by).for_each(|(scale, by)| *scale *= by);
             }
         }
@@ -91,20 +92,23 @@ fn size(line: &str) -> Result<(usize, usize), MapProblem> {
     Ok((width.parse().map_err(|_| other())?, height.parse().map_err(|_| other())?))
 }
 
-enum Stop {
+/// Error of a scanline.
+enum ScanlineError {
+    /// The file ends.
     End,
+    /// A run does not fit into the row.
     Run,
 }
 
-fn take<'a>(input: &mut &'a [u8], count: usize) -> Result<&'a [u8], Stop> {
-    let (taken, rest) = input.split_at_checked(count).ok_or(Stop::End)?;
+fn take<'a>(input: &mut &'a [u8], count: usize) -> Result<&'a [u8], ScanlineError> {
+    let (taken, rest) = input.split_at_checked(count).ok_or(ScanlineError::End)?;
     *input = rest;
     Ok(taken)
 }
 
-/// One row, in whichever of three codings it has.
-fn scanline(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
-    let begins = input.get(..4).ok_or(Stop::End)?;
+/// Reads one row in any of the three encodings.
+fn scanline(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), ScanlineError> {
+    let begins = input.get(..4).ok_or(ScanlineError::End)?;
     let in_runs = (8..32768).contains(&row.len())
         && begins[..2] == [2, 2]
         && usize::from(begins[2]) << 8 | usize::from(begins[3]) == row.len();
@@ -117,7 +121,8 @@ fn scanline(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
         while at < row.len() {
             let count = usize::from(take(input, 1)?[0]);
             let (count, run) = if count > 128 { (count - 128, true) } else { (count, false) };
-            let pixels = row.get_mut(at..at + count).filter(|pixels| !pixels.is_empty()).ok_or(Stop::Run)?;
+            let pixels =
+                row.get_mut(at..at + count).filter(|pixels| !pixels.is_empty()).ok_or(ScanlineError::Run)?;
             let bytes = take(input, if run { 1 } else { count })?;
             for (k, pixel) in pixels.iter_mut().enumerate() {
                 pixel[component] = bytes[if run { 0 } else { k }];
@@ -128,8 +133,8 @@ fn scanline(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Pixel by pixel; 1, 1, 1, n repeats the last one.
-fn plain(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
+/// Reads a row pixel by pixel; a pixel 1, 1, 1, n repeats the previous one n times.
+fn plain(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), ScanlineError> {
     let (mut at, mut shift) = (0, 0);
     while at < row.len() {
         let pixel = take(input, 4)?;
@@ -138,13 +143,13 @@ fn plain(input: &mut &[u8], row: &mut [[u8; 4]]) -> Result<(), Stop> {
             (row[at], at, shift) = (pixel, at + 1, 0);
             continue;
         }
-        let before = at.checked_sub(1).map(|k| row[k]).ok_or(Stop::Run)?;
-        let count = usize::from(pixel[3]).checked_shl(shift).ok_or(Stop::Run)?;
+        let before = at.checked_sub(1).map(|k| row[k]).ok_or(ScanlineError::Run)?;
+        let count = usize::from(pixel[3]).checked_shl(shift).ok_or(ScanlineError::Run)?;
         shift += 8;
-        row.get_mut(at..at.saturating_add(count)).ok_or(Stop::Run)?.fill(before);
+        row.get_mut(at..at.saturating_add(count)).ok_or(ScanlineError::Run)?.fill(before);
         at += count;
         if shift > 24 {
-            return Err(Stop::Run);
+            return Err(ScanlineError::Run);
         }
     }
     Ok(())

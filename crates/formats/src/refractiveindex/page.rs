@@ -1,8 +1,8 @@
-//! The layout of a page: the entries under `DATA:`, without what their values mean.
+//! Layout of a page: the entries under `DATA:`, as uninterpreted text.
 //!
-//! YAML as the pages have it: a list of mappings at one indentation, whose values are plain text, text in quotes, or
-//! blocks (`|`, `>`). All else on the page (`REFERENCES`, `COMMENTS`, `SPECS`, ...) is passed over. What YAML has beside that (flow
-//! collections, anchors, tags) is refused.
+//! Reads the subset of YAML that the pages use: a list of mappings with the same indentation, whose values are plain text, text in
+//! quotes, or blocks (`|`, `>`). The other sections of a page (`REFERENCES`, `COMMENTS`, `SPECS`, ...) are skipped. Other features of
+//! YAML (flow collections, anchors, tags) are refused.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -13,35 +13,35 @@ use crate::rows::Table;
 /// One element of the list under `DATA`.
 pub(super) struct Entry<'a> {
     keys: Vec<(&'a str, Value<'a>)>,
-    /// Where it begins: a byte of the file.
+    /// Start in the file, bytes.
     at: usize,
 }
 
-/// What stands behind a key.
+/// Value of a key.
 pub(super) struct Value<'a> {
     pub(super) text: Cow<'a, str>,
-    /// Bytes of the file.
+    /// Place in the file, bytes.
     pub(super) place: Range<usize>,
 }
 
-/// A line break that was written `\n`, until the others are folded; no page has this character.
+/// Stands for a line break that was written as `\n`, until the other line breaks are folded; no page has this character.
 const BREAK: char = '\u{e000}';
 
-/// A line without its end, and where it begins.
+/// A line without its newline, and its start in the file, bytes.
 #[derive(Clone, Copy)]
 struct Line<'a> {
     start: usize,
     text: &'a str,
 }
 
-/// The section under `DATA:`, on its way to entries.
+/// Reader of the section under `DATA:`.
 struct Section<'a> {
     file: Table<'a>,
     lines: Vec<Line<'a>>,
     next: usize,
 }
 
-/// The entries of a page.
+/// Reads the entries of a page.
 pub(super) fn entries(file: Table<'_>) -> Result<Vec<Entry<'_>>, FormatError> {
     let lines = file.text.split_inclusive('\n').scan(0, |next, text| {
         let start = *next;
@@ -49,14 +49,14 @@ pub(super) fn entries(file: Table<'_>) -> Result<Vec<Entry<'_>>, FormatError> {
         Some(Line { start, text: text.trim_end_matches(['\n', '\r']) })
     });
     let mut lines = lines.skip_while(|line| !is_head(line));
-    let Some(head) = lines.next() else { return Err(file.error(yaml("there is no `DATA`"))) };
+    let Some(head) = lines.next() else { return Err(file.error(yaml("there is no key `DATA`"))) };
     let (section, rest): (Vec<_>, Vec<_>) = {
         let rest: Vec<_> = lines.collect();
-        let end = rest.iter().position(Line::ends_the_section).unwrap_or(rest.len());
+        let end = rest.iter().position(Line::ends_section).unwrap_or(rest.len());
         (rest[..end].to_vec(), rest[end..].to_vec())
     };
-    if let Some(again) = rest.iter().find(|line| is_head(line)) {
-        return Err(fault(file, again.start, "`DATA` is given twice"));
+    if let Some(second) = rest.iter().find(|line| is_head(line)) {
+        return Err(fault(file, second.start, "the key `DATA` occurs twice"));
     }
     match without_comment(&head.text["DATA:".len()..]) {
         "" => Section { file, lines: section, next: 0 }.entries(),
@@ -64,7 +64,7 @@ pub(super) fn entries(file: Table<'_>) -> Result<Vec<Entry<'_>>, FormatError> {
         _ => Err(fault(
             file,
             head.start + "DATA:".len() + 1,
-            "below `DATA:`, a list of `- type: ...` is expected",
+            "expected a list of entries `- type: ...` on the lines below `DATA:`",
         )),
     }
 }
@@ -74,23 +74,23 @@ fn is_head(line: &Line<'_>) -> bool {
 }
 
 impl<'a> Entry<'a> {
-    /// The value of that key.
+    /// Returns the value of a key.
     pub(super) fn get(&self, key: &str) -> Option<&Value<'a>> {
         self.keys.iter().find(|(known, _)| *known == key).map(|(_, value)| value)
     }
 
-    /// What begins with `- type:`.
+    /// Returns the value of `type`.
     pub(super) fn kind(&self, file: Table<'_>) -> Result<&Value<'a>, FormatError> {
         self.get("type").ok_or_else(|| fault(file, self.at, "this entry has no `type`"))
     }
 }
 
 impl Value<'_> {
-    /// Its lines that are not blank, each with its place in the file's text.
+    /// Returns the lines that are not blank, with their places in the file.
     pub(super) fn rows<'a>(&'a self, file: Table<'a>) -> impl Iterator<Item = (Range<usize>, &'a str)> {
         let rows = self.text.lines().map(str::trim).filter(|row| !row.is_empty());
         rows.scan(self.place.start, move |from, row| {
-            // In text that was joined a row may be broken, and then is nowhere.
+            // In folded text, a row may consist of several lines; it is then not found and gets the start of the value as its place.
             let found = file.text.get(*from..).and_then(|rest| rest.find(row)).map(|at| *from + at);
             let start = found.filter(|start| *start < self.place.end).unwrap_or(self.place.start);
             *from = found.map_or(*from, |start| start + row.len());
@@ -112,7 +112,7 @@ impl Line<'_> {
         self.text.trim().is_empty()
     }
 
-    fn says_nothing(&self) -> bool {
+    fn is_skipped(&self) -> bool {
         self.is_blank() || self.body().starts_with('#')
     }
 
@@ -120,8 +120,8 @@ impl Line<'_> {
         self.body() == "-" || self.body().starts_with("- ")
     }
 
-    fn ends_the_section(&self) -> bool {
-        self.indent() == 0 && !self.says_nothing() && !self.begins_entry() && !self.text.starts_with('\t')
+    fn ends_section(&self) -> bool {
+        self.indent() == 0 && !self.is_skipped() && !self.begins_entry() && !self.text.starts_with('\t')
     }
 }
 
@@ -129,13 +129,13 @@ impl<'a> Section<'a> {
     fn entries(mut self) -> Result<Vec<Entry<'a>>, FormatError> {
         let mut entries = Vec::new();
         let mut column = None;
-        while let Some(line) = self.say_something() {
+        while let Some(line) = self.next_content() {
             let indent = line.indent();
             if !line.begins_entry() || *column.get_or_insert(indent) != indent {
                 let message = if line.body().starts_with('\t') {
-                    "lines are indented by spaces, not by tabs"
+                    "this line is indented with tabs; indent with spaces"
                 } else {
-                    "an entry that begins with `- type:` is expected here, as far in as the first"
+                    "expected an entry that begins with `- type:`, with the indentation of the first entry"
                 };
                 return Err(self.fault(line, message));
             }
@@ -144,10 +144,10 @@ impl<'a> Section<'a> {
         Ok(entries)
     }
 
-    /// The entry whose dash stands at `dash`.
+    /// Reads the entry whose dash is in column `dash`.
     fn entry(&mut self, first: Line<'a>, dash: usize) -> Result<Entry<'a>, FormatError> {
         let mut entry = Entry { keys: Vec::new(), at: first.start + dash };
-        // The first key may stand behind the dash.
+        // The first key may follow the dash on the same line.
         let behind = &first.text[dash + 1..];
         let mut column = None;
         if without_comment(behind).is_empty() {
@@ -155,18 +155,18 @@ impl<'a> Section<'a> {
         } else {
             column = Some(dash + 1 + behind.len() - behind.trim_start_matches(' ').len());
         }
-        while let Some(line) = self.say_something() {
+        while let Some(line) = self.next_content() {
             let is_first = line.start == first.start;
             if !is_first && line.indent() <= dash {
                 break;
             }
             let indent = *column.get_or_insert(line.indent());
             if !is_first && line.indent() != indent {
-                return Err(self.fault(line, "the keys of an entry stand below each other"));
+                return Err(self.fault(line, "the keys of an entry must have the same indentation"));
             }
             let (key, behind) = self.key(line, indent)?;
             if entry.get(key).is_some() {
-                return Err(self.fault(line, &format!("`{key}` is given twice")));
+                return Err(self.fault(line, &format!("the key `{key}` occurs twice in this entry")));
             }
             self.next += 1;
             let value = self.value(line, behind, indent)?;
@@ -175,7 +175,7 @@ impl<'a> Section<'a> {
         Ok(entry)
     }
 
-    /// The key that begins at a column of a line, and where what is behind its colon begins.
+    /// Reads the key that begins at a column of a line. Returns it and the column after its colon.
     fn key(&self, line: Line<'a>, column: usize) -> Result<(&'a str, usize), FormatError> {
         let text = &line.text[column..];
         let ends =
@@ -184,11 +184,11 @@ impl<'a> Section<'a> {
             Some((at, _)) if !text.starts_with(['\t', '[', '{', '?']) => {
                 Ok((text[..at].trim_end().trim_matches(['"', '\'']), column + at + 1))
             }
-            _ => Err(self.fault(line, "a key with a colon behind it is expected here, indented by spaces")),
+            _ => Err(self.fault(line, "expected a key followed by a colon, indented with spaces")),
         }
     }
 
-    /// The value behind a colon, and on the lines below that are farther in than its key.
+    /// Reads the value after a colon, and on the following lines that are indented further than its key.
     fn value(&mut self, line: Line<'a>, behind: usize, indent: usize) -> Result<Value<'a>, FormatError> {
         let text = line.text[behind..].trim_start();
         let at = line.start + line.text.len() - text.len();
@@ -196,10 +196,14 @@ impl<'a> Section<'a> {
             Some(style @ ('|' | '>')) => {
                 let head = without_comment(&text[1..]);
                 if !head.chars().all(|c| matches!(c, '+' | '-' | '1'..='9')) {
-                    return Err(fault(self.file, at, "behind `|`, the rows begin on the next line"));
+                    return Err(fault(
+                        self.file,
+                        at,
+                        "expected the rows on the lines after `|`, not on the same line",
+                    ));
                 }
                 let start = self.lines.get(self.next).map_or(self.file.text.len(), |line| line.start);
-                // The first row says how far in all are, if the head does not.
+                // Without an indentation indicator, the first row defines the indentation.
                 let first = self.lines[self.next..].iter().find(|line| !line.is_blank());
                 let given = head.chars().find_map(|c| c.to_digit(10)).map(|more| indent + more as usize);
                 let least = given.or(first.map(Line::indent)).unwrap_or_default().max(indent + 1);
@@ -210,9 +214,11 @@ impl<'a> Section<'a> {
                 Ok(Value { text, place: start..end })
             }
             Some(quote @ ('"' | '\'')) => self.quoted(at, quote),
-            Some('[' | '{' | '&' | '*' | '!' | '%' | '@' | '`') => {
-                Err(fault(self.file, at, "text or numbers without brackets or marks are expected here"))
-            }
+            Some('[' | '{' | '&' | '*' | '!' | '%' | '@' | '`') => Err(fault(
+                self.file,
+                at,
+                "expected text or numbers; brackets, anchors and tags of YAML are not supported",
+            )),
             _ => {
                 let first = without_comment(text);
                 let is_list =
@@ -220,14 +226,14 @@ impl<'a> Section<'a> {
                 let more = self.below(|line| line.is_blank() || line.indent() > indent || is_list(line));
                 let place = at..at + first.len();
                 let more =
-                    more.iter().filter(|line| !line.says_nothing()).map(|line| without_comment(line.body()));
+                    more.iter().filter(|line| !line.is_skipped()).map(|line| without_comment(line.body()));
                 let whole = [first].into_iter().chain(more).collect::<Vec<_>>().join(" ");
                 Ok(Value { text: Cow::Owned(whole), place })
             }
         }
     }
 
-    /// Text in quotes, which may run over several lines.
+    /// Reads text in quotes, which may span several lines.
     fn quoted(&mut self, at: usize, quote: char) -> Result<Value<'a>, FormatError> {
         let rest = &self.file.text[at + 1..];
         let mut inside = String::new();
@@ -241,37 +247,43 @@ impl<'a> Section<'a> {
                     Some((_, 'n')) => inside.push(BREAK),
                     Some((_, 't')) => inside.push('\t'),
                     Some((_, same @ ('"' | '\\' | '/' | ' '))) => inside.push(same),
-                    // The line goes on without a space.
+                    // An escaped line break joins the lines without a space.
                     Some((_, '\r' | '\n')) => {
                         while characters.next_if(|(_, next)| matches!(next, ' ' | '\n')).is_some() {}
                     }
-                    _ => return Err(fault(self.file, at + 1 + i, "this escape is not known")),
+                    _ => {
+                        return Err(fault(
+                            self.file,
+                            at + 1 + i,
+                            "unknown escape sequence; expected `\\n`, `\\t`, `\\\"`, `\\\\`, `\\/` or `\\ `",
+                        ));
+                    }
                 },
                 _ if c == quote => {
                     let end = at + 1 + i;
                     while self.lines.get(self.next).is_some_and(|line| line.start <= end) {
                         self.next += 1;
                     }
-                    // A line break that was escaped is one, whatever stands around it.
+                    // An escaped `\n` is a line break regardless of folding.
                     let text = folded(&inside).replace(BREAK, "\n");
                     return Ok(Value { text: Cow::Owned(text), place: at..end });
                 }
                 _ => inside.push(c),
             }
         }
-        Err(fault(self.file, at, "the quote that begins here does not end"))
+        Err(fault(self.file, at, "this quotation mark is not closed"))
     }
 
-    /// The lines from the next on for which this holds.
+    /// Takes lines while a condition holds.
     fn below(&mut self, holds: impl Fn(&Line<'a>) -> bool) -> Vec<Line<'a>> {
         let lines: Vec<_> = self.lines[self.next..].iter().copied().take_while(|line| holds(line)).collect();
         self.next += lines.len();
         lines
     }
 
-    /// The next line that is neither blank nor a comment.
-    fn say_something(&mut self) -> Option<Line<'a>> {
-        self.below(Line::says_nothing);
+    /// Returns the next line that is neither blank nor a comment.
+    fn next_content(&mut self) -> Option<Line<'a>> {
+        self.below(Line::is_skipped);
         self.lines.get(self.next).copied()
     }
 
@@ -280,7 +292,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// YAML's folding: lines are joined by spaces, and each blank line is a line break.
+/// Folds text as YAML does: lines are joined by spaces, and each blank line is a line break.
 fn folded(text: &str) -> String {
     let mut whole = String::new();
     let mut breaks = 0;
@@ -298,7 +310,7 @@ fn folded(text: &str) -> String {
     whole
 }
 
-/// Text before ` #`, without blanks around it.
+/// Returns the text before ` #`, without blanks around it.
 fn without_comment(text: &str) -> &str {
     let comment = |(at, _): &(usize, &str)| *at == 0 || text[..*at].ends_with([' ', '\t']);
     let end = text.match_indices('#').find(comment).map_or(text.len(), |(at, _)| at);
@@ -309,7 +321,7 @@ fn yaml(message: &str) -> Problem {
     Problem::Yaml { message: message.to_owned() }
 }
 
-/// An error at a byte of the page.
+/// Returns an error at a byte of the page.
 pub(super) fn fault(file: Table<'_>, at: usize, message: &str) -> FormatError {
     file.error_at_line(at, yaml(message))
 }

@@ -1,4 +1,4 @@
-//! Cones and BSDFs as arrays and tables, read back by a small reader of their own formats.
+//! Conoscopic maps and BSDFs as arrays and tables, read by a small independent reader of the formats.
 
 use papilio_display::{
     BrdfGrid, BrdfState, BrdfTable, ConeLight, ConeResult, ConeState, ConeView, RowErrors,
@@ -7,7 +7,7 @@ use papilio_formats::{
     BsdfSource, CONE_QUANTITIES, ConeFile, write_bsdf, write_cone_csv, write_cone_npy, write_json,
 };
 
-/// An array as read: type, shape, bytes.
+/// An array: type, shape, bytes.
 struct Array<'a> {
     descr: String,
     shape: Vec<usize>,
@@ -15,7 +15,7 @@ struct Array<'a> {
 }
 
 impl<'a> Array<'a> {
-    /// After NumPy's own description of the format.
+    /// Reads an array according to NumPy's description of the format.
     fn read(bytes: &'a [u8]) -> Self {
         assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
         let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -36,7 +36,7 @@ impl<'a> Array<'a> {
         let numbers: Vec<f64> = match self.descr.as_str() {
             "<f8" => self.data.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect(),
             "<f4" => self.data.chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()).into()).collect(),
-            other => panic!("{other} is no type of numbers"),
+            other => panic!("{other} is not a numeric type"),
         };
         assert_eq!(numbers.len(), count);
         numbers
@@ -54,7 +54,7 @@ impl<'a> Array<'a> {
     }
 }
 
-/// The files of a zip, none of them compressed, by way of its central directory (PKWARE's APPNOTE, 4.3).
+/// Returns the uncompressed files of a zip archive, found through its central directory (PKWARE's APPNOTE, 4.3).
 fn unzip(bytes: &[u8]) -> Vec<(String, &[u8])> {
     let two = |at: usize| usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
     let four = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
@@ -73,7 +73,7 @@ fn unzip(bytes: &[u8]) -> Vec<(String, &[u8])> {
     files
 }
 
-/// 3 inclinations, 2 azimuths, 2 states; every number tells its place.
+/// A map of 3 inclinations, 2 azimuths and 2 states, with Y = 10 x view + state.
 fn cone() -> ConeResult {
     let view = |k: usize| ConeView {
         contrast_ratio: (k > 0).then_some(k as f64),
@@ -103,7 +103,7 @@ fn cone() -> ConeResult {
 }
 
 #[test]
-fn a_cone_is_an_array_of_theta_phi_state_and_quantity() {
+fn cone_array_has_the_axes_theta_phi_state_and_quantity() {
     let mut bytes = Vec::new();
     write_cone_npy(&mut bytes, &cone()).unwrap();
     let array = Array::read(&bytes);
@@ -113,7 +113,7 @@ fn a_cone_is_an_array_of_theta_phi_state_and_quantity() {
         let quantity = CONE_QUANTITIES.iter().position(|name| *name == quantity).unwrap();
         numbers[((theta * 2 + phi) * 2 + state) * 8 + quantity]
     };
-    // View 4 of the cone is theta 1, phi 1: theta runs fastest there.
+    // View 4 of the map is theta 1, phi 1: theta varies fastest there.
     assert_eq!((at(1, 1, 0, "Y"), at(1, 1, 1, "Y"), at(2, 0, 0, "Y")), (40.0, 41.0, 20.0));
     assert_eq!((at(1, 1, 0, "contrast_ratio"), at(1, 1, 0, "uv_shift")), (4.0, 0.4));
     assert!(at(0, 0, 0, "contrast_ratio").is_nan() && at(0, 0, 1, "uv_shift").is_nan());
@@ -122,7 +122,7 @@ fn a_cone_is_an_array_of_theta_phi_state_and_quantity() {
 }
 
 #[test]
-fn a_cone_is_a_table_with_a_row_for_each_direction_and_state() {
+fn cone_table_has_a_row_for_each_direction_and_state() {
     let mut bytes = Vec::new();
     write_cone_csv(&mut bytes, &cone()).unwrap();
     let text = String::from_utf8(bytes).unwrap();
@@ -136,9 +136,9 @@ fn a_cone_is_a_table_with_a_row_for_each_direction_and_state() {
     assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,");
 }
 
-/// Where an error is allowed, each row's own stands in a last column.
+/// If an error is permitted, the last column holds the error of each row.
 #[test]
-fn an_allowed_error_is_a_column_more() {
+fn cone_with_a_permitted_error_has_an_error_column() {
     let mut cone = cone();
     let relative = (0..12).map(|row| f64::from(row) / 100.0).collect();
     cone.row_errors = RowErrors { relative, target: 1e-3, allowed: None };
@@ -163,7 +163,7 @@ fn an_allowed_error_is_a_column_more() {
 }
 
 #[test]
-fn the_axes_of_the_array_are_explained() {
+fn cone_json_describes_the_axes_of_the_array() {
     let (cone, mut bytes) = (cone(), Vec::new());
     write_json(&mut bytes, &ConeFile::new("0.1.0", "abc", &cone)).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
@@ -177,7 +177,7 @@ fn the_axes_of_the_array_are_explained() {
     assert_eq!(json["solver"]["discretisation_error"], 3e-5);
 }
 
-/// Directions of each axis by their places: 2 x 3 x 4, 5 wavelengths.
+/// A table of 2 x 3 x 4 directions and 5 wavelengths, whose values increase with the index.
 fn table() -> BrdfTable {
     let axis = |count: u32| (0..count).map(|k| 10.0 * f64::from(k)).collect::<Vec<_>>();
     let state = |s: usize, name: &str| BrdfState {
@@ -199,7 +199,7 @@ fn table() -> BrdfTable {
 const SOURCE: BsdfSource<'_> = BsdfSource { papilio: "0.1.0", title: "A \"title\" \u{394}", hash: "abc" };
 
 #[test]
-fn a_bsdf_reads_back() {
+fn bsdf_archive_reads_back() {
     let mut bytes = Vec::new();
     write_bsdf(&mut bytes, &SOURCE, &table()).unwrap();
     let files = unzip(&bytes);
@@ -226,9 +226,9 @@ fn a_bsdf_reads_back() {
     assert_eq!(files.len(), 9);
 }
 
-/// Where an error is allowed, each row's own stands in an array.
+/// If an error is permitted, an array holds the error of each row.
 #[test]
-fn an_allowed_error_is_an_array_more() {
+fn bsdf_with_a_permitted_error_has_an_error_array() {
     let mut table = table();
     let relative = (0..48).map(|row| f64::from(row) / 100.0).collect();
     table.row_errors = RowErrors { relative, target: 1e-3, allowed: None };
@@ -241,9 +241,9 @@ fn an_allowed_error_is_an_array_more() {
     assert_eq!((error.shape.as_slice(), error.numbers()[47]), (&[2, 2, 3, 4][..], 0.47));
 }
 
-/// The same table, the same bytes: no date is in them.
+/// Equal tables give equal bytes: the archive holds no date.
 #[test]
-fn a_bsdf_is_reproducible_and_its_lengths_are_checked() {
+fn bsdf_archive_is_reproducible_and_wrong_lengths_are_refused() {
     let write = |table: &BrdfTable| {
         let mut bytes = Vec::new();
         write_bsdf(&mut bytes, &SOURCE, table).map(|()| bytes)

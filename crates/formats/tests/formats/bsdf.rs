@@ -1,4 +1,4 @@
-//! Files of measured scattering: what the readers take, what they refuse and where, round trips.
+//! Files of measured scattering: readers, errors with their places, round trips.
 
 mod astm;
 mod audit;
@@ -22,13 +22,13 @@ fn read(bytes: impl AsRef<[u8]>) -> Measurement {
     read_bsdf(&file(bytes)).unwrap().value
 }
 
-/// Line and column, and what is wrong there.
+/// Returns line and column of an error, and the error.
 fn refused(bytes: impl AsRef<[u8]>) -> (Option<(usize, usize)>, Problem) {
     let FormatError { place, problem } = read_bsdf(&file(bytes)).unwrap_err();
     (place.line_column(), problem)
 }
 
-/// The same, of what can be wrong with a BSDF in particular.
+/// Returns the same for an error of BSDF files.
 fn refused_bsdf(bytes: impl AsRef<[u8]>) -> (Option<(usize, usize)>, BsdfProblem) {
     match refused(bytes) {
         (place, Problem::Bsdf(problem)) => (place, *problem),

@@ -1,4 +1,4 @@
-//! Maps of light: what is read, and what is refused, whatever the bytes.
+//! Light maps: readers, errors, and arbitrary bytes.
 use std::io::Cursor;
 
 use exr::prelude::*;
@@ -13,13 +13,13 @@ fn header(lines: &str, height: usize, width: usize) -> Vec<u8> {
     format!("#?RADIANCE\n{lines}FORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes()
 }
 
-/// A picture of 8 rows in runs, as most programs write it: component by component.
+/// A picture of 8 rows with run-length encoding by component, as most programs write it.
 fn in_runs(pixel: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
     let mut bytes = header("", 8, 16);
     for row in 0..8 {
         bytes.extend([2, 2, 0, 16]);
         for component in 0..4 {
-            // Four alike as a run, twelve as they are.
+            // Four equal pixels as a run, twelve literally.
             let value = |column: usize| pixel(row, column)[component];
             bytes.extend([128 + 4, value(0), 12]);
             bytes.extend((4..16).map(value));
@@ -35,7 +35,7 @@ fn plain(pixel: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
 }
 
 #[test]
-fn runs_and_plain_pixels_are_the_same_picture() {
+fn picture_with_or_without_runs_is_read_equally() {
     let pixel = |row: usize, column: usize| {
         let column = if column < 4 { 0 } else { column };
         [10 * row as u8 + 3, 7 * column as u8, 200, 128 + (column % 3) as u8]
@@ -53,7 +53,7 @@ fn runs_and_plain_pixels_are_the_same_picture() {
 }
 
 #[test]
-fn exposure_is_divided_out() {
+fn picture_with_exposure_is_divided_by_it() {
     let body = [128, 128, 128, 129].repeat(8);
     let of = |lines: &str| read(&[header(lines, 2, 4), body.clone()].concat()).unwrap();
     let (plain, exposed) = (of(""), of("EXPOSURE=2.0\nEXPOSURE=2\nCOLORCORR=1 0.5 2\n"));
@@ -63,7 +63,7 @@ fn exposure_is_divided_out() {
 }
 
 #[test]
-fn bad_pictures_are_refused() {
+fn malformed_picture_is_refused_with_its_reason() {
     let body = [128; 32];
     for (bytes, wanted) in [
         (b"P6\n4 2\n".to_vec(), "neither a Radiance picture"),
@@ -75,19 +75,19 @@ fn bad_pictures_are_refused() {
         (header("EXPOSURE=0\n", 2, 4), "line 2 of the header: its EXPOSURE"),
         (header("COLORCORR=1 2\n", 2, 4), "line 2 of the header: its COLORCORR"),
         (b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 2 +X 4\n".to_vec(), "its FORMAT is not"),
-        (b"#?RADIANCE\n\n+Y 2 +X 4\n".to_vec(), "scanlines run as `+Y 2 +X 4`"),
-        (b"#?RADIANCE\n\n-Y two +X 4\n".to_vec(), "scanlines run as"),
-        (b"#?RADIANCE\n".to_vec(), "it has no end"),
-        ([b"#?RADIANCE\n".to_vec(), vec![b'x'; 100_000]].concat(), "it has no end"),
-        ([header("", 8, 16), vec![2, 2, 0, 16, 255, 1, 1]].concat(), "row 1 does not hold"),
-        ([header("", 2, 4), vec![1, 1, 1, 3]].concat(), "row 1 does not hold"),
+        (b"#?RADIANCE\n\n+Y 2 +X 4\n".to_vec(), "scanlines of this map have the order `+Y 2 +X 4`"),
+        (b"#?RADIANCE\n\n-Y two +X 4\n".to_vec(), "scanlines of this map have the order"),
+        (b"#?RADIANCE\n".to_vec(), "it has no newline"),
+        ([b"#?RADIANCE\n".to_vec(), vec![b'x'; 100_000]].concat(), "it has no newline"),
+        ([header("", 8, 16), vec![2, 2, 0, 16, 255, 1, 1]].concat(), "the data of row 1 do not match"),
+        ([header("", 2, 4), vec![1, 1, 1, 3]].concat(), "the data of row 1 do not match"),
     ] {
         let error = read(&bytes).unwrap_err();
         assert!(error.contains(wanted) && error.contains("room.hdr"), "{wanted}: {error}");
     }
 }
 
-/// An OpenEXR file of these channels.
+/// Returns an OpenEXR file with these channels.
 fn exr_of(width: usize, height: usize, channels: &[(&str, &dyn Fn(usize) -> f32)]) -> Vec<u8> {
     let channel = |(name, value): &(&str, &dyn Fn(usize) -> f32)| {
         let samples = FlatSamples::F32((0..width * height).map(value).collect());
@@ -106,7 +106,7 @@ fn exr_of(width: usize, height: usize, channels: &[(&str, &dyn Fn(usize) -> f32)
 }
 
 #[test]
-fn openexr_maps_of_colours_and_of_wavelengths() {
+fn openexr_map_of_colours_or_wavelengths_is_read() {
     let value = |k: usize| k as f32 + 0.25;
     let rgb =
         read(&exr_of(8, 4, &[("R", &value), ("G", &|_| 2.0), ("B", &|_| 3.0), ("A", &|_| 1.0)])).unwrap();
@@ -125,7 +125,7 @@ fn openexr_maps_of_colours_and_of_wavelengths() {
 }
 
 #[test]
-fn bad_openexr_maps_are_refused() {
+fn malformed_openexr_map_is_refused_with_its_reason() {
     let one = |_: usize| 1.0;
     let good = exr_of(8, 4, &[("R", &one), ("G", &one), ("B", &one)]);
     for (bytes, wanted) in [
@@ -145,9 +145,9 @@ fn bad_openexr_maps_are_refused() {
     }
 }
 
-/// Whatever bytes are changed, reading ends with a map or an error.
+/// Files with arbitrary changes are read or refused.
 #[test]
-fn no_bytes_make_it_panic() {
+fn light_map_with_changed_bytes_never_panics() {
     let one = |k: usize| k as f32;
     let good = [
         in_runs(|row, column| [row as u8, column as u8, 9, 130]),

@@ -1,10 +1,10 @@
-//! Files in and out.
+//! Tests of readers and writers.
 
 #![allow(
     clippy::expect_used,
     clippy::panic,
     clippy::unwrap_used,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
+    reason = "helpers of tests also state their expectations by unwrapping"
 )]
 
 mod arrays;

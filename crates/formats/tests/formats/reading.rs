@@ -1,4 +1,4 @@
-//! What the readers take, and where they say that a file is wrong.
+//! Readers of tables and indices: accepted files, and errors with their places.
 
 use papilio_formats::{
     DataFile, FormatError, PixelTable, Problem, is_name, read_index, read_index_within, read_light,
@@ -16,7 +16,7 @@ fn place<T: std::fmt::Debug>(result: Result<T, FormatError>) -> (Option<(usize, 
 }
 
 #[test]
-fn spectra_come_in_many_dresses() {
+fn spectrum_with_any_separator_header_or_order_is_read() {
     for text in [
         "400,1\n500,3\n",
         "# c\nnm;R\r\n400;1\r\n500;3\r\n",
@@ -29,13 +29,13 @@ fn spectra_come_in_many_dresses() {
 }
 
 #[test]
-fn wrong_spectra_say_where() {
+fn malformed_spectrum_is_an_error_with_its_place() {
     let bad = |text: &str| place(read_spectrum(&file(text)));
     assert_eq!(bad("nm,R\n400,1\n500,NaN\n"), (Some((3, 5)), Problem::NotFinite { found: "NaN".to_owned() }));
     assert_eq!(bad("400,1\n500,x\n"), (Some((2, 5)), Problem::NotANumber { found: "x".to_owned() }));
     assert_eq!(bad("400,1\n400,2\n"), (Some((2, 1)), Problem::OutOfOrder { nm: 400.0, before: 400.0 }));
     assert!(matches!(bad("400,1\n500,1,2\n"), (Some((2, 1)), Problem::Columns { found: 3, .. })));
-    // Falling wavelengths are taken, turning ones are not.
+    // Descending wavelengths are accepted, but not a change of direction.
     assert_eq!(
         bad("500,1\n400,2\n450,3\n"),
         (Some((3, 1)), Problem::OutOfOrder { nm: 450.0, before: 400.0 })
@@ -48,25 +48,25 @@ fn wrong_spectra_say_where() {
 }
 
 #[test]
-fn an_error_shows_the_line_and_what_to_do() {
+fn error_message_shows_the_line_and_a_hint() {
     let error = read_spectrum(&file("400,1\n500,1e999\n")).unwrap_err();
     let expected = "error: `1e999` is not a finite number\n --> data.csv:2:5\n  |\n2 | 500,1e999\n  |     ^^^^^ \
-                    expected a number\n  = help: remove the row, or give its value";
+                    expected a finite number\n  = help: remove the row, or enter its value";
     assert_eq!(error.to_string(), expected);
 }
 
 #[test]
-fn decimal_commas_are_named() {
+fn decimal_comma_is_an_error_with_a_hint() {
     for (text, place) in [("nm;R\n380;0\n390;0,5\n", (3, 5)), ("380\t0,1\n390\t0,5\n", (1, 1))] {
         let error = read_spectrum(&file(text)).unwrap_err();
         assert_eq!(error.place.line_column(), Some(place));
-        assert!(error.to_string().contains("decimal commas are not read"), "{error}");
+        assert!(error.to_string().contains("decimal commas are not supported"), "{error}");
     }
 }
 
-/// A header has no number: a mistyped first row is an error, not a header.
+/// A header contains no number: a first row with a typing error is an error, not a header.
 #[test]
-fn a_mistyped_first_row_is_no_header() {
+fn first_row_with_a_typing_error_is_not_a_header() {
     let bad = |text: &str| place(read_spectrum(&file(text)));
     let mistyped = Problem::NotANumber { found: "36O".to_owned() };
     assert_eq!(bad("36O,0.9\n380,1\n780,1\n"), (Some((1, 1)), mistyped));
@@ -75,21 +75,21 @@ fn a_mistyped_first_row_is_no_header() {
 }
 
 #[test]
-fn wrong_numbers_of_columns_and_rows_in_words() {
+fn wrong_number_of_columns_or_rows_has_a_hint() {
     let shown = |text: &str| read_spectrum(&file(text)).unwrap_err().to_string();
     assert!(
         shown("380\n").contains("this row has 1 column\n") && shown("380\n").contains("separate the columns")
     );
-    assert!(shown("380,1,2\n").contains("remove what is too much"));
+    assert!(shown("380,1,2\n").contains("remove the additional columns"));
     assert!(shown("380,1\n").contains("too few rows of data") && shown("380,1\n").contains("at least two"));
-    assert!(shown("380,\"1\n").contains("the quotes of this cell do not match"));
+    assert!(shown("380,\"1\n").contains("the quotation marks of this cell do not match"));
 }
 
 #[test]
-fn values_out_of_range_are_shown_in_their_row() {
-    let shares = |text: &str| place(read_shares(&file(text)));
-    let (at, problem) = shares("nm,R\n380,0.1\n780,20\n");
-    assert!(matches!(problem, Problem::OutOfRange { what: "the share", value: 20.0, .. }));
+fn value_out_of_range_is_an_error_with_its_place() {
+    let fractions = |text: &str| place(read_shares(&file(text)));
+    let (at, problem) = fractions("nm,R\n380,0.1\n780,20\n");
+    assert!(matches!(problem, Problem::OutOfRange { what: "the fraction", value: 20.0, .. }));
     assert_eq!(at, Some((3, 5)));
     let light = |text: &str| place(read_light(&file(text)));
     assert!(matches!(light("380,1\n780,-2\n"), (Some((2, 5)), Problem::OutOfRange { value: -2.0, .. })));
@@ -99,7 +99,7 @@ fn values_out_of_range_are_shown_in_their_row() {
 }
 
 #[test]
-fn negative_k_is_the_other_convention() {
+fn negative_k_is_an_error_with_the_sign_convention() {
     let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 -2\n      0.5 2 -3\n";
     for text in ["400,2,-1\n600,3,-1\n", page] {
         let error = read_index(&file(text)).unwrap_err().to_string();
@@ -108,7 +108,7 @@ fn negative_k_is_the_other_convention() {
 }
 
 #[test]
-fn indices_with_and_without_k() {
+fn index_table_with_or_without_k_is_read() {
     let index = read_index(&file("nm,n,k\n400,2,0.2\n600,3,0.4\n")).unwrap().index(500.0).unwrap();
     assert!((index.re - 2.5).abs() < 1e-12 && (index.im - 0.3).abs() < 1e-12);
     assert_eq!(read_index(&file("400,2\n600,3\n")).unwrap().index(600.0).unwrap().im, 0.0);
@@ -134,9 +134,9 @@ DATA:
     coefficients: 1
 ";
 
-/// The page's formula is the named SiO2 (n_d 1.458464, Malitson 1965); k comes from the second entry.
+/// The formula of the page is the built-in SiO2 (n_d 1.458464, Malitson 1965); k comes from the second entry.
 #[test]
-fn a_refractiveindex_info_page() {
+fn page_with_formula_and_table_is_read() {
     let page = read_index(&file(SELLMEIER)).unwrap();
     assert_eq!(page.range_nm(), (300.0, 900.0));
     let index = page.index(587.5618).unwrap();
@@ -146,7 +146,7 @@ fn a_refractiveindex_info_page() {
 }
 
 #[test]
-fn pages_with_tables_and_lone_numbers() {
+fn page_with_a_table_or_a_single_coefficient_is_read() {
     let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 2\n      0.5 2 3\n";
     let index = read_index(&file(page)).unwrap().index(450.0).unwrap();
     assert!((index.re - 1.5).abs() < 1e-12 && (index.im - 2.5).abs() < 1e-12);
@@ -156,9 +156,9 @@ fn pages_with_tables_and_lone_numbers() {
     assert_eq!(read_index(&file(constant)).unwrap().index(500.0).unwrap().re, 1.5);
 }
 
-/// A page that another program has read and written again: other marks, other order, rows in quotes, folded text.
+/// Pages as other programs rewrite them: different quotes and order, rows in quotes, folded text.
 #[test]
-fn pages_in_other_forms_of_yaml() {
+fn page_in_equivalent_yaml_is_read_equally() {
     let page = "DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1 2\n      0.5 2 3\n";
     let read = read_index(&file(page)).unwrap();
     for same in [
@@ -172,7 +172,7 @@ fn pages_in_other_forms_of_yaml() {
 }
 
 #[test]
-fn what_is_no_page_says_where() {
+fn page_with_malformed_yaml_is_an_error_with_its_place() {
     for (text, place_of) in [
         ("DATA: 5\n", (1, 7)),
         ("DATA:\n  type: formula 1\n", (2, 3)),
@@ -195,7 +195,7 @@ fn what_is_no_page_says_where() {
 }
 
 #[test]
-fn wrong_pages_say_where() {
+fn page_with_invalid_data_is_an_error_with_its_place() {
     let bad = |text: String| place(read_index(&file(&text)));
     let wrong = bad(SELLMEIER.replace("0.9 0.06", "0.9 nan"));
     assert_eq!(wrong, (Some((11, 9)), Problem::NotFinite { found: "nan".to_owned() }));
@@ -208,10 +208,10 @@ fn wrong_pages_say_where() {
     assert_eq!(bad("DATA: []\n".to_owned()).1, Problem::NoIndex);
 }
 
-/// Faults of a page that 400 to 700 nm do not depend on are told, and the data end before them; what they depend on is as
-/// wrong as ever. Values are linear in wavelength, so that any good reading has n = nm/400.
+/// Faults of a page that do not affect 400 to 700 nm become notes, and the data end before them; faults that do remain
+/// errors. Values are linear in wavelength, so that any correct result has n = nm/400.
 #[test]
-fn faults_beyond_the_wanted_wavelengths_are_notes() {
+fn page_with_faults_outside_the_wanted_wavelengths_is_read_with_notes() {
     let page = |kind: &str, rows: &str| {
         let rows: String = rows.split(';').map(|row| format!("      {}\n", row.trim())).collect();
         format!("DATA:\n  - type: tabulated {kind}\n    data: |\n{rows}")
@@ -227,7 +227,7 @@ fn faults_beyond_the_wanted_wavelengths_are_notes() {
         ("0.36 0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0; 0.90 2.2; 0.85 2.1; 0.95 2", 9),
         ("0.30 0.1; 0.36 -0.9; 0.40 1.0; 0.60 1.5; 0.80 2.0", 5),
         ("0.90 2; 0.90 2.2; 0.80 2.0; 0.60 1.5; 0.40 1.0; 0.36 0.9", 5),
-        // A repeated neighbour of the wanted wavelengths that says the same twice.
+        // A repeated neighbour of the wanted wavelengths with equal values.
         ("0.36 0.9; 0.36 0.9; 0.60 1.5; 0.80 2.0", 5),
     ] {
         let text = page("n", rows);
@@ -241,10 +241,10 @@ fn faults_beyond_the_wanted_wavelengths_are_notes() {
         ("0.36 0.9; 0.50 1.25; 0.50 1.3; 0.60 1.5; 0.80 2.0", 6),
         ("0.36 0.9; 0.60 1.5; 0.50 1.25; 0.80 2.0", 6),
         ("0.36 0.9; 0.50 -1.25; 0.60 1.5; 0.80 2.0", 5),
-        // The neighbour of 400 nm is given twice, or negative.
+        // The neighbour of 400 nm is repeated or negative.
         ("0.36 0.9; 0.36 0.8; 0.60 1.5; 0.80 2.0", 5),
         ("0.30 0.75; 0.36 -0.9; 0.60 1.5; 0.80 2.0", 5),
-        // And that of 700 nm is given twice, or has another one before it.
+        // The neighbour of 700 nm is repeated or out of order.
         ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.80 2.1", 7),
         ("0.36 0.9; 0.60 1.5; 0.80 2.0; 0.79 2.1; 0.9 2", 7),
     ] {
@@ -253,9 +253,9 @@ fn faults_beyond_the_wanted_wavelengths_are_notes() {
     }
 }
 
-/// Of a formula page the faulty k is named, with its row; n given twice counts where both are wanted.
+/// The message about a faulty k of a formula page has its row; two entries for n are an error only if both have wanted wavelengths.
 #[test]
-fn a_faulty_k_is_named_and_n_given_twice_counts_where_it_is_wanted() {
+fn page_with_faulty_k_or_two_entries_for_n_is_read_where_unaffected() {
     let page = SELLMEIER.replace("0.9 0.06", "0.9 0.06\n        2.4 -0.0000138");
     let (at, problem) = place(read_index(&file(&page)));
     assert_eq!(at, Some((12, 9)));
@@ -263,7 +263,7 @@ fn a_faulty_k_is_named_and_n_given_twice_counts_where_it_is_wanted() {
     let read = read_index_within(&file(&page), (400.0, 700.0)).unwrap();
     assert!((read.value.index(587.5618).unwrap().re - 1.458464).abs() < 1e-6);
     assert!(
-        read.warnings[0].contains("line 12") && read.warnings[0].contains("k is read"),
+        read.warnings[0].contains("line 12") && read.warnings[0].contains("k was read"),
         "{:?}",
         read.warnings
     );
@@ -287,7 +287,7 @@ white,30,500,0.4
 ";
 
 #[test]
-fn a_pixel_table_in_any_order_reads_back_as_written() {
+fn pixel_table_in_any_order_reads_back() {
     let table = read_pixel_table(&file(PIXEL)).unwrap();
     assert_eq!(
         (table.theta_deg.as_slice(), table.wavelength_nm.as_slice()),
@@ -304,7 +304,7 @@ fn a_pixel_table_in_any_order_reads_back_as_written() {
 }
 
 #[test]
-fn numbers_of_a_pixel_table_keep_every_bit() {
+fn numbers_of_a_pixel_table_read_back_bit_for_bit() {
     let values: Vec<f64> = (0..12).map(|i| f64::from(i).sqrt() / 7.3).collect();
     let table = PixelTable {
         theta_deg: vec![0.0, 0.1 + 0.2, 90.0],
@@ -316,9 +316,9 @@ fn numbers_of_a_pixel_table_keep_every_bit() {
     assert_eq!(read_pixel_table(&DataFile { name: "t".to_owned(), bytes: text }).unwrap(), table);
 }
 
-/// Whatever a state may be called, the table that names it reads back.
+/// A table with any permitted name of a state reads back.
 #[test]
-fn odd_names_read_back() {
+fn pixel_table_with_unusual_names_reads_back() {
     let names =
         ["#1", "# c", "q\"x\"", "\"", "\"\"", "a, b", "a; b", "it's 5\"", "a\tb", " white ", "white", "0"];
     let states = names.map(|name| (name.to_owned(), vec![0.25, 0.5]));
@@ -344,14 +344,14 @@ fn odd_names_read_back() {
     assert_eq!(read_pixel_table(&file).unwrap(), table);
 }
 
-/// Column of the first name below the header: behind its quote, if it has one.
+/// Returns the column of the first name below the header: after its quote, if it has one.
 fn place_of(file: &DataFile) -> usize {
     let text = file.text().unwrap();
     1 + usize::from(text.lines().nth(1).unwrap().starts_with('"'))
 }
 
 #[test]
-fn comments_of_a_pixel_table_are_no_points() {
+fn comments_of_a_pixel_table_are_skipped() {
     let commented =
         format!("# made, by, a, tool\n{}", PIXEL.replace("white,0,400", "# half way\nwhite,0,400"));
     assert_eq!(read_pixel_table(&file(&commented)).unwrap(), read_pixel_table(&file(PIXEL)).unwrap());
@@ -362,7 +362,7 @@ fn comments_of_a_pixel_table_are_no_points() {
 }
 
 #[test]
-fn wrong_pixel_tables_say_where() {
+fn malformed_pixel_table_is_an_error_with_its_place() {
     let bad = |from: &str, to: &str| place(read_pixel_table(&file(&PIXEL.replace(from, to))));
     assert_eq!(bad("reflectance", "R"), (Some((1, 1)), Problem::Header));
     assert_eq!(
@@ -385,9 +385,9 @@ fn wrong_pixel_tables_say_where() {
     );
 }
 
-/// A line of separators alone takes time in proportion to its length, and little memory.
+/// The time for a line of separators is proportional to its length, and the memory is small.
 #[test]
-fn a_long_line_of_nothing_is_soon_refused() {
+fn long_line_of_separators_is_refused_quickly() {
     for byte in [b' ', b',', b';', b'"', b'\t', b'#'] {
         let bytes = [&b"1 "[..], &vec![byte; 4 << 20], b" 1"].concat();
         let file = DataFile { name: "x".to_owned(), bytes };
@@ -397,9 +397,9 @@ fn a_long_line_of_nothing_is_soon_refused() {
     }
 }
 
-/// Every reader survives every single-byte change of a good file, and never grows memory.
+/// Every single-byte change of a valid file is read or refused, with a short message.
 #[test]
-fn no_bytes_make_a_reader_panic() {
+fn table_with_a_changed_byte_never_panics() {
     for good in [SELLMEIER, PIXEL, "nm,n,k\n400,2,0.2\n600,3,0.4\n"] {
         for at in 0..good.len() {
             for byte in [0, b'\n', b'"', b',', b'-', b'9', b':', b'e', 0xFF] {

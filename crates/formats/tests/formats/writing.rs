@@ -1,4 +1,4 @@
-//! What the writers write.
+//! Writers of results.
 
 use papilio_display::result::{
     Absorbed, Illuminant, Ledger, LedgerError, Named, RunResult, SolverReport, State, StateMetrics,
@@ -99,7 +99,7 @@ fn table(text: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 #[test]
-fn states_are_tidy_and_keep_every_bit() {
+fn states_csv_has_a_row_for_each_state_and_reads_back_bit_for_bit() {
     let mut text = Vec::new();
     write_states(&mut text, &result()).unwrap();
     let (header, rows) = table(&text);
@@ -114,14 +114,14 @@ fn states_are_tidy_and_keep_every_bit() {
         (cell(0, "Y_directed_1"), cell(0, "specular_0"), cell(0, "ledger_pixel")),
         ("0.30000000000000004", "0.04", "0.3")
     );
-    // Every metric stands beside its standard error.
+    // Every metric is followed by its standard error.
     for title in header[3..].iter().filter(|title| !title.ends_with("_se")) {
         assert!(header.contains(&format!("{title}_se")), "{title}");
     }
 }
 
 #[test]
-fn spectra_have_a_row_for_each_wavelength_of_each_state() {
+fn spectra_csv_has_a_row_for_each_wavelength_of_each_state() {
     let mut text = Vec::new();
     write_spectra(&mut text, &result()).unwrap();
     let (header, rows) = table(&text);
@@ -131,9 +131,9 @@ fn spectra_have_a_row_for_each_wavelength_of_each_state() {
     assert_eq!((rows[1][2].as_str(), rows[1][6].as_str()), ("white, bright", ""));
 }
 
-/// Discretisation errors have columns of their own where there are any.
+/// Discretisation errors, if there are any, have separate columns.
 #[test]
-fn a_result_without_noise_shows_its_discretisation_errors() {
+fn result_with_discretisation_errors_has_columns_for_them() {
     let mut result = result();
     let view = &mut result.views[0];
     view.discretisation_error = Some(ViewMetrics { contrast_ratio: Some(0.25), ..view.standard_error });
@@ -154,9 +154,9 @@ fn a_result_without_noise_shows_its_discretisation_errors() {
     assert_eq!((header.len(), rows[0].len()), (10, 10));
 }
 
-/// What was asked, its hash and seed, then the answer; the same bytes every time.
+/// The file holds the scenario, its hash and seed, and the result; equal results give equal bytes.
 #[test]
-fn the_result_file_holds_the_question_and_the_answer() {
+fn result_file_holds_the_scenario_and_its_result() {
     let scenario = serde_json::json!({"title": "Test"});
     let result = result();
     let notes = ["haze 0.78 means a lobe".to_owned()];

@@ -33,7 +33,7 @@ pub enum Thickness {
 ///
 /// ```
 /// use papilio_optics::film::{GapFilm, SpectralLayer, Thickness};
-/// Half a wave of air between two glasses has no effect: 4 % + 4 % cancel.
+/// // Half a wave of air between two glasses has no effect: 4 % + 4 % cancel.
 /// let gap = SpectralLayer { index: vec![1.0.into(); 2], thickness: Thickness::Gap };
 /// let film = GapFilm::new(&[500.0, 1000.0], &[1.5; 2], &[gap], &[1.5.into(); 2])?;
 /// let mut reflectance = [0.0; 2];

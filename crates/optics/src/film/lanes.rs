@@ -3,7 +3,6 @@
 //!
 //! The `pulp` crate selects the best instruction set at run time. Everything here is `inline(always)`, since
 //! only then is the code compiled for that instruction set, as part of the calling function.
-//! compiled for that instruction set.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

@@ -77,7 +77,7 @@ impl FilmRow<'_> {
     ///
     /// ```
     /// use papilio_optics::film::{Along, FilmRow, IndexAlong, LayerAlong, SimdLevel};
-    /// A quarter wave of sqrt(1.5) on n = 1.5 reflects nothing, half a wave as much as the bare glass.
+    /// // A quarter wave of sqrt(1.5) on n = 1.5 reflects nothing, half a wave as much as the bare glass.
     /// let of = |n| IndexAlong { n: Along::Same(n), k: Along::Same(0.0) };
     /// let n = 1.5_f64.sqrt();
     /// let layer = LayerAlong { index: of(n), nm: Along::Each(&[550.0 / 4.0 / n, 550.0 / 2.0 / n]) };

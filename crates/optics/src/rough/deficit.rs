@@ -6,7 +6,6 @@
 //! = q h_z - |beta| h_t cos(phi)`. So do the places where the integrand is not analytic: microfacets seen
 //! edge-on, the critical angle, light that leaves along the interface. They divide the two integrals into
 //! parts. A Gauss rule integrates each part after a substitution that removes square roots at its ends.
-//! square roots at their ends.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -4,7 +4,6 @@
 //! nodes: along diameters through the peak a spline with continuous curvature, then cubics over azimuth and
 //! incidence, all with slopes that do not overshoot. A cell with a zero at a corner has no logarithm: there
 //! it is linear.
-//! logarithm: it is linear.
 
 use std::f64::consts::PI;
 

@@ -43,13 +43,13 @@ fn is_short(value: &serde_json::Value) -> bool {
 fn inline(value: &serde_json::Value) -> Result<Value, String> {
     use serde_json::Value as Json;
     Ok(match value {
-        Json::Null => return Err("null is no value; a key is taken away with `remove`".to_owned()),
+        Json::Null => return Err("null is not a value; use `remove` to remove a key".to_owned()),
         Json::Bool(value) => (*value).into(),
         Json::String(text) => text.as_str().into(),
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
             (Some(whole), _) => whole.into(),
             (None, Some(value)) if value.is_finite() => value.into(),
-            _ => return Err(format!("{number} is no number of a scenario")),
+            _ => return Err(format!("{number} is not a number that a scenario can have")),
         },
         Json::Array(items) => {
             let mut array = items.iter().map(inline).collect::<Result<Array, _>>()?;

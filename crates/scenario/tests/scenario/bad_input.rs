@@ -159,8 +159,8 @@ const WRITTEN_OTHERWISE: &[Case] = &[
     ("title = \"Test\"", "title = Test", (1, 9), &["this is not a value", "write strings in double quotes"]),
     ("title = \"Test\"", "title = \"Test", (1, 14), &["a string ends with the double quote"]),
     ("title = \"Test\"", "title = \"Te\\u001bst\"", (1, 9), &["control characters", "one line"]),
-    ("red = 0.5", "\"r\\u0007\" = 0.5", (22, 10), &["not a name", "no control characters"]),
-    ("red = 0.5", "\"red \" = 0.5", (22, 10), &["not a name", "no blanks at the ends"]),
+    ("red = 0.5", "\"r\\u0007\" = 0.5", (22, 10), &["this name is not permitted", "no control characters"]),
+    ("red = 0.5", "\"red \" = 0.5", (22, 10), &["this name is not permitted", "no blanks at the ends"]),
     ("haze = 0.78", "haze = 1e-9", (13, 8), &["so small a haze is none: give a larger one"]),
     (
         "red = 0.5, green = 0.3, blue = 0.2",
@@ -418,7 +418,7 @@ fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
     assert!(text.contains("from 450 to 650 nm") && text.contains("[450, 650]"), "{text}");
     let (place, text) = shown(front, "reflectance = \"percent.csv\"");
     assert_eq!(place, (1, 5));
-    assert!(text.contains("the share is 10") && text.contains("of 1, not percent"), "{text}");
+    assert!(text.contains("the fraction is 10") && text.contains("from 0 to 1, not in percent"), "{text}");
     assert!(text.contains("it is asked for at test.toml:8:15"), "{text}");
     let (_, text) = shown("index = 1.5", "index = \"um.csv\"");
     assert!(text.contains("micrometres") && text.contains("by 1000"), "{text}");

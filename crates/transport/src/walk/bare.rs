@@ -6,7 +6,6 @@
 //! roulette grants. Only directions that can leave are sampled. The light trapped by total internal
 //! reflection is known in closed form; however small either fraction is, no path has to find it. The path
 //! always carries spectra: `[state][wavelength]`.
-//! path has to find it. The path carries spectra all the way: `[state][wavelength]`.
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;

@@ -6,10 +6,10 @@ use papilio_goniometry::{Channel, Direction, Way};
 use super::samples::ASTM;
 use super::{read, refused, refused_bsdf};
 
-/// Radians, and inclinations beyond 90 deg are on the back: light from 30 deg at azimuth 180 goes straight on to
-/// 150 deg at azimuth 0.
+/// Angles are in radians, and inclinations beyond 90 deg are on the back: unscattered light from 30 deg at azimuth 180 leaves at
+/// 150 deg, azimuth 0.
 #[test]
-fn angles_are_radians_from_the_front() {
+fn astm_angles_are_radians_from_the_normal_of_the_front() {
     let measurement = read(ASTM);
     assert_eq!(
         (measurement.provenance.sample.as_str(), measurement.provenance.source.as_str()),
@@ -26,7 +26,7 @@ fn angles_are_radians_from_the_front() {
 }
 
 #[test]
-fn what_is_wrong_has_its_line() {
+fn malformed_astm_file_is_an_error_with_its_place() {
     let with = |from: &str, to: &str| ASTM.replacen(from, to, 1);
     assert_eq!(refused(with("1.5,2", "1.5,-2")).0, Some((5, 63)));
     assert_eq!(refused(with("1.5,2", "1.5,nan")).0, Some((5, 63)));

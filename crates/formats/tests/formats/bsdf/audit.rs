@@ -1,4 +1,4 @@
-//! What `inspect` and displays make of files whose truth is known in closed form.
+//! Audits and kernels of files whose integrals are known in closed form.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use super::samples::{singles, tensors};
 use super::{read, refused, written};
 
 /// A table about the specular direction.
-struct Made<'a> {
+struct SpecularTable<'a> {
     rotations: &'a [f64],
     incidences: &'a [f64],
     azimuths: Vec<f64>,
@@ -20,7 +20,7 @@ struct Made<'a> {
     symmetry: &'a str,
 }
 
-impl Made<'_> {
+impl SpecularTable<'_> {
     fn text(&self, tis: impl Fn(f64, f64) -> f64, f: impl Fn([f64; 4]) -> f64) -> String {
         let axis = |name: &str, angles: &[f64]| {
             let all: Vec<String> = angles.iter().map(f64::to_string).collect();
@@ -58,9 +58,9 @@ fn steps(to: u32, step: u32) -> Vec<f64> {
     (0..=to / step).map(|k| f64::from(k * step)).collect()
 }
 
-/// f = .3/pi, measured to 40 deg from the specular direction alone.
+/// f = 0.3/pi, measured only up to 40 deg from the specular direction.
 fn flat40() -> Measurement {
-    let made = Made {
+    let made = SpecularTable {
         rotations: &[0.0],
         incidences: &[0.0, 20.0, 40.0, 60.0, 80.0],
         azimuths: steps(180, 10),
@@ -70,8 +70,8 @@ fn flat40() -> Measurement {
     read(made.text(|_, _| 0.3, |_| 0.3 / PI))
 }
 
-/// The integral of the cosine over the part of a cap of 40 deg that lies in the hemisphere, over pi: by quadrature about the
-/// cap's middle.
+/// Integral of the cosine over the part of a cap of 40 deg that lies in the hemisphere, divided by pi: by quadrature about the
+/// centre of the cap.
 fn cap(incidence_deg: f64) -> f64 {
     let (sin, cos) = incidence_deg.to_radians().sin_cos();
     let (rings, around) = (800, 800);
@@ -87,9 +87,9 @@ fn cap(incidence_deg: f64) -> f64 {
     sum / PI
 }
 
-/// Nothing is extrapolated unless a key asks for it: sin^2 40 cos(i) is known where the cap lies in the hemisphere.
+/// Nothing is extrapolated without a key for it. Where the cap lies in the hemisphere, its integral is sin^2 40 cos(i).
 #[test]
-fn light_beyond_the_last_measured_angle_is_told_and_not_counted() {
+fn light_beyond_the_last_measured_angle_is_reported_but_not_included() {
     let measurement = flat40();
     let audit = Audit::of(&measurement.parts[0], 0).unwrap();
     for found in &audit.incidences {
@@ -104,14 +104,14 @@ fn light_beyond_the_last_measured_angle_is_told_and_not_counted() {
         assert_eq!(found.measured_to_deg, Some(40.0));
     }
     let text = audit_text("flat40.bsdf", &measurement, &[Some(audit)]);
-    for words in ["0.1240", "58.7 %", "farther than 40 deg", "`extrapolate = \"hold\"`"] {
+    for words in ["0.1240", "58.7 %", "ends 40 deg from the specular direction", "`extrapolate = \"hold\"`"] {
         assert!(text.contains(words), "{words}\n{text}");
     }
 }
 
-/// And a display loses it, or takes it and says how much it is.
+/// A display omits this light or, on request, includes it and reports its fraction.
 #[test]
-fn displays_extrapolate_only_where_they_are_asked_to() {
+fn kernel_extrapolates_only_on_request() {
     let part = &flat40().parts[0];
     let [none, hold] = [None, Some(1.0)].map(|extrapolate| {
         kernel(part, 0, &Preparation { extrapolate, ..Preparation::default() }, &[]).unwrap()
@@ -119,22 +119,22 @@ fn displays_extrapolate_only_where_they_are_asked_to() {
     for (k, theta) in [0.0_f64, 20.0, 40.0, 60.0, 80.0].into_iter().enumerate() {
         let beta = theta.to_radians().sin();
         let known = 0.3 * cap(theta);
-        // Where the lobe ends is on no node: its totals are smooth in the incidence to some thousandths only.
+        // The end of the lobe is between nodes, so that its totals are smooth in the incidence only to some thousandths.
         let total = none.0.albedo_at(beta);
         assert!((total - known).abs() < 5e-3 * known, "{theta}: {total} {known}");
         assert!((hold.0.albedo_at(beta) - 0.3).abs() < 1e-3, "{theta}: {}", hold.0.albedo_at(beta));
         for changes in [&none.1, &hold.1] {
-            let [at, share] = changes.beyond[k];
-            assert!(at == theta && (share - (1.0 - known / 0.3)).abs() < 2e-3, "{changes:?}");
+            let [at, fraction] = changes.beyond[k];
+            assert!(at == theta && (fraction - (1.0 - known / 0.3)).abs() < 2e-3, "{changes:?}");
         }
     }
     assert_eq!((none.1.tails, hold.1.tails, none.1.measured_to_deg), (false, true, Some(40.0)));
 }
 
-/// A file that ends at the horizon all around has nothing beyond.
+/// A file that extends to the horizon in all directions has no light beyond it.
 #[test]
-fn a_whole_hemisphere_has_nothing_beyond() {
-    let made = Made {
+fn complete_hemisphere_has_no_light_beyond() {
+    let made = SpecularTable {
         rotations: &[0.0],
         incidences: &[0.0, 50.0],
         azimuths: steps(180, 30),
@@ -144,13 +144,15 @@ fn a_whole_hemisphere_has_nothing_beyond() {
     let measurement = read(made.text(|_, _| 0.3, |_| 0.3 / PI));
     let audit = Audit::of(&measurement.parts[0], 0).unwrap();
     assert!(audit.incidences.iter().all(|i| i.measured_to_deg.is_none() && i.beyond_share() == 0.0));
-    assert!(!audit_text("x", &measurement, &[Some(audit)]).contains("farther than"));
+    assert!(
+        !audit_text("x", &measurement, &[Some(audit)]).contains("from the specular direction, at incidence")
+    );
 }
 
-/// Lambertian lobes whose level turns with the sample, .3 in the mean over a turn whose first and last rotation are the same,
-/// and an instrument that sees twice of each.
+/// Lambertian lobes whose reflectance varies with the rotation of the sample, with the mean 0.3 over a full turn, whose first and last
+/// rotation are the same; the instrument reports twice the integral as TIS.
 fn rotated() -> Measurement {
-    let made = Made {
+    let made = SpecularTable {
         rotations: &[0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0, 360.0],
         incidences: &[0.0, 30.0, 60.0],
         azimuths: (0..12).map(|k| f64::from(30 * k)).collect(),
@@ -164,9 +166,9 @@ fn level(rotation_deg: f64) -> f64 {
     0.3 - 0.2 * (2.0 * rotation_deg.to_radians()).cos()
 }
 
-/// Means against means, and each rotation against its own.
+/// The mean integral is compared with the mean TIS, and each rotation with its own.
 #[test]
-fn rotations_have_their_own_tis() {
+fn each_rotation_is_compared_with_its_own_tis() {
     let measurement = rotated();
     let audit = Audit::of(&measurement.parts[0], 0).unwrap();
     for found in &audit.incidences {
@@ -189,12 +191,12 @@ fn rotations_have_their_own_tis() {
 }
 
 #[test]
-fn a_rotated_table_comes_back_from_its_csv() {
+fn rotated_table_written_as_csv_reads_back() {
     let measurement = rotated();
     let (bytes, _) = written(BsdfFormat::Csv, &measurement);
     let again = read(bytes);
     let [before, after] = [&measurement, &again].map(|read| Audit::of(&read.parts[0], 0).unwrap());
-    // 360 is 0 again, and is listed once.
+    // 360 deg equals 0 deg and is listed once.
     assert_eq!(before.rotations.len(), after.rotations.len() + 3);
     for (before, after) in before.rotations.iter().zip(&after.rotations) {
         assert!((before.rotation_deg - after.rotation_deg).abs() < 1e-6);
@@ -205,9 +207,9 @@ fn a_rotated_table_comes_back_from_its_csv() {
     }
 }
 
-/// Sum of value x projected solid angle, pi (cos^2 t0 - cos^2 t1)/n, written down once more.
+/// The integral is the sum of value x projected solid angle, pi (cos^2 t0 - cos^2 t1)/n, computed independently.
 #[test]
-fn patches_are_summed_as_they_are() {
+fn integral_of_patches_is_their_weighted_sum() {
     let bounds = [0.0, 5.0, 15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0, 90.0];
     let counts = [1, 8, 16, 20, 24, 24, 24, 16, 12];
     let omega: Vec<f64> = (0..9)
@@ -216,7 +218,7 @@ fn patches_are_summed_as_they_are() {
             vec![PI * (c0 - c1) / f64::from(counts[k]); counts[k] as usize]
         })
         .collect();
-    // A glass that lets most light through straight, and scatters some.
+    // A glass that transmits most light regularly and scatters the rest.
     let value =
         |i: usize, o: usize| if i == o { 0.8 / omega[o] } else { 0.01 + 0.02 * ((i * 7 + o) % 5) as f64 };
     let values: Vec<f64> = (0..145).flat_map(|i| (0..145).map(move |o| value(i, o))).collect();
@@ -238,17 +240,17 @@ fn patches_are_summed_as_they_are() {
         let mean = (first..first + count).map(sum).sum::<f64>() / count as f64;
         assert!((found.integral / mean - 1.0).abs() < 1e-12, "{found:?} {mean}");
         assert_eq!((found.integral_filled, found.grid_error), (found.integral, 0.0));
-        let straight = 0.8 / omega[first];
-        assert!((found.peak / straight - 1.0).abs() < 1e-12, "{found:?}");
+        let regular = 0.8 / omega[first];
+        assert!((found.peak / regular - 1.0).abs() < 1e-12, "{found:?}");
         first += count;
     }
     assert_eq!(audit.incidences.len(), 9);
 }
 
-/// 1 on one side of the plane of incidence, .1 on the other: the mean is .9/ln 10 by the logarithm and .55 linearly.
+/// 1 on one side of the plane of incidence, 0.1 on the other: the mean is 0.9/ln 10 with logarithmic interpolation, 0.55 with linear.
 #[test]
-fn azimuths_too_far_apart_are_told() {
-    let made = Made {
+fn coarse_azimuth_grid_is_a_warning() {
+    let made = SpecularTable {
         rotations: &[0.0],
         incidences: &[0.0, 30.0],
         azimuths: vec![0.0, 180.0],
@@ -267,11 +269,11 @@ fn azimuths_too_far_apart_are_told() {
     assert!(text.contains("azimuth grid is too coarse"), "{text}");
 }
 
-/// Azimuths count from the plane of incidence whichever way round they are written, and where they do not go all around it is told.
+/// Azimuths may be signed or not; a warning reports azimuths that do not cover the full circle.
 #[test]
-fn azimuths_are_folded_however_they_are_written() {
+fn azimuths_of_either_sign_give_the_same_audit() {
     let audit = |azimuths: &[f64]| {
-        let made = Made {
+        let made = SpecularTable {
             rotations: &[0.0],
             incidences: &[0.0, 30.0],
             azimuths: azimuths.to_vec(),
@@ -289,7 +291,7 @@ fn azimuths_are_folded_however_they_are_written() {
     for (a, b) in around.incidences.iter().zip(&signed.incidences) {
         assert!((a.integral - b.integral).abs() < 1e-12, "{a:?} {b:?}");
     }
-    // The mean over the turn is .1, whatever the sides.
+    // The mean over the full circle is 0.1, regardless of the asymmetry.
     assert!((around.incidences[0].integral - 0.1 * PI).abs() < 0.01 * 0.1 * PI, "{:?}", around.incidences[0]);
     assert!(around.held_azimuths_deg.is_none() && !text.contains("azimuths are"), "{text}");
     let (one_side, text) = audit(&[200.0, 300.0]);
@@ -297,9 +299,9 @@ fn azimuths_are_folded_however_they_are_written() {
     assert!(text.contains("azimuths are 60 to 160 deg"), "{text}");
 }
 
-/// A white of reflectance factor .8 as an RGL table on a plain grid of half vectors that goes to the horizon and beyond.
+/// A white with a reflectance factor of 0.8, as an RGL table on a regular grid of half vectors that extends beyond the horizon.
 #[test]
-fn an_rgl_white_has_its_reflectance() {
+fn rgl_table_of_a_white_has_its_reflectance() {
     let (size, lights) = (64, 19);
     let mut values = Vec::new();
     for k in 0..lights {
@@ -332,14 +334,14 @@ fn an_rgl_white_has_its_reflectance() {
     for found in audit.incidences.iter().filter(|i| i.theta_deg <= 75.0) {
         assert!((found.integral / 0.8 - 1.0).abs() < 5e-3, "{found:?}");
     }
-    // Between the nodes of this grid f cos is off by up to 1e-3 of its largest value: by a third of f where the cosine is .1.
+    // Between the nodes of this grid, the error of f cos is up to 1e-3 of its largest value: a third of f where the cosine is 0.1.
     let [rms, worst] = audit.reciprocity.unwrap();
     assert!(rms < 0.05 && worst < 0.4, "{rms} {worst}");
 }
 
-/// Values whose sums pass all numbers are no BSDF.
+/// Values whose sums would overflow are refused.
 #[test]
-fn values_beyond_any_bsdf_are_refused_with_their_place() {
+fn value_above_the_limit_is_refused_with_its_place() {
     assert_eq!(refused("theta_i,phi_i,theta_o,phi_o,value\n0,0,0,0,0.3\n0,0,30,0,1e300\n").0, Some((3, 10)));
     let (place, problem) = refused(super::samples::RADIANT.replace(".25", "1e300"));
     assert_eq!(place, Some((24, 3)));
@@ -347,9 +349,9 @@ fn values_beyond_any_bsdf_are_refused_with_their_place() {
     assert_eq!(refused(super::samples::RADIANT.replace("TIS 0.4", "TIS 1e300")).0, Some((22, 5)));
 }
 
-/// A reference that is all but dark makes values that no reader takes: they are not written.
+/// A nearly dark reference leads to values that the readers would refuse: they are not written.
 #[test]
-fn what_no_reader_takes_is_not_written() {
+fn value_that_readers_refuse_is_not_written() {
     let sample = rotated();
     let mut dark = sample.clone();
     dark.parts[0].values[5] = 1e-300;

@@ -1,4 +1,4 @@
-//! Files of bytes: MERL, RGL, and Papilio's own.
+//! Binary files: MERL, RGL, and Papilio's own format.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
 use papilio_goniometry::{Channel, Direction, Way};
@@ -6,10 +6,10 @@ use papilio_goniometry::{Channel, Direction, Way};
 use super::samples::{self, MATRIX, TREE_3, klems, merl, papilio, rgl, singles, tensors};
 use super::{file, read, refused, refused_bsdf, written};
 
-/// Light from 30 deg and a viewer at 30 deg beside it, at azimuth 90: theta_h = atan(tan 30 / sqrt 2) = 22.2077 deg,
-/// theta_d = acos(sqrt(5/8 + 3/8 ...)) as the vectors have it. And at the mirror direction: theta_h = 0, theta_d = 30.
+/// Light from 30 deg and a viewer at 30 deg, at azimuth 90 from it: theta_h = atan(tan 30 / sqrt 2) = 22.2077 deg,
+/// theta_d = acos(sqrt(5/8 + 3/8 ...)) from the vectors. In the mirror direction, theta_h = 0, theta_d = 30.
 #[test]
-fn merl_is_read_by_its_index() {
+fn merl_cell_is_found_by_its_index() {
     let measurement = read(merl());
     let part = &measurement.parts[0];
     assert_eq!(
@@ -18,7 +18,7 @@ fn merl_is_read_by_its_index() {
     );
     assert!(part.values[0].is_nan(), "negative: not measured");
     let light = Direction::new(30.5, 0.0);
-    // theta_h 0, theta_d 30, phi_d 0 or 180 -> the last of its half turn, with either rounding.
+    // theta_h 0, theta_d 30, phi_d 0 or 180: the last cell of its half turn, regardless of rounding.
     let number = |f: Option<f64>| (f.unwrap() * 1500.0).round() as usize;
     assert_eq!(number(part.evaluate(0, light, light.specular())) / 180, 30);
     let both = Direction::new(40.2, 77.0);
@@ -33,7 +33,7 @@ fn merl_is_read_by_its_index() {
 }
 
 #[test]
-fn merl_files_that_are_cut_or_longer_are_refused() {
+fn merl_file_of_the_wrong_length_is_refused() {
     let whole = merl();
     assert!(matches!(refused_bsdf(&whole[..whole.len() - 1]).1, BsdfProblem::Ends { .. }));
     assert!(matches!(refused_bsdf([&whole[..], &[0]].concat()).1, BsdfProblem::Count { .. }));
@@ -43,9 +43,9 @@ fn merl_files_that_are_cut_or_longer_are_refused() {
     assert!(matches!(refused(nan).1, Problem::NotFinite { .. }));
 }
 
-/// As the geometry's own worked direction: 1/9 x 3/(4 x .5) / cos 50 deg; the other wavelength's value is 5.
+/// The worked direction of the geometry's tests: 1/9 x 3/(4 x 0.5) / cos 50 deg; the value of the other wavelength is 5.
 #[test]
-fn rgl_is_evaluated_as_its_authors_do() {
+fn rgl_value_agrees_with_the_definition_of_its_authors() {
     let measurement = read(rgl());
     let part = &measurement.parts[0];
     assert_eq!(part.channels, [Channel::Wavelength(500.0), Channel::Wavelength(600.0)]);
@@ -59,13 +59,13 @@ fn rgl_is_evaluated_as_its_authors_do() {
 }
 
 #[test]
-fn rgl_files_that_do_not_fit_are_refused() {
+fn inconsistent_rgl_file_is_refused() {
     let whole = rgl();
     for length in [14, 17, 30, 200, whole.len() - 1] {
         assert!(matches!(refused_bsdf(&whole[..length]).1, BsdfProblem::Ends { .. }), "{length}");
     }
     let mut huge = whole.clone();
-    // The shape of `phi_i`: behind the header, `description` (32 bytes) and its own name and so on.
+    // The shape of `phi_i`: after the header, the entry `description` (32 bytes), and its own name, type and offset.
     let at = 18 + 32 + 2 + 5 + 2 + 1 + 8;
     huge[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     assert!(matches!(refused_bsdf(&huge).1, BsdfProblem::Ends { .. }));
@@ -77,7 +77,7 @@ fn rgl_files_that_do_not_fit_are_refused() {
 }
 
 #[test]
-fn the_own_file_keeps_everything() {
+fn papilio_file_reads_back_without_loss() {
     let tree = [("Visible", "Transmission Front", TREE_3), ("CIE-X", "Transmission Front", "{3}")];
     let two_ways = [("Solar", "Reflection Front", MATRIX), ("CIE-X", "Transmission Back", MATRIX)];
     let texts = [
@@ -98,9 +98,9 @@ fn the_own_file_keeps_everything() {
     }
 }
 
-/// NaN has no equal: compared by bits.
+/// Compares bits, because NaN does not equal itself.
 #[test]
-fn the_own_file_keeps_holes() {
+fn papilio_file_preserves_missing_values() {
     let measurement = read(samples::TABLE);
     let again = read(written(BsdfFormat::Papilio, &measurement).0);
     let bits = |measurement: &papilio_goniometry::Measurement| {
@@ -110,7 +110,7 @@ fn the_own_file_keeps_holes() {
 }
 
 #[test]
-fn own_files_that_are_damaged_are_refused() {
+fn damaged_papilio_file_is_refused() {
     let whole = papilio();
     for length in [4, 100, whole.len() / 2, whole.len() - 1] {
         assert!(matches!(refused_bsdf(&whole[..length]).1, BsdfProblem::Damaged { .. }), "{length}");
@@ -118,7 +118,7 @@ fn own_files_that_are_damaged_are_refused() {
 }
 
 #[test]
-fn what_a_format_cannot_hold_is_said() {
+fn loss_of_information_is_reported() {
     let warped = read(rgl());
     let (bytes, lost) = written(BsdfFormat::Radiant, &warped);
     assert!(lost.iter().any(|line| line.contains("interpolated")), "{lost:?}");
@@ -128,9 +128,10 @@ fn what_a_format_cannot_hold_is_said() {
     assert_eq!(csv.unwrap_err().to_string(), "CSV cannot hold a warped grid");
 }
 
-/// Cells of the file are [theta_i][theta_o][dphi][wavelength]; light from 10, viewer at 20, 10 deg beside it: the last.
+/// Cells of the file are [theta_i][theta_o][dphi][wavelength]. Light from 10 deg and a viewer at 20 deg, 10 deg of azimuth apart,
+/// are the last cell.
 #[test]
-fn a_display_is_read_as_its_first_state() {
+fn bsdf_of_a_display_is_read_as_its_first_state() {
     let read = read_bsdf(&file(samples::display())).unwrap();
     let part = &read.value.parts[0];
     assert_eq!(part.channels, [Channel::Wavelength(500.0), Channel::Wavelength(600.0)]);

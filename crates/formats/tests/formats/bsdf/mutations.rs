@@ -1,7 +1,6 @@
-//! Files that were damaged at random are refused or read, and never panic; what is read can be written.
+//! Randomly damaged files are refused or read without a panic, and a measurement that was read can be written.
 //!
-//! `PAPILIO_FUZZ_SECONDS` (default: a fifth of a second) is how long each format's files are mutated, and
-//! `PAPILIO_FUZZ_SEED` (default 1) where the mutations begin.
+//! `PAPILIO_FUZZ_SECONDS` (default 0.2) is the time for each format, and `PAPILIO_FUZZ_SEED` (default 1) the seed of the mutations.
 
 use std::io::{Read, Write};
 use std::time::{Duration, Instant};
@@ -17,7 +16,7 @@ fn setting(name: &str, default: f64) -> f64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-/// Pieces that readers might stumble over.
+/// Fragments that are likely to reveal errors of the readers.
 const PIECES: [&[u8]; 31] = [
     b"-1",
     b"nan",
@@ -78,7 +77,7 @@ fn mutated(bytes: &[u8], others: &[(&str, Vec<u8>)], numbers: &mut Dice) -> Vec<
     bytes
 }
 
-/// Reads the file; what can be read has values for all its cells, can be evaluated, and can be written and read again.
+/// Reads a file. A measurement that was read has values for all of its cells, can be evaluated, and can be written and read again.
 fn exercise(bytes: Vec<u8>, writes: bool) -> bool {
     let file = DataFile { name: "x".to_owned(), bytes };
     let read = match read_bsdf(&file) {
@@ -112,7 +111,7 @@ fn exercise(bytes: Vec<u8>, writes: bool) -> bool {
     true
 }
 
-/// Mutates one format's files for a while.
+/// Mutates the files of one format for the configured time.
 fn mutate(name: &str) {
     let all = samples::all();
     let bytes = &all.iter().find(|(other, _)| *other == name).unwrap().1;
@@ -120,7 +119,7 @@ fn mutate(name: &str) {
     let mut numbers = Dice::new(setting("PAPILIO_FUZZ_SEED", 1.0) as u64, 0);
     let until = Instant::now() + Duration::from_secs_f64(setting("PAPILIO_FUZZ_SECONDS", 0.2));
     let mut good = 0_u64;
-    // What was read begins new mutations, so that these go deeper.
+    // Files that can be read are mutated further, to reach deeper code.
     let mut seeds = vec![bytes.clone()];
     while Instant::now() < until {
         let bytes = mutated(&seeds[numbers.below(seeds.len())], &all, &mut numbers);
@@ -139,9 +138,9 @@ macro_rules! formats {
 
 formats!(radiant, table, astm, klems, tree, rgl, papilio);
 
-/// An archive's checksums hide what is in its arrays from mutations: here an array is mutated, and packed again.
+/// The checksums of an archive detect mutations of its arrays. Here an array is mutated and then packed again.
 #[test]
-fn papilio_arrays() {
+fn papilio_archive_with_mutated_arrays() {
     let seeds: Vec<Vec<(String, Vec<u8>)>> = samples::all()
         .into_iter()
         .map(|(_, bytes)| {
@@ -159,7 +158,7 @@ fn papilio_arrays() {
         for _ in 0..1 + numbers.below(2) {
             let at = numbers.below(arrays.len());
             let bytes = &mut arrays[at].1;
-            // Behind the header, mostly.
+            // Mostly after the header.
             let head = if numbers.below(4) == 0 { 0 } else { bytes.len().min(128) };
             let tail = bytes.split_off(head);
             bytes.extend(mutated(&tail, &[("", tail.clone())], &mut numbers));
@@ -189,7 +188,7 @@ fn packed(arrays: &[(String, Vec<u8>)]) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
-/// The large format is mutated in its header and its length only.
+/// Only header and length of the large format are mutated.
 #[test]
 fn merl() {
     let whole = samples::merl();
@@ -205,7 +204,7 @@ fn merl() {
 }
 
 #[test]
-fn any_bytes_are_refused_or_read() {
+fn arbitrary_bytes_are_refused_or_read() {
     laws(
         300,
         |dice| dice.several(0..=1999, |dice| dice.below(256) as u8),
@@ -216,7 +215,7 @@ fn any_bytes_are_refused_or_read() {
 }
 
 #[test]
-fn any_text_is_refused_or_read() {
+fn arbitrary_text_is_refused_or_read() {
     let characters = "0123456789eE.,;{}<>/ \t\n#abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_-";
     laws(
         300,

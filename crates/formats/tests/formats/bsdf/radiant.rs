@@ -7,7 +7,7 @@ use super::samples::RADIANT as SMALL;
 use super::{file, read, refused, refused_bsdf, written};
 
 #[test]
-fn a_file_is_read_in_its_order() {
+fn radiant_file_is_read_in_its_order() {
     let measurement = read(SMALL);
     let part = &measurement.parts[0];
     assert_eq!(
@@ -23,9 +23,9 @@ fn a_file_is_read_in_its_order() {
     assert_eq!(read(SMALL.replace('\n', "\r\n")).parts, measurement.parts);
 }
 
-/// The worked direction of the format's description: incidence 30, radial 20, azimuth 90.
+/// The worked direction in the description of the format: incidence 30, radial 20, azimuth 90.
 #[test]
-fn a_cell_lies_where_the_format_says() {
+fn direction_of_a_cell_agrees_with_the_format() {
     let measurement = read(SMALL);
     let part = &measurement.parts[0];
     let cell = 6 + 2 + 1;
@@ -44,7 +44,7 @@ fn xyz() -> String {
 }
 
 #[test]
-fn tristimulus_values_come_in_three_blocks() {
+fn tristimulus_file_has_three_channels() {
     let read = read_bsdf(&file(xyz())).unwrap();
     let part = &read.value.parts[0];
     assert_eq!(part.channels, [Channel::X, Channel::Y, Channel::Z]);
@@ -53,7 +53,7 @@ fn tristimulus_values_come_in_three_blocks() {
 }
 
 #[test]
-fn what_is_written_reads_back_bit_for_bit() {
+fn radiant_file_reads_back_bit_for_bit() {
     for text in
         [SMALL.to_owned(), xyz(), SMALL.replace("BTDF", "BRDF").replace(".25", "3.3333333333333335e-7")]
     {
@@ -64,7 +64,7 @@ fn what_is_written_reads_back_bit_for_bit() {
 }
 
 #[test]
-fn what_is_wrong_has_its_line() {
+fn malformed_radiant_file_is_an_error_with_its_place() {
     let with = |from: &str, to: &str| SMALL.replacen(from, to, 1);
     let at = |from, to| refused(with(from, to)).0;
     let bsdf = |from, to| refused_bsdf(with(from, to));
@@ -85,8 +85,8 @@ fn what_is_wrong_has_its_line() {
         bsdf("3 1.5", "3 1.5 2"),
         (Some((19, 1)), BsdfProblem::Count { what: "values in this row", found: 3, count: 2 })
     );
-    assert_eq!(at("3 1.5\n", ""), Some((21, 1)), "a row too few: TIS comes too early");
-    assert_eq!(at("3 1.5\n", "3 1.5\n3 1.5\n"), Some((21, 1)), "a row too many");
+    assert_eq!(at("3 1.5\n", ""), Some((21, 1)), "one row is missing: TIS comes too early");
+    assert_eq!(at("3 1.5\n", "3 1.5\n3 1.5\n"), Some((21, 1)), "one additional row");
     assert_eq!(at("TIS 0.4", "TIS -4"), Some((22, 5)));
     assert_eq!(at("0 30", "0 95"), Some((9, 3)));
     assert_eq!(at("BTDF", "BSSRDF"), Some((5, 14)));
@@ -94,17 +94,17 @@ fn what_is_wrong_has_its_line() {
     assert_eq!(bsdf("Symmetry  PlaneSymmetrical\n", "").1, BsdfProblem::Missing { what: "line `Symmetry`" });
     assert_eq!(refused_bsdf(format!("{SMALL}1 2\n")).0, Some((27, 1)));
     let cut = &SMALL[..SMALL.find("4 .25").unwrap()];
-    assert_eq!(refused_bsdf(cut), (Some((23, 7)), BsdfProblem::Ends { what: "all its rows are read" }));
+    assert_eq!(refused_bsdf(cut), (Some((23, 7)), BsdfProblem::Ends { what: "the last row of data" }));
 }
 
 #[test]
-fn a_tis_above_one_is_a_warning() {
+fn tis_above_one_is_a_warning() {
     let read = read_bsdf(&file(SMALL.replace("TIS 0.4", "TIS 40"))).unwrap();
     assert!(read.warnings[0].contains("above 1"), "{:?}", read.warnings);
 }
 
 #[test]
-fn no_file_claims_more_memory_than_it_has() {
+fn file_with_huge_axes_or_a_huge_line_is_refused() {
     let angles = |count: usize, step: f64| {
         (0..count).map(|k| (k as f64 * step).to_string()).collect::<Vec<_>>().join(" ")
     };

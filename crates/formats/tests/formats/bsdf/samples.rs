@@ -1,4 +1,4 @@
-//! Small synthetic files of each format, for the tests and for what the mutations begin with.
+//! Small synthetic files of each format, for tests and as seeds of mutations.
 
 use papilio_display::{BrdfGrid, BrdfState, BrdfTable};
 use papilio_formats::{BsdfFormat, BsdfSource, write_bsdf, write_measurement};
@@ -27,7 +27,7 @@ VARS theta_i,phi_i,theta_s,phi_s,R,550nm
 0,0,0,0,7,8
 ";
 
-/// Three patches: one about the normal, two beyond 45 deg, centred on azimuths 0 and 180.
+/// An XML file with three patches: one about the normal, two beyond 45 deg, centred on azimuths 0 and 180.
 pub(super) fn klems(structure: &str, blocks: &[(&str, &str, &str)]) -> String {
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<!-- a <comment> -->\n<WindowElement xmlns=\"a > b\">\n<Optical><Layer>\n\
@@ -55,7 +55,7 @@ pub(super) const MATRIX: &str = "1, 2, 3,\n4 5 6\n7,8,9,";
 
 pub(super) const TREE_3: &str = "{ {1} {2} {3} {4} {5} {6} {7} {0 1 2 3, 4 5 6 7} }";
 
-/// An RGL file of fields (name, type, shape, bytes).
+/// Returns an RGL file with these fields (name, type, shape, bytes).
 pub(super) fn tensors(fields: &[(&str, u8, &[u64], Vec<u8>)]) -> Vec<u8> {
     let header: usize = fields.iter().map(|(name, _, shape, _)| 13 + name.len() + 8 * shape.len()).sum();
     let mut offset = 18 + header;
@@ -80,7 +80,7 @@ pub(super) fn singles(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// Two wavelengths; visible normals rise with theta, values with the first uniform number.
+/// An RGL file with two wavelengths. The density of visible normals increases with theta, the values with the first coordinate.
 pub(super) fn rgl() -> Vec<u8> {
     tensors(&[
         ("description", 1, &[4], b"film".to_vec()),
@@ -101,7 +101,7 @@ pub(super) fn rgl() -> Vec<u8> {
     ])
 }
 
-/// Each plane's numbers rise from cell to cell; the first of each was not measured.
+/// A MERL file. The numbers of each plane increase from cell to cell; the first cell was not measured.
 pub(super) fn merl() -> Vec<u8> {
     let cells = HalfAngleGrid.cells();
     let mut bytes: Vec<u8> = [90_u32, 90, 180].iter().flat_map(|length| length.to_le_bytes()).collect();
@@ -110,14 +110,14 @@ pub(super) fn merl() -> Vec<u8> {
     bytes
 }
 
-/// The own file of a Radiant table.
+/// A Radiant table in Papilio's own format.
 pub(super) fn papilio() -> Vec<u8> {
     let mut bytes = Vec::new();
     write_measurement(&mut bytes, BsdfFormat::Papilio, &read(RADIANT)).unwrap();
     bytes
 }
 
-/// All but the one of 35 MB.
+/// All files except MERL, which has 35 MB.
 pub(super) fn all() -> Vec<(&'static str, Vec<u8>)> {
     let tree = [("Visible", "Transmission Front", TREE_3), ("CIE-X", "Transmission Front", "{3}")];
     vec![
@@ -131,7 +131,7 @@ pub(super) fn all() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// A display's own BSDF: 2 inclinations of the light, 3 of the viewer, 2 azimuths, 2 wavelengths, 2 states.
+/// The BSDF of a display: 2 inclinations of the light, 3 of the viewer, 2 azimuths, 2 wavelengths, 2 states.
 pub(super) fn display() -> Vec<u8> {
     let axis = |count: u32| (0..count).map(|k| 10.0 * f64::from(k)).collect::<Vec<_>>();
     let state = |first: f32, name: &str| BrdfState {

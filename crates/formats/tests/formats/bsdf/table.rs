@@ -1,4 +1,4 @@
-//! CSV: a row for each pair of directions and channel.
+//! CSV files: one row per pair of directions and channel.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem};
 use papilio_goniometry::{Channel, Geometry, Way};
@@ -7,7 +7,7 @@ use super::samples::{RADIANT, TABLE as GRID};
 use super::{read, refused, refused_bsdf, written};
 
 #[test]
-fn rows_that_are_all_pairs_of_axes_are_a_grid() {
+fn csv_with_all_combinations_of_axes_is_a_grid() {
     let measurement = read(GRID);
     let part = &measurement.parts[0];
     assert_eq!(measurement.provenance.sample, "film");
@@ -15,12 +15,12 @@ fn rows_that_are_all_pairs_of_axes_are_a_grid() {
     let Geometry::Spherical(grid) = &part.geometry else { panic!("{:?}", part.geometry) };
     assert_eq!(grid.theta_o_deg, [0.0, 10.0]);
     assert_eq!((part.values[0], part.values[2..].to_vec()), (3.0, vec![1.0, 2.0]));
-    assert!(part.values[1].is_nan(), "a cell without a value was not measured");
+    assert!(part.values[1].is_nan(), "an empty cell was not measured");
 }
 
-/// Above 90 deg light is on the other side, its azimuth unchanged: straight through is phi + 180.
+/// Above 90 deg, light is on the other side with the same azimuth: unscattered light leaves at phi + 180.
 #[test]
-fn inclinations_go_to_the_back() {
+fn csv_inclinations_beyond_90_deg_are_on_the_back() {
     let measurement =
         read("30,0,150,180,1\n30,0,30,180,2\n150,0,30,180,3\n150;0;150;180;4\n".replace(';', ","));
     let ways: Vec<Way> = measurement.parts.iter().map(|part| part.way).collect();
@@ -36,7 +36,7 @@ fn inclinations_go_to_the_back() {
 }
 
 #[test]
-fn what_is_written_reads_back() {
+fn csv_file_reads_back() {
     for text in [GRID, "0,0,0,0,1\n0,0,91,5,2\n10,20,30,40,1e-9\n"] {
         let measurement = read(text);
         let (bytes, lost) = written(BsdfFormat::Csv, &measurement);
@@ -55,17 +55,17 @@ fn what_is_written_reads_back() {
 }
 
 #[test]
-fn a_specular_grid_becomes_pairs() {
+fn specular_grid_written_as_csv_becomes_pairs() {
     let measurement = read(RADIANT);
     let (bytes, lost) = written(BsdfFormat::Csv, &measurement);
     assert_eq!(lost.len(), 2, "{lost:?}");
     let pairs = read(&bytes);
-    // The centre once, azimuths 0 and 180 once, 90 with its mirror image: 1 + 2 + 2, at two incidences.
+    // Centre once, azimuths 0 and 180 once each, azimuth 90 with its mirror image: 1 + 2 + 2, at two incidences.
     assert_eq!(pairs.parts[0].values.len(), 10);
 }
 
 #[test]
-fn what_is_wrong_has_its_line() {
+fn malformed_csv_file_is_an_error_with_its_place() {
     let with = |from: &str, to: &str| GRID.replacen(from, to, 1);
     assert_eq!(refused(with("0,0,10,0,500,2", "0,0,10,0,500,nan")).0, Some((4, 14)));
     assert_eq!(refused(with("0,0,10,0,500,2", "0,0,10,0,500,-2")).0, Some((4, 14)));
@@ -80,14 +80,14 @@ fn what_is_wrong_has_its_line() {
     assert!(matches!(refused_bsdf("theta_i,phi_i,theta_o,phi_o,value\n").1, BsdfProblem::Ends { .. }));
 }
 
-/// Each pair in a channel of its own: a matrix of all of them would be huge.
+/// If each pair has a different channel, a matrix of all of them would be huge.
 #[test]
-fn pairs_and_channels_that_hardly_meet_are_refused() {
+fn csv_with_few_values_for_many_pairs_and_channels_is_refused() {
     let rows: String = (0..3000).map(|k| format!("0,0,{},0,{},1\n", k as f64 / 100.0, 400 + k)).collect();
     assert!(matches!(refused_bsdf(rows).1, BsdfProblem::Missing { .. }));
 }
 
-/// docs/bsdf-files.md lists the formats as the program does. `cargo xtask docs` writes the list.
+/// docs/bsdf-files.md has the same list of formats as the program. `cargo xtask docs` writes it.
 #[test]
 fn table_of_formats_in_the_docs_is_that_of_the_readers() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bsdf-files.md");

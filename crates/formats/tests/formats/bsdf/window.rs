@@ -1,4 +1,4 @@
-//! XML of WINDOW and Radiance: Klems matrices and tensor trees.
+//! XML files of WINDOW and Radiance: Klems matrices and tensor trees.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
 use papilio_goniometry::{
@@ -8,10 +8,10 @@ use papilio_goniometry::{
 use super::samples::{MATRIX, TREE_3, klems};
 use super::{file, read, refused, refused_bsdf, written};
 
-/// Columns: rows of the file are where light goes. From azimuth 0 (67 deg) the patch is the second of its
-/// ring, as incident patches are turned; its mirror direction is the same number.
+/// With `Columns`, the rows of the file are outgoing directions. Light from azimuth 0 (67 deg) belongs to the second patch of its
+/// ring, because incident patches are rotated by 180 deg; the patch of its specular direction has the same number.
 #[test]
-fn a_matrix_is_read_either_way_round() {
+fn klems_matrix_is_read_by_columns_or_rows() {
     let block = [("Visible", "Transmission Front", MATRIX)];
     let columns = read(klems("Columns", &block));
     let rows = read(klems("Rows", &block));
@@ -27,7 +27,7 @@ fn a_matrix_is_read_either_way_round() {
 }
 
 #[test]
-fn spectra_become_channels_and_directions_parts() {
+fn klems_spectra_become_channels_and_directions_become_parts() {
     let blocks = [
         ("Solar", "Reflection Back", MATRIX),
         ("Visible", "Reflection Back", MATRIX),
@@ -48,7 +48,7 @@ fn spectra_become_channels_and_directions_parts() {
 }
 
 #[test]
-fn what_is_written_reads_back_bit_for_bit() {
+fn klems_file_reads_back_bit_for_bit() {
     let blocks =
         [("CIE-X", "Reflection Front", "1 2 3 4 5 6 7 8 9e-7"), ("Visible", "Transmission Back", MATRIX)];
     let measurement = read(klems("Columns", &blocks));
@@ -56,9 +56,9 @@ fn what_is_written_reads_back_bit_for_bit() {
     assert_eq!((read(&bytes), lost), (measurement, Vec::new()));
 }
 
-/// A grid of one value everywhere has that value in every patch within 75 deg, and its integral.
+/// A constant grid has its value in every patch within 75 deg, and its integral.
 #[test]
-fn a_grid_is_averaged_over_patches() {
+fn constant_grid_averaged_over_patches_has_its_integral() {
     let mut measurement = read(super::samples::RADIANT);
     let grid = SpecularGrid {
         rotations_deg: vec![0.0],
@@ -79,9 +79,9 @@ fn a_grid_is_averaged_over_patches() {
     assert!((sum - 0.25 * std::f64::consts::PI).abs() < 1e-12, "{sum}");
 }
 
-/// Pairs of patches that are alike are averaged once: the same comes out where a second, equal rotation hides that they are.
+/// Equivalent pairs of patches are averaged once. A second, equal rotation hides the equivalence and gives the same result.
 #[test]
-fn pairs_that_are_alike_have_one_mean() {
+fn equivalent_pairs_of_patches_have_the_same_mean() {
     let mut measurement = read(super::samples::RADIANT);
     let mut grid = SpecularGrid {
         rotations_deg: vec![0.0],
@@ -90,7 +90,7 @@ fn pairs_that_are_alike_have_one_mean() {
         radials_deg: vec![0.0, 10.0, 60.0, 180.0],
         symmetry: Symmetry::Plane,
     };
-    // Lopsided: no two cells are equal.
+    // No two cells are equal.
     let values: Vec<f64> = (0..grid.cells()).map(|cell| 1.0 + (cell as f64).sin()).collect();
     let mut patches = |rotations: &[f64]| {
         grid.rotations_deg = rotations.to_vec();
@@ -107,9 +107,9 @@ fn pairs_that_are_alike_have_one_mean() {
     }
 }
 
-/// f that rises with the viewer's inclination: its mean over a ring, weighted with the cosine, in closed form.
+/// For f proportional to the viewer's inclination, the mean over a ring, weighted with the cosine, is known in closed form.
 #[test]
-fn an_average_is_weighted_with_the_cosine() {
+fn average_over_a_patch_is_weighted_with_the_cosine() {
     let table: String =
         (0..=90).map(|theta| format!("0,0,{theta},0,{theta}\n90,0,{theta},0,{theta}\n")).collect();
     let patches = read(written(BsdfFormat::Klems, &read(table)).0);
@@ -127,9 +127,9 @@ fn an_average_is_weighted_with_the_cosine() {
     }
 }
 
-/// The trees of Radiance: for light along the normal, rank 3 is at 1/2 of its first side.
+/// Trees of Radiance: for rank 3, light along the normal is at 1/2 of the first side.
 #[test]
-fn a_tree_is_read_in_the_order_of_its_braces() {
+fn tree_is_read_in_the_order_of_its_braces() {
     let measurement = read(klems("TensorTree3", &[("Visible", "Transmission Front", TREE_3)]));
     let part = &measurement.parts[0];
     assert_eq!(part.values.len(), 15);
@@ -141,9 +141,9 @@ fn a_tree_is_read_in_the_order_of_its_braces() {
     assert_eq!((f(-10.0), f(10.0)), (Some(5.0), Some(1.0)));
 }
 
-/// Trees of different depths become one, as fine as each.
+/// Trees of different depths are joined into one that is as fine as each of them.
 #[test]
-fn trees_of_several_spectra_are_joined() {
+fn trees_of_several_spectra_are_joined_without_change_of_values() {
     let blocks = [
         ("Visible", "Transmission Front", TREE_3),
         ("CIE-X", "Transmission Front", "{9 8 7 6 5 4 3 2}"),
@@ -162,19 +162,19 @@ fn trees_of_several_spectra_are_joined() {
 }
 
 #[test]
-fn rank_four_has_both_squares() {
+fn tree_of_rank_four_has_the_squares_of_light_and_viewer() {
     let values: Vec<String> = (0..16).map(|k| k.to_string()).collect();
     let text = klems("TensorTree4", &[("Visible", "Reflection Front", &format!("{{{}}}", values.join(" ")))]);
     let part = read(text).parts.remove(0);
-    // The square of the direction to which light goes on: (0, 1) for light from azimuth -45, and so on; the
-    // viewer's is the lower digit.
+    // The square of the direction of the unscattered light: (0, 1) for light from azimuth -45, and correspondingly for others; the
+    // viewer's square is the lower digit.
     let square = |azimuth| Direction::new(50.0, azimuth);
     assert_eq!(part.evaluate(0, square(-45.0), square(45.0)), Some(4.0 + 3.0));
     assert_eq!(part.evaluate(0, square(-135.0), square(-45.0)), Some(12.0 + 2.0));
 }
 
 #[test]
-fn what_is_wrong_has_its_line() {
+fn malformed_xml_file_is_an_error_with_its_place() {
     let matrix = |values: &str| klems("Columns", &[("Visible", "Transmission Front", values)]);
     let line = matrix("1").lines().position(|line| line == "1").unwrap() + 1;
     assert_eq!(refused(matrix("1 2 -3")).0, Some((line, 5)));

@@ -5,7 +5,6 @@
 //! that of the front. Every contribution of the k-th pass then has the factor `t^2 T^2` and, for each
 //! earlier pass, `T^2 r R`, with r the reflectance of the front from below and R that of the base. The
 //! factor `t^2 T^2` is applied at the end.
-//! below, R the base's. The factor `t^2 T^2` is applied at the end.
 
 mod blocks;
 mod escape;
@@ -401,7 +400,6 @@ impl<'a> Diffused<'a> {
     /// Unscattered light from a Lambertian base leaves if it has a direction in the air, which a fraction
     /// 1/n^2 of it has. This fraction is used instead of the direction of the path: with low-discrepancy
     /// numbers all replicates could count equally.
-    /// not left to the path's own direction, for with uniform numbers all replicates may count alike.
     #[inline]
     fn leaves(&self, weight: f64, up: LightBelow) -> f64 {
         let offset = up.beta.length();

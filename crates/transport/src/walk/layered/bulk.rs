@@ -37,8 +37,8 @@ const FIRST_EVENTS: u32 = 4;
 const CLEAR: f64 = 2.0;
 const NARROW: f64 = 0.5;
 
-/// A thin medium: most flights from within it end outside.
-const THIN: f64 = 0.1;
+/// Optical thickness below which a medium is thin: most flights from within it end outside.
+pub(super) const THIN: f64 = 0.1;
 
 /// A scattering medium.
 #[derive(Debug, Clone, Copy)]

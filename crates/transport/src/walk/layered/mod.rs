@@ -21,7 +21,7 @@ use papilio_sampling::PLANNED_BLOCKS;
 use super::{PathNumbers, add_scaled};
 use crate::estimate::Account;
 use crate::skeleton::Ray;
-use crate::{Cone, Source};
+use crate::{Cone, Medium, Source};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
 use pixel::Pixel;
@@ -118,10 +118,15 @@ impl<'a> Layered<'a> {
     /// As [`Walk::rarest`](super::Walk::rarest).
     pub(super) fn rarest(&self) -> f64 {
         if self.events.is_empty() {
-            1.0
-        } else {
-            (WITHOUT_REGARD / self.events.len() as f64).min(LEAST_SURVIVAL)
+            return 1.0;
         }
+        // Light that a thin layer traps by total internal reflection is scattered again with a low probability, and mostly
+        // into other trapped directions: it leaves after three improbable decisions.
+        let is_thin = |medium: &Medium| {
+            medium.scattering().is_some_and(|scattering| scattering.optical_thickness < bulk::THIN)
+        };
+        let decisions = if self.stack.layers.iter().any(|layer| is_thin(&layer.medium)) { 3 } else { 1 };
+        (WITHOUT_REGARD / self.events.len() as f64).min(LEAST_SURVIVAL.powi(decisions))
     }
 
     /// True if the base scatters: the skeleton then ends in black.
