@@ -6,10 +6,10 @@
 //! **Parameters.** The two indices, real, above 0 and different; the roughness alpha, 0.01 to 1; the
 //! distribution of slopes, [`Distribution`]. Antiglare surfaces have 0.02 to 0.1, ground glass 0.3 to 0.6.
 //!
-//! **One microfacet.** In direction cosines, with wave vectors over k0 `p = (beta, q)`, `q = sqrt(n^2 -
-//! |beta|^2)`, every kernel is symmetric. With `v = p_i + p_o` (both pointing away from the interface), `h =
-//! +-v/|v|`, `c = |p.h|`, D(h) the density of normals per steradian and F the unpolarised reflectance of the
-//! microfacet,
+//! **One microfacet.** In direction cosines, with wave vectors over k0 `p = (beta, q)`,
+//! `q = sqrt(n^2 - |beta|^2)`, every kernel is symmetric. With `v = p_i + p_o` (both pointing away from the
+//! interface), `h = +-v/|v|`, `c = |p.h|`, D(h) the density of normals per steradian and F the unpolarised
+//! reflectance of the microfacet,
 //!
 //! `k_reflected = F D(h) G / (4 q_i q_o)`,
 //! `k_refracted = (1 - F) D(h) G c_i c_o / (q_i q_o |v|^2)`,

@@ -16,8 +16,8 @@ pub struct Image {
     pub base: Vec<f64>,
 }
 
-/// Returns the specular reflectance of the whole display for light with these direction cosines, `|beta| <=
-/// 1`: the luminance of its mirror image over its own.
+/// Returns the specular reflectance of the whole display for light with these direction cosines,
+/// `|beta| <= 1`: the luminance of its mirror image over its own.
 pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     match stack {
         Stack::Panel(panel) => panel_image(panel, beta),

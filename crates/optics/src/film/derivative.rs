@@ -158,8 +158,8 @@ struct Around<S: Simd> {
     above: Field<S>,
 }
 
-/// Quantities that do not depend on the gap, for one beta and one register of wavelengths; arrays are `[s,
-/// p]`, layers in the order of the light.
+/// Quantities that do not depend on the gap, for one beta and one register of wavelengths; arrays are
+/// `[s, p]`, layers in the order of the light.
 struct Passes<S: Simd> {
     above: Vec<[Slab<S>; 2]>,
     below: Vec<[Slab<S>; 2]>,

@@ -162,8 +162,8 @@ mod tests {
     use super::*;
     use papilio_testing::ChiSquare;
 
-    /// Haze and width, truncated at the hemisphere: table recomputed from 1 - F(sin 2.5 deg)/F(1), F(r) = 1
-    /// - b/sqrt(b^2 + r^2).
+    /// Haze and width, truncated at the hemisphere: table recomputed from 1 - F(sin 2.5 deg)/F(1),
+    /// F(r) = 1 - b/sqrt(b^2 + r^2).
     #[test]
     fn haze_and_width_are_inverse() {
         for (haze, width) in

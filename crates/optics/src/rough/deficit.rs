@@ -2,8 +2,8 @@
 //! that it returns to the side of incidence.
 //!
 //! The deficit is an integral over the normal h of the microfacet. In polar coordinates about the normal of
-//! the interface everything depends on h_z and on c1, the component along h of the incident wave vector, `c1
-//! = q h_z - |beta| h_t cos(phi)`. So do the places where the integrand is not analytic: microfacets seen
+//! the interface everything depends on h_z and on c1, the component along h of the incident wave vector,
+//! `c1 = q h_z - |beta| h_t cos(phi)`. So do the places where the integrand is not analytic: microfacets seen
 //! edge-on, the critical angle, light that leaves along the interface. They divide the two integrals into
 //! parts. A Gauss rule integrates each part after a substitution that removes square roots at its ends.
 

@@ -109,7 +109,7 @@ impl<'a> Bare<'a> {
         let beta = self.view.sample_towards(numbers.field());
         self.enter(beta, sums, workspace);
         if self.specular {
-            self.go_to_and_fro(beta, sums, workspace);
+            self.sum_round_trips(beta, sums, workspace);
             return;
         }
         let mut u = numbers.beside_field();
@@ -121,7 +121,7 @@ impl<'a> Bare<'a> {
             let (x, y) = warp::uniform_disc(self.leaving, u);
             self.leave(Beta { x, y }, sums, workspace);
             let [survival, way @ .., _] = numbers.block(1 + pass);
-            if self.stack.single_pass || !Self::goes_on(survival, sums, workspace) {
+            if self.stack.single_pass || !Self::continues(survival, sums, workspace) {
                 return;
             }
             u = way;
@@ -129,7 +129,7 @@ impl<'a> Bare<'a> {
     }
 
     /// Sums all round trips between a mirror and the surface, at the angle at which light entered.
-    fn go_to_and_fro(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+    fn sum_round_trips(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { carried, reflectance, flat, .. } = workspace;
         self.stack.base.reflectance(beta.squared(), &self.stack.medium, reflectance);
         for row in 0..carried.len() / flat.t.len() {
@@ -227,7 +227,7 @@ impl<'a> Bare<'a> {
     }
 
     /// Decides by Russian roulette whether the light that the surface sends back is followed.
-    fn goes_on(u: f64, sums: &mut Sums, workspace: &mut Workspace) -> bool {
+    fn continues(u: f64, sums: &mut Sums, workspace: &mut Workspace) -> bool {
         let left = workspace.carried.iter().copied().fold(0.0, f64::max);
         let survival = left.clamp(LEAST_SURVIVAL, 1.0);
         if left == 0.0 || u >= survival {

@@ -106,8 +106,8 @@ fn half_space_under_glass_equals_giovanelli() {
     assert_close("diffuse", mean_over_views(1, &stack, |e| rho(e, 0)), 0.307890, 1e-6);
 }
 
-/// Chandrasekhar, *Radiative Transfer* (1960): isotropic half space, omega = 0.9: `R = omega/4 H(mu)
-/// H(mu0)/(mu + mu0)`; H to 5 decimals.
+/// Chandrasekhar, *Radiative Transfer* (1960): isotropic half space, omega = 0.9:
+/// `R = omega/4 H(mu) H(mu0)/(mu + mu0)`; H to 5 decimals.
 #[test]
 fn half_space_radiance_equals_h_function() {
     let stack = stack([(Interface::Open, slab(1e4, 0.0, 0.9, 1.0))], mirror(0.0));

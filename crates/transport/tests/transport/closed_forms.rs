@@ -75,8 +75,8 @@ fn disc_equals_mean_of_beams() {
     }
 }
 
-/// The sun's image in a bare mirror: if it fills a fraction of the field, `rho` is that fraction of `pi R /
-/// Omega`; random points of the field would hit it once in thousands.
+/// The sun's image in a bare mirror: if it fills a fraction of the field, `rho` is that fraction of
+/// `pi R / Omega`; random points of the field would hit it once in thousands.
 #[test]
 fn small_image_in_large_view_equals_its_fraction() {
     let stack = panel(Top::Coated, mirror(0.5));

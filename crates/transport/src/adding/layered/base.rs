@@ -1,10 +1,10 @@
 //! The stack with its base: light that a view sees via the pixel.
 //!
-//! The light that falls from the last scatterer on the flat layers and the base below it obeys `x = t + G B
-//! x`: t is transmitted light, B the reflectance below, G the light that the layers above send back down. B
-//! differs by state and wavelength and is a factor for each direction. All columns are iterated at once,
-//! with one matrix product for each order of reflection. Where light is nearly trapped, a direct solution is
-//! cheaper.
+//! The light that falls from the last scatterer on the flat layers and the base below it obeys
+//! `x = t + G B x`: t is transmitted light, B the reflectance below, G the light that the layers above send
+//! back down. B differs by state and wavelength and is a factor for each direction. All columns are iterated
+//! at once, with one matrix product for each order of reflection. Where light is nearly trapped, a direct
+//! solution is cheaper.
 
 use std::ops::Range;
 
@@ -36,8 +36,8 @@ pub(super) struct Above {
     below: Matrix,
     /// The same between extra nodes and lights, `[extra, light]`.
     below_light: Matrix,
-    /// Upper bound of the light between an extra node and a light, if everything below is white, `[extra,
-    /// light]`: in total, and via other directions.
+    /// Upper bound of the light between an extra node and a light, if everything below is white,
+    /// `[extra, light]`: in total, and via other directions.
     most: [Matrix; 2],
 }
 

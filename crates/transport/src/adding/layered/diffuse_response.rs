@@ -72,7 +72,7 @@ impl DiffuseResponse {
         let [falls, rises] = [falling, rising].map(|light| light.total(&shares.scale, |_, _| 1.0));
         let arriving = falling.total(&shares.scale, arrival);
         let below: Vec<f64> = (0..columns.len()).map(|c| falls[c] - rises[c] - in_flats[c]).collect();
-        self.book(columns, layers, &arriving, &below);
+        self.record(columns, layers, &arriving, &below);
     }
 
     /// Adds the same of a Lambertian base, whose light has one angular distribution: rank one, in closed
@@ -96,11 +96,11 @@ impl DiffuseResponse {
         });
         let arrives: Vec<f64> = rises.iter().map(|x| shares.arriving[node] + returns * x).collect();
         let below: Vec<f64> = arrives.iter().zip(&rises).map(|(arrives, rises)| arrives - rises).collect();
-        self.book(columns, layers, &arrives, &below);
+        self.record(columns, layers, &arrives, &below);
     }
 
     /// Adds to the ledger: `arrives` at the base; `below` is absorbed by pixel and inactive area.
-    fn book(&mut self, columns: &Columns, layers: [Vec<f64>; 4], arrives: &[f64], below: &[f64]) {
+    fn record(&mut self, columns: &Columns, layers: [Vec<f64>; 4], arrives: &[f64], below: &[f64]) {
         let returned = self.diffuse.iter().map(|share| share + self.diffuse_front).collect();
         let inactive: Vec<f64> = arrives.iter().zip(&columns.inactive).map(|(a, i)| a * i).collect();
         let [front, diffuser, glass, in_pixel] = layers;

@@ -185,7 +185,7 @@ impl Element<'_> {
 
     fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
         let part = self.part(scattered, grid);
-        if order == 0 { self.booked(part, grid) } else { part }
+        if order == 0 { self.with_absorption(part, grid) } else { part }
     }
 
     fn part(&self, scattered: &[Scattered], grid: &Grid) -> Part {
@@ -226,13 +226,13 @@ impl Element<'_> {
     }
 
     /// Adds the absorption of the part to its account.
-    fn booked(&self, part: Part, grid: &Grid) -> Part {
+    fn with_absorption(&self, part: Part, grid: &Grid) -> Part {
         let slab = match self.action {
             Action::Slab { absorbing_share, .. } => Some(absorbing_share),
             _ => None,
         };
         let account = if slab.is_some() { Account::Diffuser } else { self.kind.account() };
-        let mut part = part.booked(grid, account, [self.above, self.below]);
+        let mut part = part.with_absorption(grid, account, [self.above, self.below]);
         if let (Some(absorbing_share), Some(books)) = (slab, &mut part.absorbed) {
             for book in books {
                 let all = std::mem::take(&mut book[Account::Diffuser as usize]);

@@ -1,9 +1,10 @@
 //! Azimuthal orders of diffusers' lobes on a grid.
 //!
-//! Order m of the k-correlation lobe `b/(2 pi) (b^2 + |beta_o - beta_i|^2)^(-3/2)` is `b/(2 pi) (2 beta_i
-//! beta_o)^(-3/2) g_m(chi)`, with g_m the Fourier coefficients of `(chi - cos phi)^(-3/2)` and `chi = (b^2 +
-//! beta_i^2 + beta_o^2)/(2 beta_i beta_o)`. They obey `(k + 1/2) g_{k-1} - 2 chi k g_k + (k - 1/2) g_{k+1} =
-//! 0`, which is stable downwards (Miller): it gives the ratios, and g_0 is a complete elliptic integral.
+//! Order m of the k-correlation lobe `b/(2 pi) (b^2 + |beta_o - beta_i|^2)^(-3/2)` is
+//! `b/(2 pi) (2 beta_i beta_o)^(-3/2) g_m(chi)`, with g_m the Fourier coefficients of
+//! `(chi - cos phi)^(-3/2)` and `chi = (b^2 + beta_i^2 + beta_o^2)/(2 beta_i beta_o)`. They obey
+//! `(k + 1/2) g_{k-1} - 2 chi k g_k + (k - 1/2) g_{k+1} = 0`, which is stable downwards (Miller): it gives
+//! the ratios, and g_0 is a complete elliptic integral.
 
 use std::f64::consts::PI;
 

@@ -55,7 +55,7 @@ impl Part {
 
     /// Adds light that is neither reflected nor transmitted to an account, for light that the media of these
     /// indices, above and below, carry.
-    pub(super) fn booked(mut self, grid: &Grid, account: Account, [above, below]: [f64; 2]) -> Self {
+    pub(super) fn with_absorption(mut self, grid: &Grid, account: Account, [above, below]: [f64; 2]) -> Self {
         let ones = vec![1.0; grid.len()];
         let lost = |back: &Operator, through: &Operator, index: f64| -> Vec<f64> {
             let back = back.pull_back(&ones, &grid.scale);

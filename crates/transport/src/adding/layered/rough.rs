@@ -144,7 +144,7 @@ impl RoughOrders {
         let [above, down, below] = [operator(0), operator(1), operator(2)];
         let mut part = Part { above, below, down, absorbed: None };
         if order == 0 {
-            again(face, grid, &mut part);
+            add_multiple_scattering(face, grid, &mut part);
         }
         for (operator, missing) in [&mut part.above, &mut part.below].into_iter().zip(&self.missing) {
             operator.straight.iter_mut().zip(missing).for_each(|(straight, missing)| *straight += missing);
@@ -208,7 +208,7 @@ fn missing(face: &Rough, part: &Part, grid: &Grid) -> [Vec<f64>; 2] {
 
 /// Adds the light that meets several microfacets, the same at all azimuths: back in proportion to what each
 /// direction sends back, across in proportion to what it sends across.
-fn again(face: &Rough, grid: &Grid, part: &mut Part) {
+fn add_multiple_scattering(face: &Rough, grid: &Grid, part: &mut Part) {
     let several = |side: Side, way: usize| -> Vec<f64> {
         let one = |i: usize| {
             if grid.beta[i] < face.index(side) { face.several(side, grid.beta[i])[way] } else { 0.0 }
@@ -304,7 +304,7 @@ fn orders(face: &Rough, digits: f64) -> usize {
 }
 
 /// First Fourier coefficients of one microfacet's kernel, by the trapezoid rule over the azimuth. The
-/// numbers of intervals are half powers of two, so that pairs of directions share rules, and their sums are
+/// numbers of intervals are halves of powers of two, so that pairs of directions share rules, and their sums are
 /// matrix products.
 struct Transforms {
     orders: usize,

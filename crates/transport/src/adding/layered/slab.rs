@@ -1,12 +1,12 @@
 //! A medium that scatters in its volume, as operators.
 //!
 //! Radiative transfer in a plane layer (Chandrasekhar 1960), with the phase function of Henyey and
-//! Greenstein (1941). With s and d the sum and the difference of the light propagating down and up, `s' = -A
-//! d`, `d' = -C s` over optical depth, where `A, C = 1/mu - (P+ -+ P-)` contain extinction and scattering
-//! forward and back. If equal (or opposite) light enters a layer of depth h from both sides, `(1 - Z)/(1 +
-//! Z)` of it leaves, with `Z = C X^-1 tanh(X h/2)` (or `A` before it), `X^2 = A C`. Z of a thin layer is a
-//! rational function. Doubling is `Z' = 2 Z (1 + Z_o Z_e)^-1`, which, unlike doubling of reflectances (van
-//! de Hulst 1963), conserves energy to rounding however often it is done.
+//! Greenstein (1941). With s and d the sum and the difference of the light propagating down and up,
+//! `s' = -A d`, `d' = -C s` over optical depth, where `A, C = 1/mu - (P+ -+ P-)` contain extinction and
+//! scattering forward and back. If equal (or opposite) light enters a layer of depth h from both sides,
+//! `(1 - Z)/(1 + Z)` of it leaves, with `Z = C X^-1 tanh(X h/2)` (or `A` before it), `X^2 = A C`. Z of a
+//! thin layer is a rational function. Doubling is `Z' = 2 Z (1 + Z_o Z_e)^-1`, which, unlike doubling of
+//! reflectances (van de Hulst 1963), conserves energy to rounding however often it is done.
 //!
 //! The forward peak beyond the order that the nodes resolve counts as unscattered (delta-M: Wiscombe, J.
 //! Atmos. Sci. 34, 1408 (1977)). Light scattered once between two extra nodes still uses the whole phase
@@ -201,8 +201,8 @@ impl Slab {
     }
 }
 
-/// Returns Z of a thin layer for equal and opposite light from both sides: with `y = (X h/2)^2`, `tanh(sqrt
-/// y)/sqrt y = (15 + y)/(15 + 6 y)`, error 6e-4 y^3; `half` is h/2.
+/// Returns Z of a thin layer for equal and opposite light from both sides: with `y = (X h/2)^2`,
+/// `tanh(sqrt y)/sqrt y = (15 + y)/(15 + 6 y)`, error 6e-4 y^3; `half` is h/2.
 fn thin(even: &Operator, odd: &Operator, half: f64) -> [Operator; 2] {
     let y = odd.after(even).scaled(half * half / 15.0);
     let ratio = y.one_plus(6.0).solve(&y.one_plus(1.0)).scaled(half);

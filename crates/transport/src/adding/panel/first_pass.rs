@@ -1,11 +1,11 @@
 //! One pass through diffuser, specular base and diffuser, as weights on the nodes of the base's table.
 //!
-//! With `D = s delta + (1 - s) lobe`, a pass between v and l is the integral of `D(v, beta) R(beta) D(beta,
-//! l)` over the disc of the glass. `R` is linear in the values of the table, so that the pass is a set of
-//! weights on its nodes. Over azimuth, products of lobes are summed by a rule that converges exponentially
-//! (one lobe: in closed form). Over the radius, panels are graded around the centres of the lobes and the
-//! rim of the disc of air; none is wider than the panels of the table (a film's resonance may be narrower
-//! than any lobe).
+//! With `D = s delta + (1 - s) lobe`, a pass between v and l is the integral of
+//! `D(v, beta) R(beta) D(beta, l)` over the disc of the glass. `R` is linear in the values of the table, so
+//! that the pass is a set of weights on its nodes. Over azimuth, products of lobes are summed by a rule that
+//! converges exponentially (one lobe: in closed form). Over the radius, panels are graded around the centres
+//! of the lobes and the rim of the disc of air; none is wider than the panels of the table (a film's
+//! resonance may be narrower than any lobe).
 
 use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;

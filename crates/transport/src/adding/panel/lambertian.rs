@@ -2,9 +2,9 @@
 //!
 //! Of light above the diffuser at `beta`, the fraction `a(beta)` reaches the base (unscattered, or by the
 //! lobe into the disc of the glass: closed forms). The base sends `R/(pi n^2)` into every direction of that
-//! disc. By reciprocity, `a` is also the fraction that leaves towards `beta`. One pass is `a(v) R a(l)/(pi
-//! n^2)`, and all orders are a geometric series in `r T^2 R kappa`, with `kappa` the integral of `a^2/(pi
-//! n^2)` over the disc of air.
+//! disc. By reciprocity, `a` is also the fraction that leaves towards `beta`. One pass is
+//! `a(v) R a(l)/(pi n^2)`, and all orders are a geometric series in `r T^2 R kappa`, with `kappa` the
+//! integral of `a^2/(pi n^2)` over the disc of air.
 
 use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! Fourier orders of lobes over azimuth.
 //!
-//! At radii a and c a k-correlation lobe is `b/(2 pi) (A - C cos phi)^(-3/2)` with `A = a^2 + b^2 + c^2`, `C
-//! = 2 a c`. Its mean over azimuth is a complete elliptic integral (Gradshteyn & Ryzhik, 2.575). Higher
+//! At radii a and c a k-correlation lobe is `b/(2 pi) (A - C cos phi)^(-3/2)` with `A = a^2 + b^2 + c^2`,
+//! `C = 2 a c`. Its mean over azimuth is a complete elliptic integral (Gradshteyn & Ryzhik, 2.575). Higher
 //! orders follow from it by the three-term recurrence of Legendre functions of half-integer degree, run
 //! backwards (Miller; Gautschi, SIAM Rev. 9, 24 (1967)).
 

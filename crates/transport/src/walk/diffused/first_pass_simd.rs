@@ -166,7 +166,7 @@ fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f
 
 impl Diffused<'_> {
     /// Returns whether [`Self::paths`] can compute first passes in groups.
-    pub(super) fn goes_together(&self) -> bool {
+    pub(super) fn first_passes_can_be_grouped(&self) -> bool {
         let plain = self.specular && self.straight() == 0.0 && !self.discs;
         let drawn = matches!(self.first, First::Kernel(_));
         plain && drawn && self.width().is_some() && self.stack.medium.constant_index().is_some()
@@ -180,7 +180,7 @@ impl Diffused<'_> {
     }
 
     /// Computes the first passes of these paths in groups, if possible.
-    pub(super) fn first_passes_together(&self, numbers: &Numbers, paths: Range<u64>, sums: &mut Sums) {
+    pub(super) fn grouped_first_passes(&self, numbers: &Numbers, paths: Range<u64>, sums: &mut Sums) {
         let Some(width) = self.width() else { return };
         let panels = match &self.stack.base.reflector {
             Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => Some(panels),

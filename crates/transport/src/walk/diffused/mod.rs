@@ -146,8 +146,8 @@ impl<'a> Diffused<'a> {
 
     /// Traces these paths.
     pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
-        if self.goes_together() {
-            self.first_passes_together(numbers, paths.clone(), &mut tally.sums);
+        if self.first_passes_can_be_grouped() {
+            self.grouped_first_passes(numbers, paths.clone(), &mut tally.sums);
         } else {
             for path in paths.clone() {
                 self.first_pass(&PathNumbers::new(numbers, path), tally);
@@ -204,7 +204,7 @@ impl<'a> Diffused<'a> {
     ) {
         let met = self.below(down, 1.0, (light.carries, numbers), sums, workspace);
         if let (Some(met), true) = (met, self.discs) {
-            self.run_into_discs(met, numbers.up, sums, workspace);
+            self.add_discs_met_by_chance(met, numbers.up, sums, workspace);
         }
     }
 
@@ -232,7 +232,7 @@ impl<'a> Diffused<'a> {
         let numbers = PassNumbers::new(numbers, 0, self);
         let (beta, drawn, _) = self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
         let down = LightBelow { beta, weight: light.weight * drawn, rival: f64::INFINITY };
-        self.go_on(light, down, &numbers, workspace)
+        self.to_next_pass(light, down, &numbers, workspace)
     }
 
     /// Traces all passes from the second on.
@@ -266,12 +266,18 @@ impl<'a> Diffused<'a> {
         }
         let mut down = down?;
         down.weight /= self.survival;
-        self.go_on(light, down, numbers, workspace)
+        self.to_next_pass(light, down, numbers, workspace)
     }
 
     /// Adds discs that the last scattering reaches by chance. (Light that passes unscattered from here is
     /// added elsewhere, or is a mirror image.)
-    fn run_into_discs(&self, met: ReflectedLight, u: [f64; 2], sums: &mut Sums, workspace: &Workspace) {
+    fn add_discs_met_by_chance(
+        &self,
+        met: ReflectedLight,
+        u: [f64; 2],
+        sums: &mut Sums,
+        workspace: &Workspace,
+    ) {
         let ReflectedLight { up, look_up } = met;
         let through = self.through(&self.drawing, up.beta, 1.0, self.by_lobe_upwards(), u);
         if let Some((out, _, false)) = through {
@@ -282,7 +288,7 @@ impl<'a> Diffused<'a> {
     /// Follows light from the base out of the diffuser into a further pass, which carries spectra. A
     /// Lambertian base sends this light into a direction of its own, since the direction used for the
     /// sources may be guided.
-    fn go_on(
+    fn to_next_pass(
         &self,
         light: LightAbove,
         down: LightBelow,
@@ -370,7 +376,7 @@ impl<'a> Diffused<'a> {
             };
             if self.discs {
                 let up = [(numbers.up[0] + k as f64 * share).fract(), numbers.up[1]];
-                self.run_into_discs(met, up, sums, workspace);
+                self.add_discs_met_by_chance(met, up, sums, workspace);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Directed sources: added by connection, by chance, and by directions sampled from their side.
 //!
-//! The balanced weight is the same for all techniques ([`Target::weight`]). A direction that the path did
+//! The balanced weight is the same for all techniques ([`Target::balanced`]). A direction that the path did
 //! not choose (infinite density) has no competing technique.
 
 use papilio_optics::{Beta, Scatterer};
@@ -36,7 +36,7 @@ impl Diffused<'_> {
                 sums.from_straight_beam[i].add(carries.then_some(&workspace.carried), weight);
             } else {
                 let sum = &mut sums.from_source[i];
-                self.add_by_way_of(target.beta, carries, weight * self.straight(), sum, workspace);
+                self.add_via_specular_base(target.beta, carries, weight * self.straight(), sum, workspace);
                 let carried = carries.then_some(&workspace.carried[..]);
                 self.add_round_trips(target.beta, target.beta, carried, weight * self.straight(), sum);
             }
@@ -148,7 +148,7 @@ impl Diffused<'_> {
     ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
-            self.add_by_way_of(beta, light.carries, light.weight * weight, sum, workspace);
+            self.add_via_specular_base(beta, light.carries, light.weight * weight, sum, workspace);
             if let (true, Some(target)) = (source.has_radiance(), Target::sample(source, numbers.on_source)) {
                 let weight = light.weight * self.towards_trips(target, beta, chosen(beta));
                 let carried = light.carries.then_some(&workspace.carried[..]);
@@ -158,7 +158,7 @@ impl Diffused<'_> {
     }
 
     /// Adds light that reaches a specular base in direction `beta`.
-    fn add_by_way_of(
+    fn add_via_specular_base(
         &self,
         beta: Beta,
         carries: bool,

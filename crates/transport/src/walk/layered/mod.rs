@@ -160,7 +160,7 @@ impl<'a> Layered<'a> {
     fn travel(&self, sent: OutgoingRay, sums: &mut Sums, workspace: &mut Workspace) {
         workspace.skeleton.set(self.stack, sent.beta.squared());
         workspace.skeleton.emit(sent.ray, &mut workspace.field);
-        self.book(sums, workspace);
+        self.record(sums, workspace);
         let Workspace { light, field, share, .. } = workspace;
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.leaving.add_share(light, share, &field.rising, 1.0);

@@ -126,7 +126,7 @@ impl Kernel {
             self.shares = self.indices.nodes.iter().map(at).collect();
         }
         self.reach = reach(views, sources);
-        self.look_at(stack);
+        self.reset_for_new_base(stack);
         let same_recycling = self.prepare_recycling(stack);
         let at = self.reflectances_at(stack);
         if let (Some(seen), Some(at)) = (&mut self.seen, at) {
@@ -196,7 +196,7 @@ impl Kernel {
     }
 
     /// Resets the data of the base if the base has changed.
-    fn look_at(&mut self, stack: &Panel) {
+    fn reset_for_new_base(&mut self, stack: &Panel) {
         let Reflector::Specular(table) = &stack.base.reflector else {
             self.seen = None;
             return;

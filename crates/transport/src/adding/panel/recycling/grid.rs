@@ -1,8 +1,8 @@
 //! Grid on which recycled light is followed, and one pass through the panel on it.
 //!
 //! Directions in air and in the glass each have a rule over the radius; azimuth is represented by Fourier
-//! orders. With `L` the lobe between the two rules, one pass of light above the diffuser is `s^2 R +
-//! s(1-s)(R l + l R) + (1-s)^2 L^T R L`: a diagonal, single and double scattering.
+//! orders. With `L` the lobe between the two rules, one pass of light above the diffuser is
+//! `s^2 R + s(1-s)(R l + l R) + (1-s)^2 L^T R L`: a diagonal, single and double scattering.
 
 use std::f64::consts::FRAC_PI_2;
 
