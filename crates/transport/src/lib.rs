@@ -1,11 +1,11 @@
-//! Light through the layered display: the stack and its two solvers.
+//! Light transport through the layered display: the stack and its two solvers.
 //!
-//! - [`Panel`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
+//! - [`Panel`]: front of screen ([`Front`]), a surface or a [`Diffuser`] ([`Top`]), the glass
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
 //! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
-//! - [`Source`], [`Field`] and [`Cone`]: where light comes from and where it is looked at, as
-//!   directions alone; a source's spectrum and illuminance are the caller's. A field is cells or a formula ([`Radiance`]).
-//! - [`walk`]: unbiased Monte Carlo; the answer is, for each source, the reflectance factor
+//! - [`Source`], [`Field`] and [`Cone`]: directions of light and of the viewer; spectrum and illuminance of a
+//!   source are the caller's. A field consists of cells or of a formula ([`Radiance`]).
+//! - [`walk`]: unbiased Monte Carlo. The result is, for each source, the reflectance factor
 //!   under that source alone, by state and wavelength, and an energy ledger.
 //!
 //! Directions are [`Beta`](papilio_optics::Beta), direction cosines of propagation; radiance is

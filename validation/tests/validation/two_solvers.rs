@@ -382,7 +382,12 @@ theta_deg = 75.5652
 #[test]
 fn monte_carlo_stopped_at_a_target_has_honest_errors_of_light_that_a_thin_slab_traps() {
     let by = |overrides: &[String]| {
-        let scenario = papilio_scenario::Scenario::from_text(TRAPPING, "trapping.toml", std::path::Path::new(""), overrides);
+        let scenario = papilio_scenario::Scenario::from_text(
+            TRAPPING,
+            "trapping.toml",
+            std::path::Path::new(""),
+            overrides,
+        );
         run(&scenario.unwrap().resolve().unwrap().scene).unwrap()
     };
     let exact = by(&["solver.relative_error=1e-5".to_owned()]);

@@ -37,7 +37,7 @@ impl Stack {
         let (above, below) = (&self.above.0, &medium.index);
         let same = **above == **below;
         let wrong = match &interface {
-            Interface::Ready(ready) if ready.lies_in_one_medium() && !same => Some(sheet_at_face()),
+            Interface::Ready(ready) if ready.lies_in_one_medium() && !same => Some(different_indices()),
             Interface::Rough { .. } => match [above, below].into_iter().find(|index| !index.is_constant()) {
                 Some(index) => Some(dispersive("a medium beside this face", index)),
                 None => same.then(no_face),
@@ -69,12 +69,14 @@ impl Stack {
     }
 }
 
-/// A sheet between media of different index: which of them it is in makes a difference.
-fn sheet_at_face() -> Diagnostic {
-    Diagnostic::new("this sheet lies between media of different index").hint(
-        "put a layer below the sheet: a face such as { kind = \"fresnel\" }, and the sheet is in the medium above it; or a \
-         { kind = \"medium\" } of the same index as above",
-    )
+/// An interface that must lie in one medium, such as a component, between media of different index.
+fn different_indices() -> Diagnostic {
+    Diagnostic::new("this layer lies between media of different index")
+        .expected("media of equal index above and below it")
+        .hint(
+            "put a layer below this one: an interface such as { kind = \"fresnel\" }, so that this layer lies in the medium \
+             above; or a { kind = \"medium\" } of the same index as the medium above",
+        )
 }
 
 /// A rough face without a step of the index.
