@@ -1,50 +1,50 @@
-//! A metric that a run is to know to within a tolerance.
+//! Target of a Monte Carlo run: one metric, with the tolerance of its standard error.
 
 use crate::result::{State, StateValues, View, ViewMetrics};
 
-/// A tolerance of one metric, at every view: one standard error is to be at most this.
+/// Tolerance of one metric in every view: the largest allowed standard error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    /// What is to be known.
+    /// The metric.
     pub metric: Metric,
-    /// Of which state; `None`: of all that have it. Metrics of the states together know none.
+    /// The state; `None`: all states for which the metric is defined. Metrics of a view have no state.
     pub state: Option<String>,
-    /// How well.
+    /// The tolerance.
     pub tolerance: Tolerance,
 }
 
-/// How well a metric is to be known.
+/// Tolerance of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tolerance {
-    /// In the metric's own unit.
+    /// Absolute, in the unit of the metric.
     Absolute(f64),
-    /// As a part of its value.
+    /// Relative to the value of the metric.
     Relative(f64),
 }
 
-/// Declares the metrics by their names in a result: those of the states together, and those of a state.
+/// Declares the metrics by their names in a result: those of a view, and those of a state.
 macro_rules! metrics {
     (together { $($together:ident),* $(,)? } state { $($state:ident),* $(,)? }) => {
-        /// Metrics of a result, by their names there.
+        /// Metric of a result, named as there.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[allow(missing_docs, non_camel_case_types, reason = "named as the fields of a result, and explained there")]
+        #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
         pub enum Metric { $($together,)* $($state,)* }
 
         impl Metric {
-            /// True if it is of the states together.
+            /// Returns true for metrics of a view, which combine its states.
             pub fn is_of_view(self) -> bool {
                 matches!(self, $(Self::$together)|*)
             }
 
-            /// Its name in a result.
+            /// Returns the name of the metric in a result.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$together => stringify!($together),)* $(Self::$state => stringify!($state),)* }
             }
 
-            /// All of them.
+            /// All metrics.
             pub const ALL: &[Self] = &[$(Self::$together,)* $(Self::$state,)*];
 
-            /// The metric of this name, if it can be a target.
+            /// Returns the metric of this name, if it can be a target.
             pub fn named(name: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|metric| metric.name() == name)
             }
@@ -103,12 +103,12 @@ impl Metric {
         named.find(|(name, _)| *name == self.name())?.1
     }
 
-    /// Of the states together; `None` if it is of a state.
+    /// Returns the value of a metric of a view; `None` for metrics of a state.
     pub(crate) fn of_view(self, metrics: &ViewMetrics) -> Option<f64> {
         self.among(metrics.named())
     }
 
-    /// Of a state; `None` if it is of the states together.
+    /// Returns the value of a metric of a state; `None` for metrics of a view.
     pub(crate) fn of_state(self, values: &StateValues) -> Option<f64> {
         match self {
             Self::X => Some(values.X),
@@ -133,8 +133,8 @@ impl Metric {
 }
 
 impl Target {
-    /// The largest standard error over the tolerance: 1 and less is good. `None` where the metric is not
-    /// defined at all.
+    /// Returns the largest ratio of standard error to tolerance; the target is met at 1 or less. `None` if the
+    /// metric is not defined.
     pub(crate) fn missed_by(&self, view: &View) -> Option<f64> {
         let over = |[value, error]: [Option<f64>; 2]| {
             let tolerance = match self.tolerance {
@@ -161,16 +161,16 @@ mod tests {
     use super::*;
     use crate::result::StateMetrics;
 
-    /// Every metric is a number of a result: what the names find is there.
+    /// Every field of `ViewMetrics` and `StateMetrics` can be a target, except for those that compare views.
     #[test]
-    fn every_name_is_a_number_of_a_result() {
+    fn every_field_of_a_result_is_a_metric() {
         let together = ViewMetrics::default();
         for (name, _) in together.named() {
             assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
         }
-        let of_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];
+        let comparing_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];
         for (name, _) in StateMetrics::default().named() {
-            assert_eq!(Metric::named(name).is_some(), !of_views.contains(&name), "{name}");
+            assert_eq!(Metric::named(name).is_some(), !comparing_views.contains(&name), "{name}");
         }
     }
 }

@@ -4,23 +4,23 @@
 //! is taken anew at each level of adding, and with each replicate of both views left out in turn.
 
 use super::levels::LevelError;
-use super::metrics::{Seen, jackknife};
+use super::metrics::{Colour, jackknife};
 use crate::result::{State, StateMetrics, View};
 
 /// A view's result, and the colours that other views are compared with.
 #[derive(Debug, Clone)]
-pub(crate) struct Looked {
+pub(crate) struct ViewSamples {
     pub(crate) view: View,
     /// Shape `[set][state]`: the reported colours, then those that tell their errors: the coarser
     /// level's, or those with each replicate left out.
-    pub(super) colours: Vec<Vec<Seen>>,
+    pub(super) colours: Vec<Vec<Colour>>,
     /// How errors follow from two levels; `None`: from replicates.
     pub(super) of_levels: Option<LevelError>,
 }
 
 /// The views, each compared with the first of least inclination; a view alone is compared with nothing.
-pub(crate) fn against_angle(mut looked: Vec<Looked>) -> Vec<View> {
-    let inclination = |one: &Looked| one.view.theta_deg.abs();
+pub(crate) fn against_angle(mut looked: Vec<ViewSamples>) -> Vec<View> {
+    let inclination = |one: &ViewSamples| one.view.theta_deg.abs();
     let nearest = looked.iter().min_by(|a, b| inclination(a).total_cmp(&inclination(b)));
     if let Some(normal) = nearest.map(|one| one.colours.clone()).filter(|_| looked.len() > 1) {
         looked.iter_mut().for_each(|one| one.compare(&normal));
@@ -28,8 +28,8 @@ pub(crate) fn against_angle(mut looked: Vec<Looked>) -> Vec<View> {
     looked.into_iter().map(|one| one.view).collect()
 }
 
-impl Looked {
-    fn compare(&mut self, normal: &[Vec<Seen>]) {
+impl ViewSamples {
+    fn compare(&mut self, normal: &[Vec<Colour>]) {
         for (s, (_, state)) in self.view.states.0.iter_mut().enumerate() {
             let differences =
                 self.colours.iter().zip(normal).map(|(here, there)| here[s].differences(&there[s]));

@@ -10,7 +10,7 @@ use papilio_transport::adding::error_over_difference;
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative};
 use super::view::Numbers;
-use super::{Looked, Meter};
+use super::{ViewSamples, Meter};
 use crate::run::{largest, level_error};
 use crate::setup::{ViewPoint, base_under};
 
@@ -82,7 +82,7 @@ impl Meter<'_> {
         [finer, coarser]: [&Sample; 2],
         before: Option<&Sample>,
         specular: &[Vec<f64>],
-    ) -> Looked {
+    ) -> ViewSamples {
         let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let (scalars, of_coarser) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.level_error([finer, coarser], before, false)).filter(|least| least.is_finite());
@@ -101,6 +101,6 @@ impl Meter<'_> {
         let colours = [&scalars, &of_coarser].map(ViewScalars::colours).to_vec();
         let value = Numbers { linear: finer.clone(), scalars };
         let view = self.view(at, value, noise, Some(discretisation), specular);
-        Looked { view, colours, of_levels: Some(of_levels) }
+        ViewSamples { view, colours, of_levels: Some(of_levels) }
     }
 }

@@ -48,7 +48,7 @@ pub(crate) struct Reference<'a> {
 
 /// What is seen of a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct StateObservation {
     /// Relative.
     pub(crate) xyz: Xyz,
     pub(crate) luminance_cd_m2: f64,
@@ -58,21 +58,21 @@ pub(crate) struct Sight {
 }
 
 /// What the states of a view are compared with.
-struct Beside {
+struct ColourReferences {
     black: Option<f64>,
-    white: Seen,
-    state: Option<Seen>,
+    white: Colour,
+    state: Option<Colour>,
     viewing: Option<Viewing>,
 }
 
 /// A colour as it is compared with others; `None` where the light has no white or nothing is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct Colour {
     pub(crate) uv: Option<UvPrime>,
     pub(crate) lab: Option<Lab>,
 }
 
-impl Seen {
+impl Colour {
     fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
         Self { uv: xyz.uv_prime(), lab: white.and_then(|white| xyz.lab(white)) }
     }
@@ -93,22 +93,22 @@ impl Seen {
 
 impl Reference<'_> {
     /// All metrics but those that compare views.
-    pub(crate) fn view(&self, sights: &[Sight]) -> ViewScalars {
-        let xyz: Vec<Xyz> = sights.iter().map(|sight| sight.xyz).collect();
+    pub(crate) fn view(&self, observations: &[StateObservation]) -> ViewScalars {
+        let xyz: Vec<Xyz> = observations.iter().map(|observation| observation.xyz).collect();
         let white = self.white.map(|(xyz, _)| xyz);
-        let colours: Vec<Seen> = xyz.iter().map(|xyz| Seen::new(*xyz, white)).collect();
-        let beside = Beside {
+        let colours: Vec<Colour> = xyz.iter().map(|xyz| Colour::new(*xyz, white)).collect();
+        let references = ColourReferences {
             black: self.at("black").map(|black| xyz[black].y),
-            white: white.map_or(Seen { uv: None, lab: None }, |xyz| Seen::new(xyz, white)),
+            white: white.map_or(Colour { uv: None, lab: None }, |xyz| Colour::new(xyz, white)),
             state: self.at(&self.asked.reference_state).map(|state| colours[state]),
             viewing: self.viewing(),
         };
-        let states = sights.iter().zip(&colours).map(|(sight, seen)| self.state(sight, seen, &beside));
+        let states = observations.iter().zip(&colours).map(|(observation, seen)| self.state(observation, seen, &references));
         let states: Vec<Scalars> = states.collect();
         let mut together = self.together(&xyz);
         let shift = |name| states[self.at(name)?].metrics.peak_shift_nm;
         together.average_peak_shift_nm = three(PRIMARIES.map(shift)).map(|[r, g, b]| (r + g + b) / 3.0);
-        let luminance = |name| Some(sights[self.at(name)?].luminance_cd_m2);
+        let luminance = |name| Some(observations[self.at(name)?].luminance_cd_m2);
         let text = luminance("white").zip(luminance("black")).and_then(|(w, k)| Text::new(w, k));
         if let Some(text) = text {
             together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
@@ -171,22 +171,22 @@ impl Reference<'_> {
         Some(Viewing { adapting_luminance_cd_m2, background, surround })
     }
 
-    fn state(&self, sight: &Sight, seen: &Seen, beside: &Beside) -> Scalars {
-        let (xyz, Seen { uv, lab }) = (sight.xyz, *seen);
+    fn state(&self, observation: &StateObservation, seen: &Colour, references: &ColourReferences) -> Scalars {
+        let (xyz, Colour { uv, lab }) = (observation.xyz, *seen);
         let xy = xyz.chromaticity();
         let hue = xyz.hue_rgb().filter(|_| self.asked.observer == Standard::Cie1931);
-        let [from_white, delta_e] = seen.differences(&beside.white);
-        let luv = lab.zip(uv.zip(beside.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
+        let [from_white, delta_e] = seen.differences(&references.white);
+        let luv = lab.zip(uv.zip(references.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
         let [from_reference, delta_e_reference] =
-            beside.state.map_or([None; 2], |state| seen.differences(&state));
+            references.state.map_or([None; 2], |state| seen.differences(&state));
         Scalars {
             xyz: xyz.to_array().map(Some),
             chromaticity: [xy.map(|c| c.x), xy.map(|c| c.y), xy.map(|c| 1.0 - c.x - c.y)],
             uv_prime: [uv.map(|c| c.u), uv.map(|c| c.v)],
             lab: [lab.map(|c| c.l), lab.map(|c| c.a), lab.map(|c| c.b)],
-            luminance: Some(sight.luminance_cd_m2),
-            contrast: ratio(xyz.y, beside.black),
-            peak_nm: sight.peak_nm,
+            luminance: Some(observation.luminance_cd_m2),
+            contrast: ratio(xyz.y, references.black),
+            peak_nm: observation.peak_nm,
             from_white,
             from_d65: uv.map(|uv| uv.distance(self.asked.observer.d65_uv())),
             hue_rgb: std::array::from_fn(|k| hue.map(|rgb| rgb[k])),
@@ -196,10 +196,10 @@ impl Reference<'_> {
                 delta_E_2000_from_white: delta_e,
                 delta_E_2000_from_reference: delta_e_reference,
                 distance_from_reference_uv: from_reference,
-                peak_shift_nm: sight.peak_nm.zip(sight.bare_peak_nm).map(|(peak, bare)| peak - bare),
+                peak_shift_nm: observation.peak_nm.zip(observation.bare_peak_nm).map(|(peak, bare)| peak - bare),
                 ..StateMetrics::default()
             },
-            cam16: beside
+            cam16: references
                 .viewing
                 .zip(self.white)
                 .map(|(viewing, (white, _))| cam16(xyz.appearance(white, &viewing))),
@@ -244,8 +244,8 @@ impl ViewScalars {
     }
 
     /// The colours of the states.
-    pub(crate) fn colours(&self) -> Vec<Seen> {
-        self.states.iter().map(Seen::of).collect()
+    pub(crate) fn colours(&self) -> Vec<Colour> {
+        self.states.iter().map(Colour::of).collect()
     }
 
     /// Each number with the other's; `None` where one of the two is missing.
@@ -323,7 +323,7 @@ mod tests {
         let names = ["white".to_owned(), "orange".to_owned()];
         let asked = Metrics { gamut_volume: true, ..Metrics::default() };
         let reference = Reference { names: &names, white: Some((white, 100.0)), asked: &asked };
-        let seen = |xyz: Xyz| Sight {
+        let seen = |xyz: Xyz| StateObservation {
             xyz,
             luminance_cd_m2: 100.0 * xyz.y,
             peak_nm: Some(600.0),

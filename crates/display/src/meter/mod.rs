@@ -23,10 +23,10 @@ use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
-pub(crate) use angle::{Looked, against_angle};
+pub(crate) use angle::{ViewSamples, against_angle};
 use front_light::BelowFront;
 pub(crate) use metrics::{PRIMARIES, ViewScalars};
-use metrics::{Reference, Sight};
+use metrics::{Reference, StateObservation};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
 pub(crate) use slopes::{Number, Slopes};
@@ -192,15 +192,15 @@ impl<'a> Meter<'a> {
 
     /// `bare`: where each state of the pixel alone peaks.
     pub(crate) fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
-        let sights: Vec<Sight> =
-            (0..self.layout.states).map(|state| self.sight(state, mean, bare[state])).collect();
-        self.reference(&sights).view(&sights)
+        let observations: Vec<StateObservation> =
+            (0..self.layout.states).map(|state| self.observation(state, mean, bare[state])).collect();
+        self.reference(&observations).view(&observations)
     }
 
-    fn sight(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> Sight {
+    fn observation(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> StateObservation {
         let radiance = &mean.0[self.layout.radiance(state)];
         let factor = self.reflectance_factor(state, &mean.0);
-        Sight {
+        StateObservation {
             xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
             luminance_cd_m2: self.setup.observer.luminance(radiance),
             peak_nm: factor.and_then(|factor| peak_nm(&self.grid, &factor)),
@@ -217,16 +217,16 @@ impl<'a> Meter<'a> {
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
     }
 
-    /// What the states, `sights`, are measured against: a perfect white, or the screen's own where the front light is alone.
-    fn reference(&self, sights: &[Sight]) -> Reference<'_> {
-        self.reference_among(&self.setup.states, sights)
+    /// What the states, `observations`, are measured against: a perfect white, or the screen's own where the front light is alone.
+    fn reference(&self, observations: &[StateObservation]) -> Reference<'_> {
+        self.reference_among(&self.setup.states, observations)
     }
 
     /// The same where only states of these names are looked at.
-    fn reference_among<'b>(&'b self, names: &'b [String], sights: &[Sight]) -> Reference<'b> {
+    fn reference_among<'b>(&'b self, names: &'b [String], observations: &[StateObservation]) -> Reference<'b> {
         let paper = (over(self.white_xyz, self.white_xyz.y), self.setup.observer.luminance(&self.white));
         let own = || {
-            let white = sights.get(names.iter().position(|name| name == "white")?)?;
+            let white = observations.get(names.iter().position(|name| name == "white")?)?;
             Some((white.xyz, white.luminance_cd_m2))
         };
         let white = if self.is_self_lit { own() } else { Some(paper) };

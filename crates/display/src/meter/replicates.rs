@@ -8,7 +8,7 @@
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
 use super::view::Numbers;
-use super::{Looked, Meter};
+use super::{ViewSamples, Meter};
 use crate::setup::{ViewPoint, base_under};
 
 impl Meter<'_> {
@@ -44,7 +44,7 @@ impl Meter<'_> {
         samples: &[Sample],
         least: f64,
         specular: &[Vec<f64>],
-    ) -> Looked {
+    ) -> ViewSamples {
         let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
@@ -61,6 +61,6 @@ impl Meter<'_> {
         };
         let value = Numbers { scalars: of_mean, linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
-        Looked { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
+        ViewSamples { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
     }
 }

@@ -7,7 +7,7 @@
 
 use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_slopes};
 
-use super::metrics::{Sight, ViewScalars};
+use super::metrics::{StateObservation, ViewScalars};
 use super::{Meter, Sample};
 use crate::setup::Setup;
 
@@ -47,13 +47,13 @@ pub(crate) enum Number {
 }
 
 impl Number {
-    fn of(self, sight: &mut Sight) -> Option<&mut f64> {
+    fn of(self, observation: &mut StateObservation) -> Option<&mut f64> {
         match self {
-            Self::Xyz(0) => Some(&mut sight.xyz.x),
-            Self::Xyz(1) => Some(&mut sight.xyz.y),
-            Self::Xyz(_) => Some(&mut sight.xyz.z),
-            Self::Luminance => Some(&mut sight.luminance_cd_m2),
-            Self::Peak => sight.peak_nm.as_mut(),
+            Self::Xyz(0) => Some(&mut observation.xyz.x),
+            Self::Xyz(1) => Some(&mut observation.xyz.y),
+            Self::Xyz(_) => Some(&mut observation.xyz.z),
+            Self::Luminance => Some(&mut observation.luminance_cd_m2),
+            Self::Peak => observation.peak_nm.as_mut(),
         }
     }
 }
@@ -74,12 +74,12 @@ impl Meter<'_> {
         value: impl Fn(&ViewScalars) -> Option<f64>,
         slopes: &mut Slopes,
     ) -> bool {
-        let sights: Vec<Sight> = states.iter().map(|state| self.sight(*state, sample, None)).collect();
+        let observations: Vec<StateObservation> = states.iter().map(|state| self.observation(*state, sample, None)).collect();
         let names: Vec<String> = states.iter().map(|state| self.setup.states[*state].clone()).collect();
-        let at = |sights: &[Sight]| value(&self.reference_among(&names, sights).view(sights));
+        let at = |observations: &[StateObservation]| value(&self.reference_among(&names, observations).view(observations));
         for (place, &state) in states.iter().enumerate() {
             for &number in numbers {
-                let Some(slope) = self.slope(&sights, place, number, at) else { return false };
+                let Some(slope) = self.slope(&observations, place, number, at) else { return false };
                 match number {
                     Number::Xyz(k) => slopes.xyz[state][k] += slope,
                     Number::Luminance => slopes.luminance[state] += slope,
@@ -92,12 +92,12 @@ impl Meter<'_> {
 
     fn slope(
         &self,
-        sights: &[Sight],
+        observations: &[StateObservation],
         place: usize,
         number: Number,
-        at: impl Fn(&[Sight]) -> Option<f64>,
+        at: impl Fn(&[StateObservation]) -> Option<f64>,
     ) -> Option<f64> {
-        let mut moved = sights.to_vec();
+        let mut moved = observations.to_vec();
         let Xyz { x, y, z } = moved[place].xyz;
         let value = *number.of(&mut moved[place])?;
         let step = match number {

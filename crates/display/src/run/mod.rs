@@ -15,14 +15,14 @@ use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-pub(crate) use adding::{Kernels, Lens};
+pub(crate) use adding::{Kernels, ViewGroupKernel};
 pub use brdf::brdf;
 pub use cone::cone;
 pub use refine::adding_seconds;
 pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
-use crate::meter::{Looked, Meter, against_angle};
+use crate::meter::{ViewSamples, Meter, against_angle};
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
@@ -138,9 +138,9 @@ pub(crate) fn run_setup(
 }
 
 /// Kernels at the level that meets the scene's target.
-pub(crate) fn prepared_lenses(setup: &Setup, control: &Control<'_>) -> Result<Vec<Lens>, DisplayError> {
+pub(crate) fn prepared_kernels(setup: &Setup, control: &Control<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let meter = Meter::new(setup);
-    adding::lenses(&Run { scene: &setup.scene, control, setup, meter: &meter })
+    adding::view_group_kernels(&Run { scene: &setup.scene, control, setup, meter: &meter })
 }
 
 /// What a solver works with.
@@ -173,7 +173,7 @@ impl Run<'_> {
     /// What is reported; `unreached` explains why a target would not be reached.
     fn result(
         &self,
-        views: Vec<Looked>,
+        views: Vec<ViewSamples>,
         solver: SolverReport,
         specular: &[Vec<f64>],
         unreached: &str,

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::{Progress, Run};
 use crate::DisplayError;
-use crate::meter::{Looked, Sample};
+use crate::meter::{ViewSamples, Sample};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
@@ -134,7 +134,7 @@ impl Work<'_> {
 /// What has been seen so far.
 #[derive(Default)]
 struct Done {
-    views: Vec<Looked>,
+    views: Vec<ViewSamples>,
     paths: u64,
     relative_error: f64,
     missed: f64,
@@ -209,7 +209,7 @@ impl<'a> Runner<'a> {
         true
     }
 
-    fn view(&self, work: &Work<'_>, at: &ViewPoint, specular: &[Vec<f64>]) -> Looked {
+    fn view(&self, work: &Work<'_>, at: &ViewPoint, specular: &[Vec<f64>]) -> ViewSamples {
         let least = work.confidence.least_error(work.paths);
         self.run.meter.view_of_replicates(at, &work.samples, least, specular)
     }
