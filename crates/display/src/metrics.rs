@@ -1,10 +1,16 @@
-//! Metrics by name: of a state, and of the states together. Definitions and sources: docs/metrics.md.
+//! Metrics by name: of a state, and of a view, which combine its states. Definitions and sources: docs/metrics.md.
+//!
+//! The table at the end of this file is the only list of names. From it come the fields of the results, the enum
+//! [`Metric`] and all iterations. A new metric needs a line in the table, with its documentation, and its value in
+//! `meter/metrics.rs`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Declares numbers that may be undefined, with their names, and ways through all of them.
-macro_rules! metrics {
+use crate::result::StateValues;
+
+/// Declares a structure of metrics that may be undefined, with iterators over all of them.
+macro_rules! numbers {
     (
         $(#[doc = $doc:literal])*
         $name:ident { $( $(#[doc = $field_doc:literal])* $field:ident ),* $(,)? }
@@ -17,12 +23,12 @@ macro_rules! metrics {
         }
 
         impl $name {
-            /// Names and numbers, in order.
+            /// Returns names and values, in order.
             pub fn named(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> + use<> {
                 [$((stringify!($field), self.$field)),*].into_iter()
             }
 
-            /// All numbers, in order.
+            /// Returns all values, in order.
             pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
                 [$(&mut self.$field),*].into_iter()
             }
@@ -30,29 +36,77 @@ macro_rules! metrics {
     };
 }
 
-metrics! {
-    /// What a state's colour is to other colours.
-    StateMetrics {
-        /// CIELUV u*, against the illuminant's white.
-        u_star,
-        /// CIELUV v*.
-        v_star,
-        /// CIEDE2000 difference from the perfect white in the same light.
-        delta_E_2000_from_white,
-        /// CIEDE2000 difference from the reference state, seen from the same direction.
-        delta_E_2000_from_reference,
-        /// u'v' distance from the reference state, seen from the same direction.
-        distance_from_reference_uv,
-        /// CIEDE2000 difference from the same state in the view nearest to the normal.
-        delta_E_2000_with_angle,
-        /// u'v' distance from the same state in the view nearest to the normal.
-        shift_with_angle_uv,
-        /// `peak_nm` less that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12).
-        peak_shift_nm,
-    }
+/// Declares the enum of all metrics that can be targets: those of a view, and those of a state.
+macro_rules! names {
+    (
+        view { $( $(#[doc = $view_doc:literal])* $view:ident ),* $(,)? }
+        values { $($value:ident),* $(,)? }
+        state { $( $(#[doc = $state_doc:literal])* $state:ident ),* $(,)? }
+    ) => {
+        /// Metric of a result, named as there.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
+        pub enum Metric { $($view,)* $($value,)* $($state,)* }
+
+        impl Metric {
+            /// Returns true for metrics of a view, which combine its states.
+            pub fn is_of_view(self) -> bool {
+                matches!(self, $(Self::$view)|*)
+            }
+
+            /// Returns the name of the metric in a result.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$view => stringify!($view),)*
+                    $(Self::$value => stringify!($value),)*
+                    $(Self::$state => stringify!($state),)*
+                }
+            }
+
+            /// All metrics.
+            pub const ALL: &[Self] = &[$(Self::$view,)* $(Self::$value,)* $(Self::$state,)*];
+
+            /// Returns the metric of this name, if it can be a target.
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|metric| metric.name() == name)
+            }
+
+            /// Returns the value of a metric of a view; `None` for metrics of a state.
+            pub(crate) fn of_view(self, metrics: &ViewMetrics) -> Option<f64> {
+                match self {
+                    $(Self::$view => metrics.$view,)*
+                    _ => None,
+                }
+            }
+
+            /// Returns the value of a metric of a state; `None` for metrics of a view.
+            pub(crate) fn of_state(self, values: &StateValues) -> Option<f64> {
+                match self {
+                    $(Self::$value => values.$value.into(),)*
+                    $(Self::$state => values.metrics.$state,)*
+                    _ => None,
+                }
+            }
+        }
+    };
 }
 
-metrics! {
+/// Declares all metrics from one table.
+macro_rules! metrics {
+    (
+        $(#[doc = $view_doc:literal])* view $view_name:ident { $($view:tt)* }
+        values { $($value:tt)* }
+        $(#[doc = $state_doc:literal])* state $state_name:ident { $($state:tt)* }
+        between_views { $($between:tt)* }
+        state { $($last:tt)* }
+    ) => {
+        numbers! { $(#[doc = $view_doc])* $view_name { $($view)* } }
+        numbers! { $(#[doc = $state_doc])* $state_name { $($state)* $($between)* $($last)* } }
+        names! { view { $($view)* } values { $($value)* } state { $($state)* $($last)* } }
+    };
+}
+
+numbers! {
     /// What a state looks like in its room (CIECAM16, CIE 248:2022).
     Cam16 {
         /// Lightness.
@@ -70,7 +124,7 @@ metrics! {
 
 metrics! {
     /// Metrics of the states together.
-    ViewMetrics {
+    view ViewMetrics {
         /// Y of white over Y of black.
         contrast_ratio,
         /// Area of the red, green and blue states in u'v', % of sRGB's.
@@ -106,5 +160,66 @@ metrics! {
         reading_surrogate_age_75,
         /// The same of a reader of `viewer.age_years`; null where the scenario gives no age.
         reading_surrogate,
+    }
+    // Fields of `StateValues` that are metrics, too.
+    values {
+        X,
+        Y,
+        Z,
+        x,
+        y,
+        u_prime,
+        v_prime,
+        L_star,
+        a_star,
+        b_star,
+        luminance_cd_m2,
+        contrast,
+        peak_nm,
+        distance_from_white_uv,
+        distance_from_d65_uv,
+        R_hemi,
+    }
+    /// What a state's colour is to other colours.
+    state StateMetrics {
+        /// CIELUV u*, against the illuminant's white.
+        u_star,
+        /// CIELUV v*.
+        v_star,
+        /// CIEDE2000 difference from the perfect white in the same light.
+        delta_E_2000_from_white,
+        /// CIEDE2000 difference from the reference state, seen from the same direction.
+        delta_E_2000_from_reference,
+        /// u'v' distance from the reference state, seen from the same direction.
+        distance_from_reference_uv,
+    }
+    // Fields of `StateMetrics` that compare views: known only after all views, so that they cannot be targets.
+    between_views {
+        /// CIEDE2000 difference from the same state in the view nearest to the normal.
+        delta_E_2000_with_angle,
+        /// u'v' distance from the same state in the view nearest to the normal.
+        shift_with_angle_uv,
+    }
+    // Further fields of `StateMetrics`; the order is that of the results.
+    state {
+        /// `peak_nm` less that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12).
+        peak_shift_nm,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every field of `ViewMetrics` and `StateMetrics` can be a target, except for those that compare views.
+    #[test]
+    fn every_field_of_a_result_is_a_metric() {
+        for (name, _) in ViewMetrics::default().named() {
+            assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
+        }
+        let comparing_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];
+        for (name, _) in StateMetrics::default().named() {
+            assert_eq!(Metric::named(name).is_some(), !comparing_views.contains(&name), "{name}");
+        }
     }
 }

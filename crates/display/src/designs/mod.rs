@@ -50,7 +50,7 @@ pub struct Designs {
     groups: Vec<ViewGroup>,
 }
 
-/// ViewGroup of one level, for the nodes of one table and another, the last used first.
+/// Kernels of a group of views at one level, one for each set of table nodes, the most recently used first.
 #[derive(Debug, Clone)]
 struct ViewGroup {
     views: Range<usize>,
