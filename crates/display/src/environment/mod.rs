@@ -1,13 +1,13 @@
-//! The room and the sky as fields of light over the display.
+//! Environments: angular distributions of the light from a room or a sky.
 //!
-//! - [`cap`]: an even part of the hemisphere around any direction;
-//! - [`profile`]: alike at all azimuths, from a table over inclination;
-//! - [`luminous_sheet`]: what a sheet of light sends into each direction;
-//! - [`Panorama`]: a picture of the whole sphere;
+//! - [`cap`]: uniform radiance in a spherical cap or ring around any direction;
+//! - [`profile`]: a rotationally symmetric distribution, from a table over inclination;
+//! - [`luminous_sheet`]: a luminous plane with a given intensity distribution;
+//! - [`Panorama`]: an image of the whole sphere;
 //! - [`Sky`]: the CIE standard general skies;
-//! - [`Pose`]: how the display stands below a sky or in a room.
+//! - [`Pose`]: the orientation of the display below a sky or in a room.
 //!
-//! Everything here is relative: shares of illuminance and spectra are the scene's.
+//! All distributions are relative: the scene defines their fractions of the illuminance and their spectra.
 
 mod cap;
 mod map;
