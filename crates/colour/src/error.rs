@@ -4,7 +4,9 @@
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ColourError {
     /// The grid contains no wavelength at which the observer is tabulated.
-    #[error("the wavelength range {start_nm} to {stop_nm} nm contains no integer nanometre from 380 to 780 nm, where the observer is tabulated")]
+    #[error(
+        "the wavelength range {start_nm} to {stop_nm} nm contains no integer nanometre from 380 to 780 nm, where the observer is tabulated"
+    )]
     NothingVisible {
         /// First wavelength of the grid.
         start_nm: f64,

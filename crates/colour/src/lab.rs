@@ -148,7 +148,10 @@ mod tests {
         for [l1, a1, b1, l2, a2, b2, expected] in SHARMA {
             let (one, two) = (Lab { l: l1, a: a1, b: b1 }, Lab { l: l2, a: a2, b: b2 });
             for found in [one.delta_e_2000(two), two.delta_e_2000(one)] {
-                assert!((found - expected).abs() < 5e-5 + 1e-9, "{one:?} {two:?}: {found}, expected {expected}");
+                assert!(
+                    (found - expected).abs() < 5e-5 + 1e-9,
+                    "{one:?} {two:?}: {found}, expected {expected}"
+                );
             }
             assert_eq!(one.delta_e_2000(one), 0.0);
         }

@@ -114,7 +114,9 @@ pub enum DisplayError {
     #[error("designs require a film pixel, but this display has another kind of pixel")]
     NotAFilm,
     /// Designs of a scene that is not solved by adding to a relative error.
-    #[error("designs are computed by adding to a relative error, but the scene specifies another method or stopping criterion")]
+    #[error(
+        "designs are computed by adding to a relative error, but the scene specifies another method or stopping criterion"
+    )]
     NotByAdding,
     /// A design whose states differ from those of the prepared display.
     #[error("the states of a design must be those of the prepared display, in the same order")]

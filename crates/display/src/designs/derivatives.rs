@@ -15,7 +15,7 @@ use papilio_transport::adding::TableGradient;
 use papilio_transport::{AngularTable, Nodes, Reflector};
 
 use super::parameter::Change;
-use super::{Designs, Parameter, Quantity, DesignObservation};
+use super::{DesignObservation, Designs, Parameter, Quantity};
 use crate::DisplayError;
 use crate::meter::{Meter, Number, PRIMARIES, Slopes, ViewScalars};
 use crate::pixel::film::{Beta, Film, Mixture};

@@ -73,7 +73,8 @@ impl Designs {
         }
         let setup = Setup::new(scene)?;
         quantities.iter().try_for_each(|one| one.check(setup.views.len(), &setup.states))?;
-        let group = |ViewGroupKernel { kernel, views }| ViewGroup { views, kernels: [Arc::new(kernel)].into() };
+        let group =
+            |ViewGroupKernel { kernel, views }| ViewGroup { views, kernels: [Arc::new(kernel)].into() };
         let groups = prepared_kernels(&setup, control)?.into_iter().map(group).collect();
         let stack = setup.stack.clone();
         Ok(Self { setup: Arc::new(setup), quantities: quantities.into(), stack, groups })

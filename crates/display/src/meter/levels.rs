@@ -10,7 +10,7 @@ use papilio_transport::adding::error_over_difference;
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative};
 use super::view::Numbers;
-use super::{ViewSamples, Meter};
+use super::{Meter, ViewSamples};
 use crate::run::{largest, level_error};
 use crate::setup::{ViewPoint, base_under};
 

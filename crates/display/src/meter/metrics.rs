@@ -103,7 +103,10 @@ impl Reference<'_> {
             state: self.at(&self.settings.reference_state).map(|state| colours[state]),
             viewing: self.viewing(),
         };
-        let states = observations.iter().zip(&colours).map(|(observation, colour)| self.state(observation, colour, &references));
+        let states = observations
+            .iter()
+            .zip(&colours)
+            .map(|(observation, colour)| self.state(observation, colour, &references));
         let states: Vec<Scalars> = states.collect();
         let mut together = self.together(&xyz);
         let shift = |name| states[self.at(name)?].metrics.peak_shift_nm;
@@ -171,7 +174,12 @@ impl Reference<'_> {
         Some(Viewing { adapting_luminance_cd_m2, background, surround })
     }
 
-    fn state(&self, observation: &StateObservation, colour: &Colour, references: &ColourReferences) -> Scalars {
+    fn state(
+        &self,
+        observation: &StateObservation,
+        colour: &Colour,
+        references: &ColourReferences,
+    ) -> Scalars {
         let (xyz, Colour { uv, lab }) = (observation.xyz, *colour);
         let xy = xyz.chromaticity();
         let hue = xyz.hue_rgb().filter(|_| self.settings.observer == Standard::Cie1931);
@@ -196,7 +204,10 @@ impl Reference<'_> {
                 delta_E_2000_from_white: delta_e,
                 delta_E_2000_from_reference: delta_e_reference,
                 distance_from_reference_uv: from_reference,
-                peak_shift_nm: observation.peak_nm.zip(observation.bare_peak_nm).map(|(peak, bare)| peak - bare),
+                peak_shift_nm: observation
+                    .peak_nm
+                    .zip(observation.bare_peak_nm)
+                    .map(|(peak, bare)| peak - bare),
                 ..StateMetrics::default()
             },
             cam16: references

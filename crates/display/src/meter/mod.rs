@@ -224,7 +224,11 @@ impl<'a> Meter<'a> {
     }
 
     /// Returns the references if only states of these names are observed.
-    fn reference_among<'b>(&'b self, names: &'b [String], observations: &[StateObservation]) -> Reference<'b> {
+    fn reference_among<'b>(
+        &'b self,
+        names: &'b [String],
+        observations: &[StateObservation],
+    ) -> Reference<'b> {
         let paper = (over(self.white_xyz, self.white_xyz.y), self.setup.observer.luminance(&self.white));
         let own = || {
             let white = observations.get(names.iter().position(|name| name == "white")?)?;

@@ -8,7 +8,7 @@
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
 use super::view::Numbers;
-use super::{ViewSamples, Meter};
+use super::{Meter, ViewSamples};
 use crate::setup::{ViewPoint, base_under};
 
 impl Meter<'_> {

@@ -74,9 +74,12 @@ impl Meter<'_> {
         value: impl Fn(&ViewScalars) -> Option<f64>,
         slopes: &mut Slopes,
     ) -> bool {
-        let observations: Vec<StateObservation> = states.iter().map(|state| self.observation(*state, sample, None)).collect();
+        let observations: Vec<StateObservation> =
+            states.iter().map(|state| self.observation(*state, sample, None)).collect();
         let names: Vec<String> = states.iter().map(|state| self.setup.states[*state].clone()).collect();
-        let at = |observations: &[StateObservation]| value(&self.reference_among(&names, observations).view(observations));
+        let at = |observations: &[StateObservation]| {
+            value(&self.reference_among(&names, observations).view(observations))
+        };
         for (place, &state) in states.iter().enumerate() {
             for &number in numbers {
                 let Some(slope) = self.slope(&observations, place, number, at) else { return false };

@@ -22,15 +22,14 @@ pub use refine::adding_seconds;
 pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
-use crate::meter::{ViewSamples, Meter, against_angle};
+use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
 
 /// Explanation of why adding did not reach a target.
-const FINEST_REACHED: &str =
-    "adding's finest level is reached; the Monte Carlo solver (method = \"monte-carlo\") may reach a smaller error";
+const FINEST_REACHED: &str = "adding's finest level is reached; the Monte Carlo solver (method = \"monte-carlo\") may reach a smaller error";
 
 /// Progress of a run.
 #[derive(Clone, Copy)]
@@ -138,7 +137,10 @@ pub(crate) fn run_setup(
 }
 
 /// Prepares kernels at the level that meets the scene's target, one for each group of views that share it.
-pub(crate) fn prepared_kernels(setup: &Setup, control: &Control<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
+pub(crate) fn prepared_kernels(
+    setup: &Setup,
+    control: &Control<'_>,
+) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let meter = Meter::new(setup);
     adding::view_group_kernels(&Run { scene: &setup.scene, control, setup, meter: &meter })
 }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::{Progress, Run};
 use crate::DisplayError;
-use crate::meter::{ViewSamples, Sample};
+use crate::meter::{Sample, ViewSamples};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
