@@ -107,11 +107,11 @@ macro_rules! metrics {
 }
 
 numbers! {
-    /// What a state looks like in its room (CIECAM16, CIE 248:2022).
+    /// Colour appearance of a state (CIECAM16, CIE 248:2022).
     Cam16 {
-        /// Lightness.
+        /// Lightness J.
         J,
-        /// Chroma.
+        /// Chroma C.
         C,
         /// Lightness J' of CAM16-UCS.
         J_prime,
@@ -123,27 +123,27 @@ numbers! {
 }
 
 metrics! {
-    /// Metrics of the states together.
+    /// Metrics of a view, which combine its states.
     view ViewMetrics {
         /// Y of white over Y of black.
         contrast_ratio,
-        /// Area of the red, green and blue states in u'v', % of sRGB's.
+        /// Gamut area of the red, green and blue states in u'v', % of sRGB.
         gamut_percent_srgb,
-        /// The same, % of EBU's.
+        /// The same, % of EBU.
         gamut_percent_ebu,
-        /// The same, % of NTSC's.
+        /// The same, % of NTSC.
         gamut_percent_ntsc,
-        /// The same, % of DCI-P3's.
+        /// The same, % of DCI-P3.
         gamut_percent_dci_p3,
-        /// Part of sRGB's triangle in u'v' that the display's covers, %.
+        /// Gamut coverage: fraction of the sRGB triangle in u'v' that the display covers, %.
         coverage_percent_srgb,
-        /// The same of EBU's.
+        /// The same for the EBU triangle.
         coverage_percent_ebu,
-        /// The same of NTSC's.
+        /// The same for the NTSC triangle.
         coverage_percent_ntsc,
-        /// The same of DCI-P3's.
+        /// The same for the DCI-P3 triangle.
         coverage_percent_dci_p3,
-        /// Volume of the gamut in CIELAB, where `metrics.gamut_volume` asks for it.
+        /// Gamut volume in CIELAB, if `metrics.gamut_volume` is set.
         gamut_volume_cielab,
         /// Mean over red, green and blue of `peak_shift_nm` (Feng 2012, eq. 5-12).
         average_peak_shift_nm,
@@ -152,13 +152,13 @@ metrics! {
         /// Contrast of black text on white (Feng 2012, eq. 5-14).
         text_contrast,
         /// Reading performance of a reader of 20 years, 0 to 1: a surrogate calibrated on Feng 2012,
-        /// table 5.3, and null beyond its range.
+        /// table 5.3; null outside its range.
         reading_surrogate_age_20,
-        /// The same of 50 years.
+        /// The same for a reader of 50 years.
         reading_surrogate_age_50,
-        /// The same of 75 years.
+        /// The same for a reader of 75 years.
         reading_surrogate_age_75,
-        /// The same of a reader of `viewer.age_years`; null where the scenario gives no age.
+        /// The same for a reader of `viewer.age_years`; null if the scenario does not specify an age.
         reading_surrogate,
     }
     // Fields of `StateValues` that are metrics, too.
@@ -180,17 +180,17 @@ metrics! {
         distance_from_d65_uv,
         R_hemi,
     }
-    /// What a state's colour is to other colours.
+    /// Comparisons of a state's colour with other colours.
     state StateMetrics {
-        /// CIELUV u*, against the illuminant's white.
+        /// CIELUV u*, relative to the illuminant's white.
         u_star,
         /// CIELUV v*.
         v_star,
         /// CIEDE2000 difference from the perfect white in the same light.
         delta_E_2000_from_white,
-        /// CIEDE2000 difference from the reference state, seen from the same direction.
+        /// CIEDE2000 difference from the reference state in the same view.
         delta_E_2000_from_reference,
-        /// u'v' distance from the reference state, seen from the same direction.
+        /// u'v' distance from the reference state in the same view.
         distance_from_reference_uv,
     }
     // Fields of `StateMetrics` that compare views: known only after all views, so that they cannot be targets.
@@ -202,7 +202,7 @@ metrics! {
     }
     // Further fields of `StateMetrics`; the order is that of the results.
     state {
-        /// `peak_nm` less that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12).
+        /// `peak_nm` minus that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12), nm.
         peak_shift_nm,
     }
 }
