@@ -91,7 +91,10 @@ fn wrong_input_is_said_and_writes_nothing() {
         ("state,theta,Y\nwhite,8,0.2\n", ":1:1"),
         ("state,theta_deg,X,Y,Z\nwhite,8,0.2,zero,0.2\n", ":2:13"),
         ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\nwhite,50,0.2,0.2,0.2\n", "no such state"),
-        ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\n", "measured.csv: nothing that was measured"),
+        (
+            "state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\n",
+            "measured.csv: no measured state has a counterpart",
+        ),
         ("state,theta_deg,X,Y,Z\nwhte,8,0.2,0.2,0.2\n", "did you mean `white` for `whte`?"),
         ("", "expected a first row with the names of the columns"),
     ] {

@@ -289,7 +289,7 @@ fn too_few_paths_are_warned_of_and_hold_errors_up() {
         |paths: &str| run(&scenario("indoor", &["solver.method=monte-carlo", paths]).unwrap().scene).unwrap();
     let few = of("solver.paths=64");
     assert!(
-        few.warnings.iter().any(|warning| warning.contains("64 paths a view are too few")),
+        few.warnings.iter().any(|warning| warning.contains("64 paths per view are too few")),
         "{:?}",
         few.warnings
     );

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::room::{Pose, Sky, cap as cap_field, profile};
+use papilio_display::environment::{Pose, Sky, cap as cap_field, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
 use papilio_formats::{read_ies, read_profile};
 use papilio_spectra::Spectrum;

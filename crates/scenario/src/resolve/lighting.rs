@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::room::{Sheet, luminous_sheet, profile};
+use papilio_display::environment::{Sheet, luminous_sheet, profile};
 use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
 use papilio_formats::{Luminaire, read_ies, read_profile};
 use papilio_spectra::Spectrum;

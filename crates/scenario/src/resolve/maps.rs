@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use papilio_colour::Observer;
-use papilio_display::room::{Panorama, Pose};
+use papilio_display::environment::{Panorama, Pose};
 use papilio_display::scene::{Environment, EnvironmentPart, Field};
 use papilio_formats::{LightMap, MapChannel, MapColour, read_light_map};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated, srgb_primaries};
