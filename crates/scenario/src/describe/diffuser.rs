@@ -4,7 +4,7 @@ use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{Anisotropy, Blur, Index, InnerShare, OpticalThickness, Share, Slope, Width};
 use crate::grammar::{choice, kinds, table};
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
 kinds! {
     /// The diffuser between air and glass, including its surfaces; its keys depend on `model`.

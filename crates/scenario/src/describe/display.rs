@@ -5,15 +5,15 @@ use super::layers::Layer;
 use super::numbers::{Extinction, Index, Share, Thickness};
 use super::pixel::Pixel;
 use crate::grammar::{choice, forms, table};
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 
 table! {
     /// The layers above the pixel, from top to bottom: front, surface or diffuser, glass; or `layers` in any order.
     Display later ["front_light"] {
         /// Any layers in any order, 1 to 64, from the air down to the pixel, instead of `front`, `diffuser` and `glass`.
-        layers: Option<Vec<At<Layer>>>,
+        layers: Option<Vec<Spanned<Layer>>>,
         /// Front-of-screen components, in air, outermost first.
-        front: Option<Vec<At<FrontComponent>>>,
+        front: Option<Vec<Spanned<FrontComponent>>>,
         /// The diffuser between air and glass. Default: none, a bare panel.
         diffuser: Option<Diffuser>,
         /// The glass above the pixel. Default: clear, with an index of 1.5.

@@ -5,7 +5,7 @@ use super::numbers::{
     Azimuth, CapEnd, Count, Elevation, FieldAngle, Horizon, Inclination, Latitude, Metres, Share,
 };
 use crate::grammar::{choice, kinds, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 kinds! {
     /// Light from many directions at once; its keys depend on `model`.
@@ -121,7 +121,7 @@ table! {
         tilt_deg: FieldAngle = FieldAngle(0.0),
         /// Regions of a colour map with spectra of their own; a pixel in several regions belongs to the first. Default:
         /// none.
-        regions: Vec<At<Region>> = Vec::new(),
+        regions: Vec<Spanned<Region>> = Vec::new(),
     }
 }
 
@@ -131,10 +131,10 @@ table! {
         /// Relative spectrum of the light of the region.
         spectrum: LightSpectrum,
         /// First and last elevation of the region above the horizon of the map.
-        elevation_deg: Vec<At<Latitude>> = vec![At::at_large(Latitude(-90.0)), At::at_large(Latitude(90.0))],
+        elevation_deg: Vec<Spanned<Latitude>> = vec![Spanned::without_span(Latitude(-90.0)), Spanned::without_span(Latitude(90.0))],
         /// First and last azimuth of the region, counterclockwise seen from above, from the display's x axis at
         /// `rotate_deg = 0` (the centre of the map is at -90). The region rotates with the map.
-        azimuth_deg: Vec<At<Azimuth>> = vec![At::at_large(Azimuth(-180.0)), At::at_large(Azimuth(180.0))],
+        azimuth_deg: Vec<Spanned<Azimuth>> = vec![Spanned::without_span(Azimuth(-180.0)), Spanned::without_span(Azimuth(180.0))],
     }
 }
 

@@ -5,7 +5,7 @@ use super::display::{FrontComponent, MaterialSpec, ShareSpectrum};
 use super::numbers::{Index, Nanometres, Roughness, Thickness};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
-use crate::read::{At, Read, Table};
+use crate::read::{Spanned, Read, Table};
 use crate::schema::of_table;
 use crate::tree::Node;
 
@@ -48,7 +48,7 @@ table! {
     /// Coherent films between two media.
     Coating {
         /// The films from top to bottom, 1 to 256.
-        film: Vec<At<CoatingFilm>>,
+        film: Vec<Spanned<CoatingFilm>>,
     }
 }
 

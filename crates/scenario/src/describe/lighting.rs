@@ -6,7 +6,7 @@ use super::numbers::{
     Weight,
 };
 use crate::grammar::{choice, forms, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
     /// The light on the display; `diffuse` and all shares sum to 1.
@@ -21,9 +21,9 @@ table! {
         /// Fraction of `illuminance_lx` that is uniform over the hemisphere. Default: `1`, or `0` if other light is given.
         diffuse: Option<Share>,
         /// Directed sources. Default: none.
-        directed: Vec<At<Directed>> = Vec::new(),
+        directed: Vec<Spanned<Directed>> = Vec::new(),
         /// Light from many directions at once: rings, skies, maps, luminaires. Default: none.
-        environment: Vec<At<Environment>> = Vec::new(),
+        environment: Vec<Spanned<Environment>> = Vec::new(),
         /// A front light: a light guide below the front of screen.
         front_light: Option<FrontLight>,
     }
@@ -125,7 +125,7 @@ forms! {
         /// One model.
         One(LightModel) if Value::Table(_),
         /// A sum of models, each with its weight.
-        Sum(Vec<At<LightModel>>) if Value::Array(_),
+        Sum(Vec<Spanned<LightModel>>) if Value::Array(_),
     }
 }
 

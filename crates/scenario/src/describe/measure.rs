@@ -5,7 +5,7 @@ use super::lighting::LightSpectrum;
 use super::numbers::{Azimuth, Blur, Count, GridAngle, Horizon, Noise, NoiseFloor, Seed};
 use super::viewer::{AngleRange, AngleStep};
 use crate::grammar::{choice, forms, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
     /// A virtual imaging sphere, for `papilio diffuser measure` only. The defaults are the grid of Feng 2012, section 3.3.
@@ -41,7 +41,7 @@ forms! {
     /// Angles of a grid, degrees: a list, or { from, to, step }.
     GridAngles, "a list of angles (degrees), or { from, to, step }"; {
         /// Listed angles.
-        List(Vec<At<GridAngle>>) if Value::Array(_),
+        List(Vec<Spanned<GridAngle>>) if Value::Array(_),
         /// Uniformly spaced angles.
         Range(AngleRange) if Value::Table(_),
     }
@@ -60,8 +60,8 @@ choice! {
 /// Returns angles from 0 to `to`, uniformly spaced.
 fn uniform(to: f64, step: f64) -> GridAngles {
     GridAngles::Range(AngleRange {
-        from: At::at_large(Azimuth(0.0)),
-        to: At::at_large(Azimuth(to)),
-        step: At::at_large(AngleStep(step)),
+        from: Spanned::without_span(Azimuth(0.0)),
+        to: Spanned::without_span(Azimuth(to)),
+        step: Spanned::without_span(AngleStep(step)),
     })
 }

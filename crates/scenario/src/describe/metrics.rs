@@ -2,7 +2,7 @@
 
 use super::numbers::{AdaptingLuminance, Background};
 use crate::grammar::{choice, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
     /// Colorimetric settings.

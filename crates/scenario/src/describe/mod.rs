@@ -24,7 +24,7 @@ use papilio_formats::words::is_formula;
 use crate::error::Errors;
 use crate::grammar::table;
 use crate::mistake;
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 use crate::renamed::FORMAT;
 use crate::tree::{Node, Value};
 use numbers::Wavelength;
@@ -63,7 +63,7 @@ table! {
     /// The wavelength grid: uniformly spaced, both ends included.
     Spectrum {
         /// First and last wavelength, both included. The range must overlap 380 to 780 nm.
-        range_nm: Vec<At<Wavelength>> = vec![At::at_large(Wavelength(380.0)), At::at_large(Wavelength(780.0))],
+        range_nm: Vec<Spanned<Wavelength>> = vec![Spanned::without_span(Wavelength(380.0)), Spanned::without_span(Wavelength(780.0))],
         /// Step of the grid. The range must be an integer number of steps.
         step_nm: Wavelength = Wavelength(5.0),
     }

@@ -12,7 +12,7 @@ use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
 use crate::mistake;
 use crate::path::{KeyPath, joined};
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 use crate::set::Change;
 use crate::tree::{Node, Value};
 
@@ -30,13 +30,13 @@ table! {
         /// Number of searches along the Pareto front of several objectives.
         points: Count<2, 1000> = Count(15),
         /// Variables: keys that the search may change.
-        variables: Vec<At<Variable>>,
+        variables: Vec<Spanned<Variable>>,
         /// Lights, views and other conditions of use. Default: none: the scenario without changes.
-        conditions: Vec<At<Condition>> = Vec::new(),
+        conditions: Vec<Spanned<Condition>> = Vec::new(),
         /// Quantities to improve; several define a Pareto front.
-        objectives: Vec<At<Objective>>,
+        objectives: Vec<Spanned<Objective>>,
         /// Limits that every design must satisfy. Default: none.
-        constraints: Vec<At<Constraint>> = Vec::new(),
+        constraints: Vec<Spanned<Constraint>> = Vec::new(),
     }
 }
 
@@ -58,11 +58,11 @@ table! {
         /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
         /// Several paths that get the same value. Either `key` or `keys`.
-        keys: Option<Vec<At<String>>>,
+        keys: Option<Vec<Spanned<String>>>,
         /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of the light.
         compensated_by: Option<String>,
         /// The smallest and the largest value. Either `bounds` or `choices`.
-        bounds: Option<Vec<At<Any>>>,
+        bounds: Option<Vec<Spanned<Any>>>,
         /// The possible values: materials, files, numbers, tables. Either `bounds` or `choices`.
         choices: Option<Choices>,
     }
@@ -94,9 +94,9 @@ table! {
         /// Desired reflectance factor of the state; the objective is the root mean square difference over the grid.
         spectrum: Option<DesiredSpectrum>,
         /// Desired CIELAB colour of the state, `[L, a, b]`; the objective is the CIEDE2000 difference.
-        lab: Option<Vec<At<Any>>>,
+        lab: Option<Vec<Spanned<Any>>>,
         /// Desired chromaticity of the state, `[u', v']`; the objective is the distance.
-        uv: Option<Vec<At<Any>>>,
+        uv: Option<Vec<Spanned<Any>>>,
         /// Name of the condition. Default: all conditions; the objective is the mean.
         condition: Option<String>,
         /// Index of the view, from 0. Default: all views; the objective is the mean.
@@ -116,9 +116,9 @@ table! {
         /// Reflectance factor; the limits apply to the root mean square difference of the state over the grid.
         spectrum: Option<DesiredSpectrum>,
         /// CIELAB colour, `[L, a, b]`; the limits apply to the CIEDE2000 difference of the state.
-        lab: Option<Vec<At<Any>>>,
+        lab: Option<Vec<Spanned<Any>>>,
         /// Chromaticity, `[u', v']`; the limits apply to the distance of the state.
-        uv: Option<Vec<At<Any>>>,
+        uv: Option<Vec<Spanned<Any>>>,
         /// Name of the condition. Default: all conditions; the constraint must hold in each.
         condition: Option<String>,
         /// Index of the view, from 0. Default: all views; the constraint must hold in each.
@@ -138,7 +138,7 @@ forms! {
         /// A file with two columns, relative to the folder of the scenario.
         File(String) if Value::Text(_),
         /// Pairs of wavelength and value, linear between them.
-        List(Vec<At<Vec<At<Any>>>>) if Value::Array(_),
+        List(Vec<Spanned<Vec<Spanned<Any>>>>) if Value::Array(_),
     }
 }
 

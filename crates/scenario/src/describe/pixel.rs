@@ -11,7 +11,7 @@ use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, kinds, table};
 use crate::origin::Origin;
-use crate::read::{At, Named, Read};
+use crate::read::{Spanned, Named, Read};
 use crate::tree::{Node, Value};
 
 kinds! {
@@ -44,7 +44,7 @@ table! {
     /// Thin-film sub-pixels that share one stack, in which one layer is the gap.
     FilmPixel {
         /// Layers from the glass down, `{ material, thickness_nm }` each; exactly one has `thickness_nm = "gap"`.
-        film: Vec<At<FilmLayer>>,
+        film: Vec<Spanned<FilmLayer>>,
         /// Material of the opaque, semi-infinite substrate.
         substrate: MaterialSpec,
         /// Fraction of the active area of each sub-pixel; the sum is 1 within 0.001. Any names except `dark`.

@@ -14,7 +14,7 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::path::{KeyPath, joined};
 use crate::range::Range as NumberRange;
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 use crate::tree::{Entry, Node, Value};
 
 table! {
@@ -22,14 +22,14 @@ table! {
     Sweep {
         /// The axes: tables of keys as in `--set`, each with a list of values, `{ from, to, step }` or `{ from, to, count }`.
         /// Keys of one axis change together. Every combination of the axes is computed; the last axis varies fastest.
-        axes: Vec<At<Axis>>,
+        axes: Vec<Spanned<Axis>>,
         /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a light sweep all stored
         /// metrics.
-        figures: Vec<At<String>> =
-            ["contrast_ratio", "gamut_percent_srgb"].map(|name| At::at_large(name.to_owned())).to_vec(),
+        figures: Vec<Spanned<String>> =
+            ["contrast_ratio", "gamut_percent_srgb"].map(|name| Spanned::without_span(name.to_owned())).to_vec(),
         /// Makes this a light sweep, for many points: only these metrics are stored, for every view. Default: all results of
         /// every point.
-        metrics: Option<Vec<At<MetricName>>>,
+        metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }
 

@@ -6,7 +6,7 @@ use super::numbers::{Count, Seed};
 use super::sweep::Any;
 use crate::grammar::{number, table};
 use crate::range::Range;
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 use crate::tree::Node;
 
 table! {
@@ -19,14 +19,14 @@ table! {
         /// Seed of the samples.
         seed: Seed = Count(0),
         /// The keys that vary, each with a distribution.
-        keys: Vec<At<Scattered>>,
+        keys: Vec<Spanned<Scattered>>,
         /// Keys whose deviations are correlated. Default: none.
-        correlations: Vec<At<Correlated>> = Vec::new(),
+        correlations: Vec<Spanned<Correlated>> = Vec::new(),
         /// Limits of a good display. Default: none: every display is good.
-        limits: Vec<At<Limit>> = Vec::new(),
+        limits: Vec<Spanned<Limit>> = Vec::new(),
         /// Metrics to report in addition to those with limits. Default: contrast_ratio, gamut_percent_srgb, white.Y, black.Y and
         /// L_star, a_star, b_star of white, if the display has these states.
-        metrics: Option<Vec<At<MetricName>>>,
+        metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }
 
@@ -40,7 +40,7 @@ table! {
         /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
         /// Several paths with the same deviation; numbers are deviations from the value of each. Either `key` or `keys`.
-        keys: Option<Vec<At<String>>>,
+        keys: Option<Vec<Spanned<String>>>,
         /// Name in tables and figures, one line. Default: the path.
         name: Option<Label>,
         /// `true`: the numbers of the distribution are multiples of the scenario's value.
@@ -116,9 +116,9 @@ table! {
     /// One of a list of values, with probabilities.
     Bins {
         /// The possible values, of any type that the key accepts.
-        values: Vec<At<Anything>>,
+        values: Vec<Spanned<Anything>>,
         /// Relative frequencies of the values. Default: equal weights.
-        weights: Option<Vec<At<Frequency>>>,
+        weights: Option<Vec<Spanned<Frequency>>>,
     }
 }
 
@@ -126,7 +126,7 @@ table! {
     /// Keys whose deviations are correlated.
     Correlated {
         /// Names of two or more keys (the path if there is no name). Every pair of them has the coefficient.
-        keys: Vec<At<String>>,
+        keys: Vec<Spanned<String>>,
         /// Correlation of the normal random numbers from which the values are drawn.
         coefficient: Correlation,
     }

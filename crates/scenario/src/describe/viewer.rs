@@ -3,7 +3,7 @@
 use super::numbers::{Azimuth, FieldAngle, Inclination, Millimetres};
 use crate::grammar::{forms, number, table};
 use crate::range::Range;
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
     /// The views: all combinations of theta and phi; theta varies fastest.
@@ -27,7 +27,7 @@ forms! {
         /// One view.
         One(Inclination) if Value::Integer(_) | Value::Float(_),
         /// Several views.
-        List(Vec<At<Inclination>>) if Value::Array(_),
+        List(Vec<Spanned<Inclination>>) if Value::Array(_),
         /// Uniformly spaced views.
         Range(AngleRange) if Value::Table(_),
     }
@@ -39,7 +39,7 @@ forms! {
         /// One view.
         One(Azimuth) if Value::Integer(_) | Value::Float(_),
         /// Several views.
-        List(Vec<At<Azimuth>>) if Value::Array(_),
+        List(Vec<Spanned<Azimuth>>) if Value::Array(_),
         /// Uniformly spaced views.
         Range(AngleRange) if Value::Table(_),
     }

@@ -10,7 +10,7 @@ use crate::describe::display::{MaterialSpec, ShareSpectrum};
 use crate::library::{KeptFile, Missing};
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
 /// n and k of a film are at most this.
 const LARGEST_INDEX: f64 = 1e3;
@@ -82,7 +82,7 @@ impl Resolver<'_> {
             Err(SpectraError::OutsideTable { first, last, .. }) => {
                 let needed = (self.grid.start_nm(), self.grid.stop_nm());
                 let wrong = mistake::not_covered(name, (first, last), needed);
-                self.errors.push(origin.or_set([self.range]), wrong);
+                self.errors.push(origin.or_override([self.range]), wrong);
             }
             Err(error) => self.errors.push(origin, error),
         }
@@ -110,7 +110,7 @@ impl Resolver<'_> {
     }
 
     /// n + ik on the grid.
-    pub(super) fn material(&mut self, spec: &At<MaterialSpec>) -> Option<Vec<Complex64>> {
+    pub(super) fn material(&mut self, spec: &Spanned<MaterialSpec>) -> Option<Vec<Complex64>> {
         let (name, dispersion) = match &spec.value {
             MaterialSpec::Number(n) => ("the index", Dispersion::constant(n.0, 0.0)),
             MaterialSpec::Complex(index) => ("the index", Dispersion::constant(index.n.0, index.k.0)),

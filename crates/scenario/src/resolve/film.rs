@@ -71,7 +71,7 @@ impl Resolver<'_> {
             let thicknesses = pixel.film.iter().map(|layer| layer.thickness_nm.origin);
             let wrong = Diagnostic::new(format!("{gaps} layers of this film have thickness_nm = \"gap\""));
             let wrong = wrong.expected("one layer with thickness_nm = \"gap\"");
-            self.errors.push(pixel.film.origin.or_set(thicknesses), wrong);
+            self.errors.push(pixel.film.origin.or_override(thicknesses), wrong);
         }
         layers.into_iter().collect()
     }
@@ -96,20 +96,20 @@ impl Resolver<'_> {
                 _ if name == DARK => self.errors.push(*name_origin, dark_is_no_sub_pixel()),
                 Some(gap) => sub_pixels.push(SubPixel { name: name.clone(), area: value.0, gap_nm: gap.0 }),
                 None => {
-                    let at = name_origin.or_set([pixel.gap_nm.origin]);
+                    let at = name_origin.or_override([pixel.gap_nm.origin]);
                     self.errors.push(at, no_sub_pixel(name, "gap_nm", &gap_nm.names()));
                 }
             }
         }
         for Item { name, name_origin, .. } in gap_nm.0.iter().filter(|item| item.name != DARK) {
             if area.get(name).is_none() {
-                let at = name_origin.or_set([pixel.area.origin]);
+                let at = name_origin.or_override([pixel.area.origin]);
                 self.errors.push(at, no_sub_pixel(name, "area", &area.names()));
             }
         }
         let sum: f64 = area.0.iter().map(|item| item.value.0).sum();
         if (sum - 1.0).abs() > 1e-3 {
-            let at = pixel.area.origin.or_set(area.0.iter().map(|item| item.value.origin));
+            let at = pixel.area.origin.or_override(area.0.iter().map(|item| item.value.origin));
             self.errors.push(at, mistake::sum("the areas", sum, "1 within 0.001"));
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
@@ -128,7 +128,7 @@ impl Resolver<'_> {
             }
         }
         if states.is_empty() {
-            let at = pixel.states.origin.or_set([pixel.default_states.origin, pixel.area.origin]);
+            let at = pixel.states.origin.or_override([pixel.default_states.origin, pixel.area.origin]);
             let remedy = "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue";
             self.errors.push(at, mistake::no_states(remedy));
         }
@@ -186,7 +186,7 @@ impl Resolver<'_> {
                 let wrong = format!("state `{state}` leaves `{sub_pixel}` dark, but there is no dark gap");
                 let wrong = Diagnostic::new(wrong).hint("add `dark = 20.0`, in nm, to `gap_nm`");
                 let drives = pixel.states.0.iter().flat_map(|state| &state.value.0.0);
-                let at = pixel.gap_nm.origin.or_set(drives.map(|drive| drive.value.origin));
+                let at = pixel.gap_nm.origin.or_override(drives.map(|drive| drive.value.origin));
                 return self.errors.push(at, wrong);
             }
         }

@@ -13,11 +13,11 @@ use papilio_spectra::Grid;
 use super::Resolver;
 use super::film::distinct_gaps;
 
-/// Fringes with more wavelengths than this in each are held: Y is off by 0.04 % or less (docs/films.md, "Thick films").
+/// Fringes with more wavelengths than this in each are held: Y is off by 0.04 % or less (docs/films.md, "FilmStack films").
 const ENOUGH_PER_FRINGE: f64 = 12.0;
 
 /// Colours that are off by less than this, where a perfect white has 1, go without saying: the default error target.
-const SMALL: f64 = 1e-3;
+const NEGLIGIBLE_ERROR: f64 = 1e-3;
 
 /// The true spectrum is looked at in so many places of each fringe, and at as many as this in each step.
 const PER_FRINGE: f64 = 32.0;
@@ -27,7 +27,7 @@ const MOST_PER_STEP: f64 = 512.0;
 const STEPS_NM: [f64; 3] = [2.5, 2.0, 1.0];
 
 /// A film of the scene, and what is on its two sides.
-struct Thick<'a> {
+struct FilmStack<'a> {
     key: &'a str,
     layers: &'a [FilmLayer],
     gap_nm: f64,
@@ -45,12 +45,12 @@ impl Resolver<'_> {
         }) else {
             return;
         };
-        if error <= SMALL {
+        if error <= NEGLIGIBLE_ERROR {
             return;
         }
         let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm());
         let enough =
-            finer.into_iter().find(|step| film.colour_error(grid, *step).is_some_and(|error| error <= SMALL));
+            finer.into_iter().find(|step| film.colour_error(grid, *step).is_some_and(|error| error <= NEGLIGIBLE_ERROR));
         let remedy = match enough {
             Some(step) => format!("set spectrum.step_nm = {step}"),
             None => "no step holds them, for colours are sums over whole nanometres: describe so thick a layer as a layer of \
@@ -69,13 +69,13 @@ impl Resolver<'_> {
 }
 
 /// The film, at the gap, whose error is the largest.
-fn worst<'a>(scene: &'a Scene, error: impl Fn(&Thick<'a>) -> Option<f64>) -> Option<(Thick<'a>, f64)> {
+fn worst<'a>(scene: &'a Scene, error: impl Fn(&FilmStack<'a>) -> Option<f64>) -> Option<(FilmStack<'a>, f64)> {
     let errors = films(scene).into_iter().filter_map(|film| error(&film).map(|error| (film, error)));
     errors.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// All films of a scene, at all of their gaps.
-fn films(scene: &Scene) -> Vec<Thick<'_>> {
+fn films(scene: &Scene) -> Vec<FilmStack<'_>> {
     let mut films = Vec::new();
     if let Layers::General(layers) = &scene.display.layers {
         let mut above = None;
@@ -83,7 +83,7 @@ fn films(scene: &Scene) -> Vec<Thick<'_>> {
             let below = &*layer.medium.index;
             if let Interface::Coating(coating) = &layer.interface {
                 let below = below.iter().map(|n| (*n).into()).collect();
-                films.push(Thick {
+                films.push(FilmStack {
                     key: &coating.key,
                     layers: &coating.films,
                     gap_nm: 0.0,
@@ -95,7 +95,7 @@ fn films(scene: &Scene) -> Vec<Thick<'_>> {
         }
     }
     if let Pixel::Film(film) = &scene.display.pixel {
-        films.extend(distinct_gaps(film).into_iter().map(|gap_nm| Thick {
+        films.extend(distinct_gaps(film).into_iter().map(|gap_nm| FilmStack {
             key: "display.pixel",
             layers: &film.layers,
             gap_nm,
@@ -106,7 +106,7 @@ fn films(scene: &Scene) -> Vec<Thick<'_>> {
     films
 }
 
-impl Thick<'_> {
+impl FilmStack<'_> {
     fn thickness_nm(&self, layer: &FilmLayer) -> f64 {
         match layer.thickness {
             Thickness::Fixed(nm) => nm,

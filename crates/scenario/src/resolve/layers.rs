@@ -19,7 +19,7 @@ use crate::describe::numbers;
 use crate::describe::solver::Method;
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
 /// The k of a clear medium: at most this.
 const CLEAR_K: f64 = 1e-6;
@@ -30,7 +30,7 @@ const MOST_LAYERS: usize = 64;
 /// Nanometres in a millimetre.
 const NM_PER_MM: f64 = 1e6;
 /// A path takes the more turns the thicker a slab is; beyond this optical thickness a walk takes hours.
-const THICKEST_WALK: f64 = 200.0;
+const THICKEST_FOR_MONTE_CARLO: f64 = 200.0;
 
 /// An index that no transparent medium has.
 fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {
@@ -52,20 +52,20 @@ pub(super) enum Part {
 }
 
 /// A front-of-screen component as a layer.
-pub(super) fn sheet(component: FrontComponent) -> Interface {
+pub(super) fn component_interface(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
     Ready::sheet(reflectance, absorptance).into()
 }
 
 /// How a medium absorbs: by its internal transmittance, or by its thickness.
-type Absorption<'a> = (&'a At<Option<ShareSpectrum>>, &'a At<Option<numbers::Thickness>>);
+type Absorption<'a> = (&'a Spanned<Option<ShareSpectrum>>, &'a Spanned<Option<numbers::Thickness>>);
 
 impl Resolver<'_> {
     /// `[[display.layers]]`, which stands for everything over the pixel.
     pub(super) fn layers(
         &mut self,
-        display: &At<Display>,
-        layers: &[At<describe::Layer>],
+        display: &Spanned<Display>,
+        layers: &[Spanned<describe::Layer>],
     ) -> Option<Vec<Layer>> {
         let beside = [
             ("front", display.front.is_some(), display.front.origin, "{ kind = \"component\", ... }"),
@@ -81,7 +81,7 @@ impl Resolver<'_> {
             let wrong = "cannot be combined with `layers`, which describes everything above the pixel";
             let wrong = Diagnostic::new(format!("`{key}` {wrong}"))
                 .hint(format!("make it a layer, {layer}, or remove it"));
-            self.errors.push(at.or_set([display.layers.origin]), wrong);
+            self.errors.push(at.or_override([display.layers.origin]), wrong);
         }
         if layers.is_empty() {
             self.err(&display.layers, mistake::empty_list());
@@ -99,12 +99,12 @@ impl Resolver<'_> {
                 Part::Interface(interface) => stack.put(interface, layer.origin),
             }
         }
-        self.tell_of_coatings(layers);
+        self.note_coatings(layers);
         Some(stack.finish(&mut self.errors))
     }
 
     /// A coating is meant to lie on something: one that no medium follows lies within the medium above.
-    fn tell_of_coatings(&mut self, layers: &[At<describe::Layer>]) {
+    fn note_coatings(&mut self, layers: &[Spanned<describe::Layer>]) {
         let is_medium =
             |layer: &describe::Layer| matches!(layer, describe::Layer::Medium(_) | describe::Layer::Slab(_));
         let mut above = "the air";
@@ -131,7 +131,7 @@ impl Resolver<'_> {
             }
             describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
             describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
-            describe::Layer::Component(sheet) => Part::Interface(self::sheet(self.component(sheet, at)?)),
+            describe::Layer::Component(component) => Part::Interface(component_interface(self.component(component, at)?)),
             describe::Layer::Coating(coating) => {
                 let films = self.coating(path, coating)?;
                 Part::Interface(Interface::Coating(Coating { films, key: path.to_owned() }))
@@ -152,11 +152,11 @@ impl Resolver<'_> {
     pub(super) fn medium(
         &mut self,
         path: &str,
-        index: &At<MaterialSpec>,
+        index: &Spanned<MaterialSpec>,
         (transmittance, thickness_mm): Absorption<'_>,
     ) -> Option<Medium> {
         if transmittance.is_some() && thickness_mm.is_some() {
-            let at = thickness_mm.origin.or_set([transmittance.origin]);
+            let at = thickness_mm.origin.or_override([transmittance.origin]);
             self.errors.push(at, mistake::not_with("thickness_mm", "`internal_transmittance`"));
         }
         let clear = transmittance.is_none() && thickness_mm.is_none();
@@ -213,7 +213,7 @@ impl Resolver<'_> {
     }
 
     /// No walk through a slab that it does not get out of in time.
-    pub(super) fn check_walk(&mut self, file: &File) {
+    pub(super) fn check_slab_thickness(&mut self, file: &File) {
         if file.solver.method.value != Method::MonteCarlo {
             return;
         }
@@ -227,12 +227,12 @@ impl Resolver<'_> {
         });
         for slab in diffuser.into_iter().chain(layers) {
             let optical_thickness = slab.optical_thickness.0;
-            if optical_thickness > THICKEST_WALK {
-                let at = slab.optical_thickness.origin.or_set([file.solver.method.origin]);
+            if optical_thickness > THICKEST_FOR_MONTE_CARLO {
+                let at = slab.optical_thickness.origin.or_override([file.solver.method.origin]);
                 let wrong =
                     format!("a walk through an optical thickness of {optical_thickness} would take hours");
                 let wrong = Diagnostic::new(wrong)
-                    .expected(format!("at most {THICKEST_WALK} with method = \"monte-carlo\""))
+                    .expected(format!("at most {THICKEST_FOR_MONTE_CARLO} with method = \"monte-carlo\""))
                     .hint("use method = \"adding\", whose time hardly depends on the thickness");
                 self.errors.push(at, wrong);
             }
@@ -256,7 +256,7 @@ impl Resolver<'_> {
     }
 
     /// The index of a medium that light crosses: n from 1 to 10, k at most `largest_k`.
-    fn transparent(&mut self, spec: &At<MaterialSpec>, largest_k: f64) -> Option<Vec<Complex64>> {
+    fn transparent(&mut self, spec: &Spanned<MaterialSpec>, largest_k: f64) -> Option<Vec<Complex64>> {
         let index = self.material(spec)?;
         let is_transparent = |index: &Complex64| (1.0..=10.0).contains(&index.re) && index.im <= largest_k;
         if let Some(i) = index.iter().position(|index| !is_transparent(index)) {

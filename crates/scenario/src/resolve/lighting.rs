@@ -15,10 +15,10 @@ use crate::describe::lighting::{self as describe, Illuminance};
 use crate::describe::numbers::{Lux, Share};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 
 impl Resolver<'_> {
-    pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
+    pub(super) fn lighting(&mut self, lighting: &Spanned<describe::Lighting>) -> Option<Lighting> {
         self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
         self.limit(&lighting.environment, "environments", lighting.environment.len(), 64)?;
         if !matches!(&lighting.illuminance_lx.value, Some(Illuminance::Lux(lux)) if lux.0 == 0.0) {
@@ -122,7 +122,7 @@ impl Resolver<'_> {
     }
 
     /// A dark room needs a front light, and numbers mean something else in it.
-    fn check_front_light_alone(&mut self, lighting: &At<describe::Lighting>) {
+    fn check_front_light_alone(&mut self, lighting: &Spanned<describe::Lighting>) {
         if lighting.front_light.is_none() {
             let expected = format!("{}: only beside a front light may a room be dark", Lux::in_words());
             self.errors.push(lighting.illuminance_lx.origin, mistake::out_of_range(0.0, expected));
@@ -144,7 +144,7 @@ impl Resolver<'_> {
         let radius_deg = source.radius_deg.map(|radius| radius.0);
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
         if radius_deg.is_some() && reach >= 90.0 {
-            let at = source.radius_deg.origin.or_set([source.theta_deg.origin]);
+            let at = source.radius_deg.origin.or_override([source.theta_deg.origin]);
             self.errors.push(at, mistake::below_horizon("cone", reach));
         }
         let spectrum = self.own_light(&format!("lighting.directed.{i}.spectrum"), &source.spectrum, general);
@@ -167,7 +167,7 @@ impl Resolver<'_> {
             shares.push((format!("lighting.directed.{i}.share"), source.share.0, source.share.origin));
         }
         for (i, environment) in lighting.environment.iter().enumerate() {
-            let mut add = |key: &str, share: &At<Share>| {
+            let mut add = |key: &str, share: &Spanned<Share>| {
                 shares.push((format!("lighting.environment.{i}.{key}"), share.0, share.origin));
             };
             add("share", environment.share());

@@ -13,7 +13,7 @@ use super::Resolver;
 use crate::describe::environment as describe;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
 /// Lumens for each watt of a picture in red, green and blue, by Radiance's convention.
 const PICTURE_LM_PER_W: f64 = 179.0;
@@ -32,17 +32,17 @@ impl Resolver<'_> {
     pub(super) fn map(
         &mut self,
         key: &str,
-        map: &At<describe::Map>,
+        map: &Spanned<describe::Map>,
         white: Option<Spectrum>,
     ) -> Option<Environment> {
         let named = || format!("{key} {} {white:?}", json!(map));
-        self.once(named, |this| this.map_anew(key, map, white.clone()))
+        self.cached(named, |this| this.map_uncached(key, map, white.clone()))
     }
 
-    fn map_anew(
+    fn map_uncached(
         &mut self,
         key: &str,
-        map: &At<describe::Map>,
+        map: &Spanned<describe::Map>,
         white: Option<Spectrum>,
     ) -> Option<Environment> {
         let mut picture = self.data(&map.file.value, map.file.origin, read_light_map)?;

@@ -18,7 +18,7 @@ use crate::describe::measure::{Channels, GridAngles, Measure};
 use crate::error::ScenarioErrors;
 use crate::library::Library;
 use crate::mistake;
-use crate::read::{At, Read};
+use crate::read::{Spanned, Read};
 use crate::source::Sources;
 
 /// More cells than this, in one channel, are no instrument's.
@@ -39,14 +39,14 @@ pub struct VirtualMeasurement {
     pub notes: Vec<String>,
     /// The diffuser's table, as JSON.
     truth: String,
-    ways: Vec<Seen>,
+    ways: Vec<MeasuredWay>,
 }
 
 /// One way of light, as it is in truth.
 #[derive(Debug, Clone)]
-struct Seen {
+struct MeasuredWay {
     way: Way,
-    lobe: Truth,
+    lobe: TrueLobe,
     /// What of the lobe is scattered, and what passes straight.
     shares: [f64; 2],
     /// By channel.
@@ -54,12 +54,12 @@ struct Seen {
 }
 
 #[derive(Debug, Clone)]
-enum Truth {
+enum TrueLobe {
     Lobe(Lobe),
     Scatter(Scatter),
 }
 
-impl Truth {
+impl TrueLobe {
     fn value(&self, from: Beta, to: Beta) -> f64 {
         match self {
             Self::Lobe(lobe) => lobe.evaluate(from, to),
@@ -114,11 +114,11 @@ pub(crate) fn measurement(
 
 /// A way of light at the diffuser: the lobe, the shares of it that are scattered and not, and the spectrum of
 /// both.
-type TrueWay = (Way, Truth, [f64; 2], Spectrum);
+type TrueWay = (Way, TrueLobe, [f64; 2], Spectrum);
 
 impl Resolver<'_> {
     fn before_instrument(&mut self, file: &File) -> Option<VirtualMeasurement> {
-        let default = Measure::absent().map(At::at_large);
+        let default = Measure::absent().map(Spanned::without_span);
         let measure = file.measure.value.as_ref().or(default.as_deref())?;
         let instrument = self.instrument(measure);
         let light = self.light("measure.light", &measure.light);
@@ -126,7 +126,7 @@ impl Resolver<'_> {
         let (instrument, light, ways) = (instrument?, light?, ways?);
         let ways = ways.into_iter().map(|(way, lobe, shares, spectrum)| {
             let factors = self.factors(&spectrum, &light, measure.channels.value)?;
-            Some(Seen { way, lobe, shares, factors })
+            Some(MeasuredWay { way, lobe, shares, factors })
         });
         let ways = ways.collect::<Option<_>>()?;
         Some(VirtualMeasurement {
@@ -190,7 +190,7 @@ impl Resolver<'_> {
     }
 
     /// The angles of an axis: from 0 to 180 deg, rising.
-    fn grid_angles(&mut self, key: &str, angles: &At<GridAngles>) -> Option<Vec<f64>> {
+    fn grid_angles(&mut self, key: &str, angles: &Spanned<GridAngles>) -> Option<Vec<f64>> {
         let values = match &angles.value {
             GridAngles::List(list) => self.listed(list, |angle| angle.0, angles.origin)?,
             GridAngles::Range(range) => self.spaced(key, range, angles.origin)?,
@@ -210,7 +210,7 @@ impl Resolver<'_> {
     /// What light does at the diffuser.
     fn ways(&mut self, file: &File) -> Option<Vec<TrueWay>> {
         let at = &file.display.diffuser;
-        let through = |truth: Truth, spectrum: Spectrum, straight: f64| {
+        let through = |truth: TrueLobe, spectrum: Spectrum, straight: f64| {
             vec![(Way::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
         };
         let lobe = match &at.value {
@@ -218,12 +218,12 @@ impl Resolver<'_> {
             Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe)?,
             Some(Diffuser::Ward(ward)) => {
                 let (scatter, transmittance) = self.ward_lobe(ward)?;
-                return Some(through(Truth::Scatter(scatter), transmittance, ward.regular_fraction.0));
+                return Some(through(TrueLobe::Scatter(scatter), transmittance, ward.regular_fraction.0));
             }
             Some(Diffuser::Measured(measured)) => {
                 let film = self.film_in_air("display.diffuser", measured)?;
                 let whole = |(way, kernel): (Way, papilio_display::scene::ScatterKernel)| {
-                    (way, Truth::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
+                    (way, TrueLobe::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
                 };
                 return Some(film.into_iter().map(whole).collect());
             }
@@ -237,11 +237,11 @@ impl Resolver<'_> {
             }
             None => {
                 let wrong = mistake::missing_key("diffuser", Diffuser::in_words());
-                self.errors.push(file.display.origin.or_set([file.display.layers.origin]), wrong);
+                self.errors.push(file.display.origin.or_override([file.display.layers.origin]), wrong);
                 return None;
             }
         };
-        Some(through(Truth::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through))
+        Some(through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through))
     }
 
     /// What a spectrum of transmission does to each channel, relative to the light's own.

@@ -2,7 +2,7 @@
 
 mod blur;
 mod file;
-mod told;
+mod report;
 
 use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_goniometry::{Backing, Way};
@@ -18,7 +18,7 @@ use crate::describe::display::ShareSpectrum;
 use crate::describe::pixel::MeasuredPixel;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
 /// What a film does with light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl Resolver<'_> {
     pub(super) fn measured_over(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
         glass: &Spectrum,
     ) -> Option<Vec<Part>> {
         let backing = match diffuser.mounting.value {
@@ -47,7 +47,7 @@ impl Resolver<'_> {
             Mounting::Air => Backing::Air,
         };
         if !matches!(backing, Backing::Glass { .. }) {
-            self.in_air(&diffuser.extrapolate, "this mounting")?;
+            self.refuse_glass_tails(&diffuser.extrapolate, "this mounting")?;
         }
         let face = self.face(path, diffuser, backing)?;
         let mut parts = vec![Part::Interface(scattering(face))];
@@ -64,17 +64,17 @@ impl Resolver<'_> {
     }
 
     /// A film among layers in any order, where what is below it is a layer of its own.
-    pub(super) fn measured_alone(&mut self, path: &str, diffuser: &At<Measured>) -> Option<ScatterFace> {
+    pub(super) fn measured_alone(&mut self, path: &str, diffuser: &Spanned<Measured>) -> Option<ScatterFace> {
         if diffuser.mounting.value != Mounting::AsMeasured {
             self.err(&diffuser.mounting, mistake::not_with("mounting", "`[[display.layers]]`"));
             return None;
         }
-        self.in_air(&diffuser.extrapolate, "`[[display.layers]]`")?;
+        self.refuse_glass_tails(&diffuser.extrapolate, "`[[display.layers]]`")?;
         self.face(path, diffuser, Backing::Air)
     }
 
     /// Refuses tails in the glass where none is known to be.
-    fn in_air(&mut self, extrapolate: &At<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
+    fn refuse_glass_tails(&mut self, extrapolate: &Spanned<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
         if extrapolate.value == Some(Extrapolate::Glass) {
             let wrong = mistake::not_with("extrapolate = \"glass\"", beside);
             let hint = "\"hold\" keeps the last lobe within the horizon of the air";
@@ -84,7 +84,7 @@ impl Resolver<'_> {
         Some(())
     }
 
-    fn face(&mut self, path: &str, diffuser: &At<Measured>, backing: Backing) -> Option<ScatterFace> {
+    fn face(&mut self, path: &str, diffuser: &Spanned<Measured>, backing: Backing) -> Option<ScatterFace> {
         let mut face = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
         for (side, kernel) in self.film_sides(path, diffuser, backing)? {
             face = match side {
@@ -100,7 +100,7 @@ impl Resolver<'_> {
     pub(super) fn film_in_air(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
     ) -> Option<Vec<(Way, ScatterKernel)>> {
         let way = |side: Side| match side {
             Side::Through => Way::FrontTransmission,
@@ -114,17 +114,17 @@ impl Resolver<'_> {
     fn film_sides(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
         backing: Backing,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
         let key = || format!("film {path} {} {backing:?}", json!(diffuser));
-        self.once(key, |this| this.film_sides_anew(path, diffuser, backing))
+        self.cached(key, |this| this.film_sides_uncached(path, diffuser, backing))
     }
 
-    fn film_sides_anew(
+    fn film_sides_uncached(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
         backing: Backing,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
         let source = Source {
@@ -169,11 +169,11 @@ impl Resolver<'_> {
 
     /// A pixel under a medium of this index: the BRDF of its states, angles in air taken as angles in the medium.
     pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
-        self.once(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_anew(pixel))
+        self.cached(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_uncached(pixel))
     }
 
-    fn measured_pixel_anew(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
-        self.in_air(&pixel.extrapolate, "a pixel")?;
+    fn measured_pixel_uncached(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
+        self.refuse_glass_tails(&pixel.extrapolate, "a pixel")?;
         let states = &pixel.file.0;
         self.limit(&pixel.file, "states", states.len(), 256)?;
         if states.is_empty() {
@@ -204,7 +204,7 @@ impl Resolver<'_> {
     fn measured_state(
         &mut self,
         source: &Source<'_>,
-        spectrum: Option<&At<ShareSpectrum>>,
+        spectrum: Option<&Spanned<ShareSpectrum>>,
     ) -> Option<ScatterKernel> {
         let measurement = self.measurement(source)?;
         let reflection = self.way(source, &measurement, Way::FrontReflection)?;

@@ -11,7 +11,7 @@ mod lighting;
 mod maps;
 mod measure;
 mod measured;
-mod once;
+mod cache;
 mod panel;
 mod pixel;
 mod sampling;
@@ -34,7 +34,7 @@ use crate::error::{Errors, ScenarioErrors};
 use crate::library::Library;
 use crate::mistake::{self, Mistake};
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 use crate::source::Sources;
 
 /// Wavelengths that the standard observer sees, nm.
@@ -93,7 +93,7 @@ impl<'a> Resolver<'a> {
         let grid = grid(file, &mut errors);
         Ok(Self {
             grid: errors.finish(grid, sources)?,
-            range: file.spectrum.range_nm.origin.or_set(file.spectrum.range_nm.iter().map(|end| end.origin)),
+            range: file.spectrum.range_nm.origin.or_override(file.spectrum.range_nm.iter().map(|end| end.origin)),
             library,
             errors: Errors::default(),
             warnings: Vec::new(),
@@ -119,7 +119,7 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
         }
         Err(error) => {
             let step = file.spectrum.step_nm.origin;
-            let at = if first.0 < last.0 { step.or_set([range.origin]) } else { range.origin };
+            let at = if first.0 < last.0 { step.or_override([range.origin]) } else { range.origin };
             errors.push(at, error);
             None
         }
@@ -139,7 +139,7 @@ impl Resolver<'_> {
         let display = self.display(file);
         let lighting = self.lighting(&file.lighting);
         let viewer = self.viewer(&file.viewer);
-        self.check_walk(file);
+        self.check_slab_thickness(file);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
         let metrics = self.metrics(file, &display.pixel);
         let scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
@@ -210,7 +210,7 @@ impl Resolver<'_> {
     }
 
     /// Fails if there are more of something than any display has.
-    fn limit<T>(&mut self, at: &At<T>, what: &'static str, count: usize, limit: usize) -> Option<()> {
+    fn limit<T>(&mut self, at: &Spanned<T>, what: &'static str, count: usize, limit: usize) -> Option<()> {
         if count <= limit {
             return Some(());
         }
@@ -228,7 +228,7 @@ impl Resolver<'_> {
         };
         let bins = scene.grid.len();
         let (step, views_at) = (file.spectrum.step_nm.origin, file.viewer.theta_deg.origin);
-        let (step, views_at) = (step.or_set([self.range]), views_at.or_set([file.viewer.phi_deg.origin]));
+        let (step, views_at) = (step.or_override([self.range]), views_at.or_override([file.viewer.phi_deg.origin]));
         let mut limit = |at, what, factors: &[usize], limit| {
             let count = factors.iter().fold(1, |product: usize, factor| product.saturating_mul(*factor));
             if count > limit {
@@ -250,10 +250,10 @@ impl Resolver<'_> {
         }
         let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
         let what = "numbers (views x states x wavelengths)";
-        limit(views_at.or_set([step]), what, &[views, states, bins], MOST_NUMBERS);
+        limit(views_at.or_override([step]), what, &[views, states, bins], MOST_NUMBERS);
     }
 
-    fn err<T>(&mut self, at: &At<T>, mistake: impl Into<Mistake>) {
+    fn err<T>(&mut self, at: &Spanned<T>, mistake: impl Into<Mistake>) {
         self.errors.push(at.origin, mistake);
     }
 
@@ -332,12 +332,12 @@ impl Resolver<'_> {
         }
         match (solver.relative_error.value, solver.paths.value) {
             (Some(_), Some(_)) => {
-                let at = solver.paths.origin.or_set([solver.relative_error.origin]);
+                let at = solver.paths.origin.or_override([solver.relative_error.origin]);
                 self.errors.push(at, mistake::exactly_one("`relative_error` and `paths`", 2));
                 None
             }
             (None, Some(_)) if solver.method.value == solver::Method::Adding => {
-                let at = solver.paths.origin.or_set([solver.method.origin]);
+                let at = solver.paths.origin.or_override([solver.method.origin]);
                 let wrong = mistake::not_with("paths", "method = \"adding\"");
                 self.errors.push(at, wrong.hint("give `relative_error`, or method = \"monte-carlo\""));
                 None

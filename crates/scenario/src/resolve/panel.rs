@@ -8,7 +8,7 @@ use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::diffuser::{scattering, transmitting};
-use super::layers::{Part, sheet};
+use super::layers::{Part, component_interface};
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
@@ -33,7 +33,7 @@ fn trapped(theta_deg: f64, limit_deg: f64) -> Diagnostic {
 }
 
 /// What a panel has between air and glass.
-enum Top {
+enum AboveGlass {
     Nothing,
     Lobe(scene::Diffuser),
     /// From the air down.
@@ -66,22 +66,22 @@ impl Resolver<'_> {
         let scatters = matches!(display.pixel.value, Pixel::Measured(_));
         let plain = medium.transmittance.min() == 1.0 && !scatters;
         let parts = match top {
-            Top::Parts(parts) => parts,
-            Top::Lobe(diffuser) if plain => {
+            AboveGlass::Parts(parts) => parts,
+            AboveGlass::Lobe(diffuser) if plain => {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: Some(diffuser), glass }));
             }
-            Top::Nothing if plain => {
+            AboveGlass::Nothing if plain => {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
             }
-            Top::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
-            Top::Nothing => vec![Part::Interface(match surface {
+            AboveGlass::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
+            AboveGlass::Nothing => vec![Part::Interface(match surface {
                 scene::Surface::Coated => Ready::Coated.into(),
                 scene::Surface::Fresnel => Ready::Fresnel.into(),
             })],
         };
-        let front = front.into_iter().map(|component| Part::Interface(sheet(component)));
+        let front = front.into_iter().map(|component| Part::Interface(component_interface(component)));
         let mut stack = Stack::new(&self.grid);
         for part in front.chain(parts).chain([Part::Medium(medium, Origin::FILE)]) {
             match part {
@@ -93,25 +93,25 @@ impl Resolver<'_> {
     }
 
     /// What stands over glass of this index (`None` if that is unknown).
-    fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<Top> {
+    fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<AboveGlass> {
         match &display.diffuser.value {
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Lobe),
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(AboveGlass::Lobe),
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(AboveGlass::Lobe),
             Some(Diffuser::Ward(ward)) => {
                 let face = self.ward("display.diffuser", ward)?;
-                Some(Top::Parts(vec![Part::Interface(scattering(face))]))
+                Some(AboveGlass::Parts(vec![Part::Interface(scattering(face))]))
             }
             Some(Diffuser::Measured(diffuser)) => {
-                self.measured_over("display.diffuser", diffuser, glass?).map(Top::Parts)
+                self.measured_over("display.diffuser", diffuser, glass?).map(AboveGlass::Parts)
             }
             Some(Diffuser::Slab(slab)) => {
                 let slab = self.slab("display.diffuser", slab)?;
-                Some(Top::Parts(vec![
+                Some(AboveGlass::Parts(vec![
                     Part::Interface(Ready::Fresnel.into()),
                     Part::Medium(slab, Origin::FILE),
                 ]))
             }
-            None => Some(Top::Nothing),
+            None => Some(AboveGlass::Nothing),
         }
     }
 
@@ -127,7 +127,7 @@ impl Resolver<'_> {
         // A tolerance for sums such as .7 + .3 of decimal files.
         if sum > 1.0 + 1e-12 {
             let what = "reflectance and absorptance";
-            let at = origin.or_set([component.reflectance.origin, component.absorptance.origin]);
+            let at = origin.or_override([component.reflectance.origin, component.absorptance.origin]);
             self.errors.push(at, mistake::sum(what, sum, "at most 1"));
             return None;
         }
@@ -148,7 +148,7 @@ impl Resolver<'_> {
         };
         if let Some(why) = wrong {
             let model = display.diffuser.as_ref().map_or(display.diffuser.origin, Diffuser::model);
-            let at = glass.surface.origin.or_set([display.diffuser.origin, model]);
+            let at = glass.surface.origin.or_override([display.diffuser.origin, model]);
             self.errors.push(at, Diagnostic::new(why).hint("remove `surface`, or the diffuser"));
         }
         let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
@@ -191,12 +191,12 @@ impl Resolver<'_> {
             AngleMedium::Unrefracted => Some("angle_medium = \"unrefracted\""),
         };
         if let Some(what) = what {
-            let at = solver.angle_medium.origin.or_set(causes.iter().copied());
+            let at = solver.angle_medium.origin.or_override(causes.iter().copied());
             self.errors.push(at, needs_panel(what, "angle_medium = \"air\""));
         }
         if scene.solver.approximation == Approximation::SinglePass {
             let what = "approximation = \"single-pass\"";
-            let at = solver.approximation.origin.or_set(causes);
+            let at = solver.approximation.origin.or_override(causes);
             self.errors.push(at, needs_panel(what, "approximation = \"none\""));
         }
     }
@@ -219,7 +219,7 @@ impl Resolver<'_> {
         let display = &file.display;
         let mut causes = vec![display.diffuser.origin, display.glass.origin];
         causes.extend(display.glass.iter().flat_map(|glass| [glass.index.origin, glass.surface.origin]));
-        let at = file.solver.angle_medium.origin.or_set(causes);
+        let at = file.solver.angle_medium.origin.or_override(causes);
         let wrong = Diagnostic::new(format!("angles in glass need {needs}"))
             .hint("use angle_medium = \"air\": angles are then refracted by Snell's law");
         self.errors.push(at, wrong);
@@ -234,13 +234,13 @@ impl Resolver<'_> {
         let edges = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + half_field);
         let edge = edges.fold(0.0, f64::max);
         if edge >= limit_deg {
-            let at = file.viewer.theta_deg.origin.or_set(causes).or_set([file.viewer.field_deg.origin]);
+            let at = file.viewer.theta_deg.origin.or_override(causes).or_override([file.viewer.field_deg.origin]);
             self.errors.push(at, trapped(edge, limit_deg));
         }
         for source in file.lighting.directed.iter() {
             let theta_deg = source.theta_deg.0.abs() + source.radius_deg.map_or(0.0, |radius| radius.0);
             if theta_deg >= limit_deg {
-                let at = source.theta_deg.origin.or_set(causes).or_set([source.radius_deg.origin]);
+                let at = source.theta_deg.origin.or_override(causes).or_override([source.radius_deg.origin]);
                 self.errors.push(at, trapped(theta_deg, limit_deg));
             }
         }

@@ -13,10 +13,10 @@ use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
 use crate::mistake::{self, tidy};
-use crate::read::At;
+use crate::read::Spanned;
 
 impl Resolver<'_> {
-    pub(super) fn pixel(&mut self, pixel: &At<describe::Pixel>) -> Option<Pixel> {
+    pub(super) fn pixel(&mut self, pixel: &Spanned<describe::Pixel>) -> Option<Pixel> {
         match &pixel.value {
             describe::Pixel::Film(film) => self.film(film).map(Pixel::Film),
             describe::Pixel::Table(table) => self.table_pixel(table).map(Pixel::Table),
@@ -70,7 +70,7 @@ impl Resolver<'_> {
             let display = &file.display;
             let causes = [display.glass.origin, display.layers.origin];
             let glass = display.glass.as_ref().map(|glass| glass.index.origin);
-            let at = display.pixel.model().or_set(glass.into_iter().chain(causes));
+            let at = display.pixel.model().or_override(glass.into_iter().chain(causes));
             self.errors.push(at, dispersive("the medium over this pixel", index));
         }
     }
@@ -100,7 +100,7 @@ impl Resolver<'_> {
                     .hint(
                         "give the table in glass angles, to 90 deg; `papilio pixel FILE --angles glass` makes such a table",
                     );
-                return self.errors.push(described.angles.origin.or_set(causes), wrong);
+                return self.errors.push(described.angles.origin.or_override(causes), wrong);
             }
             TableAngles::Air => ("air", 90.0),
             TableAngles::Glass if fills_glass => ("glass", 90.0),
@@ -108,7 +108,7 @@ impl Resolver<'_> {
         };
         let last_deg = table.theta_deg.last().copied().unwrap_or_default();
         if last_deg < needed_deg {
-            let at = described.file.origin.or_set(causes).or_set([described.angles.origin]);
+            let at = described.file.origin.or_override(causes).or_override([described.angles.origin]);
             let wrong =
                 Diagnostic::new(format!("the angles of this table end at {last_deg} deg in {medium}"))
                     .expected(format!("{needed_deg:.2} deg or more"))

@@ -19,12 +19,12 @@ const PER_NM: usize = 10;
 
 /// What the eye makes of a light, whatever its amount.
 #[derive(Clone, Copy)]
-struct Seen {
+struct ColourAndEfficacy {
     colour: UvPrime,
     lm_per_w: f64,
 }
 
-impl Seen {
+impl ColourAndEfficacy {
     /// From values at every nanometre; `None` in the dark.
     fn of(spectrum: &[f64], observer: &Observer) -> Option<Self> {
         let xyz = observer.xyz(spectrum);
@@ -38,7 +38,7 @@ impl Seen {
     }
 }
 
-impl std::fmt::Display for Seen {
+impl std::fmt::Display for ColourAndEfficacy {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let UvPrime { u, v } = self.colour;
         write!(f, "u' {u:.4}, v' {v:.4} and {:.1} lm/W", self.lm_per_w)
@@ -52,7 +52,7 @@ pub(super) fn loss(light: impl Fn(&Grid) -> Result<Spectrum, SpectraError>, grid
     let finer = light(&Grid::new(first, last, 1.0 / PER_NM as f64).ok()?).ok()?;
     let sampled = Tabulated::new(grid.wavelengths_nm(), light(grid).ok()?.to_vec()).ok()?;
     let observer = Observer::new(&every_nm).ok()?;
-    let seen = |spectrum: &[f64]| Seen::of(spectrum, &observer);
+    let seen = |spectrum: &[f64]| ColourAndEfficacy::of(spectrum, &observer);
 
     let (here, itself) = (seen(&sampled.on(&every_nm).ok()?)?, seen(&means(&finer))?);
     if here.is_near(itself) {

@@ -44,7 +44,7 @@ impl Stack {
             },
             _ => None,
         };
-        let at = origin.or_set([self.above.1, index_at]);
+        let at = origin.or_override([self.above.1, index_at]);
         self.mistakes.extend(wrong.map(|wrong| (at, wrong)));
         let interface =
             if same && interface == Ready::Fresnel.into() { Ready::Open.into() } else { interface };

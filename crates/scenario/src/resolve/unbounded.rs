@@ -15,24 +15,24 @@ pub(super) struct Unbounded {
     pub(super) scatter: Scatter,
     /// The largest, straight-through included.
     pub(super) transmittance: f64,
-    pub(super) straight_through: f64,
+    pub(super) regular_fraction: f64,
 }
 
 impl Unbounded {
     /// What leaves over what comes, of light at this inclination (degrees, air).
     fn total(&self, theta_deg: f64) -> f64 {
         let lobe = self.scatter.albedo_at(theta_deg.to_radians().sin());
-        self.transmittance * ((1.0 - self.straight_through) * lobe + self.straight_through)
+        self.transmittance * ((1.0 - self.regular_fraction) * lobe + self.regular_fraction)
     }
 }
 
 impl Resolver<'_> {
-    /// Warns of lobes that send on more light than they get, at the inclinations of lamps and views.
+    /// Warns of lobes that send on more light than they get, at the inclinations of sources and views.
     pub(super) fn warn_of_unbounded(&mut self, scene: &Scene) {
-        let lamps = scene.lighting.directed.iter();
-        let lamps = lamps.map(|lamp| lamp.theta_deg.abs() + lamp.radius_deg.unwrap_or(0.0));
+        let sources = scene.lighting.directed.iter();
+        let sources = sources.map(|source| source.theta_deg.abs() + source.radius_deg.unwrap_or(0.0));
         let views = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + 0.5 * scene.viewer.field_deg);
-        let steepest_deg = lamps.chain(views).fold(0.0, f64::max).min(90.0);
+        let steepest_deg = sources.chain(views).fold(0.0, f64::max).min(90.0);
         for lobe in std::mem::take(&mut self.unbounded) {
             let total = lobe.total(steepest_deg);
             if total > 1.0 + ABOVE_ONE {

@@ -14,7 +14,7 @@ use crate::describe::display::ShareSpectrum;
 use crate::describe::measure::Channels;
 use crate::describe::numbers::Blur;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 use crate::resolve::Resolver;
 
 /// A file of measured scattering in a scenario, and what is to be done to it.
@@ -23,12 +23,12 @@ pub(super) struct Source<'a> {
     pub(super) path: &'a str,
     pub(super) name: &'a str,
     pub(super) file: Origin,
-    pub(super) normalise: &'a At<Normalise>,
+    pub(super) normalise: &'a Spanned<Normalise>,
     pub(super) extrapolate_tails: bool,
     /// `None`: not written.
-    pub(super) extrapolate: &'a At<Option<Extrapolate>>,
+    pub(super) extrapolate: &'a Spanned<Option<Extrapolate>>,
     pub(super) spectral_mean: SpectralMean,
-    pub(super) blur: Option<&'a At<Blur>>,
+    pub(super) blur: Option<&'a Spanned<Blur>>,
 }
 
 impl Resolver<'_> {
@@ -126,7 +126,7 @@ impl Resolver<'_> {
         let part = sharp.as_ref().unwrap_or(part);
         match kernel(part, part.luminous(), &preparation, &[level]) {
             Ok((scatter, changes)) => {
-                self.tell(source, part.way, &changes, largest)?;
+                self.report(source, part.way, &changes, largest)?;
                 Some(scatter)
             }
             Err(error) => {

@@ -10,7 +10,7 @@ use crate::library::Library;
 use crate::memo::Entry;
 
 /// What was made, and what was said while it was made.
-struct Made<T> {
+struct CachedValue<T> {
     value: T,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -20,7 +20,7 @@ struct Made<T> {
 impl Resolver<'_> {
     /// What `make` gives and says, from the memo if there is one that has it. `key` is to name all that it depends on,
     /// but for wavelengths and what is in files. Errors are never kept.
-    pub(super) fn once<T: Clone + Send + Sync + 'static>(
+    pub(super) fn cached<T: Clone + Send + Sync + 'static>(
         &mut self,
         key: impl FnOnce() -> String,
         make: impl FnOnce(&mut Self) -> Option<T>,
@@ -32,7 +32,7 @@ impl Resolver<'_> {
             library.open(name, LARGEST_BSDF_FILE).is_ok_and(|kept| kept.sha256() == sha256)
         };
         if let Some(entry) = memo.find(&key, is_same)
-            && let Some(made) = entry.value.downcast_ref::<Made<T>>()
+            && let Some(made) = entry.value.downcast_ref::<CachedValue<T>>()
         {
             self.warnings.extend_from_slice(&made.warnings);
             self.notes.extend_from_slice(&made.notes);
@@ -46,13 +46,13 @@ impl Resolver<'_> {
         let value = make(self);
         let read = std::mem::replace(&mut self.inputs, inputs);
         if let Some(value) = value.as_ref().filter(|_| self.errors.is_empty()) {
-            let made = Made {
+            let made = CachedValue {
                 value: value.clone(),
                 warnings: self.warnings[warnings..].to_vec(),
                 notes: self.notes[notes..].to_vec(),
                 maps: self.maps[maps..].to_vec(),
             };
-            memo.keep(Entry { key, value: Arc::new(made), inputs: read.clone().into_iter().collect() });
+            memo.insert(Entry { key, value: Arc::new(made), inputs: read.clone().into_iter().collect() });
         }
         self.inputs.extend(read);
         value

@@ -9,7 +9,7 @@ use crate::resolve::Resolver;
 /// A total further above 1 than this is worth a warning.
 const ABOVE_ONE: f64 = 1e-3;
 /// Totals that change by less than this go without saying: a table keeps them to 1e-4.
-const TOLD: f64 = 1e-3;
+const REPORTED_CHANGE: f64 = 1e-3;
 /// And beyond this no display can be computed.
 const FAR_ABOVE_ONE: f64 = 0.2;
 /// A grid that leaves more of the total open than this is too coarse for the usual error target.
@@ -19,7 +19,7 @@ const MUCH_BEYOND: f64 = 0.05;
 
 impl Resolver<'_> {
     /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
-    pub(super) fn tell(
+    pub(super) fn report(
         &mut self,
         source: &Source<'_>,
         way: Way,
@@ -52,7 +52,7 @@ impl Resolver<'_> {
             }
             (false, false) => "the smooth lobe changes dark cells at the horizon",
         };
-        if most - 1.0 > TOLD || 1.0 - least > TOLD {
+        if most - 1.0 > REPORTED_CHANGE || 1.0 - least > REPORTED_CHANGE {
             self.notes
                 .push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}: {why}"));
         }
@@ -62,13 +62,13 @@ impl Resolver<'_> {
                 "{path}: {way}: {percent:.1} % of the cells were dark; tails are extrapolated through them"
             ));
         }
-        self.tell_range(path, way, changes);
-        self.tell_doubts(path, way, changes);
+        self.report_range(path, way, changes);
+        self.warn_of_uncertainty(path, way, changes);
         Some(())
     }
 
     /// What becomes of light from and to directions that were not measured.
-    fn tell_range(&mut self, path: &str, way: &str, changes: &Changes) {
+    fn report_range(&mut self, path: &str, way: &str, changes: &Changes) {
         if changes.lost > 0.0 {
             self.warnings.push(format!(
                 "{path}: {way}: nothing was measured beyond {} deg: light from there is lost ({:.1} % of diffuse light), and \
@@ -84,7 +84,7 @@ impl Resolver<'_> {
                 changes.last_deg
             ));
         }
-        self.tell_beyond(path, way, changes);
+        self.report_beyond(path, way, changes);
         if let Some([first, last]) = changes.held_azimuths_deg {
             self.warnings.push(format!(
                 "{path}: {way}: azimuths about the specular direction are {first:.0} to {last:.0} deg from the plane of incidence; \
@@ -94,7 +94,7 @@ impl Resolver<'_> {
     }
 
     /// How well the grid and the sample's symmetry tell the lobe.
-    fn tell_doubts(&mut self, path: &str, way: &str, changes: &Changes) {
+    fn warn_of_uncertainty(&mut self, path: &str, way: &str, changes: &Changes) {
         if changes.grid_error > COARSE {
             let percent = 100.0 * changes.grid_error;
             let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
@@ -114,13 +114,13 @@ impl Resolver<'_> {
     }
 
     /// What becomes of light beyond the last measured distance from the specular direction, and how much it is.
-    fn tell_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
+    fn report_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
         let by_share = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
         let ends = changes.beyond.iter().min_by(by_share).zip(changes.beyond.iter().max_by(by_share));
         let Some((to_deg, ([at_least, least], [at_most, most]))) = changes.measured_to_deg.zip(ends) else {
             return;
         };
-        if *most < TOLD {
+        if *most < REPORTED_CHANGE {
             return;
         }
         let at = |share: f64, theta: f64| format!("{:.1} % (at {theta} deg of incidence)", 100.0 * share);
