@@ -13,7 +13,7 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 use self::layout::{forget_positions, item, like_neighbour, number_positions};
 use crate::error::{ScenarioError, ScenarioErrors};
 use crate::mistake;
-use crate::path::{Position, Grow, KeyPath, Shape, Step, Tree, index, step};
+use crate::path::{Grow, KeyPath, Position, Shape, Step, Tree, index, step};
 use crate::preset;
 use crate::renamed::old_key;
 use crate::scenario::parse;

@@ -81,7 +81,8 @@ pub(crate) enum Step<'a> {
 pub(crate) trait Grow {
     type Tree: Tree;
     /// Returns a child of `node`, which is created if it does not exist.
-    fn child<'a>(&mut self, node: &'a mut Self::Tree, at: Position<'_>) -> Result<&'a mut Self::Tree, String>;
+    fn child<'a>(&mut self, node: &'a mut Self::Tree, at: Position<'_>)
+    -> Result<&'a mut Self::Tree, String>;
 }
 
 /// The position on a path that is being followed.

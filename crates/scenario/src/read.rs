@@ -140,7 +140,12 @@ impl Node {
     }
 
     /// Reads the value of `key`, or returns its default, or the value of a missing key.
-    pub(crate) fn field<T: Read>(&self, key: &str, default: Option<T>, errors: &mut Errors) -> Option<Spanned<T>> {
+    pub(crate) fn field<T: Read>(
+        &self,
+        key: &str,
+        default: Option<T>,
+        errors: &mut Errors,
+    ) -> Option<Spanned<T>> {
         if let Some(node) = self.get(key) {
             return Spanned::read(node, errors);
         }

@@ -166,7 +166,7 @@ impl Resolved {
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } = error else { return None };
         let wrong = Diagnostic::new(format!(
-            "this layer of {thickness_nm} nm has {fringes} interference fringes over angle at {nm} nm, more than are \
+            "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than are \
              tabulated"
         ))
         .expected(format!("films with a total thickness of at most about {most_mm} mm"))

@@ -9,7 +9,7 @@ use papilio_diagnostics::Diagnostic;
 use crate::error::Errors;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::path::{Position, Grow, KeyPath, Step};
+use crate::path::{Grow, KeyPath, Position, Step};
 use crate::renamed::{OldName, rename};
 use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};

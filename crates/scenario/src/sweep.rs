@@ -12,7 +12,7 @@ use crate::mistake;
 use crate::nearest::no_such_metric;
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::scenario::Scenario;
 use crate::set::Change;
 use crate::tolerance::{AskedMetric, of_all_views};

@@ -13,7 +13,7 @@ use crate::library::sha256;
 use crate::mistake;
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::scattered::scattered;
 use crate::scenario::Scenario;
 use crate::varied::{ParsedScenario, Varied, VariedKey, read_of_scenarios};
@@ -238,7 +238,11 @@ fn check_distinct(read: &[Spanned<Scattered>], keys: &[ScatteredKey], errors: &m
     }
 }
 
-fn correlation(read: &[Spanned<Correlated>], keys: &[ScatteredKey], errors: &mut Errors) -> Option<Correlation> {
+fn correlation(
+    read: &[Spanned<Correlated>],
+    keys: &[ScatteredKey],
+    errors: &mut Errors,
+) -> Option<Correlation> {
     let (mut coefficients, mut places) = (Vec::new(), Vec::new());
     for one in read {
         let place = |name: &Spanned<String>| {
@@ -328,7 +332,11 @@ fn checked(limit: &Spanned<Limit>, scene: &Scene, states: &[String], errors: &mu
 }
 
 /// Returns the metrics of every view of a scene. Those of the first view have no view in their names.
-pub(crate) fn of_all_views(named: &[Spanned<MetricName>], scene: &Scene, errors: &mut Errors) -> Vec<AskedMetric> {
+pub(crate) fn of_all_views(
+    named: &[Spanned<MetricName>],
+    scene: &Scene,
+    errors: &mut Errors,
+) -> Vec<AskedMetric> {
     let states = state_names(&scene.display.pixel);
     named.iter().for_each(|name| has_state(name, &states, errors));
     let of_view = |view: usize| named.iter().map(move |name| AskedMetric::of(name, view));

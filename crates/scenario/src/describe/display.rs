@@ -5,7 +5,7 @@ use super::layers::Layer;
 use super::numbers::{Extinction, Index, Share, Thickness};
 use super::pixel::Pixel;
 use crate::grammar::{choice, forms, table};
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 
 table! {
     /// The layers above the pixel, from top to bottom: front, surface or diffuser, glass; or `layers` in any order.

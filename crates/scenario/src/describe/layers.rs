@@ -5,7 +5,7 @@ use super::display::{FrontComponent, MaterialSpec, ShareSpectrum};
 use super::numbers::{Index, Nanometres, Roughness, Thickness};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
-use crate::read::{Spanned, Read, Table};
+use crate::read::{Read, Spanned, Table};
 use crate::schema::of_table;
 use crate::tree::Node;
 

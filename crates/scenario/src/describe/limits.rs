@@ -7,7 +7,7 @@ use super::sweep::Any;
 use crate::error::Errors;
 use crate::grammar::table;
 use crate::nearest::no_such_metric;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::tree::{Node, Value};
 
 table! {

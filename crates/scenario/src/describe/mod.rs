@@ -24,7 +24,7 @@ use papilio_formats::words::is_formula;
 use crate::error::Errors;
 use crate::grammar::table;
 use crate::mistake;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::renamed::FORMAT;
 use crate::tree::{Node, Value};
 use numbers::Wavelength;

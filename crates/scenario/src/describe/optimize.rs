@@ -12,7 +12,7 @@ use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
 use crate::mistake;
 use crate::path::{KeyPath, joined};
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::{Node, Value};
 

@@ -11,7 +11,7 @@ use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, kinds, table};
 use crate::origin::Origin;
-use crate::read::{Spanned, Named, Read};
+use crate::read::{Named, Read, Spanned};
 use crate::tree::{Node, Value};
 
 kinds! {

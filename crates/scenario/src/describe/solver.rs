@@ -5,7 +5,7 @@ use papilio_display::scene;
 use super::numbers::{Count, Paths, RelativeError, Seed, Tolerance};
 use crate::error::Errors;
 use crate::grammar::{choice, table};
-use crate::read::{Spanned, Read, unknown_word};
+use crate::read::{Read, Spanned, unknown_word};
 use crate::tree::{Node, Value};
 
 table! {

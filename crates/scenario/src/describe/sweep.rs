@@ -14,7 +14,7 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::path::{KeyPath, joined};
 use crate::range::Range as NumberRange;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::tree::{Entry, Node, Value};
 
 table! {
@@ -87,7 +87,8 @@ impl Read for Axis {
             return node.wrong_type(Self::in_words(), errors);
         };
         let mut swept = Vec::new();
-        let sound = entries.iter().map(|entry| read_values("", entry, &mut swept, errors)).collect::<Vec<_>>();
+        let sound =
+            entries.iter().map(|entry| read_values("", entry, &mut swept, errors)).collect::<Vec<_>>();
         if sound.contains(&None) {
             return None;
         }
@@ -121,7 +122,8 @@ fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut 
         Value::Array(items) => items.clone(),
         Value::Table(_) if entry.node.get("from").is_some() => range_values(&entry.node, errors)?,
         Value::Table(entries) if !entries.is_empty() => {
-            let found: Vec<_> = entries.iter().map(|entry| read_values(&path, entry, swept, errors)).collect();
+            let found: Vec<_> =
+                entries.iter().map(|entry| read_values(&path, entry, swept, errors)).collect();
             return found.into_iter().collect();
         }
         _ => return entry.node.wrong_type("a list of values, or { from, to, step }", errors),

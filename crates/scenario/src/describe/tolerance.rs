@@ -6,7 +6,7 @@ use super::numbers::{Count, Seed};
 use super::sweep::Any;
 use crate::grammar::{number, table};
 use crate::range::Range;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::tree::Node;
 
 table! {

@@ -15,7 +15,7 @@ use crate::describe::sweep::Any;
 use crate::library::Missing;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 
 /// The keys that objectives and constraints have in common.
 struct QuantitySpec<'a> {
@@ -68,7 +68,8 @@ impl Reader {
             }
             (false, None) => SearchAim::Minimise,
             (false, Some(_)) => {
-                self.errors.push(spec.aim.origin, mistake::not_with("aim", "a difference, which is minimised"));
+                self.errors
+                    .push(spec.aim.origin, mistake::not_with("aim", "a difference, which is minimised"));
                 return None;
             }
         };
@@ -113,7 +114,12 @@ impl Reader {
     }
 
     /// Returns the quantity in each of its conditions and views.
-    fn quantities(&mut self, asked: &QuantitySpec<'_>, names: &[&str], scenes: &[ConditionScene]) -> Option<Vec<SearchQuantity>> {
+    fn quantities(
+        &mut self,
+        asked: &QuantitySpec<'_>,
+        names: &[&str],
+        scenes: &[ConditionScene],
+    ) -> Option<Vec<SearchQuantity>> {
         let conditions = match &asked.condition.value {
             None => (0..names.len()).collect(),
             Some(name) => match names.iter().position(|known| known == name) {
@@ -208,7 +214,12 @@ impl Reader {
         None
     }
 
-    fn numbers<const N: usize>(&mut self, list: &[Spanned<Any>], origin: Origin, words: &str) -> Option<[f64; N]> {
+    fn numbers<const N: usize>(
+        &mut self,
+        list: &[Spanned<Any>],
+        origin: Origin,
+        words: &str,
+    ) -> Option<[f64; N]> {
         let numbers: Vec<f64> = list.iter().map(|number| number.0).collect();
         let found = numbers.try_into().ok();
         if found.is_none() {
@@ -217,7 +228,12 @@ impl Reader {
         found
     }
 
-    fn desired(&mut self, wanted: &DesiredSpectrum, origin: Origin, grid: &Grid) -> Option<(String, Spectrum)> {
+    fn desired(
+        &mut self,
+        wanted: &DesiredSpectrum,
+        origin: Origin,
+        grid: &Grid,
+    ) -> Option<(String, Spectrum)> {
         let (name, table) = match wanted {
             DesiredSpectrum::Constant(share) => {
                 return Some((share.0.to_string(), Spectrum::constant(grid, share.0)));

@@ -13,10 +13,10 @@ use crate::library::hex;
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::Node;
-use crate::varied::{STUDY_TABLES, ParsedScenario, Varied, VariedKey};
+use crate::varied::{ParsedScenario, STUDY_TABLES, Varied, VariedKey};
 
 /// Reads the `[optimize]` of a scenario.
 pub(super) fn search(base: ParsedScenario) -> Result<Optimisation, ScenarioErrors> {
@@ -80,8 +80,10 @@ impl Reader {
         self.check_names(spec);
         let found = std::mem::take(&mut self.errors).finish(found, &self.base.sources)?;
         let conditions = self.conditions(spec, &found);
-        let scenes =
-            conditions.iter().map(|one| condition_scene(&one.varied, &found)).collect::<Result<Vec<_>, _>>()?;
+        let scenes = conditions
+            .iter()
+            .map(|one| condition_scene(&one.varied, &found))
+            .collect::<Result<Vec<_>, _>>()?;
         for (condition, known) in conditions.iter().zip(&scenes) {
             self.check_ends(&condition.varied, &found, &known.scene)?;
         }
@@ -139,7 +141,8 @@ impl Reader {
         }
         let own = self.root.at(&paths[0].0).cloned();
         if let Some(compensating) = &spec.compensated_by.value {
-            let sum = own.as_ref().and_then(Node::number).zip(self.root.at(compensating).and_then(Node::number));
+            let sum =
+                own.as_ref().and_then(Node::number).zip(self.root.at(compensating).and_then(Node::number));
             let Some((own, other)) = sum else {
                 let both = [(compensating, spec.compensated_by.origin), (&paths[0].0, paths[0].1)];
                 let wrong = both
@@ -150,7 +153,9 @@ impl Reader {
                         "`{compensating}` and `{}` have no constant sum: both must be numbers in this scenario",
                         paths[0].0
                     );
-                    Diagnostic::new(wrong).hint("give both keys a number; their sum then stays constant").into()
+                    Diagnostic::new(wrong)
+                        .hint("give both keys a number; their sum then stays constant")
+                        .into()
                 };
                 let (origin, problem) = wrong.unwrap_or_else(|| (spec.compensated_by.origin, no_sum()));
                 self.errors.push(origin, problem);
@@ -255,9 +260,10 @@ impl Reader {
     fn check_ends(&self, varied: &Varied, found: &[ReadVariable], own: &Scene) -> Result<(), ScenarioErrors> {
         if own.solver.method == Solver::Walk {
             let mut errors = Errors::default();
-            let wrong =
-                Diagnostic::new("a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver")
-                    .hint("set solver.method = \"adding\"; the Monte Carlo solver checks the best design afterwards");
+            let wrong = Diagnostic::new(
+                "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
+            )
+            .hint("set solver.method = \"adding\"; the Monte Carlo solver checks the best design afterwards");
             errors.push(self.root.at("solver.method").map_or(self.root.origin, |node| node.origin), wrong);
             return errors.check(&self.base.sources);
         }

@@ -1,4 +1,4 @@
-//! What is made once, and taken from the memo of the library afterwards.
+//! Resolved values that are cached in the library.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::maps::MapLight;
 use crate::library::Library;
 use crate::memo::Entry;
 
-/// What was made, and what was said while it was made.
+/// A resolved value with its warnings and notes.
 struct CachedValue<T> {
     value: T,
     warnings: Vec<String>,
@@ -18,8 +18,8 @@ struct CachedValue<T> {
 }
 
 impl Resolver<'_> {
-    /// What `make` gives and says, from the memo if there is one that has it. `key` is to name all that it depends on,
-    /// but for wavelengths and what is in files. Errors are never kept.
+    /// Returns the value of `make` with its warnings and notes, from the cache if it is there. `key` must contain everything
+    /// that determines the value, except the wavelengths and the contents of files. Errors are not cached.
     pub(super) fn cached<T: Clone + Send + Sync + 'static>(
         &mut self,
         key: impl FnOnce() -> String,
@@ -40,7 +40,7 @@ impl Resolver<'_> {
             self.inputs.extend(entry.inputs);
             return Some(made.value.clone());
         }
-        // What `make` reads and says is told from what was read and said before.
+        // The inputs and notes of `make` are separated from the earlier ones.
         let inputs = std::mem::take(&mut self.inputs);
         let (warnings, notes, maps) = (self.warnings.len(), self.notes.len(), self.maps.len());
         let value = make(self);

@@ -1,4 +1,4 @@
-//! Diffusers by their BTDF: lobes, kernels, and transmittances.
+//! Diffusers given by their BTDF: lobes, kernels and transmittances.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Diffuser, Interface, Lobe, Ready, ScatterFace, ScatterKernel};
@@ -15,22 +15,22 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
 
-/// ASTM D1003 measures haze up to here.
+/// Largest haze in the scope of ASTM D1003.
 const HAZE_SCOPE: f64 = 0.30;
 
-/// What all BTDFs have besides their lobe.
+/// Keys that all BTDFs have in addition to their lobe.
 struct BtdfTransmittance<'a> {
     transmittance: &'a Spanned<Option<ShareSpectrum>>,
     total_transmittance: &'a Spanned<Option<ShareSpectrum>>,
     regular_fraction: &'a Spanned<Share>,
 }
 
-/// A diffuser given by its BTDF, as a layer.
+/// Converts a diffuser given by its BTDF to an interface.
 pub(super) fn transmitting(diffuser: Diffuser) -> Interface {
     Ready::Diffuser(diffuser).into()
 }
 
-/// An interface given by its BSDF, as a layer.
+/// Converts a scattering given by its BSDF to an interface.
 pub(super) fn scattering(face: ScatterFace) -> Interface {
     Ready::Scatter(Box::new(face)).into()
 }
@@ -52,14 +52,14 @@ impl Resolver<'_> {
                 path: path.to_owned(),
                 scatter: scatter.clone(),
                 transmittance: transmittance.max(),
-                straight_through: ward.regular_fraction.0,
+                regular_fraction: ward.regular_fraction.0,
             };
             self.unbounded.push(lobe);
         }
         Some(transmitting_face(scatter, &transmittance, ward.regular_fraction.0))
     }
 
-    /// The lobe, and what it is multiplied with, straight-through included.
+    /// Returns the lobe and its factor, including the regular part.
     pub(super) fn ward_lobe(&mut self, ward: &Spanned<Ward>) -> Option<(Scatter, Spectrum)> {
         let Ward { alpha, normalisation, transmittance, total_transmittance, regular_fraction } = &ward.value;
         let normalisation = match normalisation.value {
@@ -69,7 +69,7 @@ impl Resolver<'_> {
         };
         let scatter: Scatter = match scatter::Ward::new(alpha.value.0, normalisation) {
             Ok(ward) => ward.into(),
-            // Its range is that of the key.
+            // The key has the same range.
             Err(_) => return None,
         };
         let whole = BtdfTransmittance { transmittance, total_transmittance, regular_fraction };
@@ -92,7 +92,7 @@ impl Resolver<'_> {
         self.transmitting(Some(Lobe::Lambertian), &whole, [diffuser.origin; 3])
     }
 
-    /// The width of a k-correlation lobe, from itself or from haze; `diffuser` stands where its model does.
+    /// Returns a k-correlation lobe from its width or its haze; the place of `diffuser` is that of its model.
     fn lobe(&mut self, diffuser: &Spanned<KCorrelation>) -> Option<Lobe> {
         match (diffuser.haze.value, diffuser.width.value) {
             (Some(haze), None) => self.lobe_from_haze(haze.0, diffuser),
@@ -123,7 +123,7 @@ impl Resolver<'_> {
         Some(Lobe::KCorrelation { width })
     }
 
-    /// T of the whole lobe, from itself or from the datasheet's total transmittance.
+    /// Returns a diffuser with T from `transmittance` or from the total transmittance of a datasheet.
     fn transmitting(
         &mut self,
         lobe: Option<Lobe>,
@@ -135,7 +135,7 @@ impl Resolver<'_> {
         Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.regular_fraction.0 })
     }
 
-    /// T of a lobe of which this share leaves at normal incidence.
+    /// Returns T of a lobe; `leaving` is the fraction of the lobe that leaves at normal incidence.
     fn transmittance(
         &mut self,
         leaving: Option<f64>,
@@ -164,7 +164,7 @@ impl Resolver<'_> {
             let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
                 .expected("at most 1")
                 .hint(format!(
-                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {share:.4} at most"
+                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be at most {share:.4}"
                 ));
             self.errors.push(at, wrong);
             return None;
@@ -173,27 +173,26 @@ impl Resolver<'_> {
     }
 }
 
-/// No k-correlation lobe has this haze.
-fn no_width(haze: f64, straight_through: f64) -> Diagnostic {
+/// Error: no k-correlation lobe has this haze.
+fn no_width(haze: f64, regular_fraction: f64) -> Diagnostic {
     let limit = largest_haze(regular_fraction);
     let hint = if limit <= 0.0 {
-        "light that passes straight through is not haze".to_owned()
+        "regular transmission is not haze".to_owned()
     } else if haze < limit {
-        "so small a haze is none: give a larger one, or remove the diffuser".to_owned()
+        "this haze is too small: give a larger one, or remove the diffuser".to_owned()
     } else {
         let limit = (limit * 1e4).floor() / 1e4;
-        format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
+        format!("haze can be at most {limit}: a wider lobe loses its light beyond the hemisphere")
     };
     let lobe = "no k-correlation lobe has a haze of";
-    Diagnostic::new(format!("{lobe} {haze} with straight_through = {regular_fraction}")).hint(hint)
+    Diagnostic::new(format!("{lobe} {haze} with regular_fraction = {regular_fraction}")).hint(hint)
 }
 
-/// A face that scatters light through like this, but for the share that passes straight; it reflects
-/// nothing.
+/// Returns an interface with this transmission and regular fraction, and without reflection.
 pub(super) fn transmitting_face(
     scatter: Scatter,
     transmittance: &Spectrum,
-    straight_through: f64,
+    regular_fraction: f64,
 ) -> ScatterFace {
     let factor = transmittance.map(|t| t * (1.0 - regular_fraction));
     ScatterFace::new(transmittance.map(|t| t * regular_fraction))

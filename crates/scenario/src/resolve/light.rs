@@ -11,17 +11,17 @@ use crate::describe::lighting::{LightModel, LightSpectrum};
 use crate::describe::numbers::Wavelength;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 
-/// Where daylight and black bodies have the value 1, nm.
+/// Wavelength at which daylight and black bodies have the value 1, nm.
 const UNIT_NM: f64 = 560.0;
 
-/// A light whose largest value is below this is dark: its squares are no numbers any more.
+/// Smallest maximum of a light: the squares of smaller values underflow.
 const DARKEST: f64 = 1e-30;
 
-/// One of the parts that a light adds up from.
+/// One of the terms of a light.
 struct Part {
-    /// For errors.
+    /// Name in errors.
     name: String,
     origin: Origin,
     weight: f64,
@@ -50,7 +50,7 @@ impl Part {
 }
 
 impl Resolver<'_> {
-    /// The relative spectrum under `key` on the grid: nowhere negative, somewhere positive.
+    /// Resolves the relative spectrum at `key` on the grid, which has no negative values and some positive ones.
     pub(super) fn light(&mut self, key: &str, light: &Spanned<LightSpectrum>) -> Option<Spectrum> {
         let parts = match &light.value {
             LightSpectrum::Text(name) => vec![self.named_light(name, light)?],
@@ -135,12 +135,12 @@ impl Resolver<'_> {
     }
 }
 
-/// All parts together.
+/// Returns the sum of all parts.
 fn sum(grid: &Grid, parts: Vec<Spectrum>) -> Spectrum {
     parts.iter().fold(Spectrum::constant(grid, 0.0), |sum, part| sum.zip_map(part, |a, b| a + b))
 }
 
-/// A spectrum, 1 at 560 nm.
+/// Scales a spectrum to 1 at 560 nm.
 fn unit(
     model: impl Fn(&Grid) -> Result<Spectrum, SpectraError>,
     grid: &Grid,

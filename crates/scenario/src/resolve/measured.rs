@@ -1,4 +1,4 @@
-//! `model = "measured"`: a diffuser or a pixel as a goniometer or an imaging sphere saw it.
+//! `model = "measured"`: a diffuser or a pixel measured with a goniometer or an imaging sphere.
 
 mod blur;
 mod file;
@@ -20,19 +20,19 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
 
-/// What a film does with light.
+/// A transmission or reflection of a foil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
-    /// From above, through it.
+    /// Transmission of light from above.
     Through,
-    /// From above, back.
+    /// Reflection of light from above.
     Above,
-    /// From below, back.
+    /// Reflection of light from below.
     Below,
 }
 
 impl Resolver<'_> {
-    /// A film over glass of this index: from the air down, without the glass.
+    /// Resolves a foil on glass of this index: its layers from the air down, without the glass.
     pub(super) fn measured_over(
         &mut self,
         path: &str,
@@ -53,7 +53,7 @@ impl Resolver<'_> {
         let mut parts = vec![Part::Interface(scattering(face))];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
-            // What the air disc does not hold stays in the glass.
+            // Light beyond the disc of air stays in the glass.
             Mounting::Laminated => Ready::Coated,
             Mounting::Air => Ready::Fresnel,
         };
@@ -63,7 +63,7 @@ impl Resolver<'_> {
         Some(parts)
     }
 
-    /// A film among layers in any order, where what is below it is a layer of its own.
+    /// Resolves a foil in `[[display.layers]]`, where the medium below it is a layer of its own.
     pub(super) fn measured_alone(&mut self, path: &str, diffuser: &Spanned<Measured>) -> Option<ScatterFace> {
         if diffuser.mounting.value != Mounting::AsMeasured {
             self.err(&diffuser.mounting, mistake::not_with("mounting", "`[[display.layers]]`"));
@@ -73,8 +73,12 @@ impl Resolver<'_> {
         self.face(path, diffuser, Backing::Air)
     }
 
-    /// Refuses tails in the glass where none is known to be.
-    fn refuse_glass_tails(&mut self, extrapolate: &Spanned<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
+    /// Refuses tails in the glass if the foil is not known to be on glass.
+    fn refuse_glass_tails(
+        &mut self,
+        extrapolate: &Spanned<Option<Extrapolate>>,
+        beside: &'static str,
+    ) -> Option<()> {
         if extrapolate.value == Some(Extrapolate::Glass) {
             let wrong = mistake::not_with("extrapolate = \"glass\"", beside);
             let hint = "\"hold\" keeps the last lobe within the horizon of the air";
@@ -96,7 +100,8 @@ impl Resolver<'_> {
         Some(face)
     }
 
-    /// The film in air, whichever side is up: what it does with light from above, and with light from below that it reflects.
+    /// Resolves a foil in air, with either side up: its transmission and reflection of light from above, and its reflection of
+    /// light from below.
     pub(super) fn film_in_air(
         &mut self,
         path: &str,
@@ -160,14 +165,14 @@ impl Resolver<'_> {
         if let Some(part) = part(front) {
             film.push((Side::Above, self.scattered(&source, part, None, Backing::Air)?));
         }
-        // A laminated film's back face in air is gone, and with it most of what it reflected.
+        // A laminated foil has no back surface in air, and without it little back reflection.
         if let Some(part) = part(back).filter(|_| backing.lamination().is_none()) {
             film.push((Side::Below, self.scattered(&source, part, None, Backing::Air)?));
         }
         Some(film)
     }
 
-    /// A pixel under a medium of this index: the BRDF of its states, angles in air taken as angles in the medium.
+    /// Resolves a measured pixel: the BRDF of its states, with angles in air used as angles in the medium above.
     pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
         self.cached(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_uncached(pixel))
     }

@@ -1,4 +1,4 @@
-//! Where the reader looks from.
+//! `[viewer]`: the views.
 
 use std::collections::HashSet;
 
@@ -10,9 +10,9 @@ use crate::describe::numbers::Inclination;
 use crate::describe::viewer::{self as describe, AngleRange, Azimuths, Inclinations};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::{Spanned, Read};
+use crate::read::{Read, Spanned};
 
-/// More views than this make a result that nobody can open.
+/// Largest number of views: larger results are too large to open.
 const MOST_VIEWS: usize = 5000;
 
 impl Resolver<'_> {
@@ -42,7 +42,7 @@ impl Resolver<'_> {
         Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })
     }
 
-    /// The angles of a list, each there once.
+    /// Returns the angles of a list, which must contain each once.
     pub(super) fn listed<T>(
         &mut self,
         list: &[Spanned<T>],
@@ -71,7 +71,7 @@ impl Resolver<'_> {
         self.spaced("viewer.theta_deg", range, origin)
     }
 
-    /// `from`, `from + step`, ... up to `to`, with a millionth of a step to spare.
+    /// Returns `from`, `from + step`, ... up to `to`, with a tolerance of 1e-6 steps.
     pub(super) fn spaced(&mut self, key: &str, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
         let (from, to, step) = (range.from.0, range.to.0, range.step.0);
         let origin = origin.or_override([range.from.origin, range.to.origin, range.step.origin]);

@@ -104,7 +104,7 @@ const NAMES_AND_CHOICES: &[Case] = &[
         (13, 8),
         &["`haze` cannot be combined with model = \"lambertian\""],
     ),
-    ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["contains its faces"]),
+    ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["includes its surfaces"]),
     ("[viewer]", "[solver]\nangle_medium = \"glass\"\n[viewer]", (38, 16), &["a panel without diffuser"]),
     ("[viewer]", "[solver]\npaths = 10\nrelative_error = 0.1\n[viewer]", (38, 9), &["more than one of"]),
     (
@@ -134,7 +134,7 @@ const ADVICE: &[Case] = &[
         &["no k-correlation lobe has a haze of 0.999", "haze can be 0.998 at most"],
     ),
     ("haze = 0.78", "haze = 0.9\nregular_fraction = 0.3", (13, 8), &["haze can be 0.6"]),
-    ("haze = 0.78", "haze = 0.9\nregular_fraction = 1", (13, 8), &["straight through is not haze"]),
+    ("haze = 0.78", "haze = 0.9\nregular_fraction = 1", (13, 8), &["regular transmission is not haze"]),
     ("haze = 0.78", "haze = .78", (13, 8), &["mantissa", "0.50"]),
     ("haze = 0.78", "haze = 1.", (13, 10), &["fraction", "0.50"]),
     ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
@@ -153,7 +153,7 @@ const WRITTEN_OTHERWISE: &[Case] = &[
     ("theta_deg = 8", "theta_deg = 8, 20", (38, 14), &["expected newline"]),
     ("haze = 0.78", "haze = 78 %", (13, 8), &["found `%`", "write 78 % as 0.78"]),
     ("haze = 0.78", "haze = 78%", (13, 8), &["found `%`", "write 78 % as 0.78"]),
-    ("haze = 0.78", "haze = 78", (13, 8), &["fraction of 1, not percent"]),
+    ("haze = 0.78", "haze = 78", (13, 8), &["fraction relative to 1, not per cent"]),
     ("haze = 0.78", "haze = 0,78", (13, 8), &["has a decimal comma", "with a point"]),
     ("red = 0.5", "red = 0,5", (22, 16), &["has a decimal comma", "with a point"]),
     ("title = \"Test\"", "title = Test", (1, 9), &["this is not a value", "write strings in double quotes"]),
@@ -161,7 +161,7 @@ const WRITTEN_OTHERWISE: &[Case] = &[
     ("title = \"Test\"", "title = \"Te\\u001bst\"", (1, 9), &["control characters", "one line"]),
     ("red = 0.5", "\"r\\u0007\" = 0.5", (22, 10), &["not a name", "no control characters"]),
     ("red = 0.5", "\"red \" = 0.5", (22, 10), &["not a name", "no blanks at the ends"]),
-    ("haze = 0.78", "haze = 1e-9", (13, 8), &["so small a haze is none: give a larger one"]),
+    ("haze = 0.78", "haze = 1e-9", (13, 8), &["this haze is too small: give a larger one"]),
     (
         "red = 0.5, green = 0.3, blue = 0.2",
         "",
@@ -284,7 +284,7 @@ fn mistakes_in_set_name_it_and_its_position() {
         (&["display.pixel.film.2.material=1.4"], "--set #1:1:20", &["`thickness_nm` is missing"]),
         (&["display.pixel.film.3.material=1.4"], "--set #1:1:20", &["has the indices 0 to 1"]),
         (&["display.pixel.film.first.material=1.4"], "--set #1:1:20", &["an index is needed here"]),
-        (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, it has no keys"]),
+        (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, which has no keys"]),
         (&["nonsense"], "--set #1:1:1", &["not PATH=VALUE"]),
         (&["=1"], "--set #1:1:1", &["the path has an empty key"]),
         (&["display..glass=1"], "--set #1:1:9", &["the path has an empty key"]),
@@ -304,7 +304,7 @@ fn mistakes_in_set_name_it_and_its_position() {
     }
     // A file that a --set asks for: which key it was is shown.
     let shown = errors(GOOD, &["display.glass.index=none.csv"])[0].to_string();
-    let note = "it is asked for at --set #1:1:21: display.glass.index=none.csv";
+    let note = "requested at --set #1:1:21: display.glass.index=none.csv";
     assert!(shown.contains(note) && shown.contains("paths in a scenario"), "{shown}");
     let long = format!("a{}=1", ".a".repeat(100_000));
     assert_eq!(errors(GOOD, &[&long]).len(), 1);
@@ -333,7 +333,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
         (GOOD, "spectrum.range_nm=[340, 700]", "`Cr:Johnson` reaches from"),
         (GOOD, "spectrum.step_nm=7", "not a grid"),
         (GOOD, "viewer.theta_deg=89.99", "this cone reaches"),
-        (&coated, diffuser, "contains its faces"),
+        (&coated, diffuser, "includes its surfaces"),
         (
             &coated,
             "display.diffuser={ model = \"slab\", optical_thickness = 1, anisotropy = 0 }",
@@ -412,14 +412,14 @@ fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
     let front = "reflectance = 0.01";
     let (place, text) = shown(front, "reflectance = \"nan.csv\"");
     assert_eq!(place, (3, 5));
-    assert!(text.contains("--> nan.csv:3:5") && text.contains("it is asked for at test.toml:8:15"), "{text}");
+    assert!(text.contains("--> nan.csv:3:5") && text.contains("requested at test.toml:8:15"), "{text}");
     let (place, text) = shown(front, "reflectance = \"short.csv\"");
     assert_eq!(place, (8, 15));
     assert!(text.contains("from 450 to 650 nm") && text.contains("[450, 650]"), "{text}");
     let (place, text) = shown(front, "reflectance = \"percent.csv\"");
     assert_eq!(place, (1, 5));
-    assert!(text.contains("the share is 10") && text.contains("of 1, not percent"), "{text}");
-    assert!(text.contains("it is asked for at test.toml:8:15"), "{text}");
+    assert!(text.contains("the share is 10") && text.contains("relative to 1, not per cent"), "{text}");
+    assert!(text.contains("requested at test.toml:8:15"), "{text}");
     let (_, text) = shown("index = 1.5", "index = \"um.csv\"");
     assert!(text.contains("micrometres") && text.contains("by 1000"), "{text}");
     let (_, text) = shown(front, "reflectance = \"none.csv\"");
@@ -460,7 +460,7 @@ fn a_pixel_table_must_reach_as_far_as_the_light() {
     // asin(1/1.5) = 41.81 deg bounds all light of a bare panel; a lobe fills the glass.
     let ends =
         |deg: u32, medium: &str| Some(format!("the angles of this table end at {deg} deg in {medium}"));
-    let in_air = "angles in air do not reach the light beyond total internal reflection";
+    let in_air = "angles in air do not cover light beyond the critical angle of total internal reflection";
     assert_eq!(problem(true, 41, "glass", "air"), ends(41, "glass"));
     assert_eq!(problem(true, 42, "glass", "air"), None);
     assert_eq!(problem(true, 42, "air", "air"), ends(42, "air"));

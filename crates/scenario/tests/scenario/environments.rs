@@ -96,7 +96,7 @@ fn a_bad_profile_has_a_place() {
     for (rows, wanted, place) in [
         ("0,1\n10,-2\n", "the radiance is -2", "p.csv:2:4"),
         ("0,1\n10,nan\n", "not a finite number", "p.csv:2:4"),
-        ("10,1\n5,1\n", "angles that rise", "p.csv:2:1"),
+        ("10,1\n5,1\n", "increasing angles", "p.csv:2:1"),
         ("0,1\n95,1\n", "expected 0 to 90 deg", "p.csv:2:1"),
         ("0,1\n", "expected at least two angles", "p.csv"),
         ("0,0\n90,0\n", "none of this light falls on the display", "test.toml:"),

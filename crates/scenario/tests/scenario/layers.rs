@@ -176,7 +176,7 @@ const WRONG: &[Case] = &[
     ("optical_thickness = 2", "optical_thickness = 0", (10, 40), &["0 is out of range"]),
     ("anisotropy = 0.8", "anisotropy = 1", (10, 56), &["from -0.99 to 0.99"]),
     ("anisotropy = 0.8", "anisotropy = -1", (10, 56), &["from -0.99 to 0.99"]),
-    ("albedo = 0.99", "albedo = 1.01", (10, 70), &["from 0 to 1", "not percent"]),
+    ("albedo = 0.99", "albedo = 1.01", (10, 70), &["from 0 to 1", "not per cent"]),
     ("albedo = 0.99", "albedo = -0.1", (10, 70), &["from 0 to 1"]),
     ("index = 1.48", "index = 0.9", (10, 84), &["0.9 + 0i", "n from 1 to 10"]),
     ("index = 1.6", "index = 0.5", (9, 30), &["0.5 + 0i", "n from 1 to 10"]),
@@ -184,7 +184,7 @@ const WRONG: &[Case] = &[
     ("alpha = 0.3", "alpha = 1.1", (6, 29), &["from 0.01 to 1 (roughness)"]),
     ("thickness_mm = 0.7", "thickness_mm = 0", (5, 68), &["above 0, at most 1000 (mm)"]),
     ("thickness_mm = 0.7", "thickness_mm = 1001", (5, 68), &["above 0, at most 1000 (mm)"]),
-    ("internal_transmittance = 0.9", "internal_transmittance = 90", (9, 60), &["not percent"]),
+    ("internal_transmittance = 0.9", "internal_transmittance = 90", (9, 60), &["not per cent"]),
     ("reflectance = 0.005", "reflectance = 0.995", (3, 3), &["sum to 1.005"]),
     ("thickness_nm = 90", "thickness_nm = -90", (4, 67), &["from 0 to 1e6 (nm)"]),
     // Keys and kinds.
@@ -254,7 +254,7 @@ const WRONG: &[Case] = &[
         "index = 1.6, internal_transmittance = 0.9",
         "index = { n = 1.6, k = 1e-5 }",
         (9, 30),
-        &["k below 1e-6", "give `thickness_mm`"],
+        &["k below 1e-6", "specify `thickness_mm`"],
     ),
     ("k = 1e-7", "k = 2e-3", (5, 30), &["k below 1e-3"]),
     ("index = 1.6, internal_transmittance = 0.9", "index = \"Al\"", (9, 30), &["k below 1e-6"]),
@@ -262,7 +262,7 @@ const WRONG: &[Case] = &[
         "index = 1.48",
         "index = \"BK7\"",
         (10, 84),
-        &["this refractive index is 1.511183 to 1.533745", "one real index", "at 550 nm, as a number"],
+        &["this refractive index is 1.511183 to 1.533745", "one real index", "at 550 nm as a number"],
     ),
     (
         "index = 1.48",
@@ -385,7 +385,7 @@ fn lists_that_are_no_stack() {
     assert_eq!(problem(&many), "these are 65 layers");
     assert!(resolve(&pixel_under(&many[..64 * 23]), Path::new(""), &[]).is_ok());
     // A rough face right above the pixel stands in one medium.
-    let no_face = "the media on both sides of this face have the same index";
+    let no_face = "the media on both sides of this interface have the same index";
     assert_eq!(problem("{ kind = \"medium\" }, { kind = \"rough\", alpha = 0.1 }"), no_face);
     assert_eq!(problem("{ kind = \"rough\", alpha = 0.1 }"), no_face);
     let films = "{ material = 1.4, thickness_nm = 1 }, ".repeat(250);

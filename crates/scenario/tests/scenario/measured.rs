@@ -32,11 +32,11 @@ fn what_cannot_be_used_is_refused_where_it_is_said() {
             &["`odd` is not one of the choices", "\"uniform\" or \"luminous\""],
         ),
         (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from 0.0001 to 1"]),
-        (measured(h78, "transmission = 90"), &["not percent"]),
-        (measured(h78, "transmission = 0"), &["test.toml:15:16", "cannot colour the measurement"]),
+        (measured(h78, "transmission = 90"), &["not per cent"]),
+        (measured(h78, "transmission = 0"), &["test.toml:15:16", "gives no spectral shape"]),
         (
             measured(h78, "instrument_blur = 0.2"),
-            &["test.toml:15:19", "no lobe blurred by 0.2", "a straight beam"],
+            &["test.toml:15:19", "no lobe blurred by 0.2", "a collimated beam"],
         ),
         (
             measured(h78, "mounting = \"air\"").replace("hold", "glass"),
@@ -181,7 +181,7 @@ fn a_single_incidence_holds_unless_none_is_written() {
 fn light_beyond_the_last_measured_angle_is_told() {
     let film = film(&[0, 30], 60);
     let [_, warnings] = told(&film, "extrapolate = \"none\"");
-    assert!(warnings.contains("no light is sent there"), "{warnings}");
+    assert!(warnings.contains("no light is scattered there"), "{warnings}");
     let [_, warnings] = told(&film, "extrapolate = \"hold\"");
     assert!(warnings.contains("this part is not measured"), "{warnings}");
     let share = warnings.split(" tails there have ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
@@ -222,7 +222,7 @@ fn what_no_instrument_can_see_is_refused() {
     let slab = changed(&[(LOBE, "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.8")]);
     let bare = changed(&[(LOBE, ""), ("[display.diffuser]\n", "")]);
     for (text, more, says) in [
-        (&slab, "", "a slab has no BTDF"),
+        (&slab, "", "an instrument cannot measure a slab, because it has no BTDF"),
         (&bare, "", "`diffuser` is missing"),
         (&good, "incidence_deg = [0, 90]", "expected angles below 90 deg"),
         (&good, "radial_deg = [0, 4, 2]", "expected angles that rise"),

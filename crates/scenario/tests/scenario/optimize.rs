@@ -88,7 +88,7 @@ fn mistakes_are_answered_with_their_places() {
     for (from, to, said, line) in [
         ("[5, 20]", "[20, 5]", "the first bound, 20, is above the second, 5", "bounds = "),
         ("[5, 20]", "[5, 5]", "both bounds are 5", "bounds = "),
-        ("[5, 20]", "[5]", "a list of another length", "bounds = "),
+        ("[5, 20]", "[5]", "this list has the wrong length", "bounds = "),
         ("[5, 20]", "[-5, 20]", "-5 is out of range", "bounds = "),
         ("\"Cr\", ", "\"Xy\", ", "there is no material named `Xy`", "choices = "),
         (
@@ -112,7 +112,7 @@ fn mistakes_are_answered_with_their_places() {
         ),
         ("compensated_by = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
         ("area.green\"\nbounds", "area.grey\"\nbounds", "no sub-pixel `grey`", "compensated_by = "),
-        ("area.green\"\nbounds", "area\"\nbounds", "have no sum", "compensated_by = "),
+        ("area.green\"\nbounds", "area\"\nbounds", "have no constant sum", "compensated_by = "),
         ("[0.3, 0.6]", "[0.3, 0.95]", "at this bound `display.pixel.area.green` is -0.15", "bounds = "),
         ("gamut_percent_srgb", "gamut_percent_srg", "did you mean `gamut_percent_srgb`?", "metric = "),
         ("\"white.Y\"", "\"wite.Y\"", "there is no state `wite`", "metric = "),
@@ -132,5 +132,5 @@ fn mistakes_are_answered_with_their_places() {
     }
     assert!(read(GOOD).unwrap_err().contains("the scenario has no `[optimize]`"));
     let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"monte-carlo\"\n[optimize]")]);
-    assert!(read(&walk).unwrap_err().contains("follow the noise of the walk"));
+    assert!(read(&walk).unwrap_err().contains("follow the noise of the Monte Carlo solver"));
 }
