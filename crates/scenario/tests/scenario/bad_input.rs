@@ -1,4 +1,4 @@
-//! Everything that a user may get wrong: where the error points, what it says, what it advises.
+//! Mistakes of users: place, message and hint of each error.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common::{GOOD, changed, resolve};
 use papilio_scenario::ScenarioError;
 
-/// All errors of a text, in a folder without files.
+/// Returns all errors of a text in a folder without files.
 fn errors(text: &str, sets: &[&str]) -> Vec<ScenarioError> {
     let Err(errors) = resolve(text, Path::new(""), sets) else {
         panic!("this is no error:\n{text}\n{sets:?}")
@@ -14,7 +14,7 @@ fn errors(text: &str, sets: &[&str]) -> Vec<ScenarioError> {
     errors.iter().cloned().collect()
 }
 
-/// The one error that a change of the good scenario makes: line, column, and the whole of it as shown.
+/// Returns the only error after a change of the valid scenario: line, column, and the printed error.
 fn one(from: &str, to: &str) -> ((usize, usize), String) {
     only(errors(&changed(&[(from, to)]), &[]))
 }
@@ -24,7 +24,7 @@ fn only(errors: Vec<ScenarioError>) -> ((usize, usize), String) {
     (errors[0].place.line_column().unwrap_or((0, 0)), errors[0].to_string())
 }
 
-/// A change, where the error is, and what it must say.
+/// A change, the place of the error, and parts of its text.
 type Case = (&'static str, &'static str, (usize, usize), &'static [&'static str]);
 
 const KEYS_AND_TYPES: &[Case] = &[
@@ -201,7 +201,7 @@ const TARGETS: &[Case] = &[
     ),
 ];
 
-/// Of `[metrics]`.
+/// Changes of `[metrics]`.
 const METRICS: &[Case] = &[
     ("[viewer]", "[metrics]\nreference_state = \"wite\"\n[viewer]", (38, 19), &["there is no state `wite`"]),
     ("[viewer]", "[metrics]\nobserver = \"1960\"\n[viewer]", (38, 12), &["1931", "1964"]),
@@ -228,7 +228,7 @@ const NOT_IN_THIS_VERSION: &[Case] =
     &[("[viewer]", "[study]\n[viewer]", (37, 2), &["`study` is not in this version"])];
 
 #[test]
-fn every_mistake_is_shown_where_it_is() {
+fn mistakes_are_reported_at_their_places() {
     let mut wrong = Vec::new();
     for (from, to, place, says) in [
         KEYS_AND_TYPES,
@@ -252,7 +252,7 @@ fn every_mistake_is_shown_where_it_is() {
 }
 
 #[test]
-fn an_error_looks_as_a_compilers() {
+fn error_is_printed_as_by_compilers() {
     let (_, shown) = one("thickness_nm = 12 ", "thickness_nm = -5 ");
     let expected = "error: -5 is out of range\n  --> test.toml:25:45\n   |\n25 |   { material = \"Cr:Johnson\", thickness_nm = -5 },\n   \
                     |                                             ^^ expected a number from 0 to 1e6 (nm)";
@@ -273,7 +273,7 @@ fn independent_mistakes_are_reported_together() {
 }
 
 #[test]
-fn mistakes_in_set_name_it_and_its_position() {
+fn mistakes_in_set_are_reported_with_its_number_and_column() {
     let cases: [(&[&str], &str, &[&str]); 14] = [
         (&["display.glas.index=1.5"], "--set #1:1:9", &["no key `glas`", "did you mean `glass`?"]),
         (
@@ -310,9 +310,9 @@ fn mistakes_in_set_name_it_and_its_position() {
     assert_eq!(errors(GOOD, &[&long]).len(), 1);
 }
 
-/// The file was right before the `--set`: that is where the error is, whichever value it is about.
+/// The file alone is valid: the error is at the `--set`, whichever value it concerns.
 #[test]
-fn what_a_set_spoils_is_shown_at_the_set() {
+fn mistakes_caused_by_set_are_reported_at_the_set() {
     let bare = {
         let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
         format!("{}{}", &GOOD[..start], &GOOD[end..])
@@ -353,7 +353,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
 }
 
 #[test]
-fn what_is_cut_is_counted() {
+fn errors_beyond_the_limit_are_counted() {
     let keys: String = (0..73).map(|i| format!("k{i} = 1\n")).collect();
     let errors = resolve(&format!("{keys}{GOOD}"), Path::new(""), &[]).unwrap_err();
     assert_eq!(errors.iter().count(), 50);
@@ -361,7 +361,7 @@ fn what_is_cut_is_counted() {
 }
 
 #[test]
-fn shares_that_do_not_fit_a_preset() {
+fn shares_that_do_not_fit_a_preset_are_refused() {
     let text = GOOD.replace(&GOOD[GOOD.find("illuminance_lx").unwrap()..], "preset = \"indoor\"\n");
     let error = &errors(&text, &["lighting.diffuse=0.7"])[0];
     let shown = error.to_string();
@@ -379,7 +379,7 @@ fn shares_that_do_not_fit_a_preset() {
 }
 
 #[test]
-fn what_is_no_scenario_is_told_so_once() {
+fn other_text_than_toml_gives_one_error() {
     for text in ["nm,R\n380,0.1\n390,0.1\n400,0.1\n", "{\"a\": 1,\n\"b\": 2}\n", "Dear reader,\n\nhello.\n"] {
         let (_, shown) = only(errors(text, &[]));
         assert!(shown.contains("does not look like a scenario (TOML)"), "{shown}");
@@ -396,7 +396,7 @@ fn what_is_no_scenario_is_told_so_once() {
 }
 
 #[test]
-fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
+fn mistakes_in_files_state_the_file_and_the_key_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     file("nan.csv", "nm,R\n380,0.1\n500,nan\n780,0.1\n");
@@ -433,7 +433,7 @@ fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
 }
 
 #[test]
-fn a_pixel_table_must_reach_as_far_as_the_light() {
+fn pixel_table_that_does_not_cover_the_light_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for last in [41, 42, 90] {
         let rows: String =
@@ -473,7 +473,7 @@ fn a_pixel_table_must_reach_as_far_as_the_light() {
 }
 
 #[test]
-fn angles_in_glass_must_leave_it() {
+fn angles_in_glass_beyond_the_critical_angle_are_refused() {
     let bare = {
         let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
         format!("{}{}", &GOOD[..start], &GOOD[end..])

@@ -46,7 +46,7 @@ fn whole() -> String {
 }
 
 #[test]
-fn all_of_it_is_read() {
+fn all_keys_of_optimize_are_read() {
     let search = read(&whole()).unwrap();
     assert_eq!((search.method, search.starts, search.seed), (SearchMethod::Gradient, 3, 0));
     let [thickness, material, area] = &search.variables[..] else { panic!("three variables") };
@@ -72,7 +72,7 @@ fn all_of_it_is_read() {
 
 /// The hash tells searches apart, and scenarios of conditions.
 #[test]
-fn the_hash_knows_what_matters() {
+fn hash_changes_only_with_the_search() {
     let hash = |text: &str| read(text).unwrap().hash;
     let own = hash(&whole());
     assert_eq!(own, hash(&(whole() + "\n# a remark\n")));
@@ -84,7 +84,7 @@ fn the_hash_knows_what_matters() {
 }
 
 #[test]
-fn mistakes_are_answered_with_their_places() {
+fn mistakes_are_reported_at_their_places() {
     for (from, to, said, line) in [
         ("[5, 20]", "[20, 5]", "the first bound, 20, is above the second, 5", "bounds = "),
         ("[5, 20]", "[5, 5]", "both bounds are 5", "bounds = "),
