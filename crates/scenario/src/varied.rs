@@ -1,4 +1,4 @@
-//! A scenario whose keys vary: the text is parsed once, and read anew with every set of values.
+//! Scenarios whose keys vary: the text is parsed once, and read again with every set of values.
 
 use std::path::Path;
 

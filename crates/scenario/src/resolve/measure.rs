@@ -221,7 +221,7 @@ impl Resolver<'_> {
                 return Some(through(TrueLobe::Scatter(scatter), transmittance, ward.regular_fraction.0));
             }
             Some(Diffuser::Measured(measured)) => {
-                let film = self.film_in_air("display.diffuser", measured)?;
+                let film = self.foil_in_air("display.diffuser", measured)?;
                 let whole = |(way, kernel): (Way, papilio_display::scene::ScatterKernel)| {
                     (way, TrueLobe::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
                 };

@@ -49,8 +49,8 @@ impl Resolver<'_> {
         if !matches!(backing, Backing::Glass { .. }) {
             self.refuse_glass_tails(&diffuser.extrapolate, "this mounting")?;
         }
-        let face = self.face(path, diffuser, backing)?;
-        let mut parts = vec![Part::Interface(scattering(face))];
+        let interface = self.foil_interface(path, diffuser, backing)?;
+        let mut parts = vec![Part::Interface(scattering(interface))];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
             // Light beyond the disc of air stays in the glass.
@@ -70,7 +70,7 @@ impl Resolver<'_> {
             return None;
         }
         self.refuse_glass_tails(&diffuser.extrapolate, "`[[display.layers]]`")?;
-        self.face(path, diffuser, Backing::Air)
+        self.foil_interface(path, diffuser, Backing::Air)
     }
 
     /// Refuses tails in the glass if the foil is not known to be on glass.
@@ -88,21 +88,21 @@ impl Resolver<'_> {
         Some(())
     }
 
-    fn face(&mut self, path: &str, diffuser: &Spanned<Measured>, backing: Backing) -> Option<ScatterFace> {
-        let mut face = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
-        for (side, kernel) in self.film_sides(path, diffuser, backing)? {
-            face = match side {
-                Side::Through => face.with_transmission(kernel),
-                Side::Above => face.with_reflection_above(kernel),
-                Side::Below => face.with_reflection_below(kernel),
+    fn foil_interface(&mut self, path: &str, diffuser: &Spanned<Measured>, backing: Backing) -> Option<ScatterFace> {
+        let mut interface = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
+        for (side, kernel) in self.foil_sides(path, diffuser, backing)? {
+            interface = match side {
+                Side::Through => interface.with_transmission(kernel),
+                Side::Above => interface.with_reflection_above(kernel),
+                Side::Below => interface.with_reflection_below(kernel),
             };
         }
-        Some(face)
+        Some(interface)
     }
 
     /// Resolves a foil in air, with either side up: its transmission and reflection of light from above, and its reflection of
     /// light from below.
-    pub(super) fn film_in_air(
+    pub(super) fn foil_in_air(
         &mut self,
         path: &str,
         diffuser: &Spanned<Measured>,
@@ -112,21 +112,21 @@ impl Resolver<'_> {
             Side::Above => Way::FrontReflection,
             Side::Below => Way::BackReflection,
         };
-        let film = self.film_sides(path, diffuser, Backing::Air)?;
-        Some(film.into_iter().map(|(side, kernel)| (way(side), kernel)).collect())
+        let foil = self.foil_sides(path, diffuser, Backing::Air)?;
+        Some(foil.into_iter().map(|(side, kernel)| (way(side), kernel)).collect())
     }
 
-    fn film_sides(
+    fn foil_sides(
         &mut self,
         path: &str,
         diffuser: &Spanned<Measured>,
         backing: Backing,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
-        let key = || format!("film {path} {} {backing:?}", json!(diffuser));
-        self.cached(key, |this| this.film_sides_uncached(path, diffuser, backing))
+        let key = || format!("foil {path} {} {backing:?}", json!(diffuser));
+        self.cached(key, |this| this.foil_sides_uncached(path, diffuser, backing))
     }
 
-    fn film_sides_uncached(
+    fn foil_sides_uncached(
         &mut self,
         path: &str,
         diffuser: &Spanned<Measured>,
@@ -161,15 +161,15 @@ impl Resolver<'_> {
                 source.path
             ));
         }
-        let mut film = vec![(Side::Through, self.scattered(&source, through, spectrum, backing)?)];
+        let mut foil = vec![(Side::Through, self.scattered(&source, through, spectrum, backing)?)];
         if let Some(part) = part(front) {
-            film.push((Side::Above, self.scattered(&source, part, None, Backing::Air)?));
+            foil.push((Side::Above, self.scattered(&source, part, None, Backing::Air)?));
         }
         // A laminated foil has no back surface in air, and without it little back reflection.
         if let Some(part) = part(back).filter(|_| backing.lamination().is_none()) {
-            film.push((Side::Below, self.scattered(&source, part, None, Backing::Air)?));
+            foil.push((Side::Below, self.scattered(&source, part, None, Backing::Air)?));
         }
-        Some(film)
+        Some(foil)
     }
 
     /// Resolves a measured pixel: the BRDF of its states, with angles in air used as angles in the medium above.

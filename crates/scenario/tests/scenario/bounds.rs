@@ -82,7 +82,7 @@ fn quantities_beyond_the_range_of_arithmetic_are_refused() {
         let found = refused(from, to);
         assert!(found.len() == 1 && found[0].ends_with(" is out of range"), "{to}: {found:?}");
     }
-    let said = "no k-correlation lobe has a haze of 0.000001 with straight_through = 0";
+    let said = "no k-correlation lobe has a haze of 0.000001 with regular_fraction = 0";
     assert_eq!(refused("haze = 0.78", "haze = 1e-6"), [said]);
     assert!(refused("haze = 0.78", "width = 1e-6").is_empty());
 }

@@ -339,7 +339,7 @@ fn thick_slab_is_refused_for_monte_carlo() {
     for (text, set, name, place) in cases {
         let errors = resolve(text, Path::new(""), set.as_slice()).unwrap_err();
         let [error] = errors.iter().collect::<Vec<_>>()[..] else { panic!("{errors}") };
-        let said = "a walk through an optical thickness of 1000 would take hours";
+        let said = "the Monte Carlo solver would take hours with an optical thickness of 1000";
         assert_eq!(error.diagnostic.message, said);
         assert_eq!(
             error.diagnostic.expected.as_deref(),

@@ -225,7 +225,7 @@ fn impossible_measurements_are_refused() {
         (&slab, "", "an instrument cannot measure a slab, because it has no BTDF"),
         (&bare, "", "`diffuser` is missing"),
         (&good, "incidence_deg = [0, 90]", "expected angles below 90 deg"),
-        (&good, "radial_deg = [0, 4, 2]", "expected angles that rise"),
+        (&good, "radial_deg = [0, 4, 2]", "expected increasing angles"),
         (&good, "radial_deg = [2, 4]", "expected 0 as the first angle"),
         (&good, "azimuth_deg = [0, 90]", "expected 180 as the last angle"),
         (&good, "radial_deg = { from = 0, to = 180, step = 0.001 }", "angles"),
