@@ -12,7 +12,7 @@ from papilio import PapilioWarning, Scenario, cluster
 
 #: Too few wavelengths for these lamps.
 COARSE = {"spectrum.step_nm": 20, "lighting.spectrum": "LED-RGB1"}
-SAYS = "lighting.spectrum changes faster than a step of 20 nm can follow"
+SAYS = "lighting.spectrum changes too fast for a step of 20 nm"
 
 PRODUCTION = """
 [tolerance]

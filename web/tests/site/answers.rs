@@ -70,7 +70,7 @@ fn error_of_a_scenario_has_its_key_and_location() {
     let error = &body["errors"][0];
     assert_eq!(error["path"], "display.diffuser.haze");
     assert_eq!(error["message"], "78 is out of range");
-    assert_eq!(error["hint"], "this is a fraction of 1, not percent");
+    assert_eq!(error["hint"], "this is a fraction relative to 1, not per cent");
     assert!(error["line"].as_u64().unwrap() > 10 && error["column"].as_u64().unwrap() == 8);
     assert!(body["scenario"].as_str().unwrap().contains("haze = 78"));
     let missing = scenario.replace("total_transmittance", "# total_transmittance");
