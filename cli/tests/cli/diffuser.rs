@@ -95,7 +95,7 @@ fn inspect_says_what_a_file_is_worth() {
         assert!(text.contains(word), "{word} is not in\n{text}");
     }
     // What an instrument does not see is blank.
-    let blank = "no light was seen there";
+    let blank = "no light measured";
     let figure = |name: &str| fs::read_to_string(folder.path(name).join("front-transmission.svg")).unwrap();
     assert!(!figure("figures").contains(blank));
     let (scenario, dark) = (shipped("virtual-instrument.toml"), folder.name("dark.bsdf"));

@@ -1,4 +1,4 @@
-//! Writes every figure of a made-up run into a folder, as SVG and PNG, to be looked at:
+//! Writes all figures of a synthetic run into a folder, as SVG and PNG, for visual inspection:
 //! `cargo run -p papilio-figures --example gallery -- DIR`.
 
 use std::path::PathBuf;
@@ -9,10 +9,10 @@ use papilio_figures::{
 };
 
 #[path = "../tests/made_up/mod.rs"]
-#[allow(clippy::unwrap_used, reason = "made-up data are known to be complete")]
+#[allow(clippy::unwrap_used, reason = "the synthetic data are complete")]
 mod made_up;
 
-const TITLE: &str = "Made-up display";
+const TITLE: &str = "Synthetic display";
 
 fn main() -> std::io::Result<()> {
     let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));

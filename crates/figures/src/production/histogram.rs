@@ -1,4 +1,4 @@
-//! How a metric scatters, with its limits.
+//! Histogram of a metric, with its limits.
 
 use super::{BAD, Ends, GOOD, PANEL};
 use crate::axis::Axis;
@@ -6,10 +6,10 @@ use crate::panel::Panel;
 use crate::style::{INK, named_with_unit, percent};
 use crate::svg::{Anchor, Stroke, Svg, Text};
 
-/// More bins than this are lines.
+/// Largest number of bins; more would be too narrow to see.
 const MOST_BINS: usize = 200;
 
-/// How a metric scatters, with its limits, which are edges of bins; `None` if it is nowhere defined.
+/// Draws the histogram of a metric with its limits, which are edges of bins. Returns `None` if no value is defined.
 pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Option<String> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -31,12 +31,12 @@ pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Optio
     let failing = values.iter().filter(|value| !ends.meets(**value) || value.is_nan()).count() as f64;
     if ends != Ends::default() {
         let (share, _) = percent(failing / values.len().max(1) as f64, 0.0);
-        panel.note(&mut svg, &format!("{share} % beyond the limits"));
+        panel.note(&mut svg, &format!("{share} % outside the limits"));
     }
     Some(svg.finish())
 }
 
-/// Bins of one width.
+/// Bins of equal width.
 #[derive(Debug)]
 struct Bins {
     first: f64,
@@ -45,7 +45,7 @@ struct Bins {
 }
 
 impl Bins {
-    /// Of ascending values: a bin has good displays or bad ones.
+    /// Sorts ascending values into bins. A bin holds only displays that meet the limits, or only displays that do not.
     fn of(sorted: &[f64], ends: Ends) -> Option<Self> {
         let (low, high) = (*sorted.first()?, *sorted.last()?);
         let (edge, width) = aligned([low, high], bin_width(sorted), ends);
@@ -59,26 +59,27 @@ impl Bins {
         Some(bins)
     }
 
-    fn edge(&self, at: usize) -> f64 {
-        self.first + at as f64 * self.width
+    fn edge(&self, index: usize) -> f64 {
+        self.first + index as f64 * self.width
     }
 
-    fn middle(&self, at: usize) -> f64 {
-        self.first + (at as f64 + 0.5) * self.width
+    fn middle(&self, index: usize) -> f64 {
+        self.first + (index as f64 + 0.5) * self.width
     }
 
-    /// Which bin holds a value: what lies on an edge, or beside it by rounding, is on the side of the limit that it is on.
+    /// Returns the index of the bin of a value. A value that rounding places on the wrong side of a limit is moved to the
+    /// right side.
     fn holding(&self, value: f64, ends: Ends) -> usize {
-        let at = ((value - self.first) / self.width) as usize;
-        match (ends.meets(value) == ends.meets(self.middle(at)), value > self.middle(at)) {
-            (true, _) => at,
-            (false, true) => at + 1,
-            (false, false) => at.saturating_sub(1),
+        let index = ((value - self.first) / self.width) as usize;
+        match (ends.meets(value) == ends.meets(self.middle(index)), value > self.middle(index)) {
+            (true, _) => index,
+            (false, true) => index + 1,
+            (false, false) => index.saturating_sub(1),
         }
     }
 }
 
-/// An edge of bins and their width, such that limits among the values are edges.
+/// Returns an edge of the bins and their width, such that limits within the range of the values are edges.
 fn aligned([low, high]: [f64; 2], width: f64, ends: Ends) -> (f64, f64) {
     let inside = |end: Option<f64>| end.filter(|end| low < *end && *end < high);
     match (inside(ends.at_least), inside(ends.at_most)) {
@@ -92,18 +93,18 @@ fn aligned([low, high]: [f64; 2], width: f64, ends: Ends) -> (f64, f64) {
     }
 }
 
-/// The width of bins by the rule of Freedman and Diaconis (1981).
+/// Returns the width of the bins by the rule of Freedman and Diaconis (1981).
 fn bin_width(sorted: &[f64]) -> f64 {
     let last = sorted.len() - 1;
     let spread = sorted[last] - sorted[0];
     let quartiles = sorted[3 * last / 4] - sorted[last / 4];
     let width = 2.0 * quartiles / (sorted.len() as f64).cbrt();
-    // Metrics that hardly scatter, or that most displays share, have one bin or a few.
+    // Metrics that hardly vary, or that are equal for most displays, have one bin or a few.
     let width = if width > 0.0 { width.max(spread / 100.0) } else { spread / 20.0 };
     if width > 0.0 { width } else { sorted[0].abs().max(1.0) * 1e-3 }
 }
 
-/// Lines where the limits of the x axis are.
+/// Draws lines at the limits on the x axis.
 fn limits(svg: &mut Svg, panel: &Panel, ends: Ends) {
     let named = [(ends.at_least, "at least", Anchor::Start), (ends.at_most, "at most", Anchor::End)];
     for (value, name, anchor) in named {
@@ -120,9 +121,9 @@ fn limits(svg: &mut Svg, panel: &Panel, ends: Ends) {
 mod tests {
     use super::*;
 
-    /// Every display is in one bin, and the bins beyond the limits hold those that miss them and no others.
+    /// Every display is in exactly one bin, and the bins outside the limits hold exactly the displays that miss them.
     #[test]
-    fn bins_end_at_the_limits() {
+    fn limits_are_edges_of_bins() {
         let mut values: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.7).sin()).collect();
         values.extend([-0.3, 0.1, 0.6, 0.62]);
         values.sort_by(f64::total_cmp);
@@ -147,7 +148,7 @@ mod tests {
             assert_eq!((held(true), held(false)), (good, values.len() - good), "{ends:?}");
             for end in ends.all().filter(|end| end.abs() < 1.0) {
                 let place = (end - bins.first) / bins.width;
-                assert!((place - place.round()).abs() < 1e-9, "{end} is no edge of {bins:?}");
+                assert!((place - place.round()).abs() < 1e-9, "{end} is not an edge of {bins:?}");
             }
         }
     }
