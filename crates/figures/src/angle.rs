@@ -193,7 +193,9 @@ fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
             })]
         }
         AngleMetric::Gamut => vec![
-            of_view("of sRGB", ink(), |v| (v.metrics.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)),
+            of_view("of sRGB", ink(), |v| {
+                (v.metrics.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)
+            }),
             of_view("of EBU", ink().dashed("1.5 3"), |v| {
                 (v.metrics.gamut_percent_ebu, v.standard_error.gamut_percent_ebu)
             }),

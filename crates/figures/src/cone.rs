@@ -188,7 +188,8 @@ fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, ea
 fn legend(svg: &mut Svg, result: &ConeResult, mut y: f64) {
     const LINE: f64 = 18.0;
     let style = Text::new(11.0, "#777777");
-    let text = "Centre: display normal; rings: every 20\u{b0} of inclination; azimuth: 0\u{b0} right, 90\u{b0} up.";
+    let text =
+        "Centre: display normal; rings: every 20\u{b0} of inclination; azimuth: 0\u{b0} right, 90\u{b0} up.";
     svg.text((20.0, y), text, style);
     if !result.lights.is_empty() {
         y += LINE;

@@ -152,7 +152,8 @@ pub(crate) fn thinned(line: &[Point], reach: f64) -> Vec<Point> {
     let Some(&first) = line.first() else { return vec![] };
     let (mut kept, mut from) = (vec![first], 0);
     while from + 1 < line.len() {
-        let fits = |to: &usize| line[from + 1..*to].iter().all(|p| distance(*p, line[from], line[*to]) <= reach);
+        let fits =
+            |to: &usize| line[from + 1..*to].iter().all(|p| distance(*p, line[from], line[*to]) <= reach);
         let to = (from + 2..line.len().min(from + 40)).take_while(fits).last().unwrap_or(from + 1);
         kept.push(line[to]);
         from = to;

@@ -129,8 +129,10 @@ fn sets() -> Section {
     const POINTS: u64 = 256;
     let named_set = |sampler: Sampler| (sampler.name(), sampler.first_pairs(POINTS..2 * POINTS));
     let sets: Vec<(&str, Vec<[f64; 2]>)> = Sampler::ALL.into_iter().map(named_set).collect();
-    Section::new("figure-4-2", "Figure 4.2: random spatial samples from different sampling methods")
-        .figure(point_sets(&sets, "256 points"), "The first two coordinates of the random points of the paths.")
+    Section::new("figure-4-2", "Figure 4.2: random spatial samples from different sampling methods").figure(
+        point_sets(&sets, "256 points"),
+        "The first two coordinates of the random points of the paths.",
+    )
 }
 
 /// Figure 4.3.
@@ -230,7 +232,12 @@ fn ward(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
             values.iter().map(|(to, _)| (*to, fit.value(ray(from), ray(*to)))).collect();
         let peak = |values: &[(f64, f64)]| values.iter().map(|(_, value)| *value).fold(0.0, f64::max);
         let [measured, fit_peak] = [peak(&values), peak(&fitted)];
-        table.row([from.to_string(), number(measured, 3), number(fit_peak, 3), number(fit_peak / measured, 3)]);
+        table.row([
+            from.to_string(),
+            number(measured, 3),
+            number(fit_peak, 3),
+            number(fit_peak / measured, 3),
+        ]);
         for (name, points, values) in [("data", true, values), ("Ward", false, fitted)] {
             let name = Some(format!("{from} deg, {name}"));
             curves.push(ScatterCurve { name, incidence_deg: from, points, values });

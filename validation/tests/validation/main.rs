@@ -1,11 +1,11 @@
-//! Published numbers, other programs, and the two solvers against each other.
+//! Comparisons with published numbers, with other programs, and between the two solvers.
 
 #![allow(
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
+    reason = "helpers of tests state their expectations by unwrapping"
 )]
 
 mod chapter_5;

@@ -36,7 +36,8 @@ pub fn good_and_bad(keys: [&str; 2], points: &[([f64; 2], bool)], title: &str) -
     }
     legend(
         &mut svg,
-        [("meets all limits", Stroke::solid(GOOD, 5.0)), ("misses a limit", Stroke::solid(BAD, 5.0))].into_iter(),
+        [("meets all limits", Stroke::solid(GOOD, 5.0)), ("misses a limit", Stroke::solid(BAD, 5.0))]
+            .into_iter(),
     );
     svg.finish()
 }

@@ -55,7 +55,9 @@ mod tests {
         assert!(histogram("Y", &[f64::NAN], ends, "t").is_none());
         let blame = Blame { first: [-0.1, 0.3], total: [1.4, f64::NAN] };
         let groups = ["a".to_owned(), "b".to_owned()];
-        assert_well_formed(&sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap());
+        assert_well_formed(
+            &sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap(),
+        );
         assert!(sensitivities(&["Y".to_owned()], &groups, &[vec![None, None]], "t").is_none());
         assert_well_formed(&good_and_bad(["a", "b"], &[([1.0, f64::NAN], true), ([1.0, 2.0], false)], "t"));
     }

@@ -87,7 +87,10 @@ fn every_figure_names_its_states_and_axes() {
     ] {
         assert_texts(&svg, &STATES);
     }
-    assert_texts(&spectra(&run, view, TITLE), &["Wavelength (nm)", "Reflectance factor", "one standard error"]);
+    assert_texts(
+        &spectra(&run, view, TITLE),
+        &["Wavelength (nm)", "Reflectance factor", "one standard error"],
+    );
     assert_texts(
         &chromaticity(&run, view, TITLE),
         &["u\u{2032}", "v\u{2032}", "% of sRGB", "% of EBU", "light", "520", "display"],
@@ -450,8 +453,14 @@ fn comparison_shows_simulated_and_measured() {
         views: vec![view.clone()],
         left_out: vec![],
     };
-    assert_texts(&compared_spectra(&all, &view, TITLE).unwrap(), &[TITLE, "simulated", "measured", "odd <name>"]);
-    assert_texts(&compared_gamuts(&all, &view, TITLE), &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"]);
+    assert_texts(
+        &compared_spectra(&all, &view, TITLE).unwrap(),
+        &[TITLE, "simulated", "measured", "odd <name>"],
+    );
+    assert_texts(
+        &compared_gamuts(&all, &view, TITLE),
+        &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"],
+    );
     all.states.iter_mut().for_each(|one| one.spectrum = None);
     assert_eq!(compared_spectra(&all, &view, TITLE), None);
 }

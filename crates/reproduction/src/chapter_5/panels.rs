@@ -188,7 +188,8 @@ pub(super) fn soap_film() -> Section {
         at_least: vec![0.0],
         curves,
     };
-    let mut table = Table::new(&["angle in air (deg)", "peak, exact (nm)", "peak, 4 w n cos \u{3b8} / 3 (nm)"]);
+    let mut table =
+        Table::new(&["angle in air (deg)", "peak, exact (nm)", "peak, 4 w n cos \u{3b8} / 3 (nm)"]);
     for theta in angles {
         let highest = nm.iter().copied().max_by(|a, b| exact(theta, *a).total_cmp(&exact(theta, *b)));
         let inside = (theta.to_radians().sin() / WATER).asin();

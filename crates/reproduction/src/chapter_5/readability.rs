@@ -82,7 +82,10 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
         for (panel, changes) in [
             ("haze 65", &["display.diffuser.haze=0.65"] as &[&str]),
             ("haze 78", &[]),
-            ("haze 78, front 0.5 % and 1 %", &["display.front=[{ reflectance = 0.005, absorptance = 0.01 }]"]),
+            (
+                "haze 78, front 0.5 % and 1 %",
+                &["display.front=[{ reflectance = 0.005, absorptance = 0.01 }]"],
+            ),
             (
                 "lobe as measured (b = 0.105)",
                 &["display.diffuser={ model = \"k-correlation\", width = 0.105, transmittance = 0.954 }"],
