@@ -247,7 +247,7 @@ fn curves(group: usize, case: &Case) -> Result<[ErrorCurve; 3], Box<dyn Error>> 
     let curve = |name, dashed, points| ErrorCurve { name, group, dashed, points };
     Ok([
         curve(format!("{}, adding", case.name), false, by_seconds),
-        curve(format!("{}, Monte Carlo", case.name), true, monte_carlo),
+        curve(format!("{}, MC", case.name), true, monte_carlo),
         curve(case.name.to_owned(), false, by_nodes),
     ])
 }
@@ -267,6 +267,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         panel("Nodes of adding, relative to the coarsest level", false, against_nodes),
         panel("Nodes for a bare interface, split at |\u{3b2}| = 1 or not", false, rule_errors(cases.len())),
     ];
-    std::fs::write(file, accuracy(&panels, "Accuracy against cost"))?;
+    std::fs::write(file, accuracy(&panels, "Accuracy against cost (MC: Monte Carlo)"))?;
     Ok(())
 }

@@ -17,7 +17,7 @@ def with_pywincalc(given):
 
     # Two interfaces of index 1.5, without interference.
     interface = ((given["index"] - 1) / (given["index"] + 1)) ** 2
-    reflected, passed = 2 * interface / (1 + face), (1 - face) / (1 + face)
+    reflected, passed = 2 * interface / (1 + interface), (1 - interface) / (1 + interface)
 
     def layer(passed, reflected, thickness):
         data = [

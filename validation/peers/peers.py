@@ -112,7 +112,7 @@ def rows(program, given):
     yield row("designs, bare film", "tmm_fast + colour-science", ours, theirs, largest_difference(a, b))
     yield row("designs, whole displays vs. bare films", "tmm_fast + colour-science", whole, theirs, "-")
 
-    # Half a minute each.
+    # Each task takes half a minute.
     work = matrices.PEERS["pywincalc"]
     (ours, a), (theirs, b) = in_turn(Papilio(program, "matrices"), timed(work, given), rounds=3)
     yield row("matrices", "pywincalc", ours, theirs, largest_difference(a[-1], b))

@@ -206,7 +206,7 @@ fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
     }
 }
 
-fn point(theta: f64, (value, error): Measured) -> [f64; 3] {
+fn point(theta: f64, (value, error): ValueAndError) -> [f64; 3] {
     [theta, value.unwrap_or(f64::NAN), error.unwrap_or(f64::NAN)]
 }
 
@@ -215,7 +215,7 @@ fn value_and_error(state: &State, pick: fn(&StateValues) -> Option<f64>) -> Valu
 }
 
 /// Returns a curve for each state; `value` also gets the same state in the view of smallest |theta|.
-fn by_state(views: &[&View], value: fn(&State, &State) -> Measured) -> Vec<Series> {
+fn by_state(views: &[&View], value: fn(&State, &State) -> ValueAndError) -> Vec<Series> {
     let smallest = views.iter().min_by(|a, b| a.theta_deg.abs().total_cmp(&b.theta_deg.abs()));
     let Some(smallest) = smallest else { return vec![] };
     let curve = |(i, (name, reference)): (usize, (&str, &State))| {

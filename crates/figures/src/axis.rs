@@ -119,7 +119,7 @@ impl Axis {
     }
 
     /// Returns the position of a value, from 0 to 1 between the ends; not finite where the logarithm is not.
-    pub(crate) fn share(&self, value: f64) -> f64 {
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
         if self.logarithmic {
             // Values that are not positive are infinitely far below.
             let decades = if value <= 0.0 { f64::NEG_INFINITY } else { (value / self.min).log10() };
@@ -187,9 +187,9 @@ mod tests {
         assert!(Axis::logarithmic_beyond(30.0, &[0.0, -1.0, f64::NAN], "Y").is_none());
         let axis = Axis::logarithmic_beyond(30.0, &[0.03, -1.0, 4.3, f64::NAN], "Y").unwrap();
         assert_eq!(labels(&axis), ["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2", "5"]);
-        assert!((axis.share(0.02) - 0.0).abs() < 1e-12 && (axis.share(5.0) - 1.0).abs() < 1e-12);
-        assert!((axis.share(0.316_227_766) - 0.5).abs() < 1e-6, "the middle is the geometric mean");
-        assert_eq!(axis.share(0.0), f64::NEG_INFINITY);
+        assert!((axis.fraction(0.02) - 0.0).abs() < 1e-12 && (axis.fraction(5.0) - 1.0).abs() < 1e-12);
+        assert!((axis.fraction(0.316_227_766) - 0.5).abs() < 1e-6, "the middle is the geometric mean");
+        assert_eq!(axis.fraction(0.0), f64::NEG_INFINITY);
         assert!(axis.title.contains("logarithmic"));
         // Noise around zero does not determine the range.
         let axis = Axis::logarithmic_beyond(30.0, &[1e-30, 1.0], "Y").unwrap();

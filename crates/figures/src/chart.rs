@@ -54,7 +54,7 @@ impl Hue {
     fn colour(self) -> String {
         const GROUPS: [&str; 6] = ["#c8321f", "#2c9a57", "#2b5fc7", "#333333", "#8a6d1c", "#7a5bc0"];
         match self {
-            Self::Scale(share) => ramp(share),
+            Self::Scale(position) => ramp(position),
             Self::Grey => "#b8b8b8".to_owned(),
             Self::Group(group) => GROUPS[group % GROUPS.len()].to_owned(),
         }

@@ -104,14 +104,14 @@ impl PolarField {
             i * self.columns + (j + 1) % self.columns
         };
         let (a, b) = (self.values[from], self.values[to]);
-        let share = match (a.is_finite(), b.is_finite()) {
+        let fraction = match (a.is_finite(), b.is_finite()) {
             (true, true) => (level - a) / (b - a),
             (true, false) => 0.0,
             _ => 1.0,
         };
         let (p, q) = (self.points[from], self.points[to]);
         Crossing {
-            at: (p.0 + share * (q.0 - p.0), p.1 + share * (q.1 - p.1)),
+            at: (p.0 + fraction * (q.0 - p.0), p.1 + fraction * (q.1 - p.1)),
             at_edge: !(a.is_finite() && b.is_finite()),
         }
     }
@@ -165,8 +165,8 @@ pub(crate) fn thinned(line: &[Point], reach: f64) -> Vec<Point> {
 fn distance(point: Point, from: Point, to: Point) -> f64 {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let (px, py) = (point.0 - from.0, point.1 - from.1);
-    let share = ((px * dx + py * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
-    (px - share * dx).hypot(py - share * dy)
+    let fraction = ((px * dx + py * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
+    (px - fraction * dx).hypot(py - fraction * dy)
 }
 
 #[cfg(test)]

@@ -38,8 +38,8 @@ pub fn light(room: &RoomLight, title: &str) -> String {
     let value =
         |i: usize, j: usize| values.get(i * columns + j).copied().filter(|_| is_lit).unwrap_or(f64::NAN);
     directions.draw(&mut svg, &map, &[], value);
-    for lamp in &room.directed {
-        sun(&mut svg, directions.at(&map, lamp.theta_deg, lamp.phi_deg), 5.0);
+    for source in &room.directed {
+        sun(&mut svg, directions.at(&map, source.theta_deg, source.phi_deg), 5.0);
     }
     for [theta, phi] in mirrored(room) {
         let at = directions.at(&map, *theta, phi + 180.0);
@@ -63,10 +63,13 @@ fn mirrored(room: &RoomLight) -> &[[f64; 2]] {
 fn list(svg: &mut Svg, room: &RoomLight) {
     let diffuse = (room.diffuse_lx > 0.0).then(|| ("diffuse".to_owned(), room.diffuse_lx));
     // These include luminaires and the suns of skies, so that their numbers differ from those in the scenario.
-    let directed = room.directed.iter().map(|lamp| {
-        let azimuth =
-            if lamp.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(lamp.phi_deg)) };
-        (format!("directed, from {}{azimuth}", degrees(lamp.theta_deg)), lamp.illuminance_lx)
+    let directed = room.directed.iter().map(|source| {
+        let azimuth = if source.phi_deg == 0.0 {
+            String::new()
+        } else {
+            format!(", azimuth {}", degrees(source.phi_deg))
+        };
+        (format!("directed, from {}{azimuth}", degrees(source.theta_deg)), source.illuminance_lx)
     });
     let of = room.environment_lx.len();
     let name =

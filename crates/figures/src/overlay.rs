@@ -77,9 +77,9 @@ pub fn transmission(spectra: &[Transmission], title: &str) -> String {
     let mut svg = Svg::new(760.0, 460.0).titled(title);
     let nm = || spectra.iter().flat_map(|one| one.wavelength_nm.iter().copied());
     let ends = [nm().fold(f64::INFINITY, f64::min), nm().fold(f64::NEG_INFINITY, f64::max)];
-    let shares = spectra.iter().flat_map(|one| one.share.iter().map(|share| 100.0 * share));
+    let percentages = spectra.iter().flat_map(|one| one.share.iter().map(|fraction| 100.0 * fraction));
     let x = Axis::between(&ends, 8, "Wavelength (nm)");
-    let y = Axis::covering(shares.chain([0.0, 100.0]), 6, "Transmittance (%)");
+    let y = Axis::covering(percentages.chain([0.0, 100.0]), 6, "Transmittance (%)");
     let panel = Panel { origin: ORIGIN, size: (640.0, SIZE.1), x, y };
     panel.draw(&mut svg);
     let stroke = |k: usize| {
@@ -88,7 +88,7 @@ pub fn transmission(spectra: &[Transmission], title: &str) -> String {
         Stroke::solid(&colour, 2.4 - 0.3 * (k % 4) as f64).dashed(DASHES[k % DASHES.len()])
     };
     for (k, one) in spectra.iter().enumerate() {
-        let percent: Vec<f64> = one.share.iter().map(|share| 100.0 * share).collect();
+        let percent: Vec<f64> = one.share.iter().map(|fraction| 100.0 * fraction).collect();
         svg.polyline(&panel.points(&one.wavelength_nm, &percent), &stroke(k));
     }
     legend(&mut svg, spectra.iter().enumerate().map(|(k, one)| (one.name.as_str(), stroke(k))));

@@ -35,7 +35,7 @@ impl Panel {
 
     /// Returns the position of the data point (x, y) on the page.
     pub(crate) fn at(&self, x: f64, y: f64) -> Point {
-        (self.origin.0 + self.size.0 * self.x.share(x), self.bottom() - self.size.1 * self.y.share(y))
+        (self.origin.0 + self.size.0 * self.x.fraction(x), self.bottom() - self.size.1 * self.y.fraction(y))
     }
 
     /// Returns the positions of several data points on the page.

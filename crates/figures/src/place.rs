@@ -78,8 +78,8 @@ impl Places {
         for (from, to) in line.iter().zip(line.iter().skip(1)).filter(|(a, b)| finite(**a) && finite(**b)) {
             let (dx, dy) = (to.0 - from.0, to.1 - from.1);
             let steps = (dx.hypot(dy) / STEP).ceil().clamp(1.0, 1e3);
-            let share = (0..=steps as u32).map(|k| f64::from(k) / steps);
-            self.taken.extend(share.map(|t| Box::around((from.0 + t * dx, from.1 + t * dy), STEP / 2.0)));
+            let fraction = (0..=steps as u32).map(|k| f64::from(k) / steps);
+            self.taken.extend(fraction.map(|t| Box::around((from.0 + t * dx, from.1 + t * dy), STEP / 2.0)));
         }
     }
 

@@ -77,14 +77,14 @@ impl<'a> Directions<'a> {
             let last = next == 0 && !self.periodic;
             let steps = if last { 1 } else { (gap / FINE_DEG - 1e-6).ceil().clamp(1.0, 72.0) as usize };
             for step in 0..steps {
-                let share = step as f64 / steps as f64;
+                let fraction = step as f64 / steps as f64;
                 let node = |i: usize| {
-                    let at = self.at(map, self.theta_deg[i], self.phi_deg[j] + share * gap);
+                    let at = self.at(map, self.theta_deg[i], self.phi_deg[j] + fraction * gap);
                     let here = value(i, j);
-                    let between = if step == 0 { here } else { here + share * (value(i, next) - here) };
+                    let between = if step == 0 { here } else { here + fraction * (value(i, next) - here) };
                     // Directions without data are blank; values below a logarithmic scale have its lowest colour.
-                    let share = map.scale.share(between).clamp(-0.5, 1.5);
-                    (at, if between.is_finite() { share } else { f64::NAN })
+                    let level = map.scale.fraction(between).clamp(-0.5, 1.5);
+                    (at, if between.is_finite() { level } else { f64::NAN })
                 };
                 columns.push((0..self.theta_deg.len()).map(node).collect());
             }
@@ -120,10 +120,10 @@ impl<'a> Directions<'a> {
         let mut places =
             Places::around(corner, (2.0 * map.radius, 2.0 * map.radius), marks.into_iter().chain(names));
         for (tick, text) in map.scale.ticks().iter().filter(|_| map.contours) {
-            let share = map.scale.share(*tick);
-            let contour = field.contour(share);
+            let fraction = map.scale.fraction(*tick);
+            let contour = field.contour(fraction);
             // Lines are light on dark colours and dark on light colours.
-            let colour = if share < 0.6 { "#ffffff" } else { "#222222" };
+            let colour = if fraction < 0.6 { "#ffffff" } else { "#222222" };
             let lines: Vec<_> = contour.lines.iter().map(|line| thinned(line, REACH)).collect();
             svg.lines(&lines, &Stroke::solid(colour, if map.labelled { 0.9 } else { 0.6 }), 0.7);
             if map.labelled {
@@ -203,7 +203,7 @@ pub(crate) fn sun(svg: &mut Svg, (x, y): Point, size: f64) {
 /// Returns the lower end of each band of colour, as a position (0 to 1) on the scale, and its colour. The lowest band
 /// includes all data below it.
 fn bands(scale: &Axis, fine: bool) -> Vec<(f64, String)> {
-    let ticks: Vec<f64> = scale.ticks().iter().map(|(tick, _)| scale.share(*tick)).collect();
+    let ticks: Vec<f64> = scale.ticks().iter().map(|(tick, _)| scale.fraction(*tick)).collect();
     let parts = if fine { 4 } else { 2 };
     let edges = ticks.windows(2).flat_map(|pair| {
         let (from, to) = (pair[0], pair[1]);
@@ -249,7 +249,7 @@ pub(crate) fn colour_bar(svg: &mut Svg, scale: &Axis, (left, top): Point, height
         svg.rect((left, to), (WIDTH, (from - to + 0.5).min(bottom - to)), 0.0, colour, "");
     }
     for (tick, text) in scale.ticks() {
-        let y = bottom - height * scale.share(*tick);
+        let y = bottom - height * scale.fraction(*tick);
         svg.line((left + WIDTH, y), (left + WIDTH + 3.0, y), &Stroke::solid(INK, 0.8));
         svg.text((left + WIDTH + 6.0, y + 4.0), text, Text::new(SMALL - 1.0, INK));
     }

@@ -44,8 +44,8 @@ pub(crate) fn ramp(t: f64) -> String {
     ];
     let position = t.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     let left = (position as usize).min(STOPS.len() - 2);
-    let share = position - left as f64;
-    hex([0, 1, 2].map(|i| (STOPS[left][i] * (1.0 - share) + STOPS[left + 1][i] * share).round() as u8))
+    let fraction = position - left as f64;
+    hex([0, 1, 2].map(|i| (STOPS[left][i] * (1.0 - fraction) + STOPS[left + 1][i] * fraction).round() as u8))
 }
 
 /// Formats a number, or a dash if it is not finite.

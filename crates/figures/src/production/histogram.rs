@@ -14,15 +14,15 @@ pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Optio
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let bins = Bins::of(&sorted, ends)?;
-    let shares: Vec<f64> = bins.counts.iter().map(|n| 100.0 * *n as f64 / values.len() as f64).collect();
+    let percentages: Vec<f64> = bins.counts.iter().map(|n| 100.0 * *n as f64 / values.len() as f64).collect();
     let outer = [bins.edge(0), bins.edge(bins.counts.len())];
     let x = Axis::covering(outer.into_iter().chain(ends.all()), 8, &named_with_unit(metric, metric));
-    let y = Axis::covering(shares.iter().copied().chain([0.0]), 6, "Displays (%)");
+    let y = Axis::covering(percentages.iter().copied().chain([0.0]), 6, "Displays (%)");
     let panel = Panel { origin: PANEL.0, size: PANEL.1, x, y };
     let mut svg = Svg::new(680.0, 420.0).titled(title);
     panel.draw(&mut svg);
-    for (i, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
-        let (left, right) = (panel.at(bins.edge(i), *share), panel.at(bins.edge(i + 1), 0.0));
+    for (i, percentage) in percentages.iter().enumerate().filter(|(_, percentage)| **percentage > 0.0) {
+        let (left, right) = (panel.at(bins.edge(i), *percentage), panel.at(bins.edge(i + 1), 0.0));
         let colour = if ends.meets(bins.middle(i)) { GOOD } else { BAD };
         let size = ((right.0 - left.0 - 0.6).max(0.4), right.1 - left.1);
         svg.rect(left, size, 0.0, colour, "");
@@ -30,8 +30,8 @@ pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Optio
     limits(&mut svg, &panel, ends);
     let failing = values.iter().filter(|value| !ends.meets(**value) || value.is_nan()).count() as f64;
     if ends != Ends::default() {
-        let (share, _) = percent(failing / values.len().max(1) as f64, 0.0);
-        panel.note(&mut svg, &format!("{share} % outside the limits"));
+        let (percentage, _) = percent(failing / values.len().max(1) as f64, 0.0);
+        panel.note(&mut svg, &format!("{percentage} % outside the limits"));
     }
     Some(svg.finish())
 }

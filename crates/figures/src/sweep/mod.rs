@@ -122,7 +122,7 @@ pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
         let (from, to) = (panel.at(left, low), panel.at(right, high));
         // Slightly larger than the cell, to avoid visible seams.
         let size = ((to.0 - from.0).abs() + 0.4, (from.1 - to.1).abs() + 0.4);
-        svg.rect((from.0.min(to.0), from.1.min(to.1)), size, 0.0, &viridis(scale.share(*value)), "");
+        svg.rect((from.0.min(to.0), from.1.min(to.1)), size, 0.0, &viridis(scale.fraction(*value)), "");
     }
     let mark = Stroke::solid(INK, 0.8);
     for (value, _) in panel.y.ticks() {

@@ -91,8 +91,8 @@ impl Cells {
         let ends = range(edges.iter().flat_map(|(low, high)| [*low, *high])).unwrap_or((0.0, 1.0));
         let longest = if matches!(side, Side::Left(_)) { 62.0 } else { 84.0 };
         let texts: Vec<String> = order.iter().map(|i| shortened(&of.values[*i], longest, SMALL)).collect();
-        let shares: Vec<f64> = sorted.iter().map(|place| (place - ends.0) / (ends.1 - ends.0)).collect();
-        let shown = with_room(&shares, &texts, side);
+        let fractions: Vec<f64> = sorted.iter().map(|place| (place - ends.0) / (ends.1 - ends.0)).collect();
+        let shown = with_room(&fractions, &texts, side);
         let ticks = sorted.iter().zip(texts).zip(shown);
         let ticks =
             ticks.map(|((place, text), shown)| (back(*place), if shown { text } else { String::new() }));
@@ -127,13 +127,13 @@ fn halfway(order: &[usize], sorted: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Returns which labels can be written without touching the previous one.
-fn with_room(shares: &[f64], texts: &[String], side: Side) -> Vec<bool> {
+fn with_room(fractions: &[f64], texts: &[String], side: Side) -> Vec<bool> {
     const GAP: f64 = 6.0;
     let mut free = f64::NEG_INFINITY;
-    let fits = shares.iter().zip(texts).map(|(share, text)| {
+    let fits = fractions.iter().zip(texts).map(|(fraction, text)| {
         let (middle, half) = match side {
-            Side::Below(length) => (share * length, 0.5 * text_width(text, SMALL)),
-            Side::Left(length) => (share * length, 0.5 * SMALL),
+            Side::Below(length) => (fraction * length, 0.5 * text_width(text, SMALL)),
+            Side::Left(length) => (fraction * length, 0.5 * SMALL),
         };
         let fits = middle - half >= free;
         if fits {
